@@ -1,0 +1,66 @@
+"""The errors that users of the package meet."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+
+class IrsimGymError(Exception):
+    """Base of every error raised on purpose by this package."""
+
+
+@dataclass(frozen=True, order=True)
+class Problem:
+    """One mistake in a file: where it stands and what would be right.
+
+    Attributes:
+        line: Line in the file, counted from 1; 0 when the problem belongs to the whole file.
+        path: Dotted path of the value, e.g. ``robot[0].shape.radius``.
+        message: What was found and what would be right.
+    """
+
+    line: int
+    path: str
+    message: str
+
+
+class ScenarioError(IrsimGymError, ValueError):
+    """A scenario or task file that cannot be used; it lists all its problems at once."""
+
+    def __init__(self, file: str, problems: Sequence[Problem]) -> None:
+        self.file = file
+        self.problems = tuple(dict.fromkeys(sorted(problems)))
+        super().__init__(self._text())
+
+    def __reduce__(self) -> tuple[type[ScenarioError], tuple[str, tuple[Problem, ...]]]:
+        return type(self), (self.file, self.problems)
+
+    def _text(self) -> str:
+        count = len(self.problems)
+        head = f"{count} problem{'' if count == 1 else 's'} in {self.file}"
+        places = [f"{self.file}:{p.line}" if p.line else self.file for p in self.problems]
+        width = max((len(place) for place in places), default=0)
+        rows = [
+            f"  {place:<{width}}   {problem.path + ': ' if problem.path else ''}{problem.message}"
+            for place, problem in zip(places, self.problems, strict=True)
+        ]
+        return "\n".join([head, *rows])
+
+
+class UnknownNameError(IrsimGymError, KeyError):
+    """A name that is not registered; the message offers the nearest known one."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class PlacementError(IrsimGymError, RuntimeError):
+    """A level could not be drawn within the allowed number of tries."""
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """Return ``" (did you mean 'x'?)"`` for the nearest known name, else an empty string."""
+    near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return f" (did you mean '{near[0]}'?)" if near else ""

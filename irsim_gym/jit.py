@@ -1,0 +1,131 @@
+"""The one decorator for compiled code, and where its results are kept on disk."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, overload
+
+import numba
+import numpy as np
+from numba.core import config, event
+
+PACKAGE = Path(__file__).parent
+KEPT_FOLDERS = 4
+WITHOUT_KERNELS = {"scenario", "envs", "evaluation", "render", "cli.py", "__init__.py"}
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+@overload
+def kernel(function: F, /) -> F: ...
+@overload
+def kernel(*, contract: bool = False) -> Callable[[F], F]: ...
+def kernel(function: Any = None, /, *, contract: bool = False) -> Any:
+    """Compile a function: it releases the GIL, divides as NumPy does and is cached on disk.
+
+    With ``NUMBA_DISABLE_JIT=1`` the function stays plain Python, under ``np.errstate``.
+
+    Args:
+        function: The function, when used without brackets.
+        contract: Allow fused multiply-add; for float32 ray kernels alone.
+    """
+    if function is None:
+        return functools.partial(kernel, contract=contract)
+    if config.DISABLE_JIT:
+        return np.errstate(all="ignore")(function)
+    fastmath = {"contract"} if contract else False
+    compiled = numba.njit(nogil=True, error_model="numpy", fastmath=fastmath)(function)
+    _keep_on_disk(compiled)
+    return compiled
+
+
+def _keep_on_disk(compiled: Any) -> None:
+    """Turn on Numba's cache in a folder of ours; without a writable folder do without."""
+    folder = cache_folder()
+    if folder is None:
+        return
+    given, config.CACHE_DIR = config.CACHE_DIR, str(folder)
+    try:
+        compiled.enable_caching()
+    finally:
+        config.CACHE_DIR = given
+
+
+@functools.cache
+def cache_folder() -> Path | None:
+    """Return the folder for compiled code: named by a digest of all sources, so it is never stale.
+
+    Numba's own key looks at a kernel's file alone and misses an edited callee in another file.
+    The place is ``NUMBA_CACHE_DIR`` if set, else ``__pycache__`` of the package, else the user's cache
+    directory, else a temporary one; None when nothing can be written.
+    """
+    for root in _cache_roots():
+        folder = root / f"irsim_gym-{source_digest()}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError:
+            continue
+        os.utime(folder)
+        _prune(root)
+        return folder
+    return None
+
+
+def _cache_roots() -> list[Path]:
+    user = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    roots = [PACKAGE / "__pycache__", Path(user) / "irsim_gym", Path(tempfile.gettempdir()) / "irsim_gym"]
+    return [Path(config.CACHE_DIR), *roots] if config.CACHE_DIR else roots
+
+
+@functools.cache
+def source_digest() -> str:
+    """Return a digest of all Python sources that can enter a kernel."""
+    digest = hashlib.blake2b(digest_size=8)
+    for file in sorted(PACKAGE.rglob("*.py")):
+        place = file.relative_to(PACKAGE)
+        if place.parts[0] not in WITHOUT_KERNELS:
+            digest.update(place.as_posix().encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def _prune(root: Path) -> None:
+    """Remove all but the most recently used folders of earlier sources."""
+    folders = sorted(root.glob("irsim_gym-*"), key=_modified, reverse=True)
+    for old in folders[KEPT_FOLDERS:]:
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def _modified(folder: Path) -> float:
+    try:
+        return folder.stat().st_mtime
+    except OSError:
+        return 0.0
+
+
+class _CompileNote(event.Listener):
+    """Says once, on the screen, that the first use of a kernel takes a while."""
+
+    def __init__(self) -> None:
+        self.said = False
+
+    def on_start(self, event: event.Event) -> None:
+        if self.said or not event.data["dispatcher"].py_func.__module__.startswith("irsim_gym"):
+            return
+        self.said = True
+        print("irsim_gym: compiling kernels for this machine (first use only, some seconds) ...", file=sys.stderr)
+
+    def on_end(self, event: event.Event) -> None:
+        pass
+
+
+event.register("numba:compile", _CompileNote())

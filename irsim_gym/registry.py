@@ -1,0 +1,77 @@
+"""Named kinds: the one way in which the package is extended."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A registered kind.
+
+    Attributes:
+        name: Its name in YAML.
+        kind: The class; a frozen dataclass made by ``scenario.options.kind``.
+        planned: True for a kind whose options are known but which does not run yet.
+    """
+
+    name: str
+    kind: type[Any]
+    planned: bool = False
+
+
+class Registry:
+    """The kinds of one family, by their YAML names."""
+
+    def __init__(self, family: str) -> None:
+        self.family = family
+        self._entries: dict[str, Entry] = {}
+
+    def register(self, name: str, kind: type[Any], *, planned: bool = False) -> None:
+        """Add a kind.
+
+        Raises:
+            IrsimGymError: The name is taken by another class.
+        """
+        known = self._entries.get(name)
+        if known is not None and known.kind is not kind:
+            raise IrsimGymError(
+                f"{self.family} '{name}' is registered twice: by {_path(known.kind)} and by {_path(kind)}"
+            )
+        self._entries[name] = Entry(name, kind, planned)
+
+    def entry(self, name: str) -> Entry:
+        """Return what is registered under ``name``.
+
+        Raises:
+            UnknownNameError: Nothing is; the message offers the nearest name.
+        """
+        try:
+            return self._entries[name]
+        except KeyError:
+            raise UnknownNameError(f"no {self.family} named '{name}'{suggestion(name, self._entries)}") from None
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._entries
+
+    def __iter__(self) -> Iterator[Entry]:
+        return iter(self._entries.values())
+
+    def names(self, *, planned: bool = False) -> tuple[str, ...]:
+        """Return the names of the kinds that run; with ``planned`` the others as well."""
+        return tuple(entry.name for entry in self if planned or not entry.planned)
+
+    def name_of(self, kind: type[Any]) -> str:
+        """Return the YAML name of a registered class."""
+        for entry in self:
+            if entry.kind is kind:
+                return entry.name
+        raise UnknownNameError(f"{_path(kind)} is not a registered {self.family}")
+
+
+def _path(kind: type[Any]) -> str:
+    return f"{kind.__module__}.{kind.__qualname__}"

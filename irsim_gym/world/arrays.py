@@ -1,0 +1,69 @@
+"""Arrays that are allocated from their own declaration: axes, dtype, unit and meaning."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Column:
+    """The declaration of one array.
+
+    Attributes:
+        axes: Names of its axes (or numbers, for a fixed length). ``world*`` is either the number of
+            worlds or 1, which means that all worlds share the row.
+        dtype: Its element type.
+        unit: SI unit, e.g. ``"m"``.
+        meaning: What it holds.
+    """
+
+    axes: tuple[str, ...]
+    dtype: type[Any]
+    unit: str
+    meaning: str
+
+    def shape(self, sizes: Mapping[str, int], *, shared: bool) -> tuple[int, ...]:
+        """Return the shape for given axis lengths."""
+        return tuple(self._length(axis, sizes, shared) for axis in self.axes)
+
+    @staticmethod
+    def _length(axis: str, sizes: Mapping[str, int], shared: bool) -> int:
+        if axis.isdigit():
+            return int(axis)
+        if axis == "world*":
+            return 1 if shared else sizes["world"]
+        return sizes[axis]
+
+
+def column(axes: str, dtype: type[Any], unit: str, meaning: str) -> Any:
+    """Declare an array field of an ``Arrays`` dataclass; ``axes`` is separated by spaces."""
+    return dataclasses.field(metadata={"column": Column(tuple(axes.split()), dtype, unit, meaning)})
+
+
+class Arrays:
+    """Base of the dataclasses whose fields are declared with ``column``."""
+
+    @classmethod
+    def columns(cls) -> dict[str, Column]:
+        """Return the declarations by field name."""
+        return {f.name: f.metadata["column"] for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
+
+    @classmethod
+    def allocate(cls, sizes: Mapping[str, int], *, per_world: frozenset[str] = frozenset()) -> Self:
+        """Make zeroed arrays.
+
+        Args:
+            sizes: Length of each named axis.
+            per_world: Fields with a ``world*`` axis that need a row for every world.
+        """
+        return cls(
+            **{
+                name: np.zeros(declared.shape(sizes, shared=name not in per_world), declared.dtype)
+                for name, declared in cls.columns().items()
+            }
+        )

@@ -1,0 +1,57 @@
+"""What stays constant during an episode."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.world.arrays import Arrays, column
+
+ROBOT, OBSTACLE = 0, 1
+POSITION, STATE = 0, 1
+STOP, UNOBSTRUCTED, UNOBSTRUCTED_OBSTACLES = 0, 1, 2
+KEEP_GOAL, WANDER, LOOP = 0, 1, 2
+
+
+@dataclass
+class WorldModel(Arrays):
+    """Constants of the episode, first axis the world (length 1: shared by all worlds).
+
+    Bodies are numbered as IR-SIM numbers its objects: robots first, then obstacles. The outline of
+    body ``b`` in its own frame is rows ``segment_start[b]`` to ``segment_start[b] + segment_count[w, b]``
+    of ``local_segments``, and likewise for discs.
+    """
+
+    bounds: Floats = column("4", np.float64, "m", "world rectangle: x_min, y_min, x_max, y_max")
+    step_time: Floats = column("1", np.float64, "s", "duration of a step")
+    collision_mode: Ints = column("1", np.int64, "", "STOP, UNOBSTRUCTED or UNOBSTRUCTED_OBSTACLES")
+    role: Ints = column("body", np.int64, "", "ROBOT or OBSTACLE")
+    movable: Flags = column("body", np.bool_, "", "False for a body that never moves")
+    unobstructed: Flags = column("body", np.bool_, "", "ignored by collisions and sensors")
+    solid: Flags = column("body", np.bool_, "", "the segments are closed boundaries of an area")
+    arrive_mode: Ints = column("body", np.int64, "", "POSITION or STATE")
+    has_goal: Flags = column("body", np.bool_, "", "the body has a goal")
+    goal_renewal: Ints = column("body", np.int64, "", "KEEP_GOAL, WANDER or LOOP after arrival")
+    wander_low: Floats = column("body 3", np.float64, "m, m, rad", "lower bounds of a wandering body's goals")
+    wander_high: Floats = column("body 3", np.float64, "m, m, rad", "upper bounds of a wandering body's goals")
+    goal_threshold: Floats = column("world* body", np.float64, "m", "distance under which a goal is reached")
+    velocity_min: Floats = column("world* body 3", np.float64, "m/s or rad/s", "lower limits, drive coordinates")
+    velocity_max: Floats = column("world* body 3", np.float64, "m/s or rad/s", "upper limits, drive coordinates")
+    acceleration_limit: Floats = column("world* body 3", np.float64, "m/s2 or rad/s2", "largest change; may be inf")
+    heading_low: Floats = column("body", np.float64, "rad", "lower end of the interval that headings wrap into")
+    wraps_heading: Flags = column("body", np.bool_, "", "headings wrap into [heading_low, heading_low + 2 pi]")
+    segment_start: Ints = column("body", np.int64, "", "first row of the body's segments")
+    segment_count: Ints = column("world* body", np.int64, "", "number of the body's segments")
+    local_segments: Floats = column("world* segment 4", np.float64, "m", "x0, y0, x1, y1 in the body frame")
+    disc_start: Ints = column("body", np.int64, "", "first row of the body's discs")
+    disc_count: Ints = column("world* body", np.int64, "", "number of the body's discs")
+    local_discs: Floats = column("world* disc 3", np.float64, "m", "x, y, radius in the body frame")
+    reach: Floats = column("world* body", np.float64, "m", "radius about the body's origin that holds its footprint")
+    present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
+    initial_velocity: Floats = column("body 3", np.float64, "m/s or rad/s", "velocity at the start")
+    start: Floats = column("world body 3", np.float64, "m, m, rad", "pose at the start")
+    waypoints: Floats = column("world body waypoint 3", np.float64, "m, m, rad", "goals in order; NaN heading: any")
+    waypoint_count: Ints = column("world body", np.int64, "", "number of goals")
+    static_partner: Ints = column("world body", np.int64, "", "a static body that a static body touches, -1 for none")

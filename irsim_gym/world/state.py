@@ -1,0 +1,33 @@
+"""What changes with every step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.world.arrays import Arrays, column
+
+
+@dataclass
+class WorldState(Arrays):
+    """The moment in every world; one phase of the step writes each field."""
+
+    time: Floats = column("world", np.float64, "s", "elapsed time")
+    step: Ints = column("world", np.int64, "", "steps since the start")
+    random: Words = column("world", np.uint64, "", "state of the world's random stream")
+    pose: Floats = column("world body 3", np.float64, "m, m, rad", "x, y, heading")
+    command: Floats = column("world body 3", np.float64, "m/s or rad/s", "what is asked of the drive")
+    velocity: Floats = column("world body 3", np.float64, "m/s or rad/s", "what is executed, drive coordinates")
+    twist: Floats = column("world body 3", np.float64, "m/s, m/s, rad/s", "velocity in the world frame")
+    segments: Floats = column("world segment 4", np.float64, "m", "outline: x0, y0, x1, y1 in the world frame")
+    discs: Floats = column("world disc 3", np.float64, "m", "outline: x, y, radius in the world frame")
+    goal: Floats = column("world body 3", np.float64, "m, m, rad", "the goal that is next")
+    waypoint: Ints = column("world body", np.int64, "", "index of that goal in model.waypoints")
+    goal_distance: Floats = column("world body", np.float64, "m", "distance to the goal")
+    arrived: Flags = column("world body", np.bool_, "", "within goal_threshold of the last goal")
+    collided: Flags = column("world body", np.bool_, "", "touches another body")
+    stopped: Flags = column("world body", np.bool_, "", "held in place by a collision")
+    hit: Ints = column("world body", np.int64, "", "the body it touches (lowest id), -1 for none")
+    placed: Flags = column("world body", np.bool_, "", "has its start; False only while a level is drawn")
