@@ -52,16 +52,15 @@ class Group:
 def records(options: Sequence[Any]) -> Any:
     """Return the numeric fields of dataclass instances as a record array that kernels read by name.
 
-    Numbers and booleans enter it, and choices (``Literal`` fields) as the index of the choice; text,
-    None and ragged values do not. The array always has at least the field ``index``.
+    Numbers and booleans enter it, choices (``Literal``) as the index of the choice, tuples of numbers as
+    sub-arrays and an absent number (None) as NaN; text and ragged values do not. The array always has at
+    least the field ``index``.
     """
-    names: dict[str, type[Any]] = {}
     rows = [_numbers(item) for item in options]
-    for row in rows:
-        for name, value in row.items():
-            names[name] = np.float64 if isinstance(value, float) else np.int64
-    dtype = np.dtype([("index", np.int64), *((name, kind) for name, kind in names.items())])
-    table = np.zeros(len(options), dtype)
+    fields: list[Any] = [("index", np.int64)]
+    for name, value in rows[0].items() if rows else ():
+        fields.append((name, value.dtype, value.shape) if value.ndim else (name, value.dtype))
+    table = np.zeros(len(options), np.dtype(fields))
     table["index"] = np.arange(len(options))
     for k, row in enumerate(rows):
         for name, value in row.items():
@@ -69,15 +68,21 @@ def records(options: Sequence[Any]) -> Any:
     return table.view(np.recarray)
 
 
-def _numbers(item: Any) -> dict[str, float | int]:
-    found: dict[str, float | int] = {}
+def _numbers(item: Any) -> dict[str, NDArray[Any]]:
     hints = get_type_hints(type(item))
-    for declared in dataclasses.fields(item):
-        value, hint = getattr(item, declared.name), hints[declared.name]
-        if get_origin(hint) is Literal:
-            found[declared.name] = get_args(hint).index(value)
-        elif isinstance(value, bool) or (hint is int and isinstance(value, int)):
-            found[declared.name] = int(value)
-        elif isinstance(value, (int, float)):
-            found[declared.name] = float(value)
-    return found
+    names = [declared.name for declared in dataclasses.fields(item)]
+    found = {name: _as_number(getattr(item, name), hints[name]) for name in names}
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def _as_number(value: Any, hint: Any) -> NDArray[Any] | None:
+    """Return an option as a number or a row of numbers; None when it is neither."""
+    if get_origin(hint) is Literal:
+        return np.asarray(get_args(hint).index(value), np.int64)
+    if hint in (int, bool):
+        return np.asarray(int(value), np.int64)
+    if hint is float or hint == (float | None):
+        return np.asarray(np.nan if value is None else value, np.float64)
+    if get_origin(hint) is tuple and Ellipsis not in get_args(hint) and set(get_args(hint)) <= {int, float}:
+        return np.asarray(value, np.int64 if set(get_args(hint)) == {int} else np.float64)
+    return None

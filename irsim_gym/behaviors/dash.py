@@ -1,0 +1,108 @@
+"""Dash: drive straight at the goal."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.geometry.angles import wrap
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Dash:
+    """Drive straight at the goal, turning towards it on the way."""
+
+    kinematics: ClassVar[tuple[str, ...]] = ("diff",)
+
+    wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
+    loop: bool = option(False, meaning="Begin again with the first goal after the last.")
+    target_roles: Literal["all", "robot", "obstacle"] = option(
+        "all", meaning="Which other bodies the behaviour sees; dash looks at none."
+    )
+    range_low: tuple[float, float, float] = option(
+        (0.0, 0.0, -np.pi), unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
+    )
+    range_high: tuple[float, float, float] = option(
+        (10.0, 10.0, np.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
+    )
+    angle_tolerance: float = option(
+        0.1, ge=0.0, unit="rad", meaning="No turn while the bearing of the goal is smaller than this."
+    )
+
+    @staticmethod
+    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' commands."""
+        dash_differential(
+            shard.worlds,
+            group.members,
+            group.params,
+            model.step_time,
+            model.goal_threshold,
+            model.velocity_max,
+            model.acceleration_limit,
+            state.pose,
+            state.goal,
+            model.has_goal,
+            state.command,
+        )
+
+
+@kernel
+def dash_differential(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    step_time: Floats,
+    goal_threshold: Floats,
+    velocity_max: Floats,
+    acceleration_limit: Floats,
+    pose: Floats,
+    goal: Floats,
+    has_goal: Flags,
+    command: Floats,
+) -> None:
+    """Write a differential drive's command: v = v_max cos(e), a turn towards the goal at full or braking rate.
+
+    ``e`` is the goal's bearing; behind the robot the speed is negative. With a limited angular acceleration the
+    turn rate is held down to what can still be braked before the goal is ahead.
+    """
+    dt = step_time[0]
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
+            dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
+            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[w % goal_threshold.shape[0], b]:
+                continue
+            fastest = velocity_max[w % velocity_max.shape[0], b]
+            error = wrap(np.arctan2(dy, dx) - pose[w, b, 2])
+            command[w, b, 0] = fastest[0] * np.cos(error)
+            command[w, b, 1] = turn_rate(
+                error,
+                params[k].angle_tolerance,
+                np.abs(fastest[1]),
+                acceleration_limit[w % acceleration_limit.shape[0], b, 1],
+                dt,
+            )
+
+
+@kernel
+def turn_rate(error: float, tolerance: float, fastest: float, acceleration: float, dt: float) -> float:
+    """Return the turn rate towards a bearing ``error`` [rad]: full speed, or what can be braked in time [rad/s]."""
+    size = np.abs(error)
+    if size < tolerance:
+        return 0.0
+    rate = fastest
+    if np.isfinite(acceleration) and acceleration > 0.0:
+        braking = acceleration * dt
+        reach = np.sqrt(braking * braking + 2.0 * acceleration * (size - tolerance)) - braking
+        rate = min(fastest, reach)
+    return rate if error > 0.0 else -rate

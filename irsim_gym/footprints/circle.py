@@ -1,0 +1,58 @@
+"""Circle: an exact disc."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints, Words
+from irsim_gym.jit import kernel
+from irsim_gym.rng import uniform
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import Outline
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Circle:
+    """A disc."""
+
+    radius: float = option(0.2, gt=0.0, unit="m", meaning="Radius.")
+    center: tuple[float, float] = option((0.0, 0.0), unit="m", meaning="Centre in the body frame.")
+    random_shape: bool = option(False, meaning="Draw the radius from radius_range at each reset.")
+    radius_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of a random radius.")
+    wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; moves the disc ahead by half of it.")
+
+    @property
+    def is_random(self) -> bool:
+        """True if the outline differs between levels."""
+        return self.random_shape
+
+    def outline(self) -> Outline:
+        """Return the disc; a random one at its largest."""
+        radius = self.radius_range[1] if self.random_shape else self.radius
+        ahead = 0.0 if self.wheelbase is None else self.wheelbase / 2.0
+        return Outline(discs=np.array([[self.center[0] + ahead, self.center[1], radius]]))
+
+    @staticmethod
+    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Draw the members' radii."""
+        draw_discs(
+            shard.worlds, group.members, group.params, model.disc_start, state.random, model.local_discs, model.reach
+        )
+
+
+@kernel
+def draw_discs(
+    worlds: Ints, members: Ints, params: Any, disc_start: Ints, random: Words, local_discs: Floats, reach: Floats
+) -> None:
+    """Write a radius between the bounds of ``radius_range`` and the reach that follows from it."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            disc = local_discs[w, disc_start[members[k]]]
+            disc[2] = uniform(random, w, params[k].radius_range[0], params[k].radius_range[1])
+            reach[w, members[k]] = np.sqrt(disc[0] * disc[0] + disc[1] * disc[1]) + disc[2]

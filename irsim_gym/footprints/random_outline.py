@@ -1,0 +1,119 @@
+"""The random outline generator of polygons and linestrings."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints, Words
+from irsim_gym.jit import kernel
+from irsim_gym.rng import integer, normal, uniform
+from irsim_gym.scenario.options import option
+
+STEP_TRIES = 32
+
+CENTER_RANGE = option((0.0, 0.0, 0.0, 0.0), unit="m", meaning="Bounds of a random outline's centre: x, y, x, y.")
+RADIUS_RANGE = option((0.1, 1.0), unit="m", meaning="Bounds of the mean distance of vertices from the centre.")
+IRREGULARITY_RANGE = option((0.0, 1.0), meaning="Bounds of the irregularity of the angles between vertices, 0 to 1.")
+SPIKEYNESS_RANGE = option((0.0, 1.0), meaning="Bounds of the relative deviation of the vertices' distances, 0 to 1.")
+NUM_VERTICES_RANGE = option((4, 10), meaning="Bounds of the number of vertices, the upper one excluded.")
+
+
+@kernel
+def draw_outlines(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    closed: bool,
+    segment_start: Ints,
+    random: Words,
+    local_segments: Floats,
+    segment_count: Ints,
+    reach: Floats,
+) -> None:
+    """Write a random outline for each member: its segments, their count and its reach.
+
+    The generator is IR-SIM's: a centre, a mean radius R, irregularity, spikeyness and a number of vertices are
+    drawn; angle steps differ by the irregularity, distances are normal about R with deviation spikeyness * R,
+    clipped to [0, 2 R].
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            rows = local_segments[w, segment_start[b] :]
+            n = draw_vertices(random, w, params[k], rows)
+            if params[k].is_convex:
+                n = hull(rows, n)
+            for v in range(n):
+                rows[v, 2], rows[v, 3] = rows[(v + 1) % n, 0], rows[(v + 1) % n, 1]
+            segment_count[w, b] = n if closed else n - 1
+            largest = 0.0
+            for v in range(n):
+                largest = max(largest, rows[v, 0] * rows[v, 0] + rows[v, 1] * rows[v, 1])
+            reach[w, b] = np.sqrt(largest)
+
+
+@kernel
+def draw_vertices(random: Words, w: int, bounds: Any, rows: Floats) -> int:
+    """Write vertices into the first two columns of ``rows``, counter-clockwise; return their number."""
+    x = uniform(random, w, bounds.center_range[0], bounds.center_range[2])
+    y = uniform(random, w, bounds.center_range[1], bounds.center_range[3])
+    radius = uniform(random, w, bounds.avg_radius_range[0], bounds.avg_radius_range[1])
+    irregularity = uniform(random, w, bounds.irregularity_range[0], bounds.irregularity_range[1])
+    spikeyness = uniform(random, w, bounds.spikeyness_range[0], bounds.spikeyness_range[1])
+    n = integer(random, w, bounds.num_vertices_range[0], bounds.num_vertices_range[1])
+    draw_angle_steps(random, w, n, irregularity, rows)
+    angle = uniform(random, w, 0.0, 2.0 * np.pi)
+    for v in range(n):
+        distance = min(max(normal(random, w, radius, spikeyness * radius), 0.0), 2.0 * radius)
+        rows[v, 0], rows[v, 1] = x + distance * np.cos(angle), y + distance * np.sin(angle)
+        angle += rows[v, 2]
+    return n
+
+
+@kernel
+def draw_angle_steps(random: Words, w: int, n: int, irregularity: float, rows: Floats) -> None:
+    """Write n angles that sum to 2 pi into the third column of ``rows``.
+
+    A step of more than pi would let the outline cross itself; such draws are repeated, in the end evenly spaced.
+    """
+    even = 2.0 * np.pi / n
+    for attempt in range(STEP_TRIES):
+        spread = irregularity * even if attempt < STEP_TRIES - 1 else 0.0
+        total = 0.0
+        for v in range(n):
+            rows[v, 2] = uniform(random, w, even - spread, even + spread)
+            total += rows[v, 2]
+        largest = 0.0
+        for v in range(n):
+            rows[v, 2] *= 2.0 * np.pi / total
+            largest = max(largest, rows[v, 2])
+        if largest <= np.pi:
+            return
+
+
+@kernel
+def hull(rows: Floats, n: int) -> int:
+    """Replace the n vertices in the first two columns by their convex hull; return its size (Jarvis 1973)."""
+    first = 0
+    for v in range(n):
+        rows[v, 2], rows[v, 3] = rows[v, 0], rows[v, 1]
+        if rows[v, 2] < rows[first, 2] or (rows[v, 2] == rows[first, 2] and rows[v, 3] < rows[first, 3]):
+            first = v
+    current, size = first, 0
+    while size < n:
+        rows[size, 0], rows[size, 1] = rows[current, 2], rows[current, 3]
+        size += 1
+        following = 0 if current != 0 else 1
+        for v in range(n):
+            dx, dy = rows[following, 2] - rows[current, 2], rows[following, 3] - rows[current, 3]
+            ex, ey = rows[v, 2] - rows[current, 2], rows[v, 3] - rows[current, 3]
+            turn = dx * ey - dy * ex
+            if turn < 0.0 or (turn == 0.0 and ex * ex + ey * ey > dx * dx + dy * dy):
+                following = v
+        current = following
+        if current == first:
+            break
+    return size

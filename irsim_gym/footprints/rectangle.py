@@ -1,0 +1,77 @@
+"""Rectangle: length along the body's x axis, width along its y axis."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints, Words
+from irsim_gym.jit import kernel
+from irsim_gym.rng import uniform
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import Outline, chain
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Rectangle:
+    """A rectangle about the body's origin; with a wheelbase the origin is the rear axle."""
+
+    length: float = option(1.0, gt=0.0, unit="m", meaning="Size along the body's x axis.")
+    width: float = option(1.0, gt=0.0, unit="m", meaning="Size along the body's y axis.")
+    wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; puts the origin on the rear axle.")
+    random_shape: bool = option(False, meaning="Draw length and width at each reset.")
+    length_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of a random length.")
+    width_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of a random width.")
+
+    @property
+    def is_random(self) -> bool:
+        """True if the outline differs between levels."""
+        return self.random_shape
+
+    def outline(self) -> Outline:
+        """Return the four sides, counter-clockwise; a random rectangle at its largest."""
+        length = self.length_range[1] if self.random_shape else self.length
+        width = self.width_range[1] if self.random_shape else self.width
+        ahead = 0.0 if self.wheelbase is None else self.wheelbase / 2.0
+        right, top = length / 2.0, width / 2.0
+        corners = np.array([[-right, -top], [right, -top], [right, top], [-right, top]])
+        return Outline(segments=chain(corners + [ahead, 0.0], closed=True))
+
+    @staticmethod
+    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Draw the members' lengths and widths."""
+        draw_rectangles(
+            shard.worlds,
+            group.members,
+            group.params,
+            model.segment_start,
+            state.random,
+            model.local_segments,
+            model.reach,
+        )
+
+
+@kernel
+def draw_rectangles(
+    worlds: Ints, members: Ints, params: Any, segment_start: Ints, random: Words, local_segments: Floats, reach: Floats
+) -> None:
+    """Write the sides of rectangles with random length and width, and the reach that follows."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            bounds = params[k]
+            right = 0.5 * uniform(random, w, bounds.length_range[0], bounds.length_range[1])
+            top = 0.5 * uniform(random, w, bounds.width_range[0], bounds.width_range[1])
+            ahead = 0.0 if np.isnan(bounds.wheelbase) else 0.5 * bounds.wheelbase
+            sides = local_segments[w, segment_start[members[k]] : segment_start[members[k]] + 4]
+            for side in range(4):
+                x0 = right if side == 1 or side == 2 else -right
+                y0 = top if side >= 2 else -top
+                x1 = right if side <= 1 else -right
+                y1 = top if side == 1 or side == 2 else -top
+                sides[side, 0], sides[side, 1], sides[side, 2], sides[side, 3] = x0 + ahead, y0, x1 + ahead, y1
+            reach[w, members[k]] = np.sqrt((right + ahead) * (right + ahead) + top * top)
