@@ -1,0 +1,158 @@
+"""What is counted: one row per episode, and the summary of many rows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+
+OUTCOMES = ("success", "collision", "timeout", "left_world")
+HITS = ("obstacle", "moving obstacle", "robot")
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class EpisodeRow:
+    """One finished episode.
+
+    Attributes:
+        level: Index of the level in its split.
+        outcome: One of ``OUTCOMES``.
+        hit: What a collision was with, one of ``HITS``; empty without a collision.
+        steps: Number of steps.
+        time: Duration [s].
+        path_length: Distance driven [m].
+        optimum: Length of the shortest collision-free path from start to goal past the bodies that stand
+            still [m]; infinite when none was found.
+        min_clearance: Smallest distance between the robot's outline and another body's [m].
+    """
+
+    level: int
+    outcome: str
+    hit: str
+    steps: int
+    time: float
+    path_length: float
+    optimum: float
+    min_clearance: float
+
+    @property
+    def spl(self) -> float:
+        """Success weighted by path length, optimum / max(optimum, path length) (Anderson et al. 2018, arXiv:1807.06757).
+
+        A success whose optimum was not found counts as driven optimally; one that started at its goal too.
+        """
+        if self.outcome != "success":
+            return 0.0
+        if not math.isfinite(self.optimum) or self.path_length <= self.optimum:
+            return 1.0
+        return self.optimum / self.path_length
+
+    @property
+    def path_ratio(self) -> float:
+        """Path length / optimum of a success, else NaN.
+
+        It may fall a little below 1: an episode ends within the goal's tolerance, the optimum at the goal itself.
+        """
+        if self.outcome != "success" or not 0.0 < self.optimum < math.inf:
+            return math.nan
+        return self.path_length / self.optimum
+
+
+@dataclass(frozen=True)
+class Rate:
+    """A share of episodes with its 95 % Wilson interval.
+
+    Attributes:
+        count: Episodes counted.
+        value: Share of all episodes.
+        low: Lower end of the interval.
+        high: Upper end of the interval.
+    """
+
+    count: int
+    value: float
+    low: float
+    high: float
+
+
+def wilson(count: int, total: int, confidence: float = CONFIDENCE) -> tuple[float, float]:
+    """Return the score interval of a share (Wilson 1927): it stays inside [0, 1] and is right near its ends."""
+    if total == 0:
+        return 0.0, 1.0
+    z = NormalDist().inv_cdf(0.5 + confidence / 2.0)
+    share = count / total
+    centre = share + z * z / (2.0 * total)
+    spread = z * math.sqrt(share * (1.0 - share) / total + z * z / (4.0 * total * total))
+    scale = 1.0 + z * z / total
+    low = 0.0 if count == 0 else (centre - spread) / scale
+    high = 1.0 if count == total else (centre + spread) / scale
+    return low, high
+
+
+def rate(count: int, total: int) -> Rate:
+    """Return ``count`` of ``total`` as a rate; 0 of 0 is 0 with the interval [0, 1]."""
+    return Rate(count, count / total if total else 0.0, *wilson(count, total))
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The figures of one policy on one set of levels.
+
+    Attributes:
+        policy: Name of the policy.
+        episodes: Number of episodes.
+        success: Share that reached the goal.
+        collision: Share that ended in a collision; ``collision_with`` splits it by what was hit.
+        timeout: Share cut by the time limit.
+        left_world: Share that left the world's rectangle.
+        spl: Mean of success weighted by path length, over all episodes.
+        time: Mean duration of the successes [s]; NaN without any.
+        path_length: Mean distance driven by the successes [m]; NaN without any.
+        path_ratio: Mean of path length / optimum over the successes; NaN without any.
+        min_clearance: Mean over all episodes of the smallest clearance [m].
+    """
+
+    policy: str
+    episodes: int
+    success: Rate
+    collision: Rate
+    collision_with: dict[str, Rate]
+    timeout: Rate
+    left_world: Rate
+    spl: float
+    time: float
+    path_length: float
+    path_ratio: float
+    min_clearance: float
+
+
+def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
+    """Summarise the episodes of one policy."""
+    total = len(rows)
+    counts = {outcome: sum(row.outcome == outcome for row in rows) for outcome in OUTCOMES}
+    hits = {hit: sum(row.outcome == "collision" and row.hit == hit for row in rows) for hit in HITS}
+    assert sum(counts.values()) == total, "success + collision + timeout + left the world must be all episodes"
+    assert sum(hits.values()) == counts["collision"], "every collision must be with something"
+    successes = [row for row in rows if row.outcome == "success"]
+    return Summary(
+        policy=policy,
+        episodes=total,
+        success=rate(counts["success"], total),
+        collision=rate(counts["collision"], total),
+        collision_with={hit: rate(count, total) for hit, count in hits.items()},
+        timeout=rate(counts["timeout"], total),
+        left_world=rate(counts["left_world"], total),
+        spl=mean([row.spl for row in rows]),
+        time=mean([row.time for row in successes]),
+        path_length=mean([row.path_length for row in successes]),
+        path_ratio=mean([row.path_ratio for row in successes]),
+        min_clearance=mean([row.min_clearance for row in rows]),
+    )
+
+
+def mean(values: Sequence[float]) -> float:
+    """Return the mean of the finite values, NaN when there are none."""
+    finite = [value for value in values if math.isfinite(value)]
+    return math.fsum(finite) / len(finite) if finite else math.nan

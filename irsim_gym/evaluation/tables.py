@@ -1,0 +1,118 @@
+"""Results on the screen and in files; a file is either the old one or the whole new one."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from irsim_gym.evaluation.metrics import HITS, EpisodeRow, Rate, Summary
+
+EPISODE_COLUMNS = (*(field.name for field in fields(EpisodeRow)), "spl", "path_ratio")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file so that nobody ever sees half of it."""
+    write_bytes(path, text.encode())
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file so that nobody ever sees half of it: to a temporary neighbour, which is then renamed."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        Path(temporary).chmod(0o644)
+        Path(temporary).replace(path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def write_json(path: Path, data: Any) -> None:
+    """Write plain data as JSON; NaN and infinities become null."""
+    write_text(path, json.dumps(plain(data), indent=2, allow_nan=False) + "\n")
+
+
+def write_csv(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
+    """Write rows as CSV with a header line."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, fieldnames=list(columns), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({name: _rounded(row[name]) for name in columns} for row in rows)
+    write_text(path, text.getvalue())
+
+
+def write_episodes(path: Path, results: Mapping[str, Sequence[EpisodeRow]]) -> None:
+    """Write one CSV row per episode of every policy."""
+    rows = (
+        {"policy": policy, **{name: getattr(row, name) for name in EPISODE_COLUMNS}}
+        for policy, episodes in results.items()
+        for row in episodes
+    )
+    write_csv(path, ("policy", *EPISODE_COLUMNS), rows)
+
+
+def plain(data: Any) -> Any:
+    """Turn summaries, paths, NumPy numbers and non-finite floats into what JSON can say."""
+    if isinstance(data, (Summary, Rate, EpisodeRow)):
+        return plain(asdict(data))
+    if isinstance(data, Mapping):
+        return {str(key): plain(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [plain(value) for value in data]
+    if hasattr(data, "tolist"):
+        return plain(data.tolist())
+    if isinstance(data, float):
+        return data if math.isfinite(data) else None
+    return str(data) if isinstance(data, Path) else data
+
+
+def summary_table(summaries: Sequence[Summary], title: str) -> Table:
+    """Lay out the figures of several policies side by side, one row each."""
+    table = Table(title=title, title_justify="left", caption=r"\[ ]: 95 % Wilson interval", caption_justify="left")
+    table.add_column("policy", no_wrap=True)
+    hits = [hit for hit in HITS if any(summary.collision_with[hit].count for summary in summaries)]
+    heads = ["success", "collision", *(f"with {hit}" for hit in hits if len(hits) > 1), "timeout", "left world"]
+    for head in [*heads, "SPL", "time [s]", "path ratio", "clearance [m]"]:
+        table.add_column(head, justify="right", no_wrap=head == "success")
+    for summary in summaries:
+        split = [_percent(summary.collision_with[hit]) for hit in hits if len(hits) > 1]
+        table.add_row(
+            summary.policy,
+            f"{_percent(summary.success)} [{100 * summary.success.low:.1f}, {100 * summary.success.high:.1f}]",
+            _percent(summary.collision),
+            *split,
+            _percent(summary.timeout),
+            _percent(summary.left_world),
+            _number(summary.spl, 3),
+            _number(summary.time, 2),
+            _number(summary.path_ratio, 3),
+            _number(summary.min_clearance, 3),
+        )
+    return table
+
+
+def _percent(share: Rate) -> str:
+    return f"{100.0 * share.value:.1f} %"
+
+
+def _number(value: float, digits: int) -> str:
+    return f"{value:.{digits}f}" if math.isfinite(value) else "-"
+
+
+def _rounded(value: Any) -> Any:
+    """Shorten a float to the micrometre or microsecond; NaN becomes an empty cell."""
+    if not isinstance(value, float):
+        return value
+    return "" if math.isnan(value) else f"{value:.6g}" if math.isinf(value) else repr(round(value, 6))

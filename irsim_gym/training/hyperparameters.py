@@ -1,0 +1,129 @@
+"""Hyper-parameters: one YAML file per algorithm, an entry per environment id over a default."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from irsim_gym.errors import IrsimGymError, suggestion
+
+ALGORITHMS = ("ppo", "sac")
+PACKAGE = Path(__file__).parent.parent
+
+
+@dataclass(frozen=True)
+class Linear:
+    """A schedule that falls from ``start`` to 0 in proportion to what remains of the run."""
+
+    start: float
+
+    def __call__(self, remaining: float) -> float:
+        """Return the value when the share ``remaining`` of the run is left."""
+        return self.start * remaining
+
+
+@dataclass(frozen=True)
+class Hyperparameters:
+    """How one agent is trained.
+
+    Attributes:
+        n_timesteps: Steps of the whole run, counted over all worlds.
+        n_envs: Worlds in the batch.
+        torch_threads: Threads of PyTorch.
+        checkpoint_every: Steps between checkpoints.
+        reward_scale: Factor on the rewards that the algorithm sees.
+        normalize: Arguments of ``VecNormalize``; None to go without.
+        arguments: The algorithm's own arguments, as plain data.
+    """
+
+    n_timesteps: int
+    n_envs: int
+    torch_threads: int = 1
+    checkpoint_every: int = 100_000
+    reward_scale: float = 1.0
+    normalize: Mapping[str, Any] | None = None
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def from_plain(cls, data: Mapping[str, Any]) -> Hyperparameters:
+        """Make them from a flat mapping, as it stands in the YAML file."""
+        own = {f.name for f in dataclasses.fields(cls)} - {"arguments"}
+        missing = {"n_timesteps", "n_envs"} - data.keys()
+        if missing:
+            raise IrsimGymError(f"hyper-parameters lack {', '.join(sorted(missing))}")
+        values = {name: data[name] for name in own & data.keys()}
+        normalize = values.get("normalize")
+        if normalize is True:
+            values["normalize"] = {}
+        elif not normalize and not isinstance(normalize, Mapping):
+            values["normalize"] = None
+        return cls(**values, arguments={name: value for name, value in data.items() if name not in own})
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return them as the flat mapping that ``from_plain`` reads."""
+        data = dataclasses.asdict(self)
+        arguments = data.pop("arguments")
+        return {**data, **arguments}
+
+    def algorithm_arguments(self) -> dict[str, Any]:
+        """Return the arguments with schedules and activation functions made from their names."""
+        arguments = {name: _schedule(value) for name, value in self.arguments.items()}
+        policy = dict(arguments.get("policy_kwargs") or {})
+        if isinstance(policy.get("activation_fn"), str):
+            policy["activation_fn"] = _activation(policy["activation_fn"])
+        return {**arguments, "policy_kwargs": policy}
+
+
+def _schedule(value: Any) -> Any:
+    return Linear(float(value.removeprefix("lin_"))) if isinstance(value, str) and value.startswith("lin_") else value
+
+
+def _activation(name: str) -> Any:
+    from torch import nn
+
+    known = {"relu": nn.ReLU, "tanh": nn.Tanh, "elu": nn.ELU, "silu": nn.SiLU}
+    if name not in known:
+        raise IrsimGymError(f"no activation function named '{name}'{suggestion(name, known)}")
+    return known[name]
+
+
+def hyperparameters_folder() -> Path:
+    """Return the folder of the shipped files: inside an installed package, else ``agents/`` of a checkout."""
+    inside = PACKAGE / "hyperparameters"
+    return inside if inside.is_dir() else PACKAGE.parent / "agents" / "hyperparameters"
+
+
+def load_hyperparameters(
+    algorithm: str,
+    environment_id: str,
+    *,
+    file: Path | None = None,
+    overrides: Mapping[str, Any] | None = None,
+) -> Hyperparameters:
+    """Read the hyper-parameters of an algorithm for an environment.
+
+    Args:
+        algorithm: ``"ppo"`` or ``"sac"``.
+        environment_id: E.g. ``"irsim_gym/cluttered_room-v0"``; one that is not in the file gets the default.
+        file: A file of one's own in place of the shipped one.
+        overrides: Values that replace those of the file.
+
+    Raises:
+        IrsimGymError: No such algorithm or file, or the file is not a mapping of mappings.
+    """
+    if algorithm not in ALGORITHMS:
+        raise IrsimGymError(f"no algorithm named '{algorithm}'{suggestion(algorithm, ALGORITHMS)}; there are ppo and sac")
+    path = file or hyperparameters_folder() / f"{algorithm}.yaml"
+    try:
+        content = yaml.safe_load(path.read_text())
+    except (OSError, yaml.YAMLError) as error:
+        raise IrsimGymError(f"cannot read the hyper-parameters {path}: {error}") from error
+    if not isinstance(content, dict) or not all(isinstance(entry, dict) for entry in content.values()):
+        raise IrsimGymError(f"{path}: expected one mapping of hyper-parameters per environment id")
+    chosen = {**content.get("default", {}), **content.get(environment_id, {}), **(overrides or {})}
+    return Hyperparameters.from_plain(chosen)

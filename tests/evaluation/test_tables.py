@@ -1,0 +1,60 @@
+import csv
+import io
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from irsim_gym.evaluation.metrics import EpisodeRow, summarize
+from irsim_gym.evaluation.tables import plain, summary_table, write_bytes, write_episodes, write_json
+
+ROWS = [
+    EpisodeRow(0, "success", "", 20, 2.0, 5.0, 4.0, 0.25),
+    EpisodeRow(1, "collision", "obstacle", 7, 0.7, 1.0, math.inf, 0.0),
+]
+
+
+def test_episodes_as_csv(tmp_path: Path) -> None:
+    write_episodes(tmp_path / "deep" / "episodes.csv", {"dash": ROWS})
+    with (tmp_path / "deep" / "episodes.csv").open() as file:
+        first, second = csv.DictReader(file)
+    assert first["policy"] == "dash"
+    assert (first["outcome"], float(first["spl"]), float(first["path_ratio"])) == ("success", 0.8, 1.25)
+    assert (second["hit"], second["optimum"], second["path_ratio"]) == ("obstacle", "inf", "")
+
+
+def test_json_says_null_for_what_is_not_a_number(tmp_path: Path) -> None:
+    write_json(tmp_path / "summary.json", {"rows": [summarize("dash", ROWS[1:])], "n": np.int64(3), "x": math.nan})
+    data = json.loads((tmp_path / "summary.json").read_text())
+    assert data["rows"][0]["time"] is None
+    assert (data["n"], data["x"]) == (3, None)
+    assert data["rows"][0]["collision"]["count"] == 1
+    assert plain(Path("a")) == "a"
+
+
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    target = tmp_path / "table.txt"
+    write_bytes(target, b"old")
+
+    def fail(self: Path, other: Path) -> None:
+        raise OSError("no space left")
+
+    monkeypatch.setattr(Path, "replace", fail)
+    with pytest.raises(OSError, match="no space"):
+        write_bytes(target, b"new")
+    assert target.read_bytes() == b"old"
+    assert [file.name for file in tmp_path.iterdir()] == ["table.txt"]
+
+
+def test_table_shows_the_split_of_collisions_only_where_there_is_one() -> None:
+    console = Console(width=200, record=True, file=io.StringIO())
+    console.print(summary_table([summarize("dash", ROWS)], "cluttered_room"))
+    text = console.export_text()
+    assert "50.0 % [9.5, 90.5]" in text
+    assert "with obstacle" not in text
+    moving = EpisodeRow(2, "collision", "moving obstacle", 7, 0.7, 1.0, 2.0, 0.0)
+    heads = [str(column.header) for column in summary_table([summarize("dash", [*ROWS, moving])], "t").columns]
+    assert heads[2:5] == ["collision", "with obstacle", "with moving obstacle"]
