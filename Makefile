@@ -1,0 +1,57 @@
+# `make demo` and `make test` set up what they need in .venv first.
+#   make demo PIP_ARGS="--extra-index-url https://download.pytorch.org/whl/cpu"    torch without CUDA (much smaller)
+#   make test PYTHON=python3.12                                                     another interpreter
+
+PYTHON   ?= python3
+VENV     ?= .venv
+PIP_ARGS ?=
+ARGS     ?=
+
+BIN         := $(VENV)/bin
+INSTALLED   := $(VENV)/.installed
+TESTS_READY := $(VENV)/.tests-ready
+INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
+
+.PHONY: help demo install lint test test-slow bench clean
+.DELETE_ON_ERROR:
+
+help:
+	@echo "make demo       train on cluttered_room, evaluate, film; results in runs/demo"
+	@echo "make test       ruff, mypy, pytest"
+	@echo "make test-slow  the longer checks too"
+	@echo "make bench      the benchmarks (ARGS=... is passed on)"
+	@echo "make clean      remove caches and builds; .venv and runs stay"
+
+demo: $(INSTALLED)
+	$(BIN)/irsim-gym demo $(ARGS)
+
+install: $(INSTALLED)
+
+lint: $(TESTS_READY)
+	$(BIN)/python -m ruff check .
+	$(BIN)/python -m ruff format --check .
+	$(BIN)/python -m mypy
+
+test: lint
+	$(BIN)/python -m pytest -m "not slow" $(ARGS)
+
+test-slow: lint
+	$(BIN)/python -m pytest $(ARGS)
+
+bench: $(TESTS_READY)
+	$(BIN)/python benchmarks/run.py $(ARGS)
+
+clean:
+	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find irsim_gym agents tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# An interrupted set-up leaves no stamp, and the next run takes it up again.
+$(INSTALLED): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit("irsim_gym needs Python 3.11 or newer: make PYTHON=python3.12" if sys.version_info < (3, 11) else 0)'
+	@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear $(VENV)
+	$(INSTALL) -e .
+	@touch $@
+
+$(TESTS_READY): $(INSTALLED)
+	$(INSTALL) -e ".[test]"
+	@touch $@
