@@ -6,6 +6,7 @@ import numpy as np
 
 from irsim_gym.footprints import random_outline
 from irsim_gym.footprints.random_outline import draw_outlines
+from irsim_gym.geometry.polygons import signed_area
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
@@ -35,9 +36,10 @@ class Polygon:
         return self.random_shape
 
     def outline(self) -> Outline:
-        """Return the sides; a random polygon as a regular one with the most vertices it can have."""
+        """Return the sides, counter-clockwise; a random polygon as a regular one with the most vertices it can have."""
         if self.vertices is not None and not self.random_shape:
-            return Outline(segments=chain(np.array(self.vertices), closed=True))
+            corners = np.array(self.vertices, np.float64)
+            return Outline(segments=chain(corners if signed_area(corners) > 0.0 else corners[::-1], closed=True))
         return Outline(segments=chain(regular_vertices(self.num_vertices_range[1] - 1), closed=True))
 
     @staticmethod

@@ -73,5 +73,3 @@ def move_differential(
             pose[w, b, 1] += vy * dt
             heading = wrap(heading + velocity[w, b, 1] * dt)
             pose[w, b, 2] = wrap_from(heading, heading_low[b]) if wraps_heading[b] else heading
-
-

@@ -25,6 +25,7 @@ class WorldState(Arrays):
     discs: Floats = column("world disc 3", np.float64, "m", "outline: x, y, radius in the world frame")
     goal: Floats = column("world body 3", np.float64, "m, m, rad", "the goal that is next")
     waypoint: Ints = column("world body", np.int64, "", "index of that goal in model.waypoints")
+    waypoint_end: Ints = column("world body", np.int64, "", "number of goals in the present round")
     goal_distance: Floats = column("world body", np.float64, "m", "distance to the goal")
     arrived: Flags = column("world body", np.bool_, "", "within goal_threshold of the last goal")
     collided: Flags = column("world body", np.bool_, "", "touches another body")

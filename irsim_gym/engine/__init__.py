@@ -1,0 +1,7 @@
+"""In what order: scenarios compiled into arrays, and stepped."""
+
+from irsim_gym.engine.compile import compile
+from irsim_gym.engine.simulation import Simulation
+from irsim_gym.world.group import Shard
+
+__all__ = ["Shard", "Simulation", "compile"]

@@ -1,0 +1,137 @@
+"""From what a file says to arrays: here YAML's vocabulary ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from irsim_gym.engine.collect import collect_parts
+from irsim_gym.engine.shards import Shards
+from irsim_gym.engine.simulation import Simulation
+from irsim_gym.scenario.spec import BodySpec, Scenario
+from irsim_gym.world.model import (
+    KEEP_GOAL,
+    LOOP,
+    OBSTACLE,
+    POSITION,
+    ROBOT,
+    STATE,
+    STOP,
+    UNOBSTRUCTED,
+    UNOBSTRUCTED_OBSTACLES,
+    WANDER,
+    WorldModel,
+)
+from irsim_gym.world.outline import Outline
+from irsim_gym.world.state import WorldState
+
+COLLISION_MODES = {
+    "stop": STOP,
+    "unobstructed": UNOBSTRUCTED,
+    "unobstructed_obstacles": UNOBSTRUCTED_OBSTACLES,
+}
+ARRIVE_MODES = {"position": POSITION, "state": STATE}
+RANDOM_OUTLINE = frozenset({"local_segments", "local_discs", "segment_count", "disc_count", "reach"})
+
+
+def compile(
+    scenario: Scenario, n_worlds: int = 1, *, agents: Sequence[int] = (), num_threads: int = 1
+) -> Simulation:
+    """Turn a scenario into arrays for ``n_worlds`` worlds.
+
+    Args:
+        scenario: The description.
+        n_worlds: Number of worlds that are stepped together.
+        agents: Bodies whose behaviour is overridden: their commands come from outside.
+        num_threads: Worlds are shared out over that many threads.
+
+    Raises:
+        ScenarioError: A robot's given start lies in an obstacle.
+    """
+    if n_worlds < 1:
+        raise ValueError(f"n_worlds must be >= 1, got {n_worlds}")
+    outlines = [body.shape.outline() for body in scenario.bodies]
+    sizes = {
+        "world": n_worlds,
+        "body": len(scenario.bodies),
+        "segment": sum(len(outline.segments) for outline in outlines),
+        "disc": sum(len(outline.discs) for outline in outlines),
+        "waypoint": 1 + max((len(body.goal) for body in scenario.bodies), default=1),
+    }
+    is_random = any(body.shape.is_random for body in scenario.bodies)
+    model = WorldModel.allocate(sizes, per_world=RANDOM_OUTLINE if is_random else frozenset())
+    state = WorldState.allocate(sizes)
+    _write_world(scenario, model)
+    _write_outlines(outlines, model)
+    for b, body in enumerate(scenario.bodies):
+        _write_motion(b, body, model)
+        model.driven[b] = body.behavior is not None or b in agents
+        _write_goals(b, body, scenario, model)
+    shards = Shards(n_worlds, num_threads)
+    parts = collect_parts(scenario, outlines, model, tuple(agents), n_worlds, shards.n_slots)
+    return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards)
+
+
+def _write_world(scenario: Scenario, model: WorldModel) -> None:
+    world = scenario.world
+    x, y = world.offset
+    model.bounds[:] = [x, y, x + world.width, y + world.height]
+    model.step_time[0] = world.step_time
+    model.collision_mode[0] = COLLISION_MODES[world.collision_mode]
+    model.present[:] = True
+    model.static_partner[:] = -1
+
+
+def _write_outlines(outlines: Sequence[Outline], model: WorldModel) -> None:
+    segment, disc = 0, 0
+    for b, outline in enumerate(outlines):
+        n_segments, n_discs = len(outline.segments), len(outline.discs)
+        model.segment_start[b], model.disc_start[b] = segment, disc
+        model.segment_count[:, b], model.disc_count[:, b] = n_segments, n_discs
+        model.local_segments[:, segment : segment + n_segments] = outline.segments
+        model.local_discs[:, disc : disc + n_discs] = outline.discs
+        model.solid[b] = outline.solid
+        model.reach[:, b] = _reach(outline)
+        segment, disc = segment + n_segments, disc + n_discs
+
+
+def _reach(outline: Outline) -> float:
+    corners = np.hypot(outline.segments[:, 0::2], outline.segments[:, 1::2])
+    discs = np.hypot(outline.discs[:, 0], outline.discs[:, 1]) + outline.discs[:, 2]
+    return float(max(corners.max(initial=0.0), discs.max(initial=0.0)))
+
+
+def _write_motion(b: int, body: BodySpec, model: WorldModel) -> None:
+    model.role[b] = ROBOT if body.role == "robot" else OBSTACLE
+    model.movable[b] = body.kinematics is not None and not body.static
+    model.unobstructed[b] = body.unobstructed
+    model.arrive_mode[b] = ARRIVE_MODES[body.arrive_mode]
+    model.goal_threshold[:, b] = body.goal_threshold
+    model.heading_low[b] = body.angle_range[0]
+    model.wraps_heading[b] = True
+    for values, target in (
+        (body.vel_min, model.velocity_min),
+        (body.vel_max, model.velocity_max),
+        (body.acce, model.acceleration_limit),
+    ):
+        target[:, b, : len(values)] = values
+    model.initial_velocity[b, : len(body.velocity)] = body.velocity
+    if body.state is not None:
+        model.start[:, b] = body.state[:3]
+
+
+def _write_goals(b: int, body: BodySpec, scenario: Scenario, model: WorldModel) -> None:
+    """Write goals, and who has any: what can move and was given some, by its entry or by its distribution."""
+    behavior = body.behavior
+    wanders = behavior is not None and behavior.wander
+    if wanders:
+        model.wander_low[b], model.wander_high[b] = behavior.range_low, behavior.range_high
+    model.waypoints[:, b, :, 2] = np.nan
+    model.waypoints[:, b, : len(body.goal)] = np.array(body.goal).reshape(-1, 3)
+    placed_goal = scenario.placements[body.entry].kind.gives_goal
+    model.has_goal[b] = bool(model.movable[b]) and (wanders or placed_goal or len(body.goal) > 0)
+    count = 1 if placed_goal else len(body.goal)
+    loops = behavior is not None and behavior.loop and not wanders
+    model.goal_renewal[b] = WANDER if wanders else LOOP if loops else KEEP_GOAL
+    model.waypoint_count[:, b] = 2 if loops and count == 1 else count

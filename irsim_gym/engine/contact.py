@@ -1,0 +1,197 @@
+"""Who touches whom, and what that does."""
+
+from __future__ import annotations
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.geometry.overlap import outline_distance, outlines_overlap
+from irsim_gym.jit import kernel
+from irsim_gym.world.group import Shard
+from irsim_gym.world.model import ROBOT, STOP, UNOBSTRUCTED, WorldModel
+from irsim_gym.world.state import WorldState
+
+NOBODY = -1
+
+
+def find(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Write ``state.collided``, ``state.hit`` and ``state.stopped``."""
+    worlds, outline = shard.worlds, _outline(model, state)
+    begin_contacts(worlds, model.static_partner, state.collided, state.hit)
+    find_contacts(worlds, movers, model.movable, *outline, state.pose, state.collided, state.hit)
+    stop_bodies(worlds, movers, model.collision_mode, model.role, state.collided, state.stopped)
+
+
+def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Write ``model.static_partner``: contacts between bodies that never move, once per level."""
+    worlds, outline = shard.worlds, _outline(model, state)
+    state.hit[worlds] = NOBODY
+    find_contacts(worlds, bodies, model.movable, *outline, state.pose, state.collided, state.hit)
+    model.static_partner[worlds] = state.hit[worlds]
+
+
+def _outline(model: WorldModel, state: WorldState) -> tuple[Flags | Floats | Ints, ...]:
+    return (
+        model.present,
+        model.unobstructed,
+        model.solid,
+        model.reach,
+        model.segment_start,
+        model.segment_count,
+        state.segments,
+        model.disc_start,
+        model.disc_count,
+        state.discs,
+    )
+
+
+@kernel
+def begin_contacts(worlds: Ints, static_partner: Ints, collided: Flags, hit: Ints) -> None:
+    """Begin with the contacts that last through the level."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for b in range(hit.shape[1]):
+            hit[w, b] = static_partner[w, b]
+            collided[w, b] = hit[w, b] >= 0
+
+
+@kernel
+def find_contacts(
+    worlds: Ints,
+    bodies: Ints,
+    movable: Flags,
+    present: Flags,
+    unobstructed: Flags,
+    solid: Flags,
+    reach: Floats,
+    segment_start: Ints,
+    segment_count: Ints,
+    segments: Floats,
+    disc_start: Ints,
+    disc_count: Ints,
+    discs: Floats,
+    pose: Floats,
+    collided: Flags,
+    hit: Ints,
+) -> None:
+    """Test each of ``bodies`` against every other body; pairs of listed bodies that can move alike are met once.
+
+    Closed sets: touching counts. Bodies marked unobstructed touch nobody.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
+        for k in range(bodies.shape[0]):
+            b = bodies[k]
+            if unobstructed[b] or not present[w, b]:
+                continue
+            for q in range(hit.shape[1]):
+                if q == b or unobstructed[q] or not present[w, q]:
+                    continue
+                if (movable[q] == movable[b] and q < b) or (movable[q] and not movable[b]):
+                    continue
+                dx, dy = pose[w, q, 0] - pose[w, b, 0], pose[w, q, 1] - pose[w, b, 1]
+                near = reach[row, b] + reach[row, q]
+                if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
+                    continue
+                if outlines_overlap(
+                    segments[w],
+                    segment_start[b],
+                    segment_count[n_segments, b],
+                    discs[w],
+                    disc_start[b],
+                    disc_count[n_discs, b],
+                    solid[b],
+                    segments[w],
+                    segment_start[q],
+                    segment_count[n_segments, q],
+                    discs[w],
+                    disc_start[q],
+                    disc_count[n_discs, q],
+                    solid[q],
+                ):
+                    collided[w, b], collided[w, q] = True, True
+                    hit[w, b] = q if hit[w, b] < 0 else min(hit[w, b], q)
+                    hit[w, q] = b if hit[w, q] < 0 else min(hit[w, q], b)
+
+
+@kernel
+def stop_bodies(
+    worlds: Ints, movers: Ints, collision_mode: Ints, role: Ints, collided: Flags, stopped: Flags
+) -> None:
+    """Hold collided bodies in place as the collision mode says."""
+    mode = collision_mode[0]
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(movers.shape[0]):
+            b = movers[k]
+            holds = mode == STOP or (mode != UNOBSTRUCTED and role[b] == ROBOT)
+            stopped[w, b] = collided[w, b] and holds
+
+
+def clearance(
+    bodies: Ints, limit: float, model: WorldModel, state: WorldState, shard: Shard, distance: Floats
+) -> None:
+    """Write the surface distance of ``bodies`` to the nearest other body.
+
+    Args:
+        bodies: The bodies to measure, shape ``(n_bodies,)``.
+        limit: Distances above it [m] may be reported as any value not below it.
+        model: The constants.
+        state: The moment.
+        shard: The worlds to treat.
+        distance: Written, [m], shape ``(n_worlds, n_bodies)``; ``limit`` where nothing else is present.
+    """
+    measure_clearance(shard.worlds, bodies, limit, *_outline(model, state), state.pose, distance)
+
+
+@kernel
+def measure_clearance(
+    worlds: Ints,
+    bodies: Ints,
+    limit: float,
+    present: Flags,
+    unobstructed: Flags,
+    solid: Flags,
+    reach: Floats,
+    segment_start: Ints,
+    segment_count: Ints,
+    segments: Floats,
+    disc_start: Ints,
+    disc_count: Ints,
+    discs: Floats,
+    pose: Floats,
+    distance: Floats,
+) -> None:
+    """Write exact surface distances, passing over bodies that cannot be the nearest."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
+        for k in range(bodies.shape[0]):
+            b, best = bodies[k], limit
+            for q in range(present.shape[1]):
+                if q == b or unobstructed[q] or not present[w, q]:
+                    continue
+                dx, dy = pose[w, q, 0] - pose[w, b, 0], pose[w, q, 1] - pose[w, b, 1]
+                near = best + reach[row, b] + reach[row, q]
+                if dx * dx + dy * dy >= near * near:
+                    continue
+                best = min(
+                    best,
+                    outline_distance(
+                        segments[w],
+                        segment_start[b],
+                        segment_count[n_segments, b],
+                        discs[w],
+                        disc_start[b],
+                        disc_count[n_discs, b],
+                        solid[b],
+                        segments[w],
+                        segment_start[q],
+                        segment_count[n_segments, q],
+                        discs[w],
+                        disc_start[q],
+                        disc_count[n_discs, q],
+                        solid[q],
+                        best,
+                    ),
+                )
+            distance[w, k] = best

@@ -1,0 +1,59 @@
+"""What a drive can execute of what it is asked."""
+
+from __future__ import annotations
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.jit import kernel
+from irsim_gym.world.group import Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+def apply(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Write ``state.velocity``: the command within velocity and acceleration limits; zero for a stopped body."""
+    limit_velocity(
+        shard.worlds,
+        movers,
+        model.step_time,
+        model.driven,
+        model.velocity_min,
+        model.velocity_max,
+        model.acceleration_limit,
+        model.present,
+        state.stopped,
+        state.command,
+        state.velocity,
+    )
+
+
+@kernel
+def limit_velocity(
+    worlds: Ints,
+    movers: Ints,
+    step_time: Floats,
+    driven: Flags,
+    velocity_min: Floats,
+    velocity_max: Floats,
+    acceleration_limit: Floats,
+    present: Flags,
+    stopped: Flags,
+    command: Floats,
+    velocity: Floats,
+) -> None:
+    """Clip each component to [max(v_min, v - a dt), min(v_max, v + a dt)].
+
+    The upper end wins where the interval is empty. A body that nobody commands stands still, whatever its limits.
+    """
+    dt = step_time[0]
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(movers.shape[0]):
+            b = movers[k]
+            asked = command[w, b, 0] != 0.0 or command[w, b, 1] != 0.0 or command[w, b, 2] != 0.0
+            free = present[w, b] and not stopped[w, b] and (driven[b] or asked)
+            for axis in range(3):
+                now = velocity[w, b, axis]
+                change = acceleration_limit[w % acceleration_limit.shape[0], b, axis] * dt
+                low = max(velocity_min[w % velocity_min.shape[0], b, axis], now - change)
+                high = min(velocity_max[w % velocity_max.shape[0], b, axis], now + change)
+                velocity[w, b, axis] = min(max(command[w, b, axis], low), high) if free else 0.0

@@ -1,0 +1,40 @@
+"""The groups and index lists that a compiled scenario consists of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from irsim_gym.arraytypes import Ints
+from irsim_gym.world.group import Group
+
+
+@dataclass
+class Parts:
+    """Groups in the order in which they act, and lists of bodies by what is done with them.
+
+    Attributes:
+        kinematics: Bodies that move, by drive.
+        behaviors: Bodies that decide for themselves, by behaviour.
+        footprints: Bodies whose outline is drawn anew for each level, by shape.
+        placements: Entries of the file, in the order in which they are placed.
+        sensors: Sensors, by kind and beams.
+        movers: Bodies that can move.
+        fixed: Bodies that cannot.
+        goal_bodies: Bodies with a goal.
+        everyone: All bodies.
+        number_ranges: First body, fewest, most: entries with ``number_range``, shape ``(n, 3)``.
+        loop_returns: Bodies that loop between one goal and their start.
+    """
+
+    kinematics: list[Group]
+    behaviors: list[Group]
+    footprints: list[Group]
+    placements: list[Group]
+    sensors: list[Group]
+    movers: Ints
+    fixed: Ints
+    goal_bodies: Ints
+    everyone: Ints
+    number_ranges: Ints
+    loop_returns: Ints
+    names: tuple[str, ...] = field(default=())

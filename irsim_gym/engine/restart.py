@@ -1,0 +1,181 @@
+"""The beginning of an episode: a level is drawn from its random stream."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.engine import arrival, contact, outlines
+from irsim_gym.engine.parts import Parts
+from irsim_gym.engine.step import sense
+from irsim_gym.errors import PlacementError
+from irsim_gym.jit import kernel
+from irsim_gym.rng import integer, uniform
+from irsim_gym.world.group import Shard
+from irsim_gym.world.model import WANDER, WorldModel
+from irsim_gym.world.state import WorldState
+
+LEVEL_TRIES = 100
+
+
+def begin(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, streams: Words) -> None:
+    """Draw a level for each of the shard's worlds.
+
+    Args:
+        parts: The compiled scenario.
+        model: Its constants; what differs between levels is rewritten.
+        state: Its moment; rewritten.
+        shard: The worlds.
+        streams: Random stream state of every world, shape ``(n_worlds,)``.
+
+    Raises:
+        PlacementError: A body found no place in any of the tries.
+    """
+    state.random[shard.worlds] = streams[shard.worlds]
+    failed = np.zeros(len(state.random), np.int64)
+    remaining = shard
+    for _ in range(LEVEL_TRIES):
+        draw_level(parts, model, state, remaining, failed)
+        worlds = remaining.worlds[failed[remaining.worlds] > 0]
+        if not len(worlds):
+            break
+        remaining = Shard(worlds, shard.slot)
+    else:
+        raise PlacementError(_failure(parts.names[failed[remaining.worlds[0]] - 1]))
+    begin_moment(parts, model, state, shard)
+    contact.find_static(parts.fixed, model, state, shard)
+    arrival.check(parts.goal_bodies, model, state, shard)
+    state.arrived[shard.worlds] = False
+    sense(parts, model, state, shard)
+
+
+def _failure(name: str) -> str:
+    return (
+        f"no place found for '{name}' in {LEVEL_TRIES} draws of the level: the world is too full, or the bounds, "
+        f"min_distance, clearance or min_goal_distance of its distribution leave no room"
+    )
+
+
+def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+    """Draw presence, outlines and placements; ``failed`` gets body + 1 where a body found no place, else 0."""
+    draw_presence(shard.worlds, parts.number_ranges, state.random, model.present, state.placed, failed)
+    for group in parts.footprints:
+        group.kind.draw(group, model, state, shard)
+    for group in parts.placements:
+        group.kind.draw(group, model, state, shard, failed)
+        outlines.place(group.members, model, state, shard)
+
+
+@kernel
+def draw_presence(
+    worlds: Ints, number_ranges: Ints, random: Words, present: Flags, placed: Flags, failed: Ints
+) -> None:
+    """Decide how many bodies of each entry with a ``number_range`` exist, and forget all placements."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        failed[w] = 0
+        placed[w, :] = False
+        present[w, :] = True
+        for k in range(number_ranges.shape[0]):
+            first, fewest, most = number_ranges[k, 0], number_ranges[k, 1], number_ranges[k, 2]
+            drawn = integer(random, w, fewest, most + 1)
+            for b in range(first + drawn, first + most):
+                present[w, b] = False
+
+
+def begin_moment(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Set clocks, flags, velocities and first goals."""
+    write_first_goals(
+        shard.worlds,
+        parts.goal_bodies,
+        parts.loop_returns,
+        model.goal_renewal,
+        model.wander_low,
+        model.wander_high,
+        model.waypoint_count,
+        state.pose,
+        state.random,
+        model.start,
+        model.waypoints,
+        state.waypoint,
+        state.waypoint_end,
+        state.goal,
+    )
+    clear_moment(
+        shard.worlds,
+        model.initial_velocity,
+        state.time,
+        state.step,
+        state.command,
+        state.velocity,
+        state.twist,
+        state.arrived,
+        state.collided,
+        state.stopped,
+        state.hit,
+    )
+
+
+@kernel
+def clear_moment(
+    worlds: Ints,
+    initial_velocity: Floats,
+    time: Floats,
+    step: Ints,
+    command: Floats,
+    velocity: Floats,
+    twist: Floats,
+    arrived: Flags,
+    collided: Flags,
+    stopped: Flags,
+    hit: Ints,
+) -> None:
+    """Reset what an episode accumulates."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        time[w], step[w] = 0.0, 0
+        for b in range(hit.shape[1]):
+            arrived[w, b], collided[w, b], stopped[w, b], hit[w, b] = False, False, False, -1
+            for axis in range(3):
+                command[w, b, axis], twist[w, b, axis] = 0.0, 0.0
+                velocity[w, b, axis] = initial_velocity[b, axis]
+
+
+@kernel
+def write_first_goals(
+    worlds: Ints,
+    goal_bodies: Ints,
+    loop_returns: Ints,
+    goal_renewal: Ints,
+    wander_low: Floats,
+    wander_high: Floats,
+    waypoint_count: Ints,
+    pose: Floats,
+    random: Words,
+    start: Floats,
+    waypoints: Floats,
+    waypoint: Ints,
+    waypoint_end: Ints,
+    goal: Floats,
+) -> None:
+    """Set each body's first goal; wanderers draw theirs, loopers with one goal will come back to their start."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for b in range(start.shape[1]):
+            for axis in range(3):
+                start[w, b, axis] = pose[w, b, axis]
+        for k in range(goal_bodies.shape[0]):
+            b = goal_bodies[k]
+            waypoint_end[w, b] = waypoint_count[w, b]
+            if goal_renewal[b] == WANDER:
+                waypoint_end[w, b] = 1
+                for axis in range(3):
+                    waypoints[w, b, 0, axis] = uniform(random, w, wander_low[b, axis], wander_high[b, axis])
+            waypoint[w, b] = 0
+            for axis in range(3):
+                goal[w, b, axis] = waypoints[w, b, 0, axis]
+        for k in range(loop_returns.shape[0]):
+            b = loop_returns[k]
+            waypoint_end[w, b] = 1
+            for axis in range(2):
+                waypoints[w, b, 1, axis] = start[w, b, axis]

@@ -1,0 +1,107 @@
+"""The simulator: many worlds of one scenario, stepped together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym import rng
+from irsim_gym.arraytypes import Floats, Ints, Words
+from irsim_gym.engine import contact, restart
+from irsim_gym.engine.parts import Parts
+from irsim_gym.engine.shards import Shards
+from irsim_gym.engine.step import advance
+from irsim_gym.errors import UnknownNameError, suggestion
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@dataclass
+class Simulation:
+    """A compiled scenario.
+
+    Attributes:
+        scenario: What the file says.
+        model: The episode's constants.
+        state: The moment.
+        parts: Groups and index lists.
+        agents: Bodies that are commanded from outside, shape ``(n_agents,)``.
+        shards: The division of labour.
+    """
+
+    scenario: Scenario
+    model: WorldModel
+    state: WorldState
+    parts: Parts
+    agents: Ints
+    shards: Shards
+
+    @property
+    def n_worlds(self) -> int:
+        """Number of worlds."""
+        return len(self.state.time)
+
+    @property
+    def sensors(self) -> list[Group]:
+        """Sensor groups with their readings."""
+        return self.parts.sensors
+
+    def body(self, name: str) -> int:
+        """Return the index of a body.
+
+        Raises:
+            UnknownNameError: No body has that name.
+        """
+        names = self.parts.names
+        if name not in names:
+            raise UnknownNameError(f"no body named '{name}' in '{self.scenario.name}'{suggestion(name, names)}")
+        return names.index(name)
+
+    def scan(self, body: int) -> tuple[Group, int] | None:
+        """Return the group and the member number of a body's first range sensor, None without one."""
+        for group in self.parts.sensors:
+            found = np.flatnonzero(group.members == body)
+            if len(found):
+                return group, int(found[0])
+        return None
+
+    def run(self, function: Callable[[Shard], None], worlds: Ints | None = None) -> None:
+        """Call ``function`` with shares of the given worlds (all by default), on threads if there are several."""
+        self.shards.run(function, worlds)
+
+    def begin(self, shard: Shard, streams: Words) -> None:
+        """Draw a new level in the shard's worlds from random streams of shape ``(n_worlds,)``."""
+        restart.begin(self.parts, self.model, self.state, shard, streams)
+
+    def advance(self, shard: Shard) -> None:
+        """Advance the shard's worlds by one step."""
+        advance(self.parts, self.model, self.state, shard)
+
+    def clearance(self, shard: Shard, bodies: Ints, distance: Floats, limit: float = np.inf) -> None:
+        """Write the bodies' surface distances [m] into ``distance``, shape ``(n_worlds, n_bodies)``.
+
+        Values above ``limit`` may be anything not below it.
+        """
+        contact.clearance(bodies, limit, self.model, self.state, shard, distance)
+
+    def reset(self, seed: int = 0, split: str = "train") -> None:
+        """Begin level ``seed + w`` of a split in each world ``w``."""
+        base = rng.stream_base(self.scenario.name, split)
+        streams = np.array([rng.level_stream(base, seed + w) for w in range(self.n_worlds)], np.uint64)
+        self.run(lambda shard: self.begin(shard, streams))
+
+    def step(self, commands: Sequence[float] | Floats | None = None) -> None:
+        """Advance all worlds by one step.
+
+        Args:
+            commands: Commands of the agents, broadcast to ``(n_worlds, n_agents, n)`` in drive coordinates
+                [m/s, rad/s]; by default those in ``state.command`` stay.
+        """
+        if commands is not None:
+            given = np.asarray(commands, np.float64)
+            self.state.command[:, self.agents, : given.shape[-1]] = given
+        self.run(self.advance)

@@ -1,0 +1,51 @@
+"""manual: the file gives every pose and goal."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class ManualPlacement:
+    """Poses and goals as they stand in the file."""
+
+    is_random: ClassVar[bool] = False
+    gives_goal: ClassVar[bool] = False
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Leave the starts that ``compile`` took from the file."""
+
+    @staticmethod
+    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+        """Put the members on their given starts."""
+        put_on_start(shard.worlds, group.members, model.start, state.pose, state.placed)
+
+
+@kernel
+def put_on_start(worlds: Ints, members: Ints, start: Floats, pose: Floats, placed: Flags) -> None:
+    """Copy starts to poses."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            for axis in range(3):
+                pose[w, b, axis] = start[w, b, axis]
+            placed[w, b] = True
+
+
+def world_box(model: WorldModel, margin: float) -> tuple[Floats, Floats]:
+    """Return lower and upper bounds (x, y, heading) of the world, drawn in by a margin [m]."""
+    x0, y0, x1, y1 = model.bounds
+    low = np.array([x0 + margin, y0 + margin, -np.pi])
+    high = np.array([x1 - margin, y1 - margin, np.pi])
+    return low, high

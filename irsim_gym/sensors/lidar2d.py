@@ -1,0 +1,260 @@
+"""lidar2d: a planar scan of ranges, cast in inverse-depth form."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.geometry.rays import inverse_depth_disc, inverse_depth_segment
+from irsim_gym.geometry.segments import point_segment_distance2
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import Outline
+from irsim_gym.world.state import WorldState
+
+LANES = 16
+
+
+@kind
+class Lidar2D:
+    """A scanner of ``number`` beams, evenly spread over ``angle_range``, both ends included."""
+
+    reading: ClassVar[str] = "ranges"
+
+    number: int = option(100, ge=1, le=100_000, meaning="Number of beams.")
+    angle_range: float = option(np.pi, ge=0.0, unit="rad", meaning="Angle between first and last beam; at most 2 pi.")
+    range_min: float = option(0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this.")
+    range_max: float = option(10.0, gt=0.0, unit="m", meaning="Farther things are not seen; a free beam reports this.")
+    scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; reported only.")
+    noise: bool = option(False, meaning="Add noise to the ranges.", planned=True)
+    std: float = option(0.2, ge=0.0, unit="m", meaning="Standard deviation of the range noise.")
+    angle_std: float = option(0.02, ge=0.0, unit="rad", meaning="Standard deviation of the beams' directions.")
+    offset: tuple[float, float, float] = option(
+        (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Mount pose in the body frame."
+    )
+    alpha: float = option(0.3, ge=0.0, le=1.0, meaning="Opacity of the drawn beams.")
+    color: str = option("#CC3311", meaning="Colour of the drawn beams.")
+    has_velocity: bool = option(False, meaning="Report the velocity of what each beam hits.", planned=True)
+    plot: Any = option(None, meaning="Drawing options of the sensor.")
+
+    def group_key(self) -> tuple[Any, ...]:
+        """Return what members of one group have in common: the beams."""
+        return self.number, min(self.angle_range, 2.0 * np.pi)
+
+    def angles(self) -> Floats:
+        """Return the beams' directions in the sensor frame [rad], shape ``(n_beams,)``; a single beam looks ahead."""
+        half = 0.5 * min(self.angle_range, 2.0 * np.pi)
+        return np.linspace(-half, half, self.number) if self.number > 1 else np.zeros(1)
+
+    @staticmethod
+    def prepare(group: Group, outlines: list[Outline], n_worlds: int, n_slots: int) -> None:
+        """Allocate readings ``ranges`` [m], shape ``(n_worlds, n_members, n_beams)``, and the beam table.
+
+        Args:
+            group: The members.
+            outlines: Each member's own outline, for ``footprint``: the distance [m] from the sensor to it along
+                each beam, shape ``(n_members, n_beams)``, 0 where the sensor stands outside.
+            n_worlds: Number of worlds.
+            n_slots: Number of shards, each with a scratch row of its own.
+        """
+        angles = group.options[0].angles()
+        padded = -(-len(angles) // LANES) * LANES
+        directions = np.concatenate([angles, np.zeros(padded - len(angles))])
+        members = len(group.members)
+        far = np.array([option.range_max for option in group.options], np.float32)
+        group.arrays = {
+            "angles": angles,
+            "beams_x": np.cos(directions).astype(np.float32),
+            "beams_y": np.sin(directions).astype(np.float32),
+            "inverse": np.zeros((n_slots, padded), np.float32),
+            "ranges": np.tile(far[None, :, None], (n_worlds, 1, len(angles))),
+            "footprint": np.zeros((members, len(angles)), np.float32),
+        }
+        for k, outline in enumerate(outlines):
+            group.arrays["footprint"][k] = own_extent(group, k, outline)
+
+    @staticmethod
+    def sense(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' ranges."""
+        scan(
+            shard.worlds,
+            group.members,
+            group.params,
+            group.arrays["beams_x"],
+            group.arrays["beams_y"],
+            state.pose,
+            model.present,
+            model.unobstructed,
+            model.solid,
+            model.reach,
+            model.segment_start,
+            model.segment_count,
+            state.segments,
+            model.disc_start,
+            model.disc_count,
+            state.discs,
+            group.arrays["inverse"][shard.slot],
+            group.arrays["ranges"],
+        )
+
+
+def own_extent(group: Group, k: int, outline: Outline) -> Rays:
+    """Return the distance [m] from member k's sensor to its own outline along each beam, shape ``(n_beams,)``."""
+    table = group.arrays
+    x, y, turn = group.options[k].offset
+    inverse = np.zeros_like(table["beams_x"])
+    if inside(outline, x, y):
+        cast_outline(x, y, np.cos(turn), np.sin(turn), outline.segments, outline.discs, *_beams(table), inverse)
+    extent = np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0.0)
+    return extent[: len(table["angles"])]
+
+
+def _beams(table: dict[str, Any]) -> tuple[Rays, Rays]:
+    return table["beams_x"], table["beams_y"]
+
+
+def inside(outline: Outline, x: float, y: float) -> bool:
+    """Return whether a point of the body frame lies within the outline's area."""
+    offsets = outline.discs[:, :2] - [x, y]
+    if bool(np.any(np.sum(offsets * offsets, axis=1) <= outline.discs[:, 2] * outline.discs[:, 2])):
+        return True
+    return outline.solid and bool(contains_point(outline.segments, 0, len(outline.segments), x, y))
+
+
+@kernel
+def cast_outline(
+    x: float,
+    y: float,
+    cosine: float,
+    sine: float,
+    segments: Floats,
+    discs: Floats,
+    beams_x: Rays,
+    beams_y: Rays,
+    inverse: Rays,
+) -> None:
+    """Cast the beams of a sensor at (x, y) against all rows of an outline, from both sides."""
+    for s in range(segments.shape[0]):
+        cast_segment(x, y, cosine, sine, segments[s], beams_x, beams_y, inverse)
+    for d in range(discs.shape[0]):
+        cast_disc(x, y, cosine, sine, discs[d], beams_x, beams_y, inverse)
+
+
+@kernel
+def cast_segment(
+    x: float, y: float, cosine: float, sine: float, segment: Floats, beams_x: Rays, beams_y: Rays, inverse: Rays
+) -> None:
+    """Cast against one segment: into the sensor frame in float64, then float32."""
+    ax, ay, bx, by = segment[0] - x, segment[1] - y, segment[2] - x, segment[3] - y
+    inverse_depth_segment(
+        np.float32(cosine * ax + sine * ay),
+        np.float32(cosine * ay - sine * ax),
+        np.float32(cosine * bx + sine * by),
+        np.float32(cosine * by - sine * bx),
+        beams_x,
+        beams_y,
+        inverse,
+    )
+
+
+@kernel
+def cast_disc(
+    x: float, y: float, cosine: float, sine: float, disc: Floats, beams_x: Rays, beams_y: Rays, inverse: Rays
+) -> None:
+    """Cast against one disc: into the sensor frame in float64, then float32."""
+    cx, cy = disc[0] - x, disc[1] - y
+    inverse_depth_disc(
+        np.float32(cosine * cx + sine * cy),
+        np.float32(cosine * cy - sine * cx),
+        np.float32(disc[2]),
+        beams_x,
+        beams_y,
+        inverse,
+    )
+
+
+@kernel
+def scan(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    beams_x: Rays,
+    beams_y: Rays,
+    pose: Floats,
+    present: Flags,
+    unobstructed: Flags,
+    solid: Flags,
+    reach: Floats,
+    segment_start: Ints,
+    segment_count: Ints,
+    segments: Floats,
+    disc_start: Ints,
+    disc_count: Ints,
+    discs: Floats,
+    inverse: Rays,
+    ranges: Rays,
+) -> None:
+    """Write the ranges of all members in all given worlds."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            own = members[k]
+            x, y, heading = mount_pose(pose[w, own], params[k].offset)
+            cosine, sine, far = np.cos(heading), np.sin(heading), params[k].range_max
+            inverse[:] = np.float32(0.0)
+            for b in range(present.shape[1]):
+                if b == own or unobstructed[b] or not present[w, b]:
+                    continue
+                near = far + reach[w % reach.shape[0], b]
+                dx, dy = pose[w, b, 0] - x, pose[w, b, 1] - y
+                distance2 = dx * dx + dy * dy
+                if distance2 > near * near:
+                    continue
+                start, count = disc_start[b], disc_count[w % disc_count.shape[0], b]
+                for d in range(start, start + count):
+                    cast_disc(x, y, cosine, sine, discs[w, d], beams_x, beams_y, inverse)
+                start, count = segment_start[b], segment_count[w % segment_count.shape[0], b]
+                body_reach = reach[w % reach.shape[0], b]
+                within = distance2 <= body_reach * body_reach and contains_point(segments[w], start, count, x, y)
+                two_sided = within or not solid[b]
+                for s in range(start, start + count):
+                    if is_visible(segments[w, s], x, y, far, two_sided):
+                        cast_segment(x, y, cosine, sine, segments[w, s], beams_x, beams_y, inverse)
+            write_ranges(inverse, params[k].range_min, far, ranges[w, k])
+
+
+@kernel
+def mount_pose(pose: Floats, offset: Floats) -> tuple[float, float, float]:
+    """Return the sensor's pose in the world frame."""
+    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+    x = pose[0] + cosine * offset[0] - sine * offset[1]
+    y = pose[1] + sine * offset[0] + cosine * offset[1]
+    return x, y, pose[2] + offset[2]
+
+
+@kernel
+def is_visible(segment: Floats, x: float, y: float, far: float, two_sided: bool) -> bool:
+    """Return whether a sensor can see a segment: in range, and not the back of a solid body.
+
+    Boundaries of solid bodies run counter-clockwise, so their front lies to the right of the segment.
+    """
+    ax, ay, bx, by = segment[0], segment[1], segment[2], segment[3]
+    if not two_sided and (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+        return False
+    return bool(point_segment_distance2(x, y, ax, ay, bx, by) <= far * far)
+
+
+@kernel
+def write_ranges(inverse: Rays, range_min: float, range_max: float, ranges: Rays) -> None:
+    """Turn inverse depths into ranges; a beam that meets nothing in range reports range_max."""
+    shortest, farthest = np.float32(range_min), np.float32(range_max)
+    least = np.float32(1.0) / farthest
+    for i in range(ranges.shape[0]):
+        depth = np.float32(1.0) / max(inverse[i], least)
+        depth = farthest if inverse[i] <= least else depth
+        ranges[i] = shortest if depth < shortest else depth
