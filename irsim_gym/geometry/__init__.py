@@ -1,0 +1,1 @@
+"""Plane geometry as pure kernels on numbers and small arrays."""

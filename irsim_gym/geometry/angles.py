@@ -1,0 +1,47 @@
+"""Angles: wrapping and bearings."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.jit import kernel
+
+TURN = 2.0 * np.pi
+NEAR_TURNS = 4
+
+
+@kernel
+def wrap(angle: float) -> float:
+    """Return the angle [rad] in (-pi, pi]; one that lies there already is returned unchanged."""
+    if -np.pi < angle <= np.pi:
+        return angle
+    wrapped = angle - TURN * np.ceil((angle - np.pi) / TURN)
+    if wrapped <= -np.pi:
+        return np.pi
+    return float(min(wrapped, np.pi) if wrapped == wrapped else wrapped)
+
+
+@kernel
+def wrap_from(angle: float, low: float) -> float:
+    """Return the angle [rad] in [low, low + 2 pi]: full turns are added or subtracted only outside of it.
+
+    Both ends belong to the interval. A few turns are taken one by one, many at once.
+    """
+    high = low + TURN
+    if angle > high + NEAR_TURNS * TURN or angle < low - NEAR_TURNS * TURN:
+        angle = angle - TURN * np.floor((angle - low) / TURN)
+    for _ in range(NEAR_TURNS + 1):
+        if angle > high:
+            angle -= TURN
+        elif angle < low:
+            angle += TURN
+    return angle
+
+
+@kernel
+def bearing(pose_x: float, pose_y: float, heading: float, x: float, y: float) -> float:
+    """Return the direction of the point (x, y) [m] relative to the heading [rad], in (-pi, pi].
+
+    A point at the pose's own place is taken to lie in the direction of the world's x axis.
+    """
+    return wrap(np.arctan2(y - pose_y, x - pose_x) - heading)
