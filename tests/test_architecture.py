@@ -1,0 +1,470 @@
+"""The rules of the house (DESIGN.md), read from the syntax trees."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parents[1] / "irsim_gym"
+OWN = "irsim_gym"
+
+# Who may import what, beyond the standard library, numpy and COMMON. "scenario.options" names one module.
+COMMON = {"errors", "registry", "families", "arraytypes"}
+KIND = {"jit", "rng", "geometry", "world", "scenario.options"}
+ALLOWED: dict[str, set[str]] = {
+    "errors": set(),
+    "registry": set(),
+    "families": set(),
+    "arraytypes": set(),
+    "jit": {"numba"},
+    "rng": {"numba", "jit"},
+    "geometry": {"jit"},
+    "world": set(),
+    "scenario": {"pydantic", "pydantic_core", "yaml"},
+    "kinematics": KIND,
+    "behaviors": KIND,
+    "footprints": KIND | {"shapely"},
+    "placements": KIND | {"paths"},
+    "sensors": KIND,
+    "paths": {"jit", "geometry", "world"},
+    "engine": {"scenario", "world", "geometry", "paths", "jit", "rng"},
+    "tasks": {"engine", "world", "scenario", "paths", "jit", "rng", "pydantic", "pydantic_core"},
+    "envs": {"tasks", "engine", "scenario", "world", "render", "gymnasium"},
+    "evaluation": {"envs", "tasks", "engine", "world", "paths", "scenario", "rich"},
+    "raster": {"jit", "geometry", "world", "scenario.plot_spec"},
+    "render": {"world", "scenario.spec", "scenario.plot_spec", "matplotlib", "raster", "imageio", "moviepy", "PIL"},
+    "live": {"engine", "scenario", "world", "render", "pynput"},
+}
+# Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.
+COMPOSERS = {"training", "cli", "__init__"}
+ONLY_FILE = {"pettingzoo": "envs/parallel.py", "stable_baselines3": "envs/sb3.py"}
+# These are slow to load: outside the places named here they are imported inside functions.
+HEAVY = {"numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3", "shapely", "moviepy", "imageio", "rich"}
+LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
+RENDER_FROM = {"envs", "training", "cli"}
+
+MAX_FILE_LINES = 400
+MAX_FUNCTION_LINES = 60
+MAX_KERNEL_LINES = 80
+YAML_ONLY_NAMES = {"acce", "vel_min", "vel_max"}
+MUTATORS = {"append", "extend", "insert", "add", "update", "setdefault", "pop", "popitem", "clear", "remove", "discard"}
+RANDOM_OBJECTS = {"Generator", "SeedSequence", "BitGenerator", "PCG64", "default_rng"}
+
+
+@dataclass(frozen=True)
+class Module:
+    """One file of the package."""
+
+    place: str
+    text: str
+    tree: ast.Module
+
+    @property
+    def part(self) -> str:
+        """The folder, or the module's own name at the top; `cli_*.py` belong to the command line."""
+        first = self.place.split("/")[0].removesuffix(".py")
+        return "cli" if first.startswith("cli") else first
+
+    @property
+    def name(self) -> str:
+        """The dotted name below the package, '' for the package itself."""
+        return self.place.removesuffix(".py").replace("/", ".").removesuffix("__init__").rstrip(".")
+
+    @property
+    def package(self) -> list[str]:
+        """The dotted parts of the package that holds it."""
+        return [OWN, *self.place.split("/")[:-1]]
+
+
+@dataclass(frozen=True)
+class Import:
+    """One imported module."""
+
+    module: str
+    line: int
+    deferred: bool
+    for_types: bool
+
+
+@cache
+def modules() -> tuple[Module, ...]:
+    files = sorted(file for file in PACKAGE.rglob("*.py") if "__pycache__" not in file.parts)
+    places = [file.relative_to(PACKAGE).as_posix() for file in files]
+    texts = [file.read_text(encoding="utf-8") for file in files]
+    return tuple(Module(place, text, ast.parse(text, place)) for place, text in zip(places, texts, strict=True))
+
+
+def imports(module: Module) -> Iterator[Import]:
+    yield from _imports(module, module.tree, deferred=False, for_types=False)
+
+
+def _imports(module: Module, node: ast.AST, *, deferred: bool, for_types: bool) -> Iterator[Import]:
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.Import):
+            for alias in child.names:
+                yield Import(alias.name, child.lineno, deferred, for_types)
+        elif isinstance(child, ast.ImportFrom):
+            for name in _from_names(module, child):
+                yield Import(name, child.lineno, deferred, for_types)
+        else:
+            in_function = isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
+            types_only = isinstance(child, ast.If) and "TYPE_CHECKING" in ast.unparse(child.test)
+            yield from _imports(module, child, deferred=deferred or in_function, for_types=for_types or types_only)
+
+
+def _from_names(module: Module, node: ast.ImportFrom) -> list[str]:
+    base = node.module or ""
+    if node.level:
+        above = module.package[: len(module.package) - node.level + 1]
+        base = ".".join([*above, base] if base else above)
+    known = {f"{OWN}.{other.name}" for other in modules()}
+    found = [f"{base}.{alias.name}" for alias in node.names if f"{base}.{alias.name}" in known]
+    return found if len(found) == len(node.names) else [*found, base]
+
+
+def own(imported: Import) -> str | None:
+    """Return the name below the package, or None for a module of others."""
+    if imported.module == OWN:
+        return ""
+    return imported.module.removeprefix(OWN + ".") if imported.module.startswith(OWN + ".") else None
+
+
+def is_allowed(module: Module, imported: Import) -> bool:
+    inside = own(imported)
+    if inside is None:
+        top = imported.module.split(".")[0]
+        if top in sys.stdlib_module_names or top == "numpy":
+            return True
+        return top in ALLOWED[module.part] or ONLY_FILE.get(top) == module.place
+    part = inside.split(".")[0]
+    if part in COMMON or part == module.part:
+        return True
+    return part in ALLOWED[module.part] or inside in ALLOWED[module.part]
+
+
+def functions(module: Module) -> Iterator[ast.FunctionDef]:
+    for node in ast.walk(module.tree):
+        if isinstance(node, ast.FunctionDef):
+            yield node
+
+
+def is_kernel(function: ast.FunctionDef) -> bool:
+    return any(ast.unparse(decorator).split("(")[0] == "kernel" for decorator in function.decorator_list)
+
+
+def dotted(node: ast.AST) -> str:
+    return ast.unparse(node) if isinstance(node, ast.Attribute | ast.Name) else ""
+
+
+def report(problems: list[str]) -> None:
+    assert not problems, "\n" + "\n".join(problems)
+
+
+def test_every_folder_has_a_rule() -> None:
+    parts = {module.part for module in modules()}
+    assert parts <= set(ALLOWED) | COMPOSERS, "say in DESIGN.md and here what the new folder may import"
+
+
+def test_imports_follow_the_table() -> None:
+    report(
+        [
+            f"{module.place}:{found.line} imports {found.module}"
+            for module in modules()
+            if module.part not in COMPOSERS
+            for found in imports(module)
+            if not is_allowed(module, found)
+        ]
+    )
+
+
+def test_nothing_composes_the_face_by_hand() -> None:
+    report(
+        [
+            f"{module.place}:{found.line} imports {found.module}"
+            for module in modules()
+            if module.part != "cli"
+            for found in imports(module)
+            if (own(found) or "").split(".")[0] == "live" and module.part not in {"live", "__init__"}
+        ]
+    )
+
+
+def test_no_rings() -> None:
+    """Neither files nor folders import each other in a circle, whether at the top or in functions."""
+    files: dict[str, set[str]] = {}
+    folders: dict[str, set[str]] = {}
+    for module in modules():
+        used = {inside for found in imports(module) if (inside := own(found)) is not None and not found.for_types}
+        if module.place == "__init__.py":
+            continue
+        files[module.name] = used - {module.name, ""}
+        mine = "scenario.options" if module.name == "scenario.options" else module.part
+        theirs = {"scenario.options" if name == "scenario.options" else name.split(".")[0] for name in used}
+        folders.setdefault(mine, set()).update(theirs - {mine, ""})
+    for graph in (files, folders):
+        try:
+            TopologicalSorter(graph).prepare()
+        except CycleError as ring:
+            pytest.fail(" -> ".join(ring.args[1]))
+
+
+def test_the_renderer_is_loaded_late() -> None:
+    """Only adapters, training and the command line know the renderer, and only inside functions."""
+    report(
+        [
+            f"{module.place}:{found.line} imports {found.module}"
+            for module in modules()
+            if module.part not in {"render"}
+            for found in imports(module)
+            if (own(found) or "").split(".")[0] == "render"
+            and (module.part not in RENDER_FROM or not (found.deferred or found.for_types))
+        ]
+    )
+
+
+def test_heavy_packages_are_loaded_late() -> None:
+    """What `import irsim_gym` and the command line reach at once must stay light."""
+    light = {"__init__", "cli", "scenario", "errors", "registry", "families", "arraytypes", "world"}
+    report(
+        [
+            f"{module.place}:{found.line} imports {found.module}"
+            for module in modules()
+            if module.part in light
+            for found in imports(module)
+            if found.module.split(".")[0] in HEAVY - ({"rich"} if module.part == "cli" else set())
+            and not (found.deferred or found.for_types)
+        ]
+    )
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import irsim_gym",
+        "import gymnasium, irsim_gym; assert 'irsim_gym/cluttered_room-v0' in gymnasium.registry",
+        "import irsim_gym; irsim_gym.load_scenario",
+    ],
+)
+def test_importing_loads_nothing_heavy(code: str) -> None:
+    script = f"{code}\nimport sys\nprint([name for name in {LOADED_LATE!r} if name in sys.modules])"
+    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stdout.strip()) == (0, "[]"), result.stderr
+
+
+def test_a_render_mode_costs_nothing() -> None:
+    script = """
+import sys
+import irsim_gym
+env = irsim_gym.make("empty_goal", render_mode="rgb_array")
+env.reset(seed=0)
+print("matplotlib" in sys.modules)
+"""
+    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stdout.strip()) == (0, "False"), result.stderr
+
+
+def test_numba_is_used_through_kernel_alone() -> None:
+    problems = []
+    for module in modules():
+        for node in ast.walk(module.tree):
+            if isinstance(node, ast.Attribute | ast.Name) and module.place != "jit.py":
+                name = dotted(node).split(".")[-1]
+                if name in {"njit", "prange", "vectorize", "guvectorize", "cfunc"} or dotted(node) == "numba.jit":
+                    problems.append(f"{module.place}:{node.lineno} uses {dotted(node)}")
+            if isinstance(node, ast.keyword) and node.arg == "parallel":
+                problems.append(f"{module.place}:{node.value.lineno} passes parallel=")
+    report(problems)
+
+
+def test_threads_are_made_in_one_place() -> None:
+    """Asking which thread this is (`threading.current_thread`) is no parallelism."""
+    makers = {"Thread", "Timer", "Process", "Pool", "ThreadPoolExecutor", "ProcessPoolExecutor", "ThreadPool", "fork"}
+    problems = []
+    for module in modules():
+        if module.place == "engine/shards.py":
+            continue
+        for node in ast.walk(module.tree):
+            if isinstance(node, ast.Call) and dotted(node.func).split(".")[-1] in makers:
+                problems.append(f"{module.place}:{node.lineno} makes {dotted(node.func)}")
+        for found in imports(module):
+            if found.module.split(".")[0] in {"multiprocessing", "concurrent", "_thread", "asyncio"}:
+                problems.append(f"{module.place}:{found.line} imports {found.module}")
+    report(problems)
+
+
+def test_no_global_random_generator() -> None:
+    """Training alone may save and restore the foreign global generators, for `--resume`."""
+    problems = []
+    for module in modules():
+        states = {"get_state", "set_state", "seed"} if module.part == "training" else set()
+        for node in ast.walk(module.tree):
+            parts = dotted(node).split(".")
+            is_random = len(parts) == 3 and parts[:2] in (["np", "random"], ["numpy", "random"])
+            if is_random and parts[2] not in RANDOM_OBJECTS | states:
+                problems.append(f"{module.place}:{node.lineno} uses {dotted(node)}")  # type: ignore[attr-defined]
+        for found in imports(module):
+            if found.module == "random" and module.part != "training":
+                problems.append(f"{module.place}:{found.line} imports random")
+    report(problems)
+
+
+def test_no_module_level_state() -> None:
+    """Tables at module level are never changed, none begins empty, and no function rebinds a global."""
+    problems = []
+    for module in modules():
+        if module.place == "families.py":
+            continue
+        tables = set()
+        for name, value in _module_values(module):
+            if isinstance(value, ast.Dict | ast.List | ast.Set) and not (getattr(value, "elts", None) or _keys(value)):
+                problems.append(f"{module.place}:{value.lineno} {name} begins empty")
+            if isinstance(value, ast.Call) and dotted(value.func) in _CONTAINERS:
+                problems.append(f"{module.place}:{value.lineno} {name} is mutable")
+            if isinstance(value, ast.Dict | ast.List | ast.Set | ast.DictComp | ast.ListComp | ast.SetComp):
+                tables.add(name)
+        problems += [f"{module.place}:{line} changes {name}" for name, line in _changes(module, tables)]
+        problems += [
+            f"{module.place}:{node.lineno} rebinds {', '.join(node.names)}"
+            for node in ast.walk(module.tree)
+            if isinstance(node, ast.Global)
+        ]
+    report(problems)
+
+
+_CONTAINERS = {
+    "list",
+    "dict",
+    "set",
+    "bytearray",
+    "defaultdict",
+    "deque",
+    "Counter",
+    "OrderedDict",
+    "np.zeros",
+    "np.empty",
+}
+
+
+def _keys(value: ast.AST) -> list[ast.expr | None]:
+    return value.keys if isinstance(value, ast.Dict) else []
+
+
+def _module_values(module: Module) -> Iterator[tuple[str, ast.expr]]:
+    for node in module.tree.body:
+        if isinstance(node, ast.Assign):
+            for target in node.targets:
+                if isinstance(target, ast.Name) and target.id != "__all__":
+                    yield target.id, node.value
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value is not None:
+            yield node.target.id, node.value
+
+
+def _changes(module: Module, tables: set[str]) -> Iterator[tuple[str, int]]:
+    for node in ast.walk(module.tree):
+        if (
+            isinstance(node, ast.Subscript)
+            and isinstance(node.ctx, ast.Store | ast.Del)
+            and dotted(node.value) in tables
+        ):
+            yield dotted(node.value), node.lineno
+        called = node.func if isinstance(node, ast.Call) else None
+        if isinstance(called, ast.Attribute) and called.attr in MUTATORS and dotted(called.value) in tables:
+            yield dotted(called.value), called.lineno
+
+
+def test_a_family_only_lists_its_kinds() -> None:
+    families = {"kinematics", "behaviors", "footprints", "placements", "sensors"}
+    families |= {f"tasks/{name}" for name in ("actions", "observations", "rewards", "endings")}
+    problems = []
+    for module in modules():
+        if not module.place.endswith("__init__.py") or module.place.removesuffix("/__init__.py") not in families:
+            continue
+        for node in module.tree.body:
+            listed = isinstance(node, ast.Import | ast.ImportFrom) or (
+                isinstance(node, ast.Expr)
+                and (
+                    isinstance(node.value, ast.Constant)
+                    or (isinstance(node.value, ast.Call) and dotted(node.value.func).endswith(".register"))
+                )
+            )
+            exported = isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+            if not listed and not exported:
+                problems.append(f"{module.place}:{node.lineno} does more than list kinds")
+    report(problems)
+
+
+def test_yaml_words_end_at_compile() -> None:
+    report(
+        [
+            f"{module.place}:{node.lineno} reads .{node.attr}"
+            for module in modules()
+            if module.part != "scenario" and not module.place.startswith("engine/compile")
+            for node in ast.walk(module.tree)
+            if isinstance(node, ast.Attribute) and node.attr in YAML_ONLY_NAMES
+        ]
+    )
+
+
+def test_classes_are_abstract_or_final() -> None:
+    """No class of ours has two bases of ours, and no concrete method of ours is overridden."""
+    classes = {
+        node.name: (module, node) for module in modules() for node in module.tree.body if isinstance(node, ast.ClassDef)
+    }
+    problems = []
+    for module, node in classes.values():
+        bases = [name for base in node.bases if (name := ast.unparse(base).split("[")[0].split(".")[-1]) in classes]
+        if len(bases) > 1:
+            problems.append(f"{module.place}:{node.lineno} {node.name} mixes {', '.join(bases)}")
+        mine = {item.name for item in node.body if isinstance(item, ast.FunctionDef)}
+        for base in bases:
+            concrete = {
+                item.name
+                for item in classes[base][1].body
+                if isinstance(item, ast.FunctionDef)
+                and not item.name.startswith("__")
+                and not any("abstract" in ast.unparse(decorator) for decorator in item.decorator_list)
+            }
+            problems += [f"{module.place} {node.name}.{name} overrides {base}'s" for name in sorted(mine & concrete)]
+    report(problems)
+
+
+def test_files_and_functions_are_short() -> None:
+    problems = [
+        f"{module.place}: {lines} lines, at most {MAX_FILE_LINES}"
+        for module in modules()
+        if (lines := module.text.count("\n")) > MAX_FILE_LINES
+    ]
+    for module in modules():
+        for function in functions(module):
+            limit = MAX_KERNEL_LINES if is_kernel(function) else MAX_FUNCTION_LINES
+            length = (function.end_lineno or function.lineno) - function.lineno + 1
+            if length > limit:
+                problems.append(f"{module.place}:{function.lineno} {function.name}: {length} lines, at most {limit}")
+    report(problems)
+
+
+def test_public_things_have_docstrings() -> None:
+    problems = []
+    for module in modules():
+        if not ast.get_docstring(module.tree):
+            problems.append(f"{module.place}: no docstring")
+        classes = [
+            node for node in module.tree.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+        ]
+        bodies = [module.tree.body, *(node.body for node in classes)]
+        for node in (node for body in bodies for node in body):
+            if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
+                overloaded = any(
+                    ast.unparse(decorator).split(".")[-1] in {"overload", "setter"} for decorator in node.decorator_list
+                )
+                if not overloaded and not ast.get_docstring(node):
+                    problems.append(f"{module.place}:{node.lineno} {node.name}: no docstring")
+    report(problems)

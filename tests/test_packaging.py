@@ -1,0 +1,105 @@
+"""The wheel and the sdist, installed where nothing else of ours is."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+MAKE_AN_ENV = """
+import pathlib, sys
+import irsim_gym
+assert pathlib.Path(sys.prefix) in pathlib.Path(irsim_gym.__file__).parents, irsim_gym.__file__
+env = irsim_gym.make("sparse_circles")
+observation, info = env.reset(seed=1)
+assert env.observation_space.contains(observation)
+env.step(env.action_space.sample())
+env.close()
+"""
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the sdist and the wheel that is built from it."""
+    folder = tmp_path_factory.mktemp("dist")
+    _run(sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder), str(ROOT))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def environment(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A virtual environment with the wheel.
+
+    Our dependencies come from the present environment through a path file. Such a file does not read the
+    path files of the folder it names, so an editable installation of ours is not visible.
+    """
+    folder = tmp_path_factory.mktemp("installed")
+    _run(sys.executable, "-m", "venv", "--without-pip", str(folder))
+    python = _python(folder)
+    (wheel,) = built.glob("*.whl")
+    _run(sys.executable, "-m", "pip", "--python", str(python), "install", "--no-deps", "--no-index", str(wheel))
+    place = _run(str(python), "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip()
+    (Path(place) / "dependencies.pth").write_text(sysconfig.get_path("purelib"), encoding="utf-8")
+    return folder
+
+
+def test_the_wheel_holds_what_runs(built: Path) -> None:
+    (wheel,) = built.glob("*.whl")
+    names = zipfile.ZipFile(wheel).namelist()
+    for source in (ROOT / "configs").rglob("*.yaml"):
+        assert f"irsim_gym/configs/{source.relative_to(ROOT / 'configs').as_posix()}" in names
+    for source in (ROOT / "agents" / "hyperparameters").glob("*.yaml"):
+        assert f"irsim_gym/hyperparameters/{source.name}" in names
+    assert "irsim_gym/py.typed" in names
+    assert [name for name in names if name.endswith("licenses/LICENSE")]
+    strangers = [name for name in names if not name.startswith(("irsim_gym/", "irsim_gym-"))]
+    assert not strangers
+    assert not [name for name in names if "__pycache__" in name]
+
+
+def test_the_sdist_holds_what_builds_and_tests(built: Path) -> None:
+    (sdist,) = built.glob("*.tar.gz")
+    with tarfile.open(sdist) as archive:
+        names = {name.split("/", 1)[-1] for name in archive.getnames()}
+    assert {"pyproject.toml", "LICENSE", "README.md", "DESIGN.md", "CHANGELOG.md", "CONTRIBUTING.md"} <= names
+    assert {"Makefile", "constraints.txt", "tests/test_packaging.py", "irsim_gym/py.typed"} <= names
+    assert {f"configs/scenarios/{file.name}" for file in (ROOT / "configs/scenarios").glob("*.yaml")} <= names
+    assert not [name for name in names if name.startswith(("runs/", ".venv"))]
+
+
+def test_the_installed_command_lists_scenarios(environment: Path, tmp_path: Path) -> None:
+    command = _python(environment).parent / "irsim-gym"
+    listed = _run(str(command), "list", cwd=tmp_path)
+    for file in (ROOT / "configs/scenarios").glob("*.yaml"):
+        assert file.stem in listed
+
+
+def test_the_installed_package_makes_an_env(environment: Path, tmp_path: Path) -> None:
+    """Kernels run as plain Python here, because compiling them anew takes long and shows nothing about packaging."""
+    _run(str(_python(environment)), "-c", MAKE_AN_ENV, cwd=tmp_path, NUMBA_DISABLE_JIT="1")
+
+
+def test_the_installed_package_finds_its_hyperparameters(environment: Path, tmp_path: Path) -> None:
+    code = "from irsim_gym.training.hyperparameters import load_hyperparameters as f; print(f('ppo', 'cluttered_room'))"
+    assert _run(str(_python(environment)), "-c", code, cwd=tmp_path)
+
+
+def _python(environment: Path) -> Path:
+    return environment / ("Scripts" if os.name == "nt" else "bin") / "python"
+
+
+def _run(*command: str, cwd: Path | None = None, **variables: str) -> str:
+    outside = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    result = subprocess.run(
+        command, cwd=cwd, env=outside | variables, capture_output=True, text=True, check=False, timeout=300
+    )
+    assert result.returncode == 0, f"{' '.join(command)}\n{result.stdout}\n{result.stderr}"
+    return result.stdout
