@@ -11,8 +11,8 @@ import hashlib
 
 import numpy as np
 
-from irsim_gym.jit import kernel
 from irsim_gym.arraytypes import Words
+from irsim_gym.jit import kernel
 
 STEP = np.uint64(0x9E3779B97F4A7C15)
 MIX_1 = np.uint64(0xBF58476D1CE4E5B9)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from irsim_gym.engine.checks import refuse_blocked_starts
 from irsim_gym.engine.collect import collect_parts
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
@@ -70,6 +71,7 @@ def compile(
         _write_goals(b, body, scenario, model)
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, tuple(agents), n_worlds, shards.n_slots)
+    refuse_blocked_starts(scenario, parts, model, state)
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards)
 
 

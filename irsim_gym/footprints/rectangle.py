@@ -39,7 +39,7 @@ class Rectangle:
         ahead = 0.0 if self.wheelbase is None else self.wheelbase / 2.0
         right, top = length / 2.0, width / 2.0
         corners = np.array([[-right, -top], [right, -top], [right, top], [-right, top]])
-        return Outline(segments=chain(corners + [ahead, 0.0], closed=True))
+        return Outline(segments=chain(corners + np.array([ahead, 0.0]), closed=True))
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:

@@ -183,8 +183,9 @@ def is_start_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, s
         if has_goal[q] and not movable[b] and goal_renewal[q] != WANDER:
             goal = waypoints[w, q, 0]
             gap = point_outline_distance(
-                goal[0], goal[1], segments[w], segment_start[b], own_segments, discs[w], disc_start[b], own_discs, solid[b]
-            )
+                goal[0], goal[1], segments[w], segment_start[b], own_segments,
+                discs[w], disc_start[b], own_discs, solid[b],
+            )  # fmt: skip
             if gap < reach[row, q] + clearance:
                 return False
         dx, dy = pose[w, q, 0] - pose[w, b, 0], pose[w, q, 1] - pose[w, b, 1]

@@ -1,0 +1,1 @@
+"""What is stored: arrays with named axes, first axis the world."""

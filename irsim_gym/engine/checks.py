@@ -1,0 +1,49 @@
+"""What can be known to be wrong before the first level is drawn."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.engine import contact, outlines
+from irsim_gym.engine.parts import Parts
+from irsim_gym.errors import Problem, ScenarioError
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.world.group import Shard
+from irsim_gym.world.model import ROBOT, WorldModel
+from irsim_gym.world.state import WorldState
+
+
+def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, state: WorldState) -> None:
+    """Refuse a file that puts a robot into an obstacle that never moves.
+
+    Raises:
+        ScenarioError: With the line of every such robot.
+    """
+    given = np.array(
+        [not scenario.placements[body.entry].kind.is_random and not body.shape.is_random for body in scenario.bodies]
+    )
+    robots = np.flatnonzero(given & model.movable & (model.role == ROBOT))
+    walls = given & ~model.movable
+    if not len(robots) or not walls.any():
+        return
+    shard = Shard(np.zeros(1, np.int64))
+    state.pose[0] = model.start[0]
+    outlines.place(parts.everyone, model, state, shard)
+    problems = []
+    for b in robots:
+        model.present[0] = walls
+        model.present[0, b] = True
+        contact.find(np.array([b], np.int64), model, state, shard)
+        if state.collided[0, b]:
+            problems.append(_blocked(scenario, int(b), int(state.hit[0, b])))
+    model.present[0] = True
+    for field in (state.pose, state.segments, state.discs, state.collided, state.stopped, state.hit):
+        field[0] = 0
+    if problems:
+        raise ScenarioError(scenario.file or scenario.name, problems)
+
+
+def _blocked(scenario: Scenario, robot: int, obstacle: int) -> Problem:
+    body, other = scenario.bodies[robot], scenario.bodies[obstacle]
+    message = f"the start lies in '{other.name}' (line {other.line}); a robot must begin clear of static obstacles"
+    return Problem(body.line, body.name, message)
