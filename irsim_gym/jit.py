@@ -14,8 +14,10 @@ from typing import Any, TypeVar, overload
 
 import numba
 import numpy as np
-from numba.core import config, event
+from numba.core import config as numba_config
+from numba.core import event
 
+config: Any = numba_config
 PACKAGE = Path(__file__).parent
 KEPT_FOLDERS = 4
 WITHOUT_KERNELS = {"scenario", "envs", "evaluation", "render", "cli.py", "__init__.py"}
@@ -128,4 +130,4 @@ class _CompileNote(event.Listener):
         pass
 
 
-event.register("numba:compile", _CompileNote())
+event.register("numba:compile", _CompileNote())  # type: ignore[no-untyped-call]

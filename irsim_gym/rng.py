@@ -43,13 +43,13 @@ def level_stream(base: np.uint64, level: int) -> np.uint64:
 
 
 @kernel
-def later_level(first: int, episode: int) -> int:
+def later_level(first: int, episode: int) -> np.int64:
     """Return the level of a world's later episodes: it follows from the first level and the episode's number.
 
     Episode 0 is the first level itself; later ones lie between 2**52 and 2**53, out of reach of ordinary seeds.
     """
     if episode == 0:
-        return first
+        return np.int64(first)
     bits = mix(np.uint64(first) * STEP + np.uint64(episode))
     return np.int64(bits >> np.uint64(12)) | LATER
 
@@ -70,11 +70,11 @@ def uniform(random: Words, w: int, low: float, high: float) -> float:
 @kernel
 def integer(random: Words, w: int, low: int, high: int) -> int:
     """Draw an integer from low to high, the upper end excluded."""
-    return low + np.int64(np.floor(uniform(random, w, 0.0, 1.0) * (high - low)))
+    return low + int(np.floor(uniform(random, w, 0.0, 1.0) * (high - low)))
 
 
 @kernel
 def normal(random: Words, w: int, mean: float, deviation: float) -> float:
     """Draw from a normal distribution (Box and Muller 1958; one of the pair is used)."""
     radius = np.sqrt(-2.0 * np.log(1.0 - uniform(random, w, 0.0, 1.0)))
-    return mean + deviation * radius * np.cos(2.0 * np.pi * uniform(random, w, 0.0, 1.0))
+    return mean + deviation * float(radius * np.cos(2.0 * np.pi * uniform(random, w, 0.0, 1.0)))

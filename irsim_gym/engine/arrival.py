@@ -55,7 +55,7 @@ def goal_gap(pose: Floats, goal: Floats, with_heading: bool) -> float:
     """Return the distance [m] of a pose from a goal; with a heading, radians count like metres (as in IR-SIM)."""
     dx, dy = goal[0] - pose[0], goal[1] - pose[1]
     turn = wrap(goal[2] - pose[2]) if with_heading and not np.isnan(goal[2]) else 0.0
-    return np.sqrt(dx * dx + dy * dy + turn * turn)
+    return float(np.sqrt(dx * dx + dy * dy + turn * turn))
 
 
 @kernel

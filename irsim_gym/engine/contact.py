@@ -11,6 +11,8 @@ from irsim_gym.world.state import WorldState
 
 NOBODY = -1
 
+OutlineTables = tuple[Flags, Flags, Flags, Floats, Ints, Ints, Floats, Ints, Ints, Floats]
+
 
 def find(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write ``state.collided``, ``state.hit`` and ``state.stopped``."""
@@ -28,7 +30,7 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
     model.static_partner[worlds] = state.hit[worlds]
 
 
-def _outline(model: WorldModel, state: WorldState) -> tuple[Flags | Floats | Ints, ...]:
+def _outline(model: WorldModel, state: WorldState) -> OutlineTables:
     return (
         model.present,
         model.unobstructed,

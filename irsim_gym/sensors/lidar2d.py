@@ -110,7 +110,7 @@ def own_extent(group: Group, k: int, outline: Outline) -> Rays:
     inverse = np.zeros_like(table["beams_x"])
     if inside(outline, x, y):
         cast_outline(x, y, np.cos(turn), np.sin(turn), outline.segments, outline.discs, *_beams(table), inverse)
-    extent = np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0.0)
+    extent: Rays = np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0.0)
     return extent[: len(table["angles"])]
 
 
