@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+
 from irsim_gym.registry import Registry
 
 KINEMATICS = Registry("kinematics")
@@ -14,3 +16,11 @@ ACTIONS = Registry("action")
 OBSERVATIONS = Registry("observation")
 REWARDS = Registry("reward")
 ENDINGS = Registry("ending")
+
+_PACKAGES = ("kinematics", "behaviors", "footprints", "placements", "sensors", "tasks")
+
+
+def load() -> None:
+    """Import the packages that fill the registries. By name, so that nothing here depends on a kind."""
+    for package in _PACKAGES:
+        importlib.import_module(f"irsim_gym.{package}")

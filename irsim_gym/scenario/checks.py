@@ -1,0 +1,93 @@
+"""Checks that look at several keys of a body at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS, KINEMATICS
+from irsim_gym.registry import Registry
+from irsim_gym.scenario.messages import choices, show
+from irsim_gym.scenario.source import Place
+from irsim_gym.scenario.validation import Report
+
+FULL_TURN = 2.0 * math.pi
+TURN_TOLERANCE = 1e-4
+
+Values = Mapping[str, Any]
+Places = Mapping[str, Place]
+
+
+def command_size(drive: Any) -> int:
+    """Return the number of velocities of a drive; 2 for a body without one."""
+    return 2 if drive is None else len(drive.command_names)
+
+
+def check_drive(values: Values, places: Places, report: Report) -> bool:
+    """Tell a behaviour that has nothing to drive, or that cannot drive what there is."""
+    drive = values["kinematics"]
+    good = True
+    families: tuple[tuple[str, Registry], ...] = (("behavior", BEHAVIORS), ("group_behavior", GROUP_BEHAVIORS))
+    for key, registry in families:
+        behavior = values[key]
+        if behavior is None or values["static"]:
+            continue
+        if drive is None:
+            report.add(places[key], f"needs a drive: add kinematics ({choices(KINEMATICS.names())}), or static: true")
+            good = False
+            continue
+        drives: Sequence[str] = getattr(behavior, "kinematics", KINEMATICS.names())
+        if (name := KINEMATICS.name_of(type(drive))) not in drives:
+            behavior_name = registry.name_of(type(behavior))
+            report.add(places[key], f"'{behavior_name}' cannot drive kinematics '{name}'; it drives {choices(drives)}")
+            good = False
+    return good
+
+
+def check_dimensions(values: Values, places: Places, drive: Any, report: Report) -> bool:
+    """Tell vectors of the wrong length, and dimensions that are not the drive's."""
+    good = True
+    name = "a body without kinematics" if drive is None else f"'{KINEMATICS.name_of(type(drive))}'"
+    size, state_size = command_size(drive), 3 if drive is None else drive.state_size
+    if values["state_dim"] not in (None, state_size):
+        report.add(places["state_dim"], f"must be {state_size} for {name}, got {values['state_dim']}")
+        good = False
+    if drive is None:
+        return good
+    if values["vel_dim"] not in (None, size):
+        report.add(places["vel_dim"], f"must be {size} for {name}, got {values['vel_dim']}")
+        good = False
+    meaning = ", ".join(drive.command_names)
+    for key in ("vel_min", "vel_max", "acce"):
+        if values[key] is not None and len(values[key]) != size:
+            report.add(places[key], f"must have {size} numbers ({meaning}) for {name}, got {show(values[key])}")
+            good = False
+    if len(values["velocity"]) > size:
+        message = f"must have at most {size} numbers ({meaning}) for {name}, got {show(values['velocity'])}"
+        report.add(places["velocity"], message)
+        good = False
+    return good
+
+
+def check_limits(values: Values, places: Places, drive: Any, report: Report) -> bool:
+    """Tell limits that leave no velocity."""
+    if drive is None:
+        return True
+    size = command_size(drive)
+    low, high = values["vel_min"] or (-1.0,) * size, values["vel_max"] or (1.0,) * size
+    if any(a > b for a, b in zip(low, high, strict=False)):
+        key = "vel_min" if values["vel_min"] is not None else "vel_max"
+        report.add(places[key], f"vel_min must not exceed vel_max, got {show(low)} and {show(high)}")
+        return False
+    return True
+
+
+def check_angle_range(values: Values, places: Places, report: Report) -> float | None:
+    """Return the lower end of the interval that headings wrap into; None after telling that it is not a full turn."""
+    low, high = values["angle_range"]
+    if abs(high - low - FULL_TURN) > TURN_TOLERANCE:
+        message = f"must be a full turn wide (2 pi), such as [-pi, pi], got {show(values['angle_range'])}"
+        report.add(places["angle_range"], message)
+        return None
+    return float(low)

@@ -1,0 +1,236 @@
+"""YAML text to plain data with lines: bounded, safe, and strict about keys given twice.
+
+The parser's events are put together here rather than by PyYAML's own composer: that is where depth, the number of
+values after aliases are expanded, anchors that contain themselves and duplicate keys can be checked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import yaml
+
+Place = tuple[str | int, ...]
+
+MAX_DEPTH = 40
+MAX_VALUES = 200_000
+
+_TAG = "tag:yaml.org,2002:"
+_SCALARS = {_TAG + name for name in ("null", "bool", "int", "float", "str")}
+_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class Fatal(Exception):  # noqa: N818  (it never leaves the package: source.py turns it into a ScenarioError)
+    """Reading cannot go on."""
+
+    def __init__(self, line: int, message: str) -> None:
+        self.line = line
+        super().__init__(message)
+
+
+@dataclass
+class Document:
+    """What a file holds.
+
+    Attributes:
+        data: The plain data.
+        lines: Line of each value by its path: of its key or list item, or of the scalar itself.
+        problems: Line, path and message of each mistake.
+    """
+
+    data: Any = None
+    lines: dict[Place, int] = field(default_factory=dict)
+    problems: list[tuple[int, Place, str]] = field(default_factory=list)
+
+
+@dataclass
+class _Node:
+    """A value before aliases are expanded; ``error`` is told wherever the value is used."""
+
+    line: int
+    scalar: Any = None
+    pairs: list[tuple[_Node, _Node, int]] | None = None
+    items: list[_Node] | None = None
+    error: str = ""
+    is_merge: bool = False
+    is_open: bool = False
+
+
+def compose(text: str) -> Document:
+    """Return the one document of a YAML text.
+
+    Raises:
+        Fatal: The text is no YAML, is empty, holds several documents or breaks a bound.
+    """
+    try:
+        root = _Composer(text).document()
+    except yaml.MarkedYAMLError as error:
+        raise Fatal(*_syntax(error, text)) from None
+    except yaml.reader.ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1 if isinstance(error.position, int) else 0
+        raise Fatal(line, "not YAML: it holds a character that is not text") from None
+    document = Document()
+    document.data = _Expansion(document).value(root, (), root.line)
+    return document
+
+
+def _syntax(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
+    """Return line and message of a syntax error, in words for the person who wrote the file."""
+    mark = error.problem_mark or error.context_mark
+    line = mark.line + 1 if mark is not None else 0
+    rows = text.splitlines()
+    row = rows[line - 1] if 0 < line <= len(rows) else ""
+    if "\t" in row[: len(row) - len(row.lstrip())]:
+        return line, "tabs cannot indent YAML: use spaces"
+    parts = [part for part in (error.context, error.problem) if part]
+    return line, f"not valid YAML: {', '.join(parts) or 'syntax error'}"
+
+
+class _Composer:
+    """Builds nodes from the parser's events."""
+
+    def __init__(self, text: str) -> None:
+        self._loader = _Loader("")
+        self._events: Iterator[Any] = yaml.parse(text, Loader=_Loader)
+        self._anchors: dict[str, _Node] = {}
+
+    def document(self) -> _Node:
+        root = None
+        for event in self._events:
+            if isinstance(event, yaml.DocumentStartEvent):
+                if root is not None:
+                    raise Fatal(_line(event), "one document per file: a second '---' begins here")
+                root = self._node(next(self._events), 0)
+        if root is None:
+            raise Fatal(0, "the file is empty")
+        return root
+
+    def _node(self, event: Any, depth: int) -> _Node:
+        if depth > MAX_DEPTH:
+            raise Fatal(_line(event), f"nested deeper than {MAX_DEPTH} levels")
+        if isinstance(event, yaml.AliasEvent):
+            return self._alias(event)
+        node = _Node(_line(event), is_open=True)
+        if event.anchor is not None:
+            self._anchors[event.anchor] = node
+        if isinstance(event, yaml.ScalarEvent):
+            self._scalar(event, node)
+        elif isinstance(event, yaml.SequenceStartEvent):
+            self._check_tag(event, node, "seq")
+            node.items = []
+            while not isinstance(following := next(self._events), yaml.SequenceEndEvent):
+                node.items.append(self._node(following, depth + 1))
+        else:
+            self._check_tag(event, node, "map")
+            node.pairs = []
+            while not isinstance(following := next(self._events), yaml.MappingEndEvent):
+                key = self._node(following, depth + 1)
+                value_event = next(self._events)
+                node.pairs.append((key, self._node(value_event, depth + 1), _line(value_event)))
+        node.is_open = False
+        return node
+
+    def _alias(self, event: Any) -> _Node:
+        node = self._anchors.get(event.anchor)
+        if node is None:
+            return _Node(_line(event), error=f"no anchor named '&{event.anchor}'")
+        if node.is_open:
+            return _Node(_line(event), error=f"anchor '&{event.anchor}' contains itself")
+        return node
+
+    def _scalar(self, event: Any, node: _Node) -> None:
+        tag = event.tag
+        if tag is None or tag == "!":
+            tag = self._loader.resolve(yaml.ScalarNode, event.value, event.implicit)
+        if tag == _TAG + "merge":
+            node.is_merge = True
+        if tag in (_TAG + "merge", _TAG + "timestamp", _TAG + "value"):
+            tag = _TAG + "str"
+        if tag not in _SCALARS:
+            node.error = f"the tag '{_short(tag)}' is not allowed"
+            return
+        try:
+            node.scalar = self._loader.construct_object(yaml.ScalarNode(tag, event.value))
+        except (ValueError, KeyError, OverflowError, yaml.YAMLError):
+            node.error = f"not a number that can be read: {event.value[:40]}"
+
+    @staticmethod
+    def _check_tag(event: Any, node: _Node, expected: str) -> None:
+        if event.tag not in (None, "!", _TAG + expected):
+            node.error = f"the tag '{_short(event.tag)}' is not allowed"
+
+
+class _Expansion:
+    """Turns nodes into data, aliases and merge keys included."""
+
+    def __init__(self, document: Document) -> None:
+        self._document = document
+        self._count = 0
+
+    def value(self, node: _Node, place: Place, line: int) -> Any:
+        self._step(line)
+        if len(place) > MAX_DEPTH:
+            raise Fatal(line, f"nested deeper than {MAX_DEPTH} levels")
+        self._document.lines[place] = line
+        if node.error:
+            self._document.problems.append((line, place, node.error))
+            return None
+        if node.items is not None:
+            return [self.value(item, (*place, i), item.line) for i, item in enumerate(node.items)]
+        if node.pairs is not None:
+            return self._mapping(node, place)
+        return node.scalar
+
+    def _step(self, line: int) -> None:
+        self._count += 1
+        if self._count > MAX_VALUES:
+            raise Fatal(line, f"more than {MAX_VALUES} values (after aliases are expanded)")
+
+    def _mapping(self, node: _Node, place: Place) -> dict[str, Any]:
+        data: dict[str, Any] = {}
+        first: dict[str, int] = {}
+        merged: list[_Node] = []
+        for key, value, value_line in node.pairs or ():
+            if key.is_merge:
+                merged.extend(value.items if value.items is not None else [value])
+            elif self._accept_key(key, place, first):
+                first[key.scalar] = key.line
+                is_block = value.items is not None or value.pairs is not None
+                data[key.scalar] = self.value(value, (*place, key.scalar), key.line if is_block else value_line)
+        for other in merged:
+            self._merge(other, place, data)
+        return data
+
+    def _accept_key(self, key: _Node, place: Place, first: dict[str, int]) -> bool:
+        name = key.scalar
+        if key.error or key.items is not None or key.pairs is not None or not isinstance(name, str):
+            found = "a list or mapping" if key.items is not None or key.pairs is not None else str(name)[:40]
+            self._document.problems.append((key.line, place, f"keys must be text, got {found}"))
+            return False
+        if name in first:
+            message = f"given twice (first in line {first[name]})"
+            self._document.problems.append((key.line, (*place, name), message))
+            return False
+        return True
+
+    def _merge(self, other: _Node, place: Place, data: dict[str, Any]) -> None:
+        """Add the keys of ``<<:`` that are not given; the first mapping that has a key wins."""
+        self._step(other.line)
+        if other.pairs is None:
+            message = other.error or "'<<' merges mappings only"
+            self._document.problems.append((other.line, place, message))
+            return
+        kept = _Node(other.line, pairs=[pair for pair in other.pairs if pair[0].scalar not in data])
+        if len(kept.pairs or ()) > 0:
+            for name, value in self._mapping(kept, place).items():
+                data.setdefault(name, value)
+
+
+def _line(event: Any) -> int:
+    return int(event.start_mark.line) + 1
+
+
+def _short(tag: str) -> str:
+    return ("!!" + tag.removeprefix(_TAG) if tag.startswith(_TAG) else tag)[:60]

@@ -1,0 +1,56 @@
+"""Where the shipped configs are: the one place that knows."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+
+from irsim_gym.errors import UnknownNameError, suggestion
+
+SUFFIXES = (".yaml", ".yml")
+
+
+@functools.cache
+def configs_folder() -> Path:
+    """Return the folder of the shipped configs: in the package when it was built, else in the repository."""
+    package = Path(__file__).resolve().parent.parent
+    inside = package / "configs"
+    return inside if inside.is_dir() else package.parent / "configs"
+
+
+def names(section: str = "scenarios") -> dict[str, Path]:
+    """Return the shipped configs of a section (``scenarios`` or ``tasks``), in alphabetical order. No file is read."""
+    folder = configs_folder() / section
+    files = sorted(folder.iterdir()) if folder.is_dir() else []
+    return {file.stem: file for file in files if file.suffix in SUFFIXES}
+
+
+def scenario_names() -> tuple[str, ...]:
+    """Return the names of the shipped scenarios."""
+    return tuple(names("scenarios"))
+
+
+def task_names() -> tuple[str, ...]:
+    """Return the names of the shipped tasks."""
+    return tuple(names("tasks"))
+
+
+def find(name: str | Path, section: str = "scenarios") -> Path:
+    """Return the file behind a shipped name or a path.
+
+    A name without folder and suffix is a shipped one, unless a file of that name exists.
+
+    Raises:
+        UnknownNameError: Nothing is shipped under the name; the message offers the nearest.
+    """
+    path = Path(name)
+    if isinstance(name, Path) or path.suffix in SUFFIXES or len(path.parts) != 1:
+        return path
+    shipped = names(section)
+    if str(name) in shipped:
+        return shipped[str(name)]
+    if path.is_file() or path.is_dir():
+        return path
+    one = section.removesuffix("s")
+    near = suggestion(str(name), shipped) or f"; shipped: {', '.join(shipped) or 'none'}"
+    raise UnknownNameError(f"no {one} named '{name}'{near} (a file needs its suffix, .yaml)")

@@ -1,0 +1,129 @@
+"""From a name, a file or a mapping to a scenario, or to the list of all its problems."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from irsim_gym import families
+from irsim_gym.errors import ScenarioError
+from irsim_gym.scenario import library
+from irsim_gym.scenario.bodies import make_bodies, placement_of, read_entry
+from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, show, unknown_key
+from irsim_gym.scenario.plot_spec import ObjectPlot
+from irsim_gym.scenario.shorthand import ROLES, SECTIONS, WRAPPER, split_entries, split_sections
+from irsim_gym.scenario.source import Place, Source, read_file, read_mapping
+from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, GuiSpec, PlacementSpec, Scenario, WorldSpec
+from irsim_gym.scenario.validation import Report, build
+
+
+def load_scenario(scenario: str | Path | Mapping[str, Any]) -> Scenario:
+    """Read and check a scenario.
+
+    Args:
+        scenario: A shipped name such as ``cluttered_room``, the path of a YAML file, or the same as plain data.
+
+    Raises:
+        ScenarioError: It cannot be used; the error lists every problem with its line. A file that does not exist
+            raises a ScenarioError that is a FileNotFoundError as well.
+        UnknownNameError: Nothing is shipped under the name.
+    """
+    families.load()
+    if isinstance(scenario, Mapping):
+        return read_scenario(read_mapping(scenario))
+    if not isinstance(scenario, str | Path):
+        raise TypeError(f"a scenario is a name, a path or a mapping, got {type(scenario).__name__}")
+    return read_scenario(read_file(library.find(scenario)))
+
+
+def read_scenario(source: Source) -> Scenario:
+    """Check plain data and return the scenario that it describes.
+
+    Raises:
+        ScenarioError: It cannot be used; the error lists every problem with its line.
+    """
+    report = Report(source)
+    sections, roots = split_sections(source.data, report)
+    for name in sections:
+        if name not in SECTIONS and not report.is_full:
+            report.add((*roots[name], name), unknown_key(name, [*SECTIONS, WRAPPER]))
+    world = _world(sections.get("world"), (*roots.get("world", ()), "world"), source, report)
+    gui = build(GuiSpec, sections.get("gui"), (*roots.get("gui", ()), "gui"), report)
+    task = _task(sections.get("task"), (*roots.get("task", ()), "task"), report)
+    bodies, placements = _bodies(sections, roots, report)
+    if report.problems:
+        raise ScenarioError(source.title, list(report.problems))
+    assert world is not None
+    assert gui is not None
+    custom = sections.get("custom")
+    return Scenario(world.name, source.file, world, bodies, placements, gui, task, custom, source, roots)
+
+
+def _world(data: Any, place: Place, source: Source, report: Report) -> WorldSpec | None:
+    """Return the section ``world``, named after the file when it gives no name."""
+    if isinstance(data, Mapping):
+        if data.get("collision_mode") == "contact":
+            report.add((*place, "collision_mode"), CONTACT_MESSAGE)
+            data = {key: value for key, value in data.items() if key != "collision_mode"}
+        if data.get("status") == "Pause":
+            report.add((*place, "status"), "'Pause' is not supported yet")
+        if data.get("name") is None and source.file:
+            data = {**data, "name": Path(source.file).name.split(".")[0] or "world"}
+    elif data is None and source.file:
+        data = {"name": Path(source.file).name.split(".")[0] or "world"}
+    return build(WorldSpec, data, place, report, contact=CONTACT_KEYS["world"])
+
+
+def _task(data: Any, place: Place, report: Report) -> Mapping[str, Any]:
+    if data is None:
+        return {}
+    if isinstance(data, str):
+        return {"name": data}
+    if isinstance(data, Mapping):
+        return data
+    report.add(place, f"must be the name of a task or a mapping, got {show(data)}")
+    return {}
+
+
+def _bodies(
+    sections: Mapping[str, Any], roots: Mapping[str, Place], report: Report
+) -> tuple[tuple[BodySpec, ...], tuple[PlacementSpec, ...]]:
+    plot = sections.get("plot")
+    if build(ObjectPlot, plot, (*roots.get("plot", ()), "plot"), report) is None or plot is None:
+        plot = {}
+    bodies: list[BodySpec] = []
+    placements: list[PlacementSpec] = []
+    total, next_group = 0, 0
+    places: list[Place] = []
+    for role in ROLES:
+        raws = split_entries(role, sections.get(role), (*roots.get(role, ()), role), report)
+        entries = [read_entry(raw, plot, report) for raw in raws]
+        for k, entry in enumerate(entries):
+            if total + entry.count > MAX_BODIES:
+                report.add(entry.raw.place, f"too many bodies: at most {MAX_BODIES}")
+                break
+            made = make_bodies(entry, len(placements), total, next_group + k, report)
+            if entry.count:
+                placements.append(placement_of(entry, total, report))
+            places.extend(entry.of("name", i)[0] for i in range(entry.count))
+            total += entry.count
+            bodies.extend(made)
+        next_group = 1 + max((body.group for body in bodies), default=len(entries) - 1)
+    if len(bodies) == total:
+        _check_names(bodies, places, report)
+    return tuple(bodies), tuple(placements)
+
+
+def _check_names(bodies: list[BodySpec], places: list[Place], report: Report) -> None:
+    """Tell names that two bodies share."""
+    first: dict[str, int] = {}
+    for b, body in enumerate(bodies):
+        other = first.setdefault(body.name, b)
+        if other != b:
+            line = report.source.line(places[other])
+            where = f" (first in line {line})" if line and places[other] != places[b] else ""
+            hint = "; a list gives each body its own" if places[other] == places[b] else ""
+            report.add(places[b], f"the name '{body.name[:40]}' is given to several bodies{where}{hint}")
+
+

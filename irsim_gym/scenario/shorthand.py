@@ -1,0 +1,132 @@
+"""IR-SIM's sugar: sections that are a list or a mapping, and lists that are shared out over the bodies of an entry."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from irsim_gym.scenario.messages import show
+from irsim_gym.scenario.source import Place
+from irsim_gym.scenario.validation import Report, read_numbers
+
+WRAPPER = "irsim"
+ROLES = ("robot", "obstacle")
+SECTIONS = ("world", *ROLES, "gui", "plot", "task", "custom")
+VECTORS = frozenset({"state", "velocity", "vel_min", "vel_max", "acce", "angle_range"})
+SCALARS = frozenset({"goal_threshold", "fov", "fov_radius", "group", "state_dim", "vel_dim", "static", "unobstructed"})
+
+
+@dataclass(frozen=True)
+class RawEntry:
+    """An entry of ``robot`` or ``obstacle`` as it stands in the file."""
+
+    role: str
+    place: Place
+    data: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Shared:
+    """The values of one key for the bodies of an entry: body i has the i-th, or the last.
+
+    Attributes:
+        values: Path and value of each.
+    """
+
+    values: tuple[tuple[Place, Any], ...]
+
+
+def split_sections(data: Any, report: Report) -> tuple[dict[str, Any], dict[str, Place]]:
+    """Return the sections of a file by name, and the path of the wrapper key around each."""
+    if not isinstance(data, Mapping):
+        report.add((), f"must be a mapping with sections such as world, robot and obstacle, got {show(data)}")
+        return {}, {}
+    sections: dict[str, Any] = dict(data)
+    roots: dict[str, Place] = dict.fromkeys(sections, ())
+    if WRAPPER in sections:
+        inner = sections.pop(WRAPPER)
+        if not isinstance(inner, Mapping | None):
+            report.add((WRAPPER,), f"must be a mapping with sections such as world and robot, got {show(inner)}")
+        for name, section in (inner if isinstance(inner, Mapping) else {}).items():
+            if name in sections:
+                report.add((WRAPPER, name), "given outside the wrapper key as well")
+            sections[name], roots[name] = section, (WRAPPER,)
+    return sections, roots
+
+
+def split_entries(role: str, section: Any, place: Place, report: Report) -> list[RawEntry]:
+    """Return the entries of a section, which is a list of mappings, one mapping, or nothing."""
+    if section is None:
+        return []
+    if isinstance(section, Mapping):
+        return [RawEntry(role, place, section)]
+    if not isinstance(section, list):
+        report.add(place, f"must be a list of {role}s or one mapping, got {show(section)}")
+        return []
+    entries = []
+    for i, data in enumerate(section):
+        if isinstance(data, Mapping):
+            entries.append(RawEntry(role, (*place, i), data))
+        else:
+            report.add((*place, i), f"must be a mapping of options, got {show(data)}")
+    return entries
+
+
+def share(key: str, value: Any, count: int, place: Place, report: Report) -> Shared:
+    """Share one key of an entry out over its ``count`` bodies.
+
+    A list of numbers is one vector for all; any other list holds one value for each body, and the last one again
+    for the bodies it does not reach. Keys that take a single number read a list of ``count`` numbers as one each.
+    """
+    if key == "goal":
+        return _share_goals(read_numbers(value), count, place, report)
+    if key == "sensors":
+        return _share_sensors(value, count, place)
+    if key in VECTORS or key in SCALARS:
+        value = read_numbers(value)
+    if not isinstance(value, list):
+        return Shared(((place, value),))
+    if key in SCALARS:
+        if len(value) == count:
+            return _one_each(value, count, place)
+        report.add(place, f"must be one value, or a list of {count} (one for each body), got {show(value)}")
+        return Shared(())
+    if all(_is_number(item) for item in value):
+        return Shared(((place, value),))
+    return _one_each(value, count, place)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float)
+
+
+def _one_each(value: list[Any], count: int, place: Place) -> Shared:
+    return Shared(tuple(((*place, i), item) for i, item in enumerate(value[:count])))
+
+
+def _share_sensors(value: Any, count: int, place: Place) -> Shared:
+    """One list of mappings is for all; a list of lists is one list for each body."""
+    if isinstance(value, list) and value and not all(isinstance(item, Mapping) for item in value):
+        return _one_each(value, count, place)
+    return Shared(((place, value),))
+
+
+def _share_goals(value: Any, count: int, place: Place, report: Report) -> Shared:
+    """One goal is for all; two levels of lists are one goal each; three levels are one list of goals each."""
+    levels = depth(value)
+    if levels <= 1:
+        return Shared(((place, value),))
+    if levels == 2 and count == 1 and len(value) > 1:
+        report.add(place, "several goals for one body need one more pair of brackets: [[[x, y], [x, y]]]")
+        return Shared(())
+    return _one_each(value, count, place)
+
+
+def depth(value: Any) -> int:
+    """Return the levels of lists around the first number."""
+    levels = 0
+    while isinstance(value, list) and levels < 4:
+        levels += 1
+        value = value[0] if value else None
+    return levels

@@ -1,0 +1,254 @@
+"""What a scenario is, once read: frozen and complete."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import AllowInfNan, Field
+
+from irsim_gym.errors import Problem
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
+from irsim_gym.scenario.source import Place, Source
+
+Waypoint = tuple[float, float, float]
+Limit = Annotated[float, AllowInfNan(True), Field(ge=0.0)]
+
+MAX_BODIES = 100_000
+
+
+@kind
+class WorldSpec:
+    """The section ``world``."""
+
+    name: str = option("world", min_length=1, max_length=200, meaning="Name of the world; by default the file's name.")
+    width: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in x.")
+    height: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in y.")
+    step_time: float = option(
+        0.1, gt=0.0, le=100.0, unit="s", meaning="Duration of a step.", consequence="Coarse steps pass through thin walls."
+    )
+    sample_time: float = option(0.1, gt=0.0, unit="s", meaning="Time between frames, rounded to whole steps.")
+    offset: tuple[float, float] = option((0.0, 0.0), unit="m", meaning="Lower left corner of the world.")
+    control_mode: Literal["auto", "keyboard"] = option("auto", meaning="Who drives.", planned=True)
+    collision_mode: Literal["stop", "unobstructed", "unobstructed_obstacles"] = option(
+        "stop", meaning="Who stops at a collision: all, nobody, or robots only."
+    )
+    status: Literal["None", "Running", "Arrived", "Collision", "Pause"] = option(
+        "None", meaning="Status text at the beginning."
+    )
+    obstacle_map: Any = option(None, meaning="Obstacles from an image or a generator.", planned=True)
+    mdownsample: int = option(1, ge=1, meaning="Keep every n-th cell of the map.", planned=True)
+    plot: WorldPlot = option(WorldPlot(), meaning="Drawing options of the world.")
+    step_mode: Literal["internal", "external"] = option("internal", meaning="Who moves the bodies.", planned=True)
+    fog_map: bool = option(False, meaning="Keep a map of what was explored.", planned=True)
+    fog_map_resolution: float | None = option(
+        None, gt=0.0, unit="m", meaning="Cell size of the map of what was explored.", planned=True
+    )
+    update: Literal["sequential", "simultaneous"] = option(
+        "sequential", meaning="Bodies see earlier ones already moved, or all as they stood.", planned=True
+    )
+
+
+@kind
+class BodyOptions:
+    """The keys of an entry of ``robot`` or ``obstacle``."""
+
+    number: int = option(1, ge=0, le=MAX_BODIES, meaning="Number of bodies that the entry makes.")
+    number_range: tuple[int, int] | None = option(
+        None, meaning="Each level draws how many bodies there are: least and most; instead of number."
+    )
+    distribution: Any = option(None, meaning="How starts and goals are chosen; by default as given (manual).")
+    name: str | None = option(
+        None, min_length=1, max_length=200, meaning="Unique name; by default role and number, such as robot_0."
+    )
+    kinematics: Any = option(None, meaning="The drive; a body without one never moves.")
+    shape: Any = option(None, meaning="The footprint; by default a circle of radius 0.2 m.")
+    state: tuple[float, ...] = option(
+        (0.0, 0.0, 0.0), min_length=1, unit="m, m, rad", meaning="Start pose; missing numbers are 0, surplus ones unused."
+    )
+    velocity: tuple[float, ...] = option(
+        (), unit="m/s or rad/s", meaning="Velocity at the start, in the drive's coordinates; missing numbers are 0."
+    )
+    goal: tuple[tuple[float, ...], ...] = option(
+        (), unit="m, m, rad", meaning="Where to go: [x, y] or [x, y, heading]; several in order need three levels of lists."
+    )
+    behavior: Any = option(None, meaning="How the body decides; without one it stands still unless an agent drives it.")
+    group_behavior: Any = option(None, meaning="How the bodies of a group decide together.")
+    role: Literal["robot", "obstacle"] | None = option(None, meaning="The section's own name, or nothing.")
+    color: str | None = option(None, min_length=1, meaning="Colour; 'cycle' gives each body of the entry its own.")
+    static: bool = option(False, meaning="The body never moves.")
+    vel_min: tuple[float, ...] | None = option(None, unit="m/s or rad/s", meaning="Least velocities; by default -1 each.")
+    vel_max: tuple[float, ...] | None = option(
+        None, unit="m/s or rad/s", meaning="Greatest velocities; by default 1 each."
+    )
+    acce: tuple[Limit, ...] | None = option(
+        None, unit="m/s2 or rad/s2", meaning="Greatest change of each velocity per second; by default no limit (.inf)."
+    )
+    angle_range: tuple[float, float] = option(
+        (-np.pi, np.pi), unit="rad", meaning="Interval that headings wrap into; 2 pi wide."
+    )
+    goal_threshold: float = option(0.1, ge=0.0, unit="m", meaning="The goal is reached when it is nearer than this.")
+    sensors: Any = option(None, meaning="List of sensors.")
+    arrive_mode: Literal["position", "state"] = option("position", meaning="What must match the goal on arrival.")
+    description: str | None = option(None, min_length=1, meaning="Image that the body is drawn with.")
+    group: int | None = option(None, ge=0, meaning="Number of the group; by default one per entry.")
+    group_name: str | None = option(None, min_length=1, meaning="Name of the group; by default role_group.")
+    unobstructed: bool = option(False, meaning="Collisions and sensors ignore the body.")
+    plot: ObjectPlot = option(ObjectPlot(), meaning="Drawing options of the body.")
+    state_dim: int | None = option(None, ge=1, meaning="Number of state variables; checked against the drive.")
+    vel_dim: int | None = option(None, ge=1, meaning="Number of velocities; checked against the drive.")
+    fov: float | None = option(None, gt=0.0, unit="rad", meaning="Width of the field of view.", planned=True)
+    fov_radius: float | None = option(None, gt=0.0, unit="m", meaning="Depth of the field of view.", planned=True)
+
+
+@kind
+class KeyboardSpec:
+    """The section ``gui.keyboard``."""
+
+    backend: Literal["pynput", "mpl"] = option("pynput", meaning="Where key presses come from.")
+    global_hook: bool = option(False, meaning="Listen to keys while another window has the focus.")
+    key_lv_max: float = option(3.0, ge=0.0, unit="m/s", meaning="Speed while a key is held.")
+    key_ang_max: float = option(1.0, ge=0.0, unit="rad/s", meaning="Turn rate while a key is held.")
+    key_lv: float = option(0.0, unit="m/s", meaning="Speed at the beginning.")
+    key_ang: float = option(0.0, unit="rad/s", meaning="Turn rate at the beginning.")
+    key_rot: float = option(0.0, unit="rad/s", meaning="Turn rate of an omnidirectional body at the beginning.")
+    key_id: int = option(0, ge=0, meaning="Number of the robot that the keys drive.")
+
+
+@kind
+class MouseSpec:
+    """The section ``gui.mouse``."""
+
+    zoom_factor: float = option(1.1, gt=1.0, meaning="Factor of the view for one step of the wheel.")
+
+
+@kind
+class GuiSpec:
+    """The section ``gui``."""
+
+    keyboard: KeyboardSpec = option(KeyboardSpec(), meaning="Options of the keyboard.")
+    mouse: MouseSpec = option(MouseSpec(), meaning="Options of the mouse.")
+
+
+@dataclass(frozen=True)
+class BodySpec:
+    """One robot or obstacle.
+
+    Attributes:
+        name: Unique name.
+        role: ``robot`` or ``obstacle``.
+        entry: Index of its placement.
+        line: Line of its entry in the file, 0 when unknown.
+        kinematics: Instance of a registered drive; None for a body that never moves.
+        shape: Instance of a registered footprint.
+        behavior: Instance of a registered behaviour, or None.
+        group_behavior: Instance of a registered group behaviour, or None.
+        sensors: Instances of registered sensors.
+        state: Start pose (x, y, heading) [m, m, rad]; None when the distribution draws it.
+        goal: Waypoints (x, y, heading) [m, m, rad] in order; NaN for a heading that is not given; empty for no goal.
+        velocity: Velocity at the start, in the drive's coordinates [m/s or rad/s].
+        vel_min: Least velocities [m/s or rad/s].
+        vel_max: Greatest velocities [m/s or rad/s].
+        acce: Greatest changes per second [m/s2 or rad/s2]; may be infinite.
+        angle_range: Interval that headings wrap into [rad]; exactly 2 pi wide.
+        goal_threshold: The goal is reached when it is nearer than this [m].
+        arrive_mode: ``position`` or ``state``.
+        static: The body never moves; True without kinematics.
+        unobstructed: Collisions and sensors ignore the body.
+        group: Number of its group.
+        group_name: Name of its group.
+        color: Colour.
+        description: Image that it is drawn with, or None.
+        fov: Width of the field of view [rad], or None.
+        fov_radius: Depth of the field of view [m], or None.
+        plot: Drawing options.
+    """
+
+    name: str
+    role: Literal["robot", "obstacle"]
+    entry: int
+    line: int
+    kinematics: Any
+    shape: Any
+    behavior: Any
+    group_behavior: Any
+    sensors: tuple[Any, ...]
+    state: Waypoint | None
+    goal: tuple[Waypoint, ...]
+    velocity: tuple[float, ...]
+    vel_min: tuple[float, ...]
+    vel_max: tuple[float, ...]
+    acce: tuple[float, ...]
+    angle_range: tuple[float, float]
+    goal_threshold: float
+    arrive_mode: Literal["position", "state"]
+    static: bool
+    unobstructed: bool
+    group: int
+    group_name: str
+    color: str
+    description: str | None
+    fov: float | None
+    fov_radius: float | None
+    plot: ObjectPlot
+
+
+@dataclass(frozen=True)
+class PlacementSpec:
+    """How the bodies of one entry are placed.
+
+    Attributes:
+        members: Their numbers.
+        kind: Instance of a registered distribution.
+        number_range: Least and greatest number of members present in a level; None for all.
+        role: ``robot`` or ``obstacle``.
+        line: Line of the entry in the file, 0 when unknown.
+    """
+
+    members: tuple[int, ...]
+    kind: Any
+    number_range: tuple[int, int] | None
+    role: Literal["robot", "obstacle"]
+    line: int
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What a file describes. A body's number is its index in ``bodies``: robots first, then obstacles.
+
+    Attributes:
+        name: Name of the world.
+        file: Path of the file, empty for a mapping.
+        world: The section ``world``.
+        bodies: Robots, then obstacles.
+        placements: One for each entry that makes bodies, in the same order.
+        gui: The section ``gui``.
+        task: The section ``task`` as plain data; ``{"name": ...}`` when it is a name; empty when there is none.
+        custom: The section ``custom``, untouched.
+        source: The data it was read from, with lines.
+        root: Path of the wrapper key around all sections; empty without one.
+    """
+
+    name: str
+    file: str
+    world: WorldSpec
+    bodies: tuple[BodySpec, ...]
+    placements: tuple[PlacementSpec, ...]
+    gui: GuiSpec
+    task: Mapping[str, Any]
+    custom: Any
+    source: Source = field(repr=False, compare=False)
+    root: Mapping[str, Place] = field(repr=False, compare=False, default_factory=dict)
+
+    @property
+    def robots(self) -> tuple[int, ...]:
+        """Numbers of the robots."""
+        return tuple(b for b, body in enumerate(self.bodies) if body.role == "robot")
+
+    def problem(self, place: Place, message: str) -> Problem:
+        """Return a problem with a value of the file, e.g. at ``("task", "rewards", 0, "weight")``, with its line."""
+        prefix = self.root.get(str(place[0]), ()) if place else ()
+        return self.source.problem((*prefix, *place), message)

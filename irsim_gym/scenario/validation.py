@@ -1,0 +1,282 @@
+"""Plain data to typed options: every mistake at once, each with its path."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import types
+from collections.abc import Iterable, Mapping
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+
+from pydantic import TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+
+from irsim_gym.errors import Problem, UnknownNameError
+from irsim_gym.registry import Registry
+from irsim_gym.scenario.expressions import evaluate
+from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, choices, describe, show, translate, unknown_key
+from irsim_gym.scenario.options import OPTIONS_CONFIG
+from irsim_gym.scenario.source import Place, Source
+
+MAX_PROBLEMS = 200
+
+T = TypeVar("T")
+
+
+class Bad:
+    """Stands for a value that was refused; the problem is already told."""
+
+    def __repr__(self) -> str:
+        return "BAD"
+
+
+BAD = Bad()
+
+
+class Report:
+    """Collects the problems of one source."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.problems: dict[Problem, None] = dict.fromkeys(source.problems)
+
+    def add(self, place: Place, message: str) -> None:
+        """Tell a problem; the same one is told once, and after many the rest is only counted off."""
+        if len(self.problems) < MAX_PROBLEMS:
+            self.problems[self.source.problem(place, message)] = None
+        elif len(self.problems) == MAX_PROBLEMS:
+            self.problems[Problem(10**9, "", "more problems are not shown")] = None
+
+    @property
+    def is_full(self) -> bool:
+        """True when further problems would not be shown."""
+        return len(self.problems) > MAX_PROBLEMS
+
+
+def option_fields(cls: type[Any]) -> dict[str, FieldInfo]:
+    """Return the options of a kind or spec by their names in YAML."""
+    return dict(cls.__pydantic_fields__)
+
+
+def is_planned(info: FieldInfo) -> bool:
+    """Return whether an option is known but does not work yet."""
+    return isinstance(info.json_schema_extra, dict) and bool(info.json_schema_extra.get("planned"))
+
+
+def frozen(value: Any) -> Any:
+    """Return plain data with tuples in place of lists."""
+    return tuple(frozen(item) for item in value) if isinstance(value, list | tuple) else value
+
+
+def read_numbers(value: Any) -> Any:
+    """Return a value with every expression in it (``pi/2``) evaluated, also inside lists."""
+    if isinstance(value, list | tuple):
+        return [read_numbers(item) for item in value]
+    if isinstance(value, str):
+        number = evaluate(value)
+        return value if number is None else number
+    return value
+
+
+def build(
+    cls: type[T],
+    data: Any,
+    place: Place,
+    report: Report,
+    *,
+    skip: Iterable[str] = (),
+    contact: Iterable[str] = (),
+) -> T | None:
+    """Make an instance of a kind or spec, or tell every reason why not.
+
+    Args:
+        cls: A class made by ``options.kind``.
+        data: What stands in the file; None stands for an empty mapping.
+        place: Its path.
+        report: Collects the problems.
+        skip: Keys that somebody else reads, such as ``name``.
+        contact: Keys of IR-SIM's contact mode, which is not part of the language.
+    """
+    data = {} if data is None else data
+    if not isinstance(data, Mapping):
+        report.add(place, f"must be a mapping of options, got {show(data)}")
+        return None
+    fields, ignored = option_fields(cls), set(skip)
+    check_keys(data, [*fields, *ignored], place, report, contact)
+    values: dict[str, Any] = {}
+    is_good = True
+    for key, info in fields.items():
+        if key not in ignored and data.get(key) is not None:
+            values[key] = read_field(info, data[key], (*place, key), report)
+            is_good = is_good and values[key] is not BAD
+        elif info.is_required() and key not in ignored:
+            report.add((*place, key), "is required")
+            is_good = False
+    return _construct(cls, values, place, report) if is_good else None
+
+
+def _construct(cls: type[T], values: Mapping[str, Any], place: Place, report: Report) -> T | None:
+    try:
+        made = cls(**values)
+    except ValidationError as error:
+        for record in error.errors():
+            where = (*place, *(part for part in record["loc"] if isinstance(part, str | int)))
+            report.add(where, translate(record, record.get("input"), Any))
+        return None
+    problems = list(made.check()) if hasattr(made, "check") else []
+    for key, message in problems:
+        report.add((*place, key) if key else place, message)
+    return None if problems else made
+
+
+def check_keys(
+    data: Mapping[str, Any], known: Iterable[str], place: Place, report: Report, contact: Iterable[str] = ()
+) -> None:
+    """Tell the keys that nobody reads."""
+    known, foreign = list(known), set(contact)
+    for key in data:
+        if key in foreign:
+            report.add((*place, key), CONTACT_MESSAGE)
+        elif key not in known and not report.is_full:
+            report.add((*place, key), unknown_key(key, known))
+
+
+def read_field(info: FieldInfo, value: Any, place: Place, report: Report) -> Any:
+    """Return the validated value of one option; BAD after telling what is wrong."""
+    ready = prepare(info.annotation, value, place, report)
+    if ready is BAD:
+        return BAD
+    try:
+        result = _adapter(_Declared(info)).validate_python(ready)
+    except ValidationError as error:
+        _tell(error, info, ready, place, report)
+        return BAD
+    if is_planned(info) and result != info.default:
+        shown = "" if isinstance(result, tuple | Mapping) else f"{show(result)} "
+        report.add(place, f"{shown}is not supported yet")
+        return BAD
+    return result
+
+
+class _Declared:
+    """A field, hashable by identity, so that its validator is made once."""
+
+    def __init__(self, info: FieldInfo) -> None:
+        self.info = info
+
+    def __hash__(self) -> int:
+        return id(self.info)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Declared) and other.info is self.info
+
+
+@functools.lru_cache(maxsize=1024)
+def _adapter(declared: _Declared) -> TypeAdapter[Any]:
+    info = declared.info
+    hint = info.annotation
+    for constraint in info.metadata:
+        hint = Annotated[hint, constraint]  # type: ignore[assignment]
+    if dataclasses.is_dataclass(info.annotation):
+        return TypeAdapter(hint)
+    return TypeAdapter(hint, config=OPTIONS_CONFIG)
+
+
+def _tell(error: ValidationError, info: FieldInfo, value: Any, place: Place, report: Report) -> None:
+    if len(_branches(info.annotation)) > 1:
+        report.add(place, f"must be {describe(info.annotation)}, got {show(value)}")
+        return
+    for record in error.errors():
+        inner = tuple(part for part in record["loc"] if isinstance(part, int))
+        report.add((*place, *inner), translate(record, record.get("input"), _hint_at(info.annotation, inner)))
+
+
+def _branches(hint: Any) -> list[Any]:
+    if get_origin(hint) in (Union, types.UnionType):
+        return [arg for arg in get_args(hint) if arg is not type(None)]
+    return [hint]
+
+
+def _hint_at(hint: Any, inner: tuple[int, ...]) -> Any:
+    """Return the type declared for an element of a list."""
+    hint = _branches(hint)[0]
+    if hasattr(hint, "__metadata__"):
+        return _hint_at(get_args(hint)[0], inner)
+    if not inner or get_origin(hint) is not tuple:
+        return hint
+    args = get_args(hint)
+    index = 0 if len(args) == 2 and args[1] is Ellipsis else min(inner[0], len(args) - 1)
+    return _hint_at(args[index], inner[1:])
+
+
+def prepare(hint: Any, value: Any, place: Place, report: Report) -> Any:
+    """Return a value as pydantic's strict types want it: tuples, evaluated expressions, nested options built."""
+    branches = _branches(hint)
+    if len(branches) > 1:
+        keeps_text = str in branches or any(branch is Any for branch in branches)
+        return frozen(value if keeps_text else read_numbers(value))
+    hint = branches[0]
+    if hasattr(hint, "__metadata__"):
+        return prepare(get_args(hint)[0], value, place, report)
+    if dataclasses.is_dataclass(hint) and isinstance(hint, type):
+        built = build(hint, value, place, report)
+        return BAD if built is None else built
+    if hint in (float, int) and isinstance(value, str):
+        number = evaluate(value)
+        return value if number is None else number
+    if get_origin(hint) is tuple and isinstance(value, list | tuple):
+        return _prepare_tuple(hint, value, place, report)
+    return frozen(value)
+
+
+def _prepare_tuple(hint: Any, value: list[Any] | tuple[Any, ...], place: Place, report: Report) -> Any:
+    args = get_args(hint)
+    if len(args) == 2 and args[1] is Ellipsis:
+        hints = [args[0]] * len(value)
+    elif len(args) == len(value):
+        hints = list(args)
+    else:
+        report.add(place, f"must be {describe(hint)}, got {show(value)}")
+        return BAD
+    items = [prepare(one, item, (*place, i), report) for i, (one, item) in enumerate(zip(hints, value, strict=True))]
+    return BAD if any(item is BAD for item in items) else tuple(items)
+
+
+def build_named(
+    registry: Registry, data: Any, place: Place, report: Report, *, default: str | None = None, synonym: str = "name"
+) -> Any:
+    """Make an instance of a registered kind from ``{name: ..., option: ...}``; None after telling what is wrong.
+
+    Args:
+        registry: The family.
+        data: What stands in the file.
+        place: Its path.
+        report: Collects the problems.
+        default: Name of a mapping that gives none; without one the name is required.
+        synonym: A second key that may hold the name.
+    """
+    family = registry.family
+    if not isinstance(data, Mapping):
+        example = data if isinstance(data, str) and data in registry else next(iter(registry.names()), "...")
+        report.add(place, f"must be a mapping such as {{name: {example}}}, got {show(data)}")
+        return None
+    key = "name" if "name" in data or synonym not in data else synonym
+    name = data.get(key, default)
+    if name is None:
+        report.add((*place, "name"), f"is required: {choices(registry.names())}")
+        return None
+    if not isinstance(name, str):
+        report.add((*place, key), f"must be {choices(registry.names())}, got {show(name)}")
+        return None
+    try:
+        entry = registry.entry(name)
+    except UnknownNameError as error:
+        extra = "" if "did you mean" in str(error) else f"; known: {', '.join(registry.names())}"
+        report.add((*place, key), f"{error}{extra}")
+        return None
+    contact = CONTACT_KEYS.get(family, ())
+    made = build(entry.kind, data, place, report, skip={"name", key}, contact=contact)
+    if entry.planned:
+        report.add((*place, key), f"{family} '{name}' is not supported yet; supported: {', '.join(registry.names())}")
+        return None
+    return made
