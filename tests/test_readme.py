@@ -1,0 +1,124 @@
+"""What README.md and CONTRIBUTING.md show is run."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import irsim_gym
+
+ROOT = Path(__file__).parents[1]
+README = ROOT / "README.md"
+CONTRIBUTING = ROOT / "CONTRIBUTING.md"
+PICTURE = ROOT / "docs" / "cluttered_room.png"
+LONG = {"make", "train", "evaluate", "record", "demo", "play", "bench"}
+LARGEST_DIFFERENCE = 8.0
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block of a page."""
+
+    page: str
+    line: int
+    language: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.page}:{self.line}"
+
+
+def blocks(page: Path, language: str) -> list[Block]:
+    text = page.read_text(encoding="utf-8")
+    return [
+        Block(page.name, text.count("\n", 0, found.start()) + 1, found[1], found[2])
+        for found in re.finditer(r"^```(\w+)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+        if found[1] == language
+    ]
+
+
+def commands(page: Path) -> list[str]:
+    lines = [line for block in blocks(page, "bash") for line in block.text.splitlines()]
+    return [line.split("#")[0].strip() for line in lines if line.split("#")[0].strip()]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the README's own scenario in it, named as its code blocks name it."""
+    place = tmp_path_factory.mktemp("readme")
+    for block in blocks(README, "yaml"):
+        (place / _file_name(block)).write_text(block.text, encoding="utf-8")
+    return place
+
+
+@pytest.mark.parametrize("block", [*blocks(README, "python"), *blocks(CONTRIBUTING, "python")], ids=str)
+def test_python_blocks_run(block: Block, folder: Path) -> None:
+    _run([sys.executable, "-W", "error", "-c", block.text], folder)
+
+
+@pytest.mark.parametrize("block", blocks(README, "yaml"), ids=str)
+def test_scenarios_load_and_run(block: Block, folder: Path) -> None:
+    env = irsim_gym.make(folder / _file_name(block))
+    env.reset(seed=0)
+    env.step(env.action_space.sample())
+    env.close()
+
+
+@pytest.mark.parametrize("command", [*commands(README), *commands(CONTRIBUTING)])
+def test_commands_exist(command: str, folder: Path) -> None:
+    """Short commands are run; of the long ones it is checked that they exist and take these options."""
+    words = shlex.split(command)
+    words = [word for word in words if not re.fullmatch(r"[A-Z_]+=.*", word)]
+    if words[0] == "make":
+        rules = (ROOT / "Makefile").read_text(encoding="utf-8")
+        assert all(re.search(rf"^{target}:", rules, re.MULTILINE) for target in words[1:])
+    elif words[0] == "irsim-gym":
+        program = [sys.executable, "-c", "from irsim_gym.cli import main; main()"]
+        if words[1] in LONG:
+            shown = _run([*program, words[1], "--help"], folder)
+            assert all(word.split("=")[0] in shown for word in words if word.startswith("--"))
+        else:
+            _run([*program, *words[1:]], folder)
+    else:
+        assert words[0] in {"pip", "git", "cd", "python", ".venv/bin/python", ".venv/bin/pytest"}, (
+            f"cannot check: {command}"
+        )
+
+
+def test_the_picture_is_the_first_blocks(folder: Path) -> None:
+    """The committed picture is what the first code block makes, but for fonts and anti-aliasing."""
+    import imageio.v3 as iio
+
+    first = blocks(README, "python")[0]
+    _run([sys.executable, "-W", "error", "-c", first.text], folder)
+    made = iio.imread(folder / PICTURE.name)[..., :3].astype(np.float64)
+    shown = iio.imread(PICTURE)[..., :3].astype(np.float64)
+    assert made.shape == shown.shape
+    assert np.abs(made - shown).mean() < LARGEST_DIFFERENCE
+
+
+def test_links_lead_somewhere() -> None:
+    for page in (README, CONTRIBUTING, ROOT / "DESIGN.md"):
+        text = page.read_text(encoding="utf-8")
+        for target in re.findall(r"\]\(([^)#]+)\)", text):
+            assert target.startswith("https://") or (ROOT / target).exists(), f"{page.name}: {target}"
+
+
+def _file_name(block: Block) -> str:
+    named = re.match(r"#\s*(\S+\.yaml)", block.text)
+    return named[1] if named else f"block_{block.line}.yaml"
+
+
+def _run(command: list[str], folder: Path) -> str:
+    outside = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
+    result = subprocess.run(command, cwd=folder, env=outside, capture_output=True, text=True, check=False, timeout=300)
+    assert result.returncode == 0, f"{result.stdout}\n{result.stderr}"
+    return result.stdout
