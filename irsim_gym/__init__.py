@@ -1,0 +1,42 @@
+"""Gymnasium environments for mobile robots, written in IR-SIM's YAML, stepped in batches by compiled kernels.
+
+Importing the package registers the shipped scenarios as ``irsim_gym/<name>-v0``; everything else is loaded when used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from irsim_gym import errors
+from irsim_gym.envs.registration import make, make_vec, register_scenarios, register_shipped
+
+if TYPE_CHECKING:
+    from irsim_gym.engine import compile
+    from irsim_gym.envs import sb3
+    from irsim_gym.scenario import load_scenario
+
+_LAZY = {
+    "compile": ("irsim_gym.engine", "compile"),
+    "load_scenario": ("irsim_gym.scenario", "load_scenario"),
+    "sb3": ("irsim_gym.envs.sb3", None),
+}
+
+__all__ = ["compile", "errors", "load_scenario", "make", "make_vec", "register_scenarios", "sb3"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LAZY:
+        raise AttributeError(f"module 'irsim_gym' has no attribute {name!r}")
+    module, attribute = _LAZY[name]
+    found = importlib.import_module(module)
+    value = found if attribute is None else getattr(found, attribute)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+register_shipped()

@@ -1,0 +1,101 @@
+"""Ids for ``gymnasium.make``: one for each scenario file, and ``irsim_gym/World-v0`` for any file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.scenario.library import scenario_names
+
+NAMESPACE = "irsim_gym"
+ANY = f"{NAMESPACE}/World-v0"
+ENTRY_POINT = "irsim_gym.envs.single:WorldEnv"
+VECTOR_ENTRY_POINT = "irsim_gym.envs.vector:WorldVectorEnv"
+SUFFIXES = (".yaml", ".yml")
+
+
+def env_id(name: str, namespace: str = NAMESPACE) -> str:
+    """Return the id of a scenario: characters that an id may not hold become ``_``."""
+    return f"{namespace}/{re.sub(r'[^A-Za-z0-9_-]', '_', name)}-v0"
+
+
+def register_shipped() -> None:
+    """Register the scenarios that come with the package. No file is read."""
+    _register(ANY, {})
+    for name in scenario_names():
+        _register(env_id(name), {"scenario": name})
+
+
+def register_scenarios(folder: str | Path, namespace: str = NAMESPACE) -> tuple[str, ...]:
+    """Register each YAML file of a folder as ``<namespace>/<file name>-v0``; none is read before it is made.
+
+    Args:
+        folder: The folder; its subfolders are left out.
+        namespace: First part of the ids.
+
+    Returns:
+        The ids, in alphabetical order.
+
+    Raises:
+        NotADirectoryError: There is no such folder.
+        IrsimGymError: Two files would get one id.
+    """
+    folder = Path(folder).resolve()
+    if not folder.is_dir():
+        raise NotADirectoryError(f"no such folder: {folder}")
+    files = sorted(file for file in folder.iterdir() if file.suffix in SUFFIXES and file.is_file())
+    ids = tuple(env_id(file.stem, namespace) for file in files)
+    for one, file in zip(ids, files, strict=True):
+        _register(one, {"scenario": str(file)})
+    return ids
+
+
+def _register(one: str, kwargs: dict[str, Any]) -> None:
+    """Register an id once; twice with the same scenario is once."""
+    known = gymnasium.registry.get(one)
+    if known is None:
+        gymnasium.register(one, ENTRY_POINT, vector_entry_point=VECTOR_ENTRY_POINT, kwargs=kwargs)
+    elif known.kwargs != kwargs:
+        taken, wanted = (source.get("scenario", "any file") for source in (known.kwargs, kwargs))
+        raise IrsimGymError(
+            f"the id '{one}' is taken by {taken}; rename {wanted} or register it under another namespace"
+        )
+
+
+def make(scenario: str | Path | Mapping[str, Any], **kwargs: Any) -> gymnasium.Env[Any, Any]:
+    """Make a single environment from a shipped name, a YAML file, plain data or an id.
+
+    Args:
+        scenario: What to make.
+        **kwargs: Options of ``WorldEnv`` and of ``gymnasium.make``.
+    """
+    one, kwargs = _resolve(scenario, kwargs)
+    return gymnasium.make(one, **kwargs)
+
+
+def make_vec(
+    scenario: str | Path | Mapping[str, Any], num_envs: int = 1, **kwargs: Any
+) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
+    """Make the native batch of environments from a shipped name, a YAML file, plain data or an id.
+
+    Args:
+        scenario: What to make.
+        num_envs: Number of worlds.
+        **kwargs: Options of ``WorldVectorEnv`` and of ``gymnasium.make_vec``.
+    """
+    one, kwargs = _resolve(scenario, kwargs)
+    return gymnasium.make_vec(one, num_envs=num_envs, **kwargs)
+
+
+def _resolve(scenario: str | Path | Mapping[str, Any], kwargs: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """Return the id to make and its arguments."""
+    if isinstance(scenario, str):
+        for one in (scenario.removeprefix(f"{NAMESPACE}:"), env_id(scenario)):
+            if one in gymnasium.registry and (one != env_id(scenario) or scenario in scenario_names()):
+                return one, kwargs
+    return ANY, {**kwargs, "scenario": str(scenario) if isinstance(scenario, Path) else scenario}

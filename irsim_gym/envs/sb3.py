@@ -1,0 +1,208 @@
+"""Many worlds as a Stable-Baselines3 ``VecEnv``."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.error import ResetNeeded
+from numpy.typing import NDArray
+from stable_baselines3.common.monitor import Monitor
+from stable_baselines3.common.vec_env import VecEnv
+
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
+from irsim_gym.envs.spaces import Observation
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
+
+Indices = None | int | Iterable[int]
+
+
+def make_vec_env(
+    name: ScenarioSource,
+    n_envs: int = 1,
+    seed: int | None = None,
+    *,
+    task: TaskSource = None,
+    max_steps: int | None = None,
+    num_threads: int = 1,
+    render_mode: str | None = "rgb_array",
+) -> WorldVecEnv:
+    """Make the worlds of a scenario for Stable-Baselines3.
+
+    Args:
+        name: Name of a shipped scenario, path of a YAML file, plain data or a loaded scenario.
+        n_envs: Number of worlds.
+        seed: World ``w`` begins with level ``seed + w``; None for levels from entropy.
+        task: Name of a shipped task, path, or plain data; None for the scenario's own.
+        max_steps: Time limit [steps]; None for the task's.
+        num_threads: Threads that share the worlds.
+        render_mode: ``"rgb_array"`` or None; costs nothing until ``render`` is called.
+    """
+    worlds = Worlds(name, n_envs, task=task, max_steps=max_steps, num_threads=num_threads, render_mode=render_mode)
+    env = WorldVecEnv(worlds)
+    if seed is not None:
+        env.seed(seed)
+    return env
+
+
+class WorldVecEnv(VecEnv):
+    """Worlds of one scenario, each with one robot that learns.
+
+    World ``w`` equals a ``WorldEnv`` that is reset with ``seed + w``, so that a training run gives the same weights as
+    on a ``DummyVecEnv`` of these. An ended world restarts in the same step, and its info holds what the single
+    environment tells, ``terminal_observation``, ``TimeLimit.truncated`` and the statistics ``episode`` of
+    ``Monitor``; infos of the other worlds are empty. A ``VecMonitor`` around it is not needed.
+    """
+
+    def __init__(self, worlds: Worlds) -> None:
+        self.worlds = worlds
+        self.views = [WorldView(worlds, w) for w in range(worlds.n_worlds)]
+        self._returns: Floats = np.zeros(worlds.n_worlds)
+        self._actions: NDArray[Any] | None = None
+        self._action_shape = (worlds.n_worlds, *(worlds.action_space.shape or ()))
+        self._started = time.time()
+        self._all_begun = False
+        super().__init__(worlds.n_worlds, worlds.observation_space, worlds.action_space)
+        self.metadata["render_fps"] = worlds.render_fps
+
+    def reset(self) -> Observation:  # type: ignore[override]
+        """Begin an episode in every world, with the seeds and options given before, which are then forgotten."""
+        worlds = range(self.num_envs)
+        self.worlds.begin(worlds, self._seeds, self._options, fresh_level)
+        self._reset_seeds()
+        self._reset_options()
+        self._returns[:] = 0.0
+        self._all_begun = True
+        self.reset_infos = self.worlds.infos_of(np.arange(self.num_envs))
+        return self.worlds.observation()
+
+    def step_async(self, actions: NDArray[Any]) -> None:
+        """Take the actions ``(n_envs, ...)`` for the next ``step_wait``."""
+        rows = np.asarray(actions)
+        if rows.shape != self._action_shape:
+            raise ValueError(f"actions must have shape {self._action_shape}, got {rows.shape}")
+        self._actions = rows[:, None]
+
+    def step_wait(self) -> tuple[Observation, Rays, Flags, list[dict[str, Any]]]:  # type: ignore[override]
+        """Advance all worlds by one step and restart those that end.
+
+        Returns:
+            Observations, rewards (float32), dones and infos; all fresh.
+        """
+        if not self._all_begun or self._actions is None:
+            raise ResetNeeded("call reset() and step_async() before step_wait()")
+        worlds = self.worlds
+        worlds.episodes.step(self._actions)
+        self._actions = None
+        view = worlds.episodes.view
+        rewards = view.reward[:, 0].astype(np.float32)
+        self._returns += view.reward[:, 0]
+        dones: Flags = view.terminated[:, 0] | view.truncated[:, 0]
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        if dones.any():
+            self._end(np.flatnonzero(dones), infos)
+        return worlds.observation(), rewards, dones, infos
+
+    def _end(self, ended: Ints, infos: list[dict[str, Any]]) -> None:
+        """Fill in the infos of worlds that have ended, and restart them."""
+        worlds = self.worlds
+        view = worlds.episodes.view
+        cut = (view.truncated[ended, 0] & ~view.terminated[ended, 0]).tolist()
+        elapsed = round(time.time() - self._started, 6)
+        indices = ended.tolist()
+        for w, truncated, info in zip(indices, cut, worlds.infos_of(ended), strict=True):
+            info["terminal_observation"] = worlds.observation_of(w)
+            info["TimeLimit.truncated"] = truncated
+            info["episode"] = {"r": round(self._returns.item(w), 6), "l": info["steps"], "t": elapsed}
+            infos[w] = info
+        self._returns[ended] = 0.0
+        worlds.begin_next(ended)
+        for w, info in zip(indices, worlds.infos_of(ended), strict=True):
+            self.reset_infos[w] = info
+
+    def close(self) -> None:
+        """Free the renderer. May be called twice."""
+        self.worlds.close()
+
+    def get_images(self) -> Sequence[Bytes | None]:
+        """Return a fresh picture of each world."""
+        if self.render_mode is None:
+            warnings.warn("the environment was made without a render mode: use render_mode='rgb_array'", stacklevel=2)
+        return [view.render() for view in self.views]
+
+    def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
+        """Return an attribute of the chosen worlds; see ``WorldView``."""
+        return [view.get_wrapper_attr(attr_name) for view in self._chosen(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
+        """Set an attribute of the chosen worlds."""
+        for view in self._chosen(indices):
+            view.set_wrapper_attr(attr_name, value)
+
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: Indices = None, **method_kwargs: Any
+    ) -> list[Any]:
+        """Call a method of the chosen worlds; see ``WorldView``."""
+        return [getattr(view, method_name)(*method_args, **method_kwargs) for view in self._chosen(indices)]
+
+    def env_is_wrapped(
+        self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: Indices = None
+    ) -> list[bool]:
+        """Answer True for ``Monitor`` alone: its statistics are there."""
+        return [issubclass(wrapper_class, Monitor)] * len(self._chosen(indices))
+
+    def _chosen(self, indices: Indices) -> list[WorldView]:
+        return [self.views[w] for w in self._get_indices(indices)]
+
+
+class WorldView:
+    """One world of a ``WorldVecEnv``: what ``get_attr``, ``set_attr`` and ``env_method`` reach."""
+
+    def __init__(self, worlds: Worlds, index: int) -> None:
+        self.worlds = worlds
+        self.index = index
+        self.spec: Any = None
+
+    @property
+    def render_mode(self) -> str | None:
+        """``"rgb_array"`` or None."""
+        return self.worlds.render_mode
+
+    @property
+    def observation_space(self) -> Any:
+        """The space of one world's observations."""
+        return self.worlds.observation_space
+
+    @property
+    def action_space(self) -> Any:
+        """The space of one world's actions."""
+        return self.worlds.action_space
+
+    @property
+    def unwrapped(self) -> WorldView:
+        """Itself."""
+        return self
+
+    def info(self) -> dict[str, Any]:
+        """Return what is known about the world now."""
+        return self.worlds.info_of(self.index)
+
+    def render(self) -> Bytes | None:
+        """Return a fresh picture of the world."""
+        return self.worlds.frame(self.index)
+
+    def has_wrapper_attr(self, name: str) -> bool:
+        """Say whether there is such an attribute."""
+        return hasattr(self, name)
+
+    def get_wrapper_attr(self, name: str) -> Any:
+        """Return an attribute."""
+        return getattr(self, name)
+
+    def set_wrapper_attr(self, name: str, value: Any) -> None:
+        """Set an attribute; it belongs to this world alone."""
+        setattr(self, name, value)

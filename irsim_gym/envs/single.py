@@ -1,0 +1,89 @@
+"""One world as a ``gymnasium.Env``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.error import ResetNeeded
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.envs.spaces import Observation
+from irsim_gym.envs.worlds import LEVELS, RENDER_MODES, ScenarioSource, TaskSource, Worlds
+
+
+class WorldEnv(gymnasium.Env[Observation, Any]):
+    """A scenario in which one robot learns.
+
+    ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` goes on with the next level of the chain
+    that follows from the last seed. ``options={"split": "test", "level": 17}`` begins exactly that level, and
+    later resets without seed stay in that split.
+
+    Infos hold the same keys at each call, all Python numbers: ``outcome`` (``tasks.Outcome``), ``hit`` (the body
+    touched, -1 for none), ``path_length`` [m], ``min_clearance`` [m], ``goal_distance`` [m], ``is_success``, ``steps``,
+    ``level`` and the dict ``reward_terms``.
+
+    Args:
+        scenario: Name of a shipped scenario, path of a YAML file, or plain data.
+        task: Name of a shipped task, path, or plain data; None for the scenario's own.
+        max_steps: Time limit [steps]; None for the task's.
+        render_mode: ``"rgb_array"`` or None.
+    """
+
+    metadata = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012
+
+    def __init__(
+        self,
+        scenario: ScenarioSource,
+        task: TaskSource = None,
+        max_steps: int | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        self.worlds = Worlds(scenario, task=task, max_steps=max_steps, render_mode=render_mode)
+        self.render_mode = render_mode
+        self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": self.worlds.render_fps}
+        self.observation_space = self.worlds.observation_space
+        self.action_space = self.worlds.action_space
+        self._shape = self.action_space.shape
+        self._batch = (1, 1, *(self._shape or ()))
+        self._going = False
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin an episode; see the class for what seeds and options choose."""
+        super().reset(seed=seed)
+        worlds = self.worlds
+        worlds.begin([0], [seed], [options or {}], lambda _: int(self.np_random.integers(LEVELS)))
+        self._going = True
+        return worlds.observation_of(0), worlds.info_of(0)
+
+    def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Advance the world by one step.
+
+        Raises:
+            ResetNeeded: The episode has ended, or none has begun.
+            ValueError: The action has a wrong shape or is not finite.
+        """
+        if not self._going:
+            raise ResetNeeded("the episode has ended or none has begun: call reset() before step()")
+        rows = np.asarray(action)
+        if rows.shape != self._shape:
+            raise ValueError(f"an action must have shape {self._shape}, got {rows.shape}")
+        worlds = self.worlds
+        worlds.episodes.step(rows.reshape(self._batch))
+        view = worlds.episodes.view
+        terminated, truncated = view.terminated.item(0), view.truncated.item(0)
+        self._going = not (terminated or truncated)
+        return worlds.observation_of(0), view.reward.item(0), terminated, truncated, worlds.info_of(0)
+
+    def render(self) -> Bytes | None:  # type: ignore[override]
+        """Return a fresh picture ``(height, width, 3)``; None, with a warning, without a render mode."""
+        if self.render_mode is None:
+            gymnasium.logger.warn("render() was called but no render_mode was given: use render_mode='rgb_array'")
+        return self.worlds.frame(0)
+
+    def close(self) -> None:
+        """Free the renderer. May be called twice."""
+        self.worlds.close()

@@ -1,0 +1,255 @@
+"""Many worlds as a ``gymnasium.vector.VectorEnv``, stepped together by the compiled core."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Bytes, Flags, Floats
+from irsim_gym.envs.spaces import Observation
+from irsim_gym.envs.worlds import LEVELS, RENDER_MODES, ScenarioSource, TaskSource, Worlds
+
+Step = tuple[Observation, Floats, Flags, Flags, dict[str, Any]]
+
+
+class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
+    """Worlds of one scenario, each with one robot that learns.
+
+    World ``w`` equals a ``WorldEnv`` that is reset with ``seed + w``, bit for bit, whatever the number of worlds and of
+    threads; observations, rewards, flags and infos equal those of ``SyncVectorEnv``. Only ``reset(options=...)``
+    says more: ``{"split": "test", "level": 17}`` begins level ``17 + w`` in world ``w``, a sequence one level for each.
+
+    Args:
+        scenario: Name of a shipped scenario, path of a YAML file, or plain data.
+        num_envs: Number of worlds.
+        task: Name of a shipped task, path, or plain data; None for the scenario's own.
+        max_steps: Time limit [steps]; None for the task's.
+        max_episode_steps: Another time limit, from ``make_vec``; the smaller one counts, None or -1 for none.
+        autoreset_mode: An ``AutoresetMode`` or its value: ``"NextStep"``, ``"SameStep"``, ``"Disabled"``.
+        num_threads: Threads that share the worlds.
+        render_mode: ``"rgb_array"`` or None.
+    """
+
+    metadata = {  # noqa: RUF012
+        "render_modes": list(RENDER_MODES),
+        "render_fps": 10,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
+
+    def __init__(
+        self,
+        scenario: ScenarioSource,
+        num_envs: int = 1,
+        task: TaskSource = None,
+        max_steps: int | None = None,
+        max_episode_steps: int | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        num_threads: int = 1,
+        render_mode: str | None = None,
+    ) -> None:
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        worlds = Worlds(
+            scenario,
+            num_envs,
+            task=task,
+            max_steps=max_steps,
+            outer_limit=max_episode_steps,
+            num_threads=num_threads,
+            render_mode=render_mode,
+        )
+        self.worlds = worlds
+        self.num_envs = num_envs
+        self.render_mode = render_mode
+        self.metadata = {
+            "render_modes": list(RENDER_MODES),
+            "render_fps": worlds.render_fps,
+            "autoreset_mode": self.autoreset_mode,
+        }
+        self.single_observation_space = worlds.observation_space
+        self.single_action_space = worlds.action_space
+        self.observation_space = batch_space(worlds.observation_space, num_envs)
+        self.action_space = batch_space(worlds.action_space, num_envs)
+        self._action_shape = (num_envs, *(worlds.action_space.shape or ()))
+        self._ended: Flags = np.zeros(num_envs, np.bool_)
+        self._all_begun = False
+        self._seeds: list[int | None] = [None] * num_envs
+        self._generators: list[np.random.Generator | None] = [None] * num_envs
+
+    def reset(  # type: ignore[override]
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin episodes in all worlds, or in those of ``options["reset_mask"]``.
+
+        Args:
+            seed: World ``w`` begins level ``seed + w``; a sequence holds one seed, or None, for each world; None
+                goes on with the next levels.
+            options: ``reset_mask`` (bool array ``(num_envs,)``), ``split`` and ``level``.
+        """
+        given = dict(options or {})
+        mask = self._mask(given.pop("reset_mask")) if "reset_mask" in given else None
+        seeds = self._seed_list(seed)
+        levels = self._option_list(given)
+        chosen = list(range(self.num_envs)) if mask is None else np.flatnonzero(mask).tolist()
+        self.worlds.begin(chosen, [seeds[w] for w in chosen], [levels[w] for w in chosen], self._draw)
+        for w in chosen:
+            if seeds[w] is not None:
+                self._seeds[w], self._generators[w] = seeds[w], None
+        self._ended[chosen] = False
+        self._all_begun = bool(self.worlds.begun.all())
+        return self.worlds.observation(), self.worlds.batched_infos(mask)
+
+    def step(self, actions: Any) -> Step:
+        """Advance all worlds by one step; ended ones restart as ``autoreset_mode`` says.
+
+        Raises:
+            ResetNeeded: A world has not begun an episode.
+            AssertionError: ``DISABLED``, and a world has ended but was not reset.
+            TypeError: The actions are a single number or not numbers.
+            ValueError: The actions have a wrong shape or are not finite.
+        """
+        if not self._all_begun:
+            raise ResetNeeded("call reset() before step(): a world has not begun an episode")
+        rows = self._action_rows(actions)
+        if self.autoreset_mode is AutoresetMode.SAME_STEP:
+            return self._step_same(rows)
+        if self._ended.any():
+            if self.autoreset_mode is AutoresetMode.DISABLED:
+                worlds = np.flatnonzero(self._ended).tolist()
+                raise AssertionError(f"worlds {worlds} have ended: reset them with options['reset_mask']")
+            return self._step_next(rows)
+        self.worlds.episodes.step(rows)
+        return self._transition()
+
+    def _step_next(self, rows: NDArray[Any]) -> Step:
+        """Step the worlds that go on and restart those that ended in the step before."""
+        restarted = np.flatnonzero(self._ended)
+        going = np.flatnonzero(~self._ended)
+        if going.size:
+            self.worlds.episodes.step(rows, going)
+        self.worlds.begin_next(restarted)
+        _, rewards, terminations, truncations, _ = step = self._transition()
+        rewards[restarted] = 0.0
+        terminations[restarted] = truncations[restarted] = self._ended[restarted] = False
+        return step
+
+    def _step_same(self, rows: NDArray[Any]) -> Step:
+        """Step all worlds and restart those that end."""
+        worlds = self.worlds
+        worlds.episodes.step(rows)
+        view = worlds.episodes.view
+        rewards, terminations, truncations = (a[:, 0].copy() for a in (view.reward, view.terminated, view.truncated))
+        ended = terminations | truncations
+        infos: dict[str, Any] = {}
+        if ended.any():
+            restarted = np.flatnonzero(ended)
+            final = np.full(self.num_envs, None, object)
+            for w in restarted.tolist():
+                final[w] = worlds.observation_of(w)
+            infos = {"final_obs": final, "_final_obs": ended, "final_info": worlds.batched_infos(ended)}
+            infos["_final_info"] = ended.copy()
+            worlds.begin_next(restarted)
+        infos.update(worlds.batched_infos())
+        return worlds.observation(), rewards, terminations, truncations, infos
+
+    def _transition(self) -> Step:
+        """Return fresh copies of what the last step gave, and note which worlds have ended."""
+        view = self.worlds.episodes.view
+        rewards, terminations, truncations = (a[:, 0].copy() for a in (view.reward, view.terminated, view.truncated))
+        np.logical_or(terminations, truncations, out=self._ended)
+        return self.worlds.observation(), rewards, terminations, truncations, self.worlds.batched_infos()
+
+    def render(self) -> tuple[Bytes | None, ...]:  # type: ignore[override]
+        """Return a fresh picture of each world; Nones, with a warning, without a render mode."""
+        if self.render_mode is None:
+            gymnasium.logger.warn("render() was called but no render_mode was given: use render_mode='rgb_array'")
+        return tuple(self.worlds.frame(w) for w in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Free the renderer."""
+        self.worlds.close()
+
+    @property
+    def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
+        """The generators of the worlds."""
+        return tuple(self._generator(w) for w in range(self.num_envs))
+
+    @property
+    def np_random_seed(self) -> tuple[int, ...]:  # type: ignore[override]
+        """The seeds of these generators."""
+        return tuple(self._generator_seed(w) for w in range(self.num_envs))
+
+    def _generator(self, w: int) -> np.random.Generator:
+        generator = self._generators[w]
+        if generator is None:
+            generator, self._seeds[w] = seeding.np_random(self._seeds[w])
+            self._generators[w] = generator
+        return generator
+
+    def _generator_seed(self, w: int) -> int:
+        self._generator(w)
+        seed = self._seeds[w]
+        assert seed is not None
+        return seed
+
+    def _draw(self, w: int) -> int:
+        return int(self._generator(w).integers(LEVELS))
+
+    def _seed_list(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, int | np.integer):
+            return [checked_seed(int(seed) + w) for w in range(self.num_envs)]
+        if len(seed) != self.num_envs:
+            raise ValueError(f"a list of seeds needs one for each of the {self.num_envs} worlds, got {len(seed)}")
+        return [None if one is None else checked_seed(int(one)) for one in seed]
+
+    def _option_list(self, options: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+        """Return the options of each world: a single level counts up over the worlds."""
+        level = options.get("level")
+        if level is None or isinstance(level, bool):
+            return [options] * self.num_envs
+        if isinstance(level, int | np.integer):
+            return [{**options, "level": int(level) + w} for w in range(self.num_envs)]
+        if len(level) != self.num_envs:
+            raise ValueError(
+                f"options['level'] needs one level for each of the {self.num_envs} worlds, got {len(level)}"
+            )
+        return [{**options, "level": one} for one in level]
+
+    def _mask(self, mask: Any) -> Flags:
+        if not isinstance(mask, np.ndarray):
+            raise TypeError(f"options['reset_mask'] must be a numpy array, got {type(mask)}")
+        if mask.dtype != np.bool_:
+            raise TypeError(f"options['reset_mask'] must have dtype bool, got {mask.dtype}")
+        if mask.shape != (self.num_envs,):
+            raise ValueError(f"options['reset_mask'] must have shape ({self.num_envs},), got {mask.shape}")
+        if not mask.any():
+            raise ValueError("options['reset_mask'] must choose at least one world")
+        return mask
+
+    def _action_rows(self, actions: Any) -> NDArray[Any]:
+        """Return the actions with an axis for the one learner, ``(num_envs, 1, ...)``."""
+        rows = np.asarray(actions)
+        if rows.ndim == 0 or rows.dtype.kind not in "fiu":
+            raise TypeError(f"actions must be an array of numbers of shape {self._action_shape}, got {actions!r}")
+        if rows.shape != self._action_shape:
+            raise ValueError(f"actions must have shape {self._action_shape}, got {rows.shape}")
+        return rows[:, None]
+
+
+def checked_seed(seed: int) -> int:
+    """Return a seed, or raise as Gymnasium does for a negative one."""
+    if seed < 0:
+        raise gymnasium.error.Error(f"a seed must be an integer from 0 on, got {seed}")
+    return seed

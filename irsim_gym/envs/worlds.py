@@ -1,0 +1,241 @@
+"""What all adapters share: worlds with one learner each, their levels, infos and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Bytes, Flags, Ints
+from irsim_gym.engine import compile
+from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
+from irsim_gym.errors import UnknownNameError, suggestion
+from irsim_gym.scenario import Scenario, load_scenario
+from irsim_gym.tasks import Episodes, Outcome, load_task
+from irsim_gym.tasks.levels import check_split
+
+if TYPE_CHECKING:
+    from irsim_gym.render import Renderer
+
+TaskSource = str | Path | Mapping[str, Any] | None
+ScenarioSource = str | Path | Mapping[str, Any] | Scenario
+LEVELS = 2**52
+RENDER_MODES = ["rgb_array"]
+
+
+class Worlds:
+    """Independent worlds of one scenario with one learner each.
+
+    Args:
+        scenario: Shipped name, path of a YAML file, plain data or a loaded scenario.
+        n_worlds: How many.
+        task: Name of a shipped task, path, plain data; None for the scenario's own.
+        max_steps: Time limit [steps]; None for the task's.
+        outer_limit: Another time limit [steps], which counts when it is smaller; None or -1 for none.
+        num_threads: Threads that share the worlds.
+        render_mode: ``"rgb_array"`` or None.
+    """
+
+    def __init__(
+        self,
+        scenario: ScenarioSource,
+        n_worlds: int = 1,
+        *,
+        task: TaskSource = None,
+        max_steps: int | None = None,
+        outer_limit: int | None = None,
+        num_threads: int = 1,
+        render_mode: str | None = None,
+    ) -> None:
+        if render_mode not in (None, *RENDER_MODES):
+            raise ValueError(f"render_mode must be None or one of {RENDER_MODES}, got {render_mode!r}")
+        self.scenario = scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
+        self.task = load_task(self.scenario, task, max_steps)
+        if outer_limit not in (None, -1) and outer_limit < self.task.max_steps:
+            self.task = load_task(self.scenario, task, outer_limit)
+        self.simulation = compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
+        self.episodes = Episodes(self.simulation, self.task)
+        if self.episodes.n_agents != 1:
+            raise ValueError(
+                f"a single-agent environment needs one learner, but task '{self.task.name}' has "
+                f"{self.episodes.n_agents}: name one robot in 'task.agents'"
+            )
+        self.n_worlds = n_worlds
+        self.render_mode = render_mode
+        self.observation_space = observation_space(self.episodes)
+        self.action_space = action_space(self.episodes)
+        self.layout = observation_layout(self.episodes)
+        self.begun: Flags = np.zeros(n_worlds, np.bool_)
+        self._splits = ["train"] * n_worlds
+        self._renderer: Renderer | None = None
+
+    @property
+    def render_fps(self) -> float:
+        """Frames per second at which a film runs in real time."""
+        return 1.0 / self.scenario.world.step_time
+
+    def begin(
+        self,
+        worlds: Sequence[int],
+        seeds: Sequence[int | None],
+        options: Sequence[Mapping[str, Any]],
+        draw: Callable[[int], int],
+    ) -> None:
+        """Begin an episode in each of the given worlds.
+
+        A seed begins level ``seed`` of the split (``train`` unless the options say otherwise), the option ``level``
+        exactly that level. Without either the world goes on with the next level of its chain, and a
+        world that has none yet, or changes to another split, starts one.
+
+        Args:
+            worlds: Indices of the worlds.
+            seeds: Seed of each world or None.
+            options: ``{"split": name, "level": number}`` for each world, both may be absent.
+            draw: Returns a level for a world that starts a chain without a seed.
+        """
+        following: list[int] = []
+        first: dict[str, tuple[list[int], list[int]]] = {}
+        wanted = [read_options(option) for option in options]
+        for w, seed, (split, level) in zip(worlds, seeds, wanted, strict=True):
+            same = self.begun[w] and split in (None, self._splits[w])
+            if level is None and seed is None and same:
+                following.append(w)
+                continue
+            if level is None:
+                level = int(seed) % LEVELS if seed is not None else draw(w)
+            self._splits[w] = split or "train"
+            rows = first.setdefault(self._splits[w], ([], []))
+            rows[0].append(w)
+            rows[1].append(level)
+        for name, (indices, levels) in first.items():
+            self.episodes.begin(np.array(indices, np.int64), np.array(levels, np.int64), name)
+        if following:
+            self.episodes.begin_next(np.array(following, np.int64))
+        self.begun[list(worlds)] = True
+        self.forget_trails(worlds)
+
+    def begin_next(self, worlds: Ints) -> None:
+        """Begin the next level of the chain in worlds whose episodes have ended."""
+        self.episodes.begin_next(worlds)
+        if self._renderer is not None:
+            self.forget_trails(worlds)
+
+    def observation(self) -> Observation:
+        """Return a fresh copy of all observations, ``(n_worlds, n_features)`` or a dict of such arrays."""
+        return self.layout.fresh(self.episodes.view.observation[:, 0])
+
+    def observation_of(self, w: int) -> Observation:
+        """Return a fresh copy of one world's observation."""
+        return self.layout.fresh(self.episodes.view.observation[w, 0])
+
+    def info_of(self, w: int) -> dict[str, Any]:
+        """Return what is known about one world, as Python numbers: a dict of its own at each call."""
+        view = self.episodes.view
+        info: dict[str, Any] = {key: values.item(w) for key, values in view.infos.items()}
+        info["reward_terms"] = dict(zip(self.episodes.reward_names, view.reward_terms[w, 0].tolist(), strict=True))
+        return info
+
+    def infos_of(self, worlds: Ints) -> list[dict[str, Any]]:
+        """Return ``info_of`` for several worlds."""
+        view, names = self.episodes.view, self.episodes.reward_names
+        columns = [values[worlds, 0].tolist() for values in view.infos.values()]
+        infos = [dict(zip(view.infos, row, strict=True)) for row in zip(*columns, strict=True)]
+        for info, terms in zip(infos, view.reward_terms[worlds, 0].tolist(), strict=True):
+            info["reward_terms"] = dict(zip(names, terms, strict=True))
+        return infos
+
+    def batched_infos(self, chosen: Flags | None = None) -> dict[str, Any]:
+        """Return infos as Gymnasium's vector environments do: arrays, each with a mask ``_key`` beside it.
+
+        Args:
+            chosen: Worlds that have an info, shape ``(n_worlds,)``; the others get zeros. None for all.
+        """
+        view, names = self.episodes.view, self.episodes.reward_names
+        values = {key: _masked(array[:, 0], chosen) for key, array in view.infos.items()}
+        terms = dict(zip(names, _masked(view.reward_terms[:, 0].T, chosen), strict=True))
+        masks = iter(self._masks(len(values) + len(terms) + 1, chosen))
+        infos = with_masks(values, masks)
+        infos["reward_terms"] = with_masks(terms, masks)
+        infos["_reward_terms"] = next(masks)
+        return infos
+
+    def _masks(self, count: int, chosen: Flags | None) -> NDArray[np.bool_]:
+        masks = np.ones((count, self.n_worlds), np.bool_)
+        if chosen is not None:
+            masks &= chosen
+        return masks
+
+    def frame(self, w: int) -> Bytes | None:
+        """Return a fresh picture of a world, ``(height, width, 3)``; None without a render mode."""
+        if self.render_mode is None:
+            return None
+        if self._renderer is None:
+            from irsim_gym.render import Renderer
+
+            simulation = self.simulation
+            self._renderer = Renderer(self.scenario, simulation.model, simulation.state, simulation.sensors)
+        return self._renderer.frame(w, self._status(w))
+
+    def _status(self, w: int) -> str:
+        infos = self.episodes.view.infos
+        outcome = Outcome(infos["outcome"].item(w)).name.lower().replace("_", " ")
+        return f"{infos['steps'].item(w) * self.scenario.world.step_time:.1f} s  {outcome}"
+
+    def forget_trails(self, worlds: Sequence[int] | Ints) -> None:
+        """Clear the trails drawn for worlds that restart."""
+        if self._renderer is not None:
+            for w in worlds:
+                self._renderer.clear(int(w))
+
+    def close(self) -> None:
+        """Free the renderer; everything else is plain memory."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_renderer": None}
+
+
+def read_options(options: Mapping[str, Any]) -> tuple[str | None, int | None]:
+    """Return ``split`` and ``level`` of a reset's options, None for an absent one.
+
+    Raises:
+        UnknownNameError: An unknown key or split.
+        ValueError: A level that is not a number from 0 on.
+    """
+    if not options:
+        return None, None
+    for key in options:
+        if key not in ("split", "level"):
+            raise UnknownNameError(f"no reset option named {key!r}{suggestion(str(key), ('split', 'level'))}")
+    split, level = options.get("split"), options.get("level")
+    if split is not None:
+        check_split(split)
+    if level is not None and (isinstance(level, bool) or not isinstance(level, int | np.integer) or level < 0):
+        raise ValueError(f"options['level'] must be an integer from 0 on, got {level!r}")
+    return split, None if level is None else int(level)
+
+
+def fresh_level(w: int = 0) -> int:
+    """Return a level drawn from the operating system's entropy."""
+    return int(np.random.default_rng().integers(LEVELS))
+
+
+def with_masks(values: Mapping[str, Any], masks: Any) -> dict[str, Any]:
+    """Return the values, each followed by its mask under ``_key``."""
+    infos: dict[str, Any] = {}
+    for key, value in values.items():
+        infos[key] = value
+        infos[f"_{key}"] = next(masks)
+    return infos
+
+
+def _masked(array: NDArray[Any], chosen: Flags | None) -> NDArray[Any]:
+    """Return a fresh contiguous copy, with zeros where a world is not chosen."""
+    if chosen is None:
+        return np.array(array, order="C")
+    return np.where(chosen, array, array.dtype.type(0))
