@@ -12,7 +12,8 @@ from irsim_gym.registry import Registry
 from irsim_gym.scenario import checks
 from irsim_gym.scenario.colors import color_problem
 from irsim_gym.scenario.messages import CONTACT_KEYS, show
-from irsim_gym.scenario.plot_spec import ARROW_COLOR, CAR_COLOR, CYCLE, OBSTACLE_COLOR, ROBOT_COLOR, ObjectPlot
+from irsim_gym.scenario.options import defaults
+from irsim_gym.scenario.plot_spec import CAR_COLOR, CYCLE, OBSTACLE_COLOR, ROBOT_COLOR, ObjectPlot
 from irsim_gym.scenario.shorthand import RawEntry, depth, share
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import MAX_BODIES, BodyOptions, BodySpec, PlacementSpec, Waypoint
@@ -76,7 +77,7 @@ def read_entry(raw: RawEntry, plot: Mapping[str, Any], report: Report) -> Entry:
         entry.values[key] = [(place, read(item, place, report)) for place, item in shared.values]
     if plot and not entry.values.get("plot"):
         default = build(ObjectPlot, plot, (*raw.place, "plot"), Report(report.source))
-        entry.values["plot"] = [((*raw.place, "plot"), default or ObjectPlot())]
+        entry.values["plot"] = [((*raw.place, "plot"), default or defaults(ObjectPlot))]
     return entry
 
 

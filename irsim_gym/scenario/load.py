@@ -125,5 +125,3 @@ def _check_names(bodies: list[BodySpec], places: list[Place], report: Report) ->
             where = f" (first in line {line})" if line and places[other] != places[b] else ""
             hint = "; a list gives each body its own" if places[other] == places[b] else ""
             report.add(places[b], f"the name '{body.name[:40]}' is given to several bodies{where}{hint}")
-
-

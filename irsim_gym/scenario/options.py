@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar, dataclass_transform
+from typing import Any, TypeVar, cast, dataclass_transform
 
 from pydantic import ConfigDict, Field
 from pydantic.dataclasses import dataclass as pydantic_dataclass
@@ -34,11 +34,17 @@ def option(
             its default is refused.
         **bounds: pydantic's constraints: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``allow_inf_nan``, ...
     """
-    extra = {"unit": unit, "consequence": consequence, "planned": planned}
+    extra: dict[str, Any] = {"unit": unit, "consequence": consequence, "planned": planned}
     return Field(default, description=meaning, json_schema_extra=extra, **bounds)
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(option,))
 def kind(cls: type[T]) -> type[T]:
     """Make a class a kind: a frozen, strictly validated dataclass of its options."""
-    return pydantic_dataclass(frozen=True, kw_only=True, config=OPTIONS_CONFIG)(cls)
+    made: Any = pydantic_dataclass(frozen=True, kw_only=True, config=OPTIONS_CONFIG)(cls)
+    return cast("type[T]", made)
+
+
+def defaults(cls: type[T]) -> T:
+    """Return a kind with all its options at their defaults (type checkers do not see those of ``option``)."""
+    return cls()

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from irsim_gym.scenario.colors import color_problem
-from irsim_gym.scenario.options import kind, option
+from irsim_gym.scenario.options import defaults, kind, option
 
 ROBOT_COLOR = "#009E73"
 CAR_COLOR = "#117733"
@@ -35,7 +35,7 @@ class SavedFigure:
 class WorldPlot:
     """Drawing options of the world."""
 
-    saved_figure: SavedFigure = option(SavedFigure(), meaning="How figures are saved.")
+    saved_figure: SavedFigure = option(defaults(SavedFigure), meaning="How figures are saved.")
     figure_pixels: tuple[Pixels, Pixels] = option((1000, 800), unit="pixel", meaning="Width and height of a picture.")
     show_title: bool = option(True, meaning="Show a title.")
     title: str | None = option(None, meaning="Text of the title; by default time and status.")
@@ -68,7 +68,7 @@ class ObjectPlot:
     text_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the text.")
     text_zorder: int = option(2, meaning="Layer of the text.")
     text_position: tuple[float, float] | None = option(
-        None, unit="m", meaning="Place of the text beside the body; by default (-r - 0.1, r + 0.1), r the body's radius."
+        None, unit="m", meaning="Place of the text beside the body; by default (-r - 0.1, r + 0.1) for a radius r."
     )
 
     show_arrow: bool | None = option(

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import AllowInfNan, Field
 
 from irsim_gym.errors import Problem
-from irsim_gym.scenario.options import kind, option
+from irsim_gym.scenario.options import defaults, kind, option
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
 from irsim_gym.scenario.source import Place, Source
 
@@ -28,7 +28,12 @@ class WorldSpec:
     width: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in x.")
     height: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in y.")
     step_time: float = option(
-        0.1, gt=0.0, le=100.0, unit="s", meaning="Duration of a step.", consequence="Coarse steps pass through thin walls."
+        0.1,
+        gt=0.0,
+        le=100.0,
+        unit="s",
+        meaning="Duration of a step.",
+        consequence="Coarse steps pass through thin walls.",
     )
     sample_time: float = option(0.1, gt=0.0, unit="s", meaning="Time between frames, rounded to whole steps.")
     offset: tuple[float, float] = option((0.0, 0.0), unit="m", meaning="Lower left corner of the world.")
@@ -41,7 +46,7 @@ class WorldSpec:
     )
     obstacle_map: Any = option(None, meaning="Obstacles from an image or a generator.", planned=True)
     mdownsample: int = option(1, ge=1, meaning="Keep every n-th cell of the map.", planned=True)
-    plot: WorldPlot = option(WorldPlot(), meaning="Drawing options of the world.")
+    plot: WorldPlot = option(defaults(WorldPlot), meaning="Drawing options of the world.")
     step_mode: Literal["internal", "external"] = option("internal", meaning="Who moves the bodies.", planned=True)
     fog_map: bool = option(False, meaning="Keep a map of what was explored.", planned=True)
     fog_map_resolution: float | None = option(
@@ -67,20 +72,22 @@ class BodyOptions:
     kinematics: Any = option(None, meaning="The drive; a body without one never moves.")
     shape: Any = option(None, meaning="The footprint; by default a circle of radius 0.2 m.")
     state: tuple[float, ...] = option(
-        (0.0, 0.0, 0.0), min_length=1, unit="m, m, rad", meaning="Start pose; missing numbers are 0, surplus ones unused."
+        (0.0, 0.0, 0.0), min_length=1, unit="m, m, rad", meaning="Start pose; missing numbers are 0."
     )
     velocity: tuple[float, ...] = option(
         (), unit="m/s or rad/s", meaning="Velocity at the start, in the drive's coordinates; missing numbers are 0."
     )
     goal: tuple[tuple[float, ...], ...] = option(
-        (), unit="m, m, rad", meaning="Where to go: [x, y] or [x, y, heading]; several in order need three levels of lists."
+        (), unit="m, m, rad", meaning="[x, y] or [x, y, heading]; several in order need three levels of lists."
     )
     behavior: Any = option(None, meaning="How the body decides; without one it stands still unless an agent drives it.")
     group_behavior: Any = option(None, meaning="How the bodies of a group decide together.")
     role: Literal["robot", "obstacle"] | None = option(None, meaning="The section's own name, or nothing.")
     color: str | None = option(None, min_length=1, meaning="Colour; 'cycle' gives each body of the entry its own.")
     static: bool = option(False, meaning="The body never moves.")
-    vel_min: tuple[float, ...] | None = option(None, unit="m/s or rad/s", meaning="Least velocities; by default -1 each.")
+    vel_min: tuple[float, ...] | None = option(
+        None, unit="m/s or rad/s", meaning="Least velocities; by default -1 each."
+    )
     vel_max: tuple[float, ...] | None = option(
         None, unit="m/s or rad/s", meaning="Greatest velocities; by default 1 each."
     )
@@ -97,7 +104,7 @@ class BodyOptions:
     group: int | None = option(None, ge=0, meaning="Number of the group; by default one per entry.")
     group_name: str | None = option(None, min_length=1, meaning="Name of the group; by default role_group.")
     unobstructed: bool = option(False, meaning="Collisions and sensors ignore the body.")
-    plot: ObjectPlot = option(ObjectPlot(), meaning="Drawing options of the body.")
+    plot: ObjectPlot = option(defaults(ObjectPlot), meaning="Drawing options of the body.")
     state_dim: int | None = option(None, ge=1, meaning="Number of state variables; checked against the drive.")
     vel_dim: int | None = option(None, ge=1, meaning="Number of velocities; checked against the drive.")
     fov: float | None = option(None, gt=0.0, unit="rad", meaning="Width of the field of view.", planned=True)
@@ -129,8 +136,8 @@ class MouseSpec:
 class GuiSpec:
     """The section ``gui``."""
 
-    keyboard: KeyboardSpec = option(KeyboardSpec(), meaning="Options of the keyboard.")
-    mouse: MouseSpec = option(MouseSpec(), meaning="Options of the mouse.")
+    keyboard: KeyboardSpec = option(defaults(KeyboardSpec), meaning="Options of the keyboard.")
+    mouse: MouseSpec = option(defaults(MouseSpec), meaning="Options of the mouse.")
 
 
 @dataclass(frozen=True)

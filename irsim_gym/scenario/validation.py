@@ -174,9 +174,9 @@ class _Declared:
 @functools.lru_cache(maxsize=1024)
 def _adapter(declared: _Declared) -> TypeAdapter[Any]:
     info = declared.info
-    hint = info.annotation
+    hint: Any = info.annotation
     for constraint in info.metadata:
-        hint = Annotated[hint, constraint]  # type: ignore[assignment]
+        hint = Annotated[hint, constraint]
     if dataclasses.is_dataclass(info.annotation):
         return TypeAdapter(hint)
     return TypeAdapter(hint, config=OPTIONS_CONFIG)
