@@ -39,7 +39,7 @@ class EpisodeRow:
 
     @property
     def spl(self) -> float:
-        """Success weighted by path length, optimum / max(optimum, path length) (Anderson et al. 2018, arXiv:1807.06757).
+        """Success by path length: optimum / max(optimum, path length) (Anderson et al. 2018, arXiv:1807.06757).
 
         A success whose optimum was not found counts as driven optimally; one that started at its goal too.
         """

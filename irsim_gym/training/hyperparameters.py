@@ -117,7 +117,8 @@ def load_hyperparameters(
         IrsimGymError: No such algorithm or file, or the file is not a mapping of mappings.
     """
     if algorithm not in ALGORITHMS:
-        raise IrsimGymError(f"no algorithm named '{algorithm}'{suggestion(algorithm, ALGORITHMS)}; there are ppo and sac")
+        near = suggestion(algorithm, ALGORITHMS)
+        raise IrsimGymError(f"no algorithm named '{algorithm}'{near}; there are ppo and sac")
     path = file or hyperparameters_folder() / f"{algorithm}.yaml"
     try:
         content = yaml.safe_load(path.read_text())

@@ -1,0 +1,198 @@
+"""The command ``irsim-gym``. Everything heavy is imported by the command that needs it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from irsim_gym.errors import IrsimGymError
+
+app = typer.Typer(
+    help="Mobile robots in IR-SIM's YAML: check scenarios, train agents, evaluate and film them.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+Scenario = Annotated[str, typer.Argument(help="Shipped name, environment id, or path of a YAML file.")]
+Task = Annotated[str | None, typer.Option(help="Shipped task or a file, in place of the scenario's own.")]
+Levels = Annotated[int, typer.Option(min=1, help="Number of levels.")]
+Split = Annotated[str, typer.Option(help="train, dev or test.")]
+Steps = Annotated[int | None, typer.Option(min=1, help="Training steps over all worlds, in place of the file's.")]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of networks, exploration and training levels.")]
+Reference = Annotated[str, typer.Option(help="random, dash, a run's folder or a policy.zip.")]
+
+
+@app.command("list")
+def list_shipped() -> None:
+    """List the shipped scenarios and tasks."""
+    from irsim_gym.envs.registration import env_id
+    from irsim_gym.scenario.library import names
+
+    for section in ("scenarios", "tasks"):
+        print(section)
+        for name, file in names(section).items():
+            shown = env_id(name) if section == "scenarios" else name
+            print(f"  {shown:<32} {file}")
+
+
+@app.command()
+def check(files: Annotated[list[str], typer.Argument(help="Scenario files or shipped names.")]) -> None:
+    """Check scenario files and their tasks; print every problem with its line."""
+    from irsim_gym.scenario import load_scenario
+    from irsim_gym.tasks import load_task
+
+    failed = False
+    for file in files:
+        try:
+            scenario = load_scenario(file)
+            task = load_task(scenario) if scenario.robots else None
+        except (IrsimGymError, OSError) as error:
+            print(error, file=sys.stderr)
+            failed = True
+            continue
+        robots = len(scenario.robots)
+        learned = f"task '{task.name}'" if task is not None else "no robot to learn"
+        print(f"{file}: fine ({robots} robots, {len(scenario.bodies) - robots} obstacles, {learned})")
+    if failed:
+        raise typer.Exit(1)
+
+
+@app.command()
+def schema() -> None:
+    """Write the JSON Schema of scenario files, for editors."""
+    import json
+
+    from irsim_gym.scenario.schema import json_schema
+
+    print(json.dumps(json_schema(), indent=2))
+
+
+@app.command()
+def train(
+    scenario: Scenario,
+    algorithm: Annotated[str, typer.Option(help="ppo or sac.")] = "ppo",
+    seed: Seed = 0,
+    steps: Steps = None,
+    task: Task = None,
+    out: Annotated[Path | None, typer.Option(help="Folder of the run [default: runs/SCENARIO-ALGORITHM-SEED].")] = None,
+    hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in place of the shipped one.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
+    dev_levels: Annotated[int, typer.Option(min=0, help="dev levels per checkpoint afterwards; 0 scores none.")] = 1000,
+) -> None:
+    """Train an agent, then score its checkpoints. Ctrl-C leaves a checkpoint for --resume."""
+    from irsim_gym.training.commands import run_training
+
+    run_training(scenario, algorithm, seed, steps, task, out, hyperparameters, resume, dev_levels)
+
+
+@app.command()
+def evaluate(
+    scenario: Scenario,
+    policies: Annotated[list[str] | None, typer.Argument(help="Runs' folders or policy.zip files.")] = None,
+    levels: Levels = 1000,
+    split: Split = "test",
+    task: Task = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for episodes.csv, summary.json, table.txt.")] = None,
+    references: Annotated[bool, typer.Option(help="Add the rows random and dash.")] = True,
+) -> None:
+    """Drive policies through levels they never saw, beside random and dash."""
+    from irsim_gym.training.commands import run_evaluation
+
+    run_evaluation(scenario, policies or [], levels, split, task, out, references)
+
+
+@app.command()
+def record(
+    scenario: Scenario,
+    policies: Annotated[list[str], typer.Argument(help="Runs' folders, policy.zip files, random, dash.")],
+    level: Annotated[list[int] | None, typer.Option(help="A level; may be repeated. [default: 0]")] = None,
+    split: Split = "test",
+    task: Task = None,
+    out: Annotated[Path, typer.Option(help="Film to write, .mp4 or .gif.")] = Path("runs/film.mp4"),
+) -> None:
+    """Film policies on the same levels, side by side."""
+    from irsim_gym.training.record import record_film
+
+    print(record_film(scenario, policies, level or [0], out, split=split, task=task))
+
+
+@app.command()
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder of the demonstration.")] = Path("runs/demo"),
+    scenario: Annotated[str, typer.Option(help="What to learn.")] = "cluttered_room",
+    steps: Steps = None,
+    levels: Levels = 1000,
+    seed: Seed = 0,
+) -> None:
+    """Train PPO on cluttered_room, evaluate and film it. Ctrl-C loses nothing: the next run goes on."""
+    from irsim_gym.training.demo import run_demo
+
+    run_demo(out, scenario=scenario, steps=steps, levels=levels, seed=seed)
+
+
+@app.command()
+def rollout(
+    scenario: Scenario,
+    policy: Reference = "dash",
+    levels: Levels = 4,
+    split: Split = "dev",
+    task: Task = None,
+    frames: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
+) -> None:
+    """Drive a policy through a few levels and print how they ended."""
+    from irsim_gym.training.commands import run_rollout
+
+    run_rollout(scenario, policy, levels, split, task, frames)
+
+
+@app.command()
+def draw(
+    scenario: Scenario,
+    level: Annotated[int, typer.Option(min=0, help="Which level.")] = 0,
+    split: Split = "dev",
+    task: Task = None,
+    out: Annotated[Path | None, typer.Option(help="PNG file [default: SCENARIO.png].")] = None,
+) -> None:
+    """Draw the start of a level."""
+    from irsim_gym.training.commands import draw_level
+
+    print(draw_level(scenario, level, split, task, out))
+
+
+@app.command()
+def warmup(
+    scenarios: Annotated[list[str] | None, typer.Argument(help="Scenarios [default: all that are shipped].")] = None,
+) -> None:
+    """Compile the kernels of scenarios, so that later commands start at once."""
+    from irsim_gym.training.commands import compile_scenarios
+
+    compile_scenarios(scenarios or [])
+
+
+def run(command: Callable[..., Any]) -> None:
+    """Run one command as a script of its own."""
+    single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    single.command()(command)
+    _guarded(single)
+
+
+def main() -> None:
+    """Run the command line; an error of ours is told in a sentence, not by a traceback."""
+    _guarded(app)
+
+
+def _guarded(command: typer.Typer) -> None:
+    try:
+        command()
+    except IrsimGymError as error:
+        print(error, file=sys.stderr)
+        sys.exit(128 + error.signal if hasattr(error, "signal") else 1)
+
+
+if __name__ == "__main__":
+    main()

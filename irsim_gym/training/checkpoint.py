@@ -1,0 +1,113 @@
+"""Checkpoints: all that a run needs to go on as if it had never stopped.
+
+A checkpoint is a folder named by its steps. It is written under another name and renamed, so a folder with the
+right name is always whole. Only the newest keeps what resuming needs; the older ones keep their policy, which
+is scored afterwards.
+"""
+
+from __future__ import annotations
+
+import json
+import pickle
+import random
+import shutil
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+
+from irsim_gym.evaluation.tables import plain
+from irsim_gym.training.environment import worlds_state
+
+POLICY, NORMALIZATION, PROGRESS = "policy.zip", "vecnormalize.pkl", "progress.json"
+STATE, REPLAY_BUFFER = "state.pkl", "replay_buffer.pkl"
+PARTIAL = ".partial"
+
+
+@dataclass
+class Progress:
+    """How far a run has come.
+
+    Attributes:
+        steps: Steps taken, over all worlds.
+        training_seconds: Wall-clock time of training alone [s]: no imports, compilation, checkpoints or scores.
+        cpu_seconds: Processor time of the same [s].
+        history: Rows of the training log.
+    """
+
+    steps: int = 0
+    training_seconds: float = 0.0
+    cpu_seconds: float = 0.0
+    history: list[dict[str, float]] = field(default_factory=list)
+
+
+def save_checkpoint(folder: Path, model: BaseAlgorithm, progress: Progress) -> Path:
+    """Write a checkpoint below ``folder`` and return its own folder."""
+    target = folder / f"{progress.steps:010d}"
+    partial = folder / f"{PARTIAL}-{target.name}"
+    shutil.rmtree(partial, ignore_errors=True)
+    partial.mkdir(parents=True)
+    model.save(partial / POLICY)
+    normalization = model.get_vec_normalize_env()
+    if normalization is not None:
+        normalization.save(str(partial / NORMALIZATION))
+    if isinstance(model, OffPolicyAlgorithm):
+        model.save_replay_buffer(partial / REPLAY_BUFFER)
+    (partial / STATE).write_bytes(pickle.dumps(_state(model)))
+    (partial / PROGRESS).write_text(json.dumps(plain(vars(progress))))
+    shutil.rmtree(target, ignore_errors=True)
+    partial.rename(target)
+    for older in list_checkpoints(folder):
+        if older != target:
+            for name in (STATE, REPLAY_BUFFER):
+                (older / name).unlink(missing_ok=True)
+    return target
+
+
+def list_checkpoints(folder: Path) -> list[Path]:
+    """Return the whole checkpoints below ``folder``, oldest first."""
+    return sorted(path for path in folder.glob("[0-9]*") if (path / POLICY).is_file())
+
+
+def newest_checkpoint(folder: Path) -> Path | None:
+    """Return the newest checkpoint that can be resumed; None when there is none."""
+    whole = [path for path in list_checkpoints(folder) if (path / STATE).is_file()]
+    return whole[-1] if whole else None
+
+
+def load_progress(checkpoint: Path) -> Progress:
+    """Read how far a checkpoint is."""
+    return Progress(**json.loads((checkpoint / PROGRESS).read_text()))
+
+
+def load_state(checkpoint: Path) -> dict[str, Any]:
+    """Read the state of the worlds and of the random generators. Open only files of your own: it is a pickle."""
+    state: dict[str, Any] = pickle.loads((checkpoint / STATE).read_bytes())
+    return state
+
+
+def restore_random(model: BaseAlgorithm, state: dict[str, Any]) -> None:
+    """Put all random generators where they stood."""
+    saved = state["random"]
+    random.setstate(saved["python"])
+    np.random.set_state(saved["numpy"])  # noqa: NPY002  (Stable-Baselines3 shuffles with the global generator)
+    torch.set_rng_state(saved["torch"])
+    model.action_space.np_random.bit_generator.state = saved["actions"]
+
+
+def _state(model: BaseAlgorithm) -> dict[str, Any]:
+    env = model.get_env()
+    assert env is not None, "a model in training has an environment"
+    return {
+        "worlds": worlds_state(env),
+        "random": {
+            "python": random.getstate(),
+            "numpy": np.random.get_state(),  # noqa: NPY002
+            "torch": torch.get_rng_state(),
+            "actions": model.action_space.np_random.bit_generator.state,
+        },
+    }

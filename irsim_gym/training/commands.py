@@ -1,0 +1,157 @@
+"""What the command line does with runs, policies and levels, and what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from irsim_gym.envs import sb3
+from irsim_gym.envs.worlds import Worlds
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.evaluation.tables import summary_table
+from irsim_gym.scenario.library import scenario_names
+from irsim_gym.training.evaluate import Evaluation, evaluate_policies
+from irsim_gym.training.hyperparameters import load_hyperparameters
+from irsim_gym.training.run import Run, Settings, default_folder, environment_id, scenario_name
+from irsim_gym.training.score import MARKS, Point, reached, score_run
+from irsim_gym.training.train import TrainingInterruptedError, train
+
+
+def new_settings(
+    scenario: str, algorithm: str, seed: int, steps: int | None, task: str | None, hyperparameters: Path | None
+) -> Settings:
+    """Put the settings of a run together from what was asked for and the hyper-parameter file."""
+    overrides: dict[str, Any] = {} if steps is None else {"n_timesteps": steps}
+    found = load_hyperparameters(algorithm, environment_id(scenario), file=hyperparameters, overrides=overrides)
+    return Settings(_lasting(scenario_name(scenario)), algorithm, seed, _lasting(task), found)
+
+
+def settings_to_resume(run: Run, asked: Settings, steps: int | None) -> Settings:
+    """Return the settings that a run began with, which later changes of the shipped files leave alone.
+
+    Raises:
+        IrsimGymError: The run in the folder is for something else.
+    """
+    begun = run.settings()
+    same = [getattr(begun, name) == getattr(asked, name) for name in ("scenario", "algorithm", "seed", "task")]
+    if not all(same) or steps not in (None, begun.hyperparameters.n_timesteps):
+        raise IrsimGymError(f"{run.folder} holds a run with other settings ({run.config}); name another by --out")
+    return begun
+
+
+def run_training(
+    scenario: str,
+    algorithm: str,
+    seed: int,
+    steps: int | None,
+    task: str | None,
+    out: Path | None,
+    hyperparameters: Path | None,
+    resume: bool,
+    dev_levels: int,
+) -> Run:
+    """Train, score the checkpoints and say what came out."""
+    console = Console(stderr=True)
+    run = Run(out or default_folder(scenario, algorithm, seed))
+    settings = new_settings(scenario, algorithm, seed, steps, task, hyperparameters)
+    if resume and run.exists():
+        settings = settings_to_resume(run, settings, steps)
+    what = f"{settings.algorithm.upper()} on {settings.scenario}, seed {settings.seed}"
+    console.print(f"training {what}, in {run.folder}", markup=False, highlight=False)
+    try:
+        train(settings, run.folder, resume=resume, console=console)
+    except TrainingInterruptedError as stop:
+        raise TrainingInterruptedError(f"{stop}. Go on with the same command and --resume.", stop.signal) from None
+    if dev_levels:
+        Console().print(marks_table(score_run(run, levels=dev_levels, console=console)))
+    print(f"policy: {run.policy}")
+    return run
+
+
+def marks_table(points: Sequence[Point]) -> Table:
+    """Say when which success was reached for good, and what the last checkpoint scores."""
+    table = Table(title=f"success on {points[-1]['levels']:,} dev levels", title_justify="left")
+    for head in ("mark", "training time [s]", "steps"):
+        table.add_column(head, justify="right")
+    for mark in MARKS:
+        point = reached(points, mark)
+        row = (f"{point['training_seconds']:.1f}", f"{point['steps']:,}") if point else ("-", "-")
+        table.add_row(f"{mark:.0%}", *row)
+    last = points[-1]
+    table.add_row(f"end: {last['success']:.1%}", f"{last['training_seconds']:.1f}", f"{last['steps']:,}")
+    return table
+
+
+def run_evaluation(
+    scenario: str,
+    policies: Sequence[str],
+    levels: int,
+    split: str,
+    task: str | None,
+    out: Path | None,
+    references: bool,
+) -> Evaluation:
+    """Evaluate policies, print the table and write the files."""
+    if not policies and not references:
+        raise IrsimGymError("nothing to evaluate: name a policy, or leave the reference rows on")
+    folder = out or Path("runs") / f"evaluation-{Path(scenario_name(scenario)).stem}-{split}"
+    found = evaluate_policies(
+        scenario, policies, levels=levels, split=split, task=task, references=references, folder=folder
+    )
+    Console().print(summary_table(found.summaries, found.title))
+    print(f"rows, figures and table: {folder}")
+    return found
+
+
+def run_rollout(scenario: str, policy: str, levels: int, split: str, task: str | None, frames: Path | None) -> None:
+    """Drive a policy through a few levels and print a line for each."""
+    found = evaluate_policies(scenario, [policy], levels=levels, split=split, task=task, references=False)
+    for row in next(iter(found.rows.values())):
+        hit = f" with {row.hit}" if row.hit else ""
+        print(f"level {row.level}: {row.outcome}{hit} after {row.time:.1f} s, {row.path_length:.2f} m driven")
+    if frames is not None:
+        from irsim_gym.training.record import record_film
+
+        print(record_film(scenario, [policy], range(levels), frames, split=split, task=task))
+
+
+def draw_level(scenario: str, level: int, split: str, task: str | None, out: Path | None) -> Path:
+    """Draw the start of a level into a PNG file and return it."""
+    from matplotlib.image import imsave
+
+    worlds = Worlds(scenario_name(scenario), task=task, render_mode="rgb_array")
+    worlds.begin([0], [None], [{"split": split, "level": level}], int)
+    path = out or Path(f"{worlds.scenario.name}.png")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    imsave(path, worlds.frame(0), format="png")
+    worlds.close()
+    return path
+
+
+def compile_scenarios(scenarios: Sequence[str]) -> None:
+    """Step each scenario once in a batch and measure a path, which compiles and keeps all that they need."""
+    for name in scenarios or scenario_names():
+        env = sb3.make_vec_env(scenario_name(name), n_envs=2, seed=0, render_mode=None)
+        env.reset()
+        env.step(env.worlds.episodes.view.infos["steps"][:, 0] if not env.action_space.shape else _zeros(env))
+        Optima("train").of(env.worlds.episodes, 0, 0)
+        env.close()
+        print(f"{name}: ready")
+
+
+def _zeros(env: sb3.WorldVecEnv) -> Any:
+    import numpy as np
+
+    return np.zeros((env.num_envs, *(env.action_space.shape or ())), np.float32)
+
+
+def _lasting(source: str | None) -> str | None:
+    """Make the path of a file absolute, so that a run can be resumed from another folder."""
+    if source is not None and Path(source).suffix in (".yaml", ".yml"):
+        return str(Path(source).resolve())
+    return source

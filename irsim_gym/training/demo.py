@@ -1,0 +1,95 @@
+"""The demonstration: from a scenario file to a film of a robot that learned to cross it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from rich.console import Console
+
+from irsim_gym.evaluation.tables import write_bytes
+from irsim_gym.training.checkpoint import NORMALIZATION
+from irsim_gym.training.commands import new_settings, settings_to_resume
+from irsim_gym.training.evaluate import evaluate_policies
+from irsim_gym.training.record import record_film
+from irsim_gym.training.run import Run
+from irsim_gym.training.score import reached, score_run
+from irsim_gym.training.train import TrainingInterruptedError, train
+
+FILMED = (0, 1, 2, 3)
+FILES = {
+    "film": "film.mp4",
+    "curve": "curve.png",
+    "table": "table.txt",
+    "policy": "policy.zip",
+    "episodes": "episodes.csv",
+    "summary": "summary.json",
+}
+
+
+def run_demo(
+    folder: Path, *, scenario: str = "cluttered_room", steps: int | None = None, levels: int = 1000, seed: int = 0
+) -> None:
+    """Train, score, evaluate and film; each stage that is already done is not done again.
+
+    Args:
+        folder: Where everything goes; the training run lies in ``folder / "run"``.
+        scenario: What to learn.
+        steps: Training steps; None for those of the hyper-parameter file.
+        levels: Levels of the evaluation on ``test``; the learning curve uses as many of ``dev``.
+        seed: Seed of the training.
+
+    Raises:
+        TrainingInterruptedError: Ctrl-C or SIGTERM during training; the next call goes on.
+    """
+    screen, run = Console(stderr=True), Run(folder / "run")
+    settings = new_settings(scenario, "ppo", seed, steps, None, None)
+    if run.exists():
+        settings = settings_to_resume(run, settings, steps)
+    _say(screen, 1, f"training PPO on {scenario}, {settings.hyperparameters.n_timesteps:,} steps", run.finished())
+    try:
+        train(settings, run.folder, resume=True, console=screen)
+    except TrainingInterruptedError as stop:
+        raise TrainingInterruptedError(f"{stop}. The same command goes on from here.", stop.signal) from None
+    _copy(run, folder)
+    _say(screen, 2, f"scoring the checkpoints on {levels:,} dev levels", False)
+    points = score_run(run, levels=levels, console=screen)
+    write_bytes(folder / FILES["curve"], (run.folder / "curve.png").read_bytes())
+    done = _evaluated(folder, levels)
+    _say(screen, 3, f"evaluating on {levels:,} test levels, beside random and dash", done)
+    policy, film = folder / FILES["policy"], folder / FILES["film"]
+    if not done:
+        evaluate_policies(scenario, [policy], names=["ppo"], levels=levels, folder=folder, console=screen)
+    filmed = film.is_file() and film.stat().st_mtime >= policy.stat().st_mtime
+    _say(screen, 4, "filming it beside dash", filmed)
+    if not filmed:
+        record_film(scenario, [policy, "dash"], FILMED, film, names=["ppo", "dash"], console=screen)
+    print((folder / FILES["table"]).read_text())
+    held = reached(points, 0.95)
+    if held is not None:
+        print(f"95 % success after {held['training_seconds']:.1f} s of training ({held['steps']:,.0f} steps)")
+    for name, file in FILES.items():
+        print(f"{name:<9} {folder / file}")
+
+
+def _copy(run: Run, folder: Path) -> None:
+    """Put the policy where a visitor looks for it; an equal file keeps its age."""
+    for name in (NORMALIZATION, run.policy.name):
+        source, target = run.folder / name, folder / name
+        if source.is_file() and not (target.is_file() and target.read_bytes() == source.read_bytes()):
+            write_bytes(target, source.read_bytes())
+
+
+def _evaluated(folder: Path, levels: int) -> bool:
+    """Return whether there is a table for as many levels that is not older than the policy."""
+    table = folder / FILES["table"]
+    try:
+        found = json.loads((folder / FILES["summary"]).read_text())
+        fresh = table.stat().st_mtime >= (folder / FILES["policy"]).stat().st_mtime
+    except (OSError, ValueError):
+        return False
+    return fresh and bool(found["conditions"]["levels"] == levels)
+
+
+def _say(screen: Console, number: int, what: str, done: bool) -> None:
+    screen.print(f"[{number}/4] {what}{' (done before)' if done else ''}", markup=False, highlight=False)

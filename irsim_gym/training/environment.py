@@ -1,0 +1,89 @@
+"""The batch of worlds that an algorithm learns in, and its state for a checkpoint."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecNormalize, unwrap_vec_normalize
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
+
+from irsim_gym.envs import sb3
+from irsim_gym.training.run import Settings, scenario_name
+
+
+class ScaledReward(VecEnvWrapper):
+    """Multiplies the rewards; the statistics of the episodes stay as they are."""
+
+    def __init__(self, venv: VecEnv, scale: float) -> None:
+        super().__init__(venv)
+        self.scale = np.float32(scale)
+
+    def reset(self) -> VecEnvObs:
+        """Begin episodes in all worlds."""
+        return self.venv.reset()
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Return the step with its rewards scaled."""
+        observations, rewards, dones, infos = self.venv.step_wait()
+        return observations, rewards * self.scale, dones, infos
+
+
+def build_environment(settings: Settings, normalization: Path | None = None) -> VecEnv:
+    """Make the worlds of a run.
+
+    Args:
+        settings: What the run trains.
+        normalization: Saved statistics of ``VecNormalize`` to go on with.
+    """
+    wanted = settings.hyperparameters
+    env: VecEnv = make_worlds(settings, wanted.n_envs)
+    if wanted.reward_scale != 1.0:
+        env = ScaledReward(env, wanted.reward_scale)
+    if wanted.normalize is not None:
+        arguments = {"gamma": wanted.arguments.get("gamma", 0.99), **wanted.normalize}
+        env = VecNormalize(env, **arguments) if normalization is None else VecNormalize.load(str(normalization), env)
+    return env
+
+
+def make_worlds(settings: Settings, n_envs: int) -> VecEnv:
+    """Make the batch without the run's own wrappers."""
+    return sb3.make_vec_env(
+        scenario_name(settings.scenario), n_envs=n_envs, seed=settings.first_level, task=settings.task, render_mode=None
+    )
+
+
+def compile_kernels(settings: Settings) -> None:
+    """Step a small batch once, so that no compilation falls into the training time."""
+    env = make_worlds(settings, 2)
+    env.reset()
+    env.step(np.stack([env.action_space.sample() for _ in range(2)]))
+    env.close()
+
+
+def worlds_state(env: VecEnv) -> dict[str, Any]:
+    """Return the state of all worlds in the midst of their episodes."""
+    normalization = unwrap_vec_normalize(env)
+    return {
+        "worlds": pickle.dumps(env.unwrapped),
+        "returns": None if normalization is None else normalization.returns,
+    }
+
+
+def restore_worlds(env: VecEnv, state: dict[str, Any]) -> VecEnv:
+    """Put saved worlds in place of those of a freshly built environment."""
+    worlds: VecEnv = pickle.loads(state["worlds"])
+    if not isinstance(env, VecEnvWrapper):
+        env.close()
+        return worlds
+    innermost = env
+    while isinstance(innermost.venv, VecEnvWrapper):
+        innermost = innermost.venv
+    innermost.venv.close()
+    innermost.venv = worlds
+    normalization = unwrap_vec_normalize(env)
+    if normalization is not None:
+        normalization.returns = state["returns"]
+    return env

@@ -1,0 +1,111 @@
+"""Policies on levels they never saw, beside the reference policies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress
+
+from irsim_gym.evaluation.metrics import EpisodeRow, Summary, summarize
+from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.evaluation.protocol import Policy, evaluate
+from irsim_gym.evaluation.reference_policies import REFERENCES
+from irsim_gym.evaluation.tables import summary_table, write_episodes, write_json, write_text
+from irsim_gym.tasks import Episodes
+from irsim_gym.training.policies import load_policy, policy_names
+from irsim_gym.training.run import machine
+from irsim_gym.training.worlds import conditions, make_episodes
+
+WORLDS = 128
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Results of several policies on the same levels.
+
+    Attributes:
+        scenario: Name of the scenario.
+        split: Which levels.
+        rows: Episodes by policy.
+        summaries: Figures, in the same order.
+    """
+
+    scenario: str
+    split: str
+    rows: dict[str, list[EpisodeRow]]
+    summaries: list[Summary]
+
+    @property
+    def title(self) -> str:
+        """Return the heading of the table."""
+        return f"{self.scenario}: {self.summaries[0].episodes:,} {self.split} levels"
+
+
+def evaluate_policies(
+    scenario: str,
+    sources: Sequence[str | Path],
+    *,
+    levels: int = 1000,
+    split: str = "test",
+    task: str | None = None,
+    n_worlds: int = WORLDS,
+    references: bool = True,
+    names: Sequence[str] | None = None,
+    folder: Path | None = None,
+    console: Console | None = None,
+) -> Evaluation:
+    """Evaluate policies and write ``episodes.csv``, ``summary.json`` and ``table.txt``.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        sources: Policies as ``load_policy`` takes them.
+        levels: How many levels of the split, from 0.
+        split: ``"test"``, ``"dev"`` or ``"train"``.
+        task: Shipped name or path of a task; None for the scenario's own.
+        n_worlds: Worlds stepped together; the results do not depend on it.
+        references: Add the reference policies.
+        names: Names of the policies in the results; None to take them from the sources.
+        folder: Where the files go; None writes none.
+        console: Where a progress bar goes; it stays quiet when that is no terminal.
+    """
+    episodes = make_episodes(scenario, task=task, n_worlds=max(1, min(n_worlds, levels)))
+    labels = policy_names(sources) if names is None else names
+    chosen = {label: load_policy(source) for label, source in zip(labels, sources, strict=True)}
+    if references:
+        chosen.update({name: load_policy(name) for name in REFERENCES if name not in chosen})
+    rows = _drive(episodes, chosen, levels, split, console or Console(stderr=True))
+    found = Evaluation(episodes.simulation.scenario.name, split, rows, [summarize(name, rows[name]) for name in rows])
+    if folder is not None:
+        write_evaluation(folder, found, conditions(episodes, split, levels))
+    return found
+
+
+def write_evaluation(folder: Path, found: Evaluation, named: Mapping[str, object]) -> None:
+    """Write the rows, the figures and the table."""
+    write_episodes(folder / "episodes.csv", found.rows)
+    write_json(folder / "summary.json", {"conditions": named, "machine": machine(), "policies": found.summaries})
+    screen = Console(width=160, record=True, quiet=True)
+    with screen.capture() as text:
+        Console.print(screen, summary_table(found.summaries, found.title))
+    write_text(folder / "table.txt", text.get())
+
+
+def _drive(
+    episodes: Episodes, policies: Mapping[str, Policy], levels: int, split: str, console: Console
+) -> dict[str, list[EpisodeRow]]:
+    optima, rows = Optima(split), {}
+    with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
+        for name, policy in policies.items():
+            line = bar.add_task(name, total=levels)
+            rows[name] = evaluate(
+                policy,
+                episodes,
+                levels,
+                split,
+                optima=optima,
+                on_episodes=lambda count, line=line: bar.advance(line, count),  # type: ignore[misc]
+            )
+    return rows

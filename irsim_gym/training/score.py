@@ -1,0 +1,110 @@
+"""The learning curve: saved checkpoints scored afterwards on the ``dev`` levels."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import Progress
+
+from irsim_gym.evaluation.metrics import Summary, summarize
+from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.evaluation.protocol import evaluate
+from irsim_gym.evaluation.tables import plain, write_csv, write_json
+from irsim_gym.training.checkpoint import Progress as RunProgress
+from irsim_gym.training.checkpoint import list_checkpoints, load_progress
+from irsim_gym.training.evaluate import WORLDS
+from irsim_gym.training.pictures import draw_curve
+from irsim_gym.training.policies import load_policy
+from irsim_gym.training.run import Run
+from irsim_gym.training.worlds import make_episodes
+
+DEV_LEVELS = 1000
+MARKS = (0.90, 0.95, 0.98, 0.99)
+COLUMNS = (
+    "steps", "training_seconds", "cpu_seconds", "levels", "success", "success_low", "success_high",
+    "collision", "timeout", "left_world", "spl",
+)  # fmt: skip
+
+Point = dict[str, float]
+
+
+def score_run(run: Run, *, levels: int = DEV_LEVELS, console: Console | None = None) -> list[Point]:
+    """Score every checkpoint that has no score yet; write ``curve.csv``, ``curve.json`` and ``curve.png``.
+
+    The files are renewed after every checkpoint, so an interrupted scoring goes on where it stopped.
+
+    Returns:
+        A point per checkpoint, in the order of steps.
+    """
+    settings = run.settings()
+    points = {int(point["steps"]): point for point in read_curve(run) if point["levels"] == levels}
+    waiting = [path for path in list_checkpoints(run.checkpoints) if int(path.name) not in points]
+    if waiting:
+        episodes = make_episodes(settings.scenario, task=settings.task, n_worlds=max(1, min(WORLDS, levels)))
+        screen, optima = console or Console(stderr=True), Optima("dev")
+        with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
+            for path in bar.track(waiting, description="scoring checkpoints"):
+                rows = evaluate(load_policy(path / "policy.zip"), episodes, levels, "dev", optima=optima)
+                point = _point(load_progress(path), summarize(path.name, rows))
+                points[int(point["steps"])] = point
+                _write(run, _sorted(points))
+    curve = _sorted(points)
+    if curve:
+        title = f"{settings.scenario}, {settings.algorithm.upper()}, {levels:,} dev levels"
+        draw_curve(run.folder / "curve.png", curve, title)
+    return curve
+
+
+def read_curve(run: Run) -> list[Point]:
+    """Return the scores found so far."""
+    try:
+        points: list[Point] = json.loads(run.curve.read_text())["points"]
+    except (OSError, ValueError, KeyError):
+        return []
+    return points
+
+
+def reached(points: Sequence[Point], mark: float) -> Point | None:
+    """Return the first point from which on the success never falls below ``mark``; None when there is none."""
+    held: Point | None = None
+    for point in reversed(points):
+        if point["success"] < mark:
+            break
+        held = point
+    return held
+
+
+def _sorted(points: dict[int, Point]) -> list[Point]:
+    return [points[steps] for steps in sorted(points)]
+
+
+def _point(progress: RunProgress, summary: Summary) -> Point:
+    return {
+        "steps": progress.steps,
+        "training_seconds": progress.training_seconds,
+        "cpu_seconds": progress.cpu_seconds,
+        "levels": summary.episodes,
+        "success": summary.success.value,
+        "success_low": summary.success.low,
+        "success_high": summary.success.high,
+        "collision": summary.collision.value,
+        "timeout": summary.timeout.value,
+        "left_world": summary.left_world.value,
+        "spl": summary.spl,
+    }
+
+
+def _write(run: Run, points: list[Point]) -> None:
+    marks: dict[str, Any] = {f"{mark:.0%}": reached(points, mark) for mark in MARKS}
+    seconds = {name: point and point["training_seconds"] for name, point in marks.items()}
+    write_json(run.curve, {"seconds_to": plain(seconds), "points": points})
+    write_csv(run.folder / "curve.csv", COLUMNS, points)
+
+
+def curve_files(run: Run) -> list[Path]:
+    """Return the files of the curve."""
+    return [run.folder / f"curve.{ending}" for ending in ("csv", "json", "png")]

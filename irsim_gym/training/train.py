@@ -1,0 +1,138 @@
+"""Training with Stable-Baselines3, interruptible at any moment."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import torch
+from rich.console import Console
+from stable_baselines3 import PPO, SAC
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.tables import write_bytes, write_csv
+from irsim_gym.training import checkpoint as files
+from irsim_gym.training.environment import build_environment, compile_kernels, restore_worlds
+from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.watch import StopLearningError, StopRequest, Watch
+
+CLASSES: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "sac": SAC}
+LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success")
+
+
+class TrainingInterruptedError(IrsimGymError):
+    """A run was stopped by a signal; its checkpoint is on disk.
+
+    Attributes:
+        signal: Number of the signal.
+    """
+
+    def __init__(self, message: str, signal: int) -> None:
+        super().__init__(message)
+        self.signal = signal
+
+
+def train(settings: Settings, folder: Path, *, resume: bool = False, console: Console | None = None) -> Run:
+    """Train an agent and leave checkpoints, logs and the final policy in ``folder``.
+
+    A finished run is left as it is. A run that was interrupted goes on from its newest checkpoint with ``resume``;
+    for PPO the result equals that of a run that was never interrupted.
+
+    Raises:
+        IrsimGymError: The folder holds another run, or one that should be resumed.
+        TrainingInterruptedError: Ctrl-C or SIGTERM; a checkpoint was written.
+    """
+    run, screen = Run(folder), console or Console(stderr=True)
+    _open(run, settings, resume)
+    if run.finished():
+        return run
+    torch.set_num_threads(settings.hyperparameters.torch_threads)
+    compile_kernels(settings)
+    newest = files.newest_checkpoint(run.checkpoints)
+    model, progress = _new(settings) if newest is None else _restored(settings, newest)
+    try:
+        _learn(run, settings, model, progress, screen)
+    finally:
+        _write_log(run, progress)
+        env = model.get_env()
+        if env is not None:
+            env.close()
+    return run
+
+
+def _open(run: Run, settings: Settings, resume: bool) -> None:
+    """Begin a run, or make sure that the one in the folder is the same."""
+    if not run.exists():
+        run.begin(settings)
+    elif run.settings() != settings:
+        raise IrsimGymError(f"{run.folder} holds a run with other settings; name another folder")
+    elif not resume and not run.finished() and files.list_checkpoints(run.checkpoints):
+        raise IrsimGymError(f"{run.folder} holds an unfinished run; go on with it by --resume or name another folder")
+
+
+def _new(settings: Settings) -> tuple[BaseAlgorithm, files.Progress]:
+    env = build_environment(settings)
+    arguments = settings.hyperparameters.algorithm_arguments()
+    policy = "MultiInputPolicy" if hasattr(env.observation_space, "spaces") else "MlpPolicy"
+    model = CLASSES[settings.algorithm](
+        arguments.pop("policy", policy), env, seed=settings.seed, device="cpu", **arguments
+    )
+    env.seed(settings.first_level)
+    return model, files.Progress()
+
+
+def _restored(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, files.Progress]:
+    try:
+        state = files.load_state(newest)
+    except Exception as error:
+        raise IrsimGymError(f"cannot go on from {newest}, perhaps another version wrote it: {error}") from error
+    normalization = newest / files.NORMALIZATION
+    env = build_environment(settings, normalization if normalization.is_file() else None)
+    env = restore_worlds(env, state["worlds"])
+    kind: Any = CLASSES[settings.algorithm]
+    model: BaseAlgorithm = kind.load(newest / files.POLICY, env=env, device="cpu", force_reset=False)
+    if isinstance(model, OffPolicyAlgorithm):
+        model.load_replay_buffer(newest / files.REPLAY_BUFFER, truncate_last_traj=False)
+    files.restore_random(model, state)
+    return model, files.load_progress(newest)
+
+
+def _learn(run: Run, settings: Settings, model: BaseAlgorithm, progress: files.Progress, console: Console) -> None:
+    """Learn to the end, or to a signal; either way leave a checkpoint."""
+    wanted, stop = settings.hyperparameters, StopRequest()
+    for partial in run.checkpoints.glob(f"{files.PARTIAL}*"):
+        shutil.rmtree(partial)
+    model.set_logger(Logger(str(run.folder), [TensorBoardOutputFormat(str(run.folder / "tensorboard"))]))
+
+    def save() -> Path:
+        return files.save_checkpoint(run.checkpoints, model, progress)
+
+    watch = Watch(progress, wanted.n_timesteps, wanted.checkpoint_every, save, stop, console)
+    with stop.listening():
+        try:
+            left = wanted.n_timesteps - model.num_timesteps
+            model.learn(max(left, 0), callback=watch, reset_num_timesteps=False)
+            watch.note()
+        except StopLearningError:
+            assert stop.signal is not None
+            raise TrainingInterruptedError(
+                f"stopped after {progress.steps:,} steps; nothing is lost", stop.signal
+            ) from None
+        finally:
+            watch.finish()
+            model.logger.close()
+        last = save()
+        for name in (files.NORMALIZATION, files.POLICY):
+            if (last / name).is_file():
+                write_bytes(run.folder / name, (last / name).read_bytes())
+    if stop.signal is not None:
+        raise TrainingInterruptedError(f"stopped after all {progress.steps:,} steps; the run is finished", stop.signal)
+
+
+def _write_log(run: Run, progress: files.Progress) -> None:
+    rows = ({name: row.get(name, "") for name in LOG_COLUMNS} for row in progress.history)
+    write_csv(run.folder / "training.csv", LOG_COLUMNS, rows)

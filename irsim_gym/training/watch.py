@@ -1,0 +1,163 @@
+"""What runs beside the learning: clock, progress bar, log, checkpoints and an orderly stop."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from stable_baselines3.common.callbacks import BaseCallback
+
+from irsim_gym.training import checkpoint
+
+LOG_ROWS = 200
+
+
+class StopLearningError(Exception):
+    """Leaves the learning between two updates, after the checkpoint was written."""
+
+
+class StopRequest:
+    """Whether a signal asked to stop. The second Ctrl-C stops at once."""
+
+    def __init__(self) -> None:
+        self.signal: int | None = None
+
+    @contextmanager
+    def listening(self) -> Iterator[None]:
+        """Listen to Ctrl-C and SIGTERM; in a thread other than the main one do nothing."""
+        if threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        kinds = (signal.SIGINT, signal.SIGTERM)
+        before = {kind: signal.signal(kind, self._take) for kind in kinds}
+        try:
+            yield
+        finally:
+            for kind, handler in before.items():
+                signal.signal(kind, handler)
+
+    def _take(self, number: int, frame: FrameType | None) -> None:
+        if self.signal is not None:
+            raise KeyboardInterrupt
+        self.signal = number
+
+
+class Clock:
+    """Wall-clock and processor time of training alone."""
+
+    def __init__(self, seconds: float, cpu_seconds: float) -> None:
+        self._before = (seconds, cpu_seconds)
+        self._start: tuple[float, float] | None = None
+
+    def start(self) -> None:
+        """Count from now on."""
+        self._start = (time.perf_counter(), time.process_time())
+
+    def stop(self) -> None:
+        """Count no longer."""
+        self._before, self._start = self.read(), None
+
+    def read(self) -> tuple[float, float]:
+        """Return wall-clock and processor seconds."""
+        if self._start is None:
+            return self._before
+        wall, cpu = time.perf_counter() - self._start[0], time.process_time() - self._start[1]
+        return self._before[0] + wall, self._before[1] + cpu
+
+
+class Watch(BaseCallback):
+    """The callback of a run.
+
+    Args:
+        progress: How far the run has come; updated.
+        total: Steps of the whole run.
+        checkpoint_every: Steps between checkpoints.
+        save: Writes a checkpoint.
+        stop: Whether to stop.
+        console: Where the progress bar goes; it stays quiet when that is no terminal.
+    """
+
+    def __init__(
+        self,
+        progress: checkpoint.Progress,
+        total: int,
+        checkpoint_every: int,
+        save: Callable[[], object],
+        stop: StopRequest,
+        console: Console,
+    ) -> None:
+        super().__init__()
+        self.progress, self.total, self.save_checkpoint, self.stop = progress, total, save, stop
+        self.checkpoint_every = checkpoint_every
+        self.next_checkpoint = (progress.steps // checkpoint_every + 1) * checkpoint_every
+        self.clock = Clock(progress.training_seconds, progress.cpu_seconds)
+        self.bar = Progress(
+            TextColumn("{task.fields[steps]} steps"),
+            BarColumn(),
+            TextColumn("{task.fields[speed]} steps/s  success {task.fields[success]}"),
+            TimeRemainingColumn(),
+            console=console,
+            disable=not console.is_terminal,
+        )
+        fields = {"steps": "0", "speed": "-", "success": "-"}
+        self.line = self.bar.add_task("training", total=total, completed=progress.steps, **fields)
+        self.begun = (progress.steps, progress.training_seconds)
+
+    def _on_training_start(self) -> None:
+        self.bar.start()
+        self.clock.start()
+
+    def _on_rollout_start(self) -> None:
+        """Look around between an update and the next rollout: here nothing is half done."""
+        self.note()
+        if self.stop.signal is not None:
+            self._save()
+            raise StopLearningError
+        if self.progress.steps >= self.next_checkpoint and self.progress.steps < self.total:
+            self._save()
+            self.next_checkpoint += self.checkpoint_every
+
+    def _on_step(self) -> bool:
+        return True
+
+    def note(self) -> None:
+        """Bring the progress, its log and the bar up to date."""
+        progress, model = self.progress, self.model
+        progress.steps = model.num_timesteps
+        progress.training_seconds, progress.cpu_seconds = self.clock.read()
+        logged = progress.history[-1]["steps"] if progress.history else 0
+        if progress.steps - logged < self.total / LOG_ROWS:
+            return
+        row = {"steps": progress.steps, "training_seconds": progress.training_seconds}
+        episodes, successes = model.ep_info_buffer, model.ep_success_buffer
+        if episodes:
+            row["episode_return"] = sum(float(episode["r"]) for episode in episodes) / len(episodes)
+            row["episode_steps"] = sum(float(episode["l"]) for episode in episodes) / len(episodes)
+        if successes:
+            row["success"] = sum(successes) / len(successes)
+        progress.history.append(row)
+        seconds = progress.training_seconds - self.begun[1]
+        speed = (progress.steps - self.begun[0]) / seconds if seconds > 0.0 else 0.0
+        self.bar.update(
+            self.line,
+            completed=progress.steps,
+            steps=f"{progress.steps:,}",
+            speed=f"{speed:,.0f}",
+            success=f"{row['success']:.0%}" if "success" in row else "-",
+        )
+
+    def finish(self) -> None:
+        """Take the clock and the bar down; safe to call twice."""
+        self.clock.stop()
+        self.bar.stop()
+
+    def _save(self) -> None:
+        self.clock.stop()
+        self.save_checkpoint()
+        self.clock.start()
