@@ -20,7 +20,7 @@ from numba.core import event
 config: Any = numba_config
 PACKAGE = Path(__file__).parent
 KEPT_FOLDERS = 4
-WITHOUT_KERNELS = {"scenario", "envs", "evaluation", "render", "cli.py", "__init__.py"}
+WITHOUT_KERNELS = {"scenario", "envs", "evaluation", "training", "render", "cli.py", "__init__.py"}
 
 F = TypeVar("F", bound=Callable[..., Any])
 
