@@ -58,7 +58,7 @@ def _failure(name: str) -> str:
 
 def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
     """Draw presence, outlines and placements; ``failed`` gets body + 1 where a body found no place, else 0."""
-    draw_presence(shard.worlds, parts.number_ranges, state.random, model.present, state.placed, failed)
+    draw_presence(shard.worlds, parts.number_ranges, state.random, model.present, state.placed, state.pose, failed)
     for group in parts.footprints:
         group.kind.draw(group, model, state, shard)
     for group in parts.placements:
@@ -68,7 +68,7 @@ def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard,
 
 @kernel
 def draw_presence(
-    worlds: Ints, number_ranges: Ints, random: Words, present: Flags, placed: Flags, failed: Ints
+    worlds: Ints, number_ranges: Ints, random: Words, present: Flags, placed: Flags, pose: Floats, failed: Ints
 ) -> None:
     """Decide how many bodies of each entry with a ``number_range`` exist, and forget all placements."""
     for i in range(worlds.shape[0]):
@@ -76,6 +76,7 @@ def draw_presence(
         failed[w] = 0
         placed[w, :] = False
         present[w, :] = True
+        pose[w, :, :] = 0.0
         for k in range(number_ranges.shape[0]):
             first, fewest, most = number_ranges[k, 0], number_ranges[k, 1], number_ranges[k, 2]
             drawn = integer(random, w, fewest, most + 1)
