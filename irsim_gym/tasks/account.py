@@ -1,0 +1,172 @@
+"""The books of an episode: path, clearance, outcome and the sum of the reward."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.jit import kernel
+from irsim_gym.tasks.outcome import RUNNING, SUCCESS, TIMEOUT
+
+
+@kernel
+def open_books(
+    worlds: Ints,
+    agents: Ints,
+    pose: Floats,
+    bodies_goal_distance: Floats,
+    clearance: Floats,
+    position: Floats,
+    min_clearance: Floats,
+    path_length: Floats,
+    goal_distance: Floats,
+    steps: Ints,
+    hit: Ints,
+    outcome: Ints,
+    success: Flags,
+    over: Flags,
+    terminated: Flags,
+    truncated: Flags,
+    reward_term: Floats,
+    reward: Floats,
+) -> None:
+    """Begin an episode for all agents of the worlds.
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent, ``(n_agents,)``.
+        pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
+        bodies_goal_distance: ``(n_worlds, n_bodies)`` [m].
+        clearance: ``(n_worlds, n_agents)`` [m].
+        position: Written, as are all that follow; see ``EpisodeState``.
+        min_clearance: [m].
+        path_length: [m].
+        goal_distance: [m].
+        steps: Counted from 0.
+        hit: -1.
+        outcome: RUNNING.
+        success: False.
+        over: False.
+        terminated: False.
+        truncated: False.
+        reward_term: 0.
+        reward: 0.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            position[w, a, 0], position[w, a, 1] = pose[w, b, 0], pose[w, b, 1]
+            min_clearance[w, a], path_length[w, a] = clearance[w, a], 0.0
+            goal_distance[w, a] = bodies_goal_distance[w, b]
+            steps[w, a], hit[w, a], outcome[w, a] = 0, -1, RUNNING
+            success[w, a], over[w, a], terminated[w, a], truncated[w, a] = False, False, False, False
+            for k in range(reward_term.shape[2]):
+                reward_term[w, a, k] = 0.0
+            reward[w, a] = 0.0
+
+
+@kernel
+def keep_books(
+    worlds: Ints,
+    agents: Ints,
+    pose: Floats,
+    bodies_goal_distance: Floats,
+    bodies_hit: Ints,
+    clearance: Floats,
+    outcome: Ints,
+    position: Floats,
+    min_clearance: Floats,
+    path_length: Floats,
+    goal_distance: Floats,
+    steps: Ints,
+    hit: Ints,
+    over: Flags,
+) -> None:
+    """Add a step to the books of the agents whose episode is under way.
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent, ``(n_agents,)``.
+        pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
+        bodies_goal_distance: ``(n_worlds, n_bodies)`` [m].
+        bodies_hit: ``(n_worlds, n_bodies)``.
+        clearance: ``(n_worlds, n_agents)`` [m].
+        outcome: ``(n_worlds, n_agents)``, of the step before.
+        position: Written, as are all that follow; see ``EpisodeState``.
+        min_clearance: [m].
+        path_length: [m].
+        goal_distance: [m].
+        steps: Counted from 0.
+        hit: Body that is touched, -1 for none.
+        over: The episode had ended before this step.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            over[w, a] = outcome[w, a] != RUNNING
+            if over[w, a]:
+                continue
+            dx, dy = pose[w, b, 0] - position[w, a, 0], pose[w, b, 1] - position[w, a, 1]
+            path_length[w, a] += np.sqrt(dx * dx + dy * dy)
+            position[w, a, 0], position[w, a, 1] = pose[w, b, 0], pose[w, b, 1]
+            min_clearance[w, a] = min(min_clearance[w, a], clearance[w, a])
+            goal_distance[w, a], hit[w, a] = bodies_goal_distance[w, b], bodies_hit[w, b]
+            steps[w, a] += 1
+
+
+@kernel
+def settle(
+    worlds: Ints,
+    outcomes: Ints,
+    max_steps: int,
+    ending: Flags,
+    over: Flags,
+    steps: Ints,
+    outcome: Ints,
+    success: Flags,
+    terminated: Flags,
+    truncated: Flags,
+) -> None:
+    """Decide whether the episodes have ended, and how; the first ending that applies wins, the time limit is last.
+
+    Args:
+        worlds: The worlds to treat.
+        outcomes: Outcome of each ending, in order of precedence, ``(n_endings,)``.
+        max_steps: The time limit.
+        ending: Which endings apply, ``(n_worlds, n_agents, n_endings)``.
+        over: Agents whose episode had ended before keep everything, ``(n_worlds, n_agents)``.
+        steps: Steps taken.
+        outcome: Written, ``(n_worlds, n_agents)``, as are all that follow.
+        success: The outcome is SUCCESS.
+        terminated: The task has ended.
+        truncated: The time limit alone has ended the episode.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(outcome.shape[1]):
+            if over[w, a]:
+                continue
+            found = RUNNING
+            for k in range(outcomes.shape[0]):
+                if ending[w, a, k] and found == RUNNING:
+                    found = outcomes[k]
+            terminated[w, a] = found != RUNNING
+            truncated[w, a] = found == RUNNING and steps[w, a] >= max_steps
+            outcome[w, a] = TIMEOUT if truncated[w, a] else found
+            success[w, a] = found == SUCCESS
+
+
+@kernel
+def add_up(worlds: Ints, over: Flags, reward_term: Floats, reward: Floats) -> None:
+    """Sum the reward terms in their order; nothing is paid to an agent whose episode had ended before."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(reward.shape[1]):
+            total = 0.0
+            for k in range(reward_term.shape[2]):
+                if over[w, a]:
+                    reward_term[w, a, k] = 0.0
+                total += reward_term[w, a, k]
+            reward[w, a] = total

@@ -1,0 +1,170 @@
+"""What a learner's numbers mean: kinds of actions, and how an action becomes a command.
+
+Inside, an action always lies in [-1, 1], one number for each component of the command, and is mapped affinely to the
+body's velocity limits: -1 is ``vel_min``, +1 is ``vel_max``.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.families import ACTIONS
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.outcome import RUNNING
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class VelocityAction:
+    """Continuous: one number in [-1, 1] for each component of the command; numbers outside are cut to it."""
+
+    @property
+    def n_choices(self) -> int:
+        """0: the action is continuous."""
+        return 0
+
+    @staticmethod
+    def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Take over the learner's numbers, cut to [-1, 1]."""
+        take_given(shard.worlds, episode.given, episode.action, episode.previous_action)
+
+
+@kind
+class DiscreteAction:
+    """A grid of commands, evenly spaced between the limits, ends included.
+
+    Choice ``i * angular + j`` is the i-th of ``linear`` values of the command's first component (from ``vel_min``
+    up) with the j-th of ``angular`` values of its second one (from ``vel_min``, right turns first, up). With an
+    odd number of values and symmetric limits the middle one is 0.
+    """
+
+    linear: int = option(3, ge=1, le=1000, meaning="Number of values of the first component; 1: the greatest alone.")
+    angular: int = option(5, ge=1, le=1000, meaning="Number of values of the second component; 1: its middle alone.")
+
+    @property
+    def n_choices(self) -> int:
+        """Number of points of the grid."""
+        return self.linear * self.angular
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return the action, in [-1, 1], of every choice, shape ``(n_choices, 2)``."""
+        first = np.linspace(-1.0, 1.0, self.linear) if self.linear > 1 else np.ones(1)
+        second = np.linspace(-1.0, 1.0, self.angular) if self.angular > 1 else np.zeros(1)
+        return {"grid": np.stack([np.repeat(first, self.angular), np.tile(second, self.linear)], axis=1)}
+
+    @staticmethod
+    def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Look up the learner's choices."""
+        take_choice(shard.worlds, term.arrays["grid"], episode.choice, episode.action, episode.previous_action)
+
+
+ACTIONS.register("velocity", VelocityAction)
+ACTIONS.register("discrete", DiscreteAction)
+
+
+@kernel
+def all_finite(worlds: Ints, given: Floats) -> bool:
+    """Return whether the actions ``(n_worlds, n_agents, n_components)`` of all given worlds are finite."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(given.shape[1]):
+            for c in range(given.shape[2]):
+                if not np.isfinite(given[w, a, c]):
+                    return False
+    return True
+
+
+@kernel
+def all_within(worlds: Ints, count: int, choice: Ints) -> bool:
+    """Return whether the choices ``(n_worlds, n_agents)`` of all given worlds lie in [0, count)."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(choice.shape[1]):
+            if choice[w, a] < 0 or choice[w, a] >= count:
+                return False
+    return True
+
+
+@kernel
+def take_given(worlds: Ints, given: Floats, action: Floats, previous_action: Floats) -> None:
+    """Move the latest action to ``previous_action`` and write the new one, cut to [-1, 1]."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(action.shape[1]):
+            for c in range(action.shape[2]):
+                previous_action[w, a, c] = action[w, a, c]
+                action[w, a, c] = min(max(given[w, a, c], -1.0), 1.0)
+
+
+@kernel
+def take_choice(worlds: Ints, grid: Floats, choice: Ints, action: Floats, previous_action: Floats) -> None:
+    """Move the latest action to ``previous_action`` and write the chosen row of ``grid``."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(action.shape[1]):
+            for c in range(action.shape[2]):
+                previous_action[w, a, c] = action[w, a, c]
+                action[w, a, c] = grid[choice[w, a], c]
+
+
+@kernel
+def command(
+    worlds: Ints,
+    agents: Ints,
+    velocity_min: Floats,
+    velocity_max: Floats,
+    outcome: Ints,
+    action: Floats,
+    commanded: Floats,
+) -> None:
+    """Map actions in [-1, 1] affinely to the agents' velocity limits; an agent whose episode is over stands still.
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent, ``(n_agents,)``.
+        velocity_min: ``(n_worlds or 1, n_bodies, 3)`` [m/s or rad/s].
+        velocity_max: The same.
+        outcome: ``(n_worlds, n_agents)``.
+        action: ``(n_worlds, n_agents, n_components)``.
+        commanded: Written, ``(n_worlds, n_bodies, 3)`` [m/s or rad/s].
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            for c in range(action.shape[2]):
+                low = velocity_min[w % velocity_min.shape[0], b, c]
+                high = velocity_max[w % velocity_max.shape[0], b, c]
+                wanted = 0.5 * (low + high) + action[w, a, c] * (0.5 * (high - low))
+                commanded[w, b, c] = wanted if outcome[w, a] == RUNNING else 0.0
+
+
+@kernel
+def rest(
+    worlds: Ints,
+    agents: Ints,
+    velocity_min: Floats,
+    velocity_max: Floats,
+    action: Floats,
+    previous_action: Floats,
+) -> None:
+    """Write the action that asks for standing still, or for the slowest command there is, as the latest ones."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            for c in range(action.shape[2]):
+                low = velocity_min[w % velocity_min.shape[0], b, c]
+                high = velocity_max[w % velocity_max.shape[0], b, c]
+                still = -(low + high) / (high - low) if high > low else 0.0
+                action[w, a, c] = min(max(still, -1.0), 1.0)
+                previous_action[w, a, c] = action[w, a, c]

@@ -1,0 +1,157 @@
+"""Whether a task fits its scenario, and whether its rewards lead anywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.errors import Problem, UnknownNameError, suggestion
+from irsim_gym.families import ENDINGS, OBSERVATIONS, REWARDS
+from irsim_gym.scenario.source import Place
+from irsim_gym.scenario.spec import BodySpec, Scenario
+from irsim_gym.scenario.validation import Report
+from irsim_gym.tasks.layers import Merged
+from irsim_gym.tasks.outcome import Outcome
+
+Terms = Mapping[str, list[tuple[Place, Any]]]
+
+
+def choose_agents(scenario: Scenario, given: str | Sequence[str], team: bool, merged: Merged) -> tuple[int, ...]:
+    """Return the bodies that learn; none after telling why.
+
+    Args:
+        scenario: Where they are.
+        given: A robot's name, several, ``all``, or nothing.
+        team: Whether nothing means all robots instead of the first one.
+        merged: Collects the problems.
+    """
+    robots = scenario.robots
+    if not robots:
+        problem = Problem(0, "robot", "there is no robot, so nobody can learn")
+        merged.outside.append((scenario.source.title, problem))
+        return ()
+    if not given:
+        return robots if team else robots[:1]
+    if given == "all":
+        return robots
+    names = [given] if isinstance(given, str) else list(given)
+    known = {scenario.bodies[b].name: b for b in robots}
+    others = {body.name for body in scenario.bodies} - set(known)
+    for i, name in enumerate(names):
+        place: Place = ("agents",) if isinstance(given, str) else ("agents", i)
+        if name in others:
+            merged.report.add(place, f"'{name}' is an obstacle; only robots learn")
+        elif name not in known:
+            merged.report.add(place, f"no robot named '{name}'{suggestion(name, known)}")
+        elif name in names[:i]:
+            merged.report.add(place, f"'{name}' is named twice")
+    return tuple(known[name] for name in names) if set(names) <= set(known) else ()
+
+
+def check_fit(
+    scenario: Scenario, agents: Sequence[int], task: str, terms: Terms, merged: Merged
+) -> list[tuple[Place, Any]]:
+    """Tell what the learners lack, and return the observations, with substitutes for sensors that are missing."""
+    bodies = [scenario.bodies[b] for b in agents]
+    for body in bodies:
+        for message in _body_problems(body):
+            merged.outside.append((scenario.source.title, Problem(body.line, body.name, message)))
+    if len({type(body.kinematics) for body in bodies}) > 1:
+        merged.report.add(("agents",), "learners of one task need the same kinematics")
+    goalless = [b for b in agents if not _has_goal(scenario, b)]
+    needing = [term for item in terms.values() for _, term in item if term.needs_goal]
+    if goalless and needing:
+        users = ", ".join(f"'{_term_name(term)}'" for term in needing)
+        for b in goalless:
+            body = scenario.bodies[b]
+            message = f"has no goal, and the task '{task}' needs one (for {users})"
+            merged.outside.append((scenario.source.title, Problem(body.line, body.name, message)))
+    given = [type(item) for _, item in terms["observations"]]
+    fitting = []
+    for place, item in terms["observations"]:
+        fit = _substitute(place, item, bodies, merged.report) if item.needs_scan else item
+        if fit is item or type(fit) not in given:
+            fitting.append((place, fit))
+    return fitting
+
+
+def _body_problems(body: BodySpec) -> list[str]:
+    if body.static or body.kinematics is None:
+        return ["cannot learn: it never moves"]
+    if not np.isfinite([*body.vel_min, *body.vel_max]).all():
+        return ["cannot learn: its velocity limits must be finite"]
+    return []
+
+
+def _has_goal(scenario: Scenario, b: int) -> bool:
+    body = scenario.bodies[b]
+    wanders = body.behavior is not None and body.behavior.wander
+    return bool(body.goal) or wanders or bool(scenario.placements[body.entry].kind.gives_goal)
+
+
+def _term_name(term: Any) -> str:
+    for family in (OBSERVATIONS, REWARDS, ENDINGS):
+        try:
+            return family.name_of(type(term))
+        except UnknownNameError:
+            continue
+    return type(term).__name__
+
+
+def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Report) -> Any:
+    """Return an observation that needs a range sensor, or what takes its place where there is none."""
+    without = [body.name for body in bodies if not body.sensors]
+    if not without:
+        beams = {sensor.group_key() for body in bodies for sensor in body.sensors[:1]}
+        if len(beams) > 1:
+            report.add(place, "learners of one task need range sensors with the same beams")
+        return item
+    if not item.without_sensor:
+        report.add(place, f"'{without[0]}' has no range sensor (without_sensor: names a substitute)")
+        return item
+    try:
+        return OBSERVATIONS.entry(item.without_sensor).kind()
+    except UnknownNameError as error:
+        report.add((*place, "without_sensor"), str(error))
+        return item
+
+
+def check_terms(terms: Terms, audit: bool, report: Report) -> None:
+    """Tell what is missing, and what a learner would exploit.
+
+    The audit: a reward may be positive only as a difference of potentials or as the bonus for success, which the
+    kinds' roles and weights >= 0 see to; and what a whole episode can cost by and by must be less than any failure
+    that ends it, else an early crash or an escape would be the best policy for a learner that sees no way to the goal.
+    """
+    if not terms["observations"]:
+        report.add(("observations",), "at least one is required")
+    outcomes = {ending.outcome for _, ending in terms["endings"]}
+    for place, reward in terms["rewards"]:
+        if reward.needs_ending and reward.outcome not in outcomes:
+            ending = _ending_for(reward.outcome)
+            report.add(place, f"never paid: it needs the ending '{ending}'")
+    if not audit:
+        return
+    running = sum(reward.weight for _, reward in terms["rewards"] if reward.role == "running")
+    for place, ending in terms["endings"]:
+        if ending.outcome == Outcome.SUCCESS or running == 0.0:
+            continue
+        penalty = sum(
+            reward.weight
+            for _, reward in terms["rewards"]
+            if reward.role == "penalty" and reward.outcome == ending.outcome
+        )
+        if penalty <= running:
+            report.add(
+                place,
+                f"an episode that ends so costs {penalty:g}, one that goes on can cost {running:g} "
+                f"(time, closeness, ...): raise the penalty or lower the running costs, or say 'audit: false'",
+            )
+
+
+def _ending_for(outcome: Any) -> str:
+    names = [entry.name for entry in ENDINGS if entry.kind.outcome == outcome]
+    return names[0] if names else str(outcome)
+

@@ -1,0 +1,10 @@
+"""How an episode can end; the time limit is held by ``Episodes`` alone."""
+
+from irsim_gym.families import ENDINGS
+from irsim_gym.tasks.endings.arrived import Arrived
+from irsim_gym.tasks.endings.collided import Collided
+from irsim_gym.tasks.endings.left_world import LeftWorld
+
+ENDINGS.register("arrived", Arrived)
+ENDINGS.register("collided", Collided)
+ENDINGS.register("left_world", LeftWorld)

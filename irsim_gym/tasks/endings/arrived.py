@@ -1,0 +1,28 @@
+"""Arrived: the agent has reached its last goal."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from irsim_gym.engine import Shard
+from irsim_gym.scenario.options import kind
+from irsim_gym.tasks.endings.body_flag import copy_flag
+from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Arrived:
+    """End with success when the agent is within its goal threshold of the last goal."""
+
+    outcome: ClassVar[Outcome] = Outcome.SUCCESS
+    needs_goal: ClassVar[bool] = True
+
+    @staticmethod
+    def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the flag."""
+        copy_flag(shard.worlds, term.agents, term.column, state.arrived, episode.ending)
+

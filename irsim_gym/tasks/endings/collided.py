@@ -1,0 +1,27 @@
+"""Collided: the agent touches another body."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from irsim_gym.engine import Shard
+from irsim_gym.scenario.options import kind
+from irsim_gym.tasks.endings.body_flag import copy_flag
+from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Collided:
+    """End with failure when the agent touches another body."""
+
+    outcome: ClassVar[Outcome] = Outcome.COLLISION
+    needs_goal: ClassVar[bool] = False
+
+    @staticmethod
+    def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the flag."""
+        copy_flag(shard.worlds, term.agents, term.column, state.collided, episode.ending)

@@ -1,0 +1,43 @@
+"""Left the world: the agent is wholly outside the world's rectangle."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.engine import Shard
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind
+from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class LeftWorld:
+    """End with failure when the agent is outside the world's rectangle by more than its own reach."""
+
+    outcome: ClassVar[Outcome] = Outcome.LEFT_WORLD
+    needs_goal: ClassVar[bool] = False
+
+    @staticmethod
+    def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the flag."""
+        find_outside(shard.worlds, term.agents, term.column, model.bounds, model.reach, state.pose, episode.ending)
+
+
+@kernel
+def find_outside(
+    worlds: Ints, agents: Ints, column: int, bounds: Floats, reach: Floats, pose: Floats, ending: Flags
+) -> None:
+    """Write a column of ``ending``: the body's origin is further outside ``bounds`` than its reach [m]."""
+    x_min, y_min, x_max, y_max = bounds[0], bounds[1], bounds[2], bounds[3]
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            r = reach[w % reach.shape[0], b]
+            x, y = pose[w, b, 0], pose[w, b, 1]
+            ending[w, a, column] = x < x_min - r or x > x_max + r or y < y_min - r or y > y_max + r

@@ -1,0 +1,45 @@
+"""Which level an episode plays: splits, levels and the chain of levels that follows a seed.
+
+A level is (scenario, split, index); its random stream is keyed by a hash of all three. The streams of
+``train``, ``dev`` and ``test`` are therefore different whatever indices are used, and training, which
+stays within its split for ever, meets no level that is kept for choosing or for reporting.
+"""
+
+from __future__ import annotations
+
+from irsim_gym.arraytypes import Ints, Words
+from irsim_gym.errors import UnknownNameError, suggestion
+from irsim_gym.jit import kernel
+from irsim_gym.rng import later_level, level_stream
+
+SPLITS = ("train", "dev", "test")
+
+
+def check_split(split: str) -> None:
+    """Refuse a split that does not exist.
+
+    Raises:
+        UnknownNameError: It is none of ``train``, ``dev``, ``test``.
+    """
+    if split not in SPLITS:
+        raise UnknownNameError(f"no split named '{split}'{suggestion(split, SPLITS)}; splits: {', '.join(SPLITS)}")
+
+
+@kernel
+def take_levels(worlds: Ints, base: Words, first_level: Ints, episode: Ints, level: Ints, stream: Words) -> None:
+    """Write the level of each world's present episode and the state of its random stream.
+
+    Args:
+        worlds: The worlds to treat.
+        base: Key of the split, ``(n_worlds,)``.
+        first_level: First level of each world's chain, ``(n_worlds,)``.
+        episode: Number of the episode in the chain, ``(n_worlds,)``.
+        level: Written, ``(n_worlds, n_agents)``.
+        stream: Written, ``(n_worlds,)``.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        here = later_level(first_level[w], episode[w])
+        stream[w] = level_stream(base[w], here)
+        for a in range(level.shape[1]):
+            level[w, a] = here

@@ -1,0 +1,16 @@
+"""What an agent perceives."""
+
+from irsim_gym.families import OBSERVATIONS
+from irsim_gym.tasks.observations.goal import Goal
+from irsim_gym.tasks.observations.goal_heading import GoalHeading
+from irsim_gym.tasks.observations.last_action import LastAction
+from irsim_gym.tasks.observations.nearest_bodies import NearestBodies
+from irsim_gym.tasks.observations.scan import Scan
+from irsim_gym.tasks.observations.velocity import Velocity
+
+OBSERVATIONS.register("scan", Scan)
+OBSERVATIONS.register("goal", Goal)
+OBSERVATIONS.register("goal_heading", GoalHeading)
+OBSERVATIONS.register("velocity", Velocity)
+OBSERVATIONS.register("last_action", LastAction)
+OBSERVATIONS.register("nearest_bodies", NearestBodies)

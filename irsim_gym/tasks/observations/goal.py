@@ -1,0 +1,84 @@
+"""Goal: where the next goal lies, seen from the agent."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.engine import Shard
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Goal:
+    """Distance and bearing of the next goal: ``min(d / scale, 1)``, cosine and sine of the bearing, ``exp(-d / near)``.
+
+    The bearing comes as cosine and sine because an angle would jump where it wraps.
+    """
+
+    needs_goal: ClassVar[bool] = True
+    needs_scan: ClassVar[bool] = False
+
+    scale: float | None = option(None, gt=0.0, unit="m", meaning="Distance that counts as 1; none: world's diagonal.")
+    near: float = option(1.0, gt=0.0, unit="m", meaning="Distance over which the near term falls to 1/e.")
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the bounds of the four elements."""
+        return np.array([0.0, -1.0, -1.0, 0.0], np.float32), np.ones(4, np.float32)
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the four elements."""
+        given = term.options.scale
+        write_goal(
+            shard.worlds,
+            term.agents,
+            term.column,
+            np.nan if given is None else given,
+            term.options.near,
+            model.bounds,
+            state.pose,
+            state.goal,
+            episode.observation,
+        )
+
+
+@kernel
+def write_goal(
+    worlds: Ints,
+    agents: Ints,
+    column: int,
+    scale: float,
+    near: float,
+    bounds: Floats,
+    pose: Floats,
+    goal: Floats,
+    out: Rays,
+) -> None:
+    """Write distance, cosine and sine of the bearing (1, 0 at the goal itself) and the near term.
+
+    A ``scale`` of NaN stands for the diagonal of the world's rectangle ``bounds``.
+    """
+    width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
+    full = np.sqrt(width * width + height * height) if np.isnan(scale) else scale
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
+            d = np.sqrt(dx * dx + dy * dy)
+            ahead, side = 1.0, 0.0
+            if d > 0.0:
+                cosine, sine = np.cos(pose[w, b, 2]), np.sin(pose[w, b, 2])
+                ahead, side = (dx * cosine + dy * sine) / d, (dy * cosine - dx * sine) / d
+            out[w, a, column] = np.float32(min(d / full, 1.0))
+            out[w, a, column + 1] = np.float32(min(max(ahead, -1.0), 1.0))
+            out[w, a, column + 2] = np.float32(min(max(side, -1.0), 1.0))
+            out[w, a, column + 3] = np.float32(np.exp(-d / near))

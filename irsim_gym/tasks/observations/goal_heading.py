@@ -1,0 +1,45 @@
+"""Goal heading: which way the agent shall face at the next goal."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.engine import Shard
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class GoalHeading:
+    """Cosine and sine of the turn that is left to the goal's heading; both 0 where any heading will do."""
+
+    needs_goal: ClassVar[bool] = True
+    needs_scan: ClassVar[bool] = False
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the bounds of the two elements."""
+        return np.full(2, -1.0, np.float32), np.ones(2, np.float32)
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the two elements."""
+        write_goal_heading(shard.worlds, term.agents, term.column, state.pose, state.goal, episode.observation)
+
+
+@kernel
+def write_goal_heading(worlds: Ints, agents: Ints, column: int, pose: Floats, goal: Floats, out: Rays) -> None:
+    """Write cosine and sine of goal heading minus heading."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            turn = goal[w, agents[a], 2] - pose[w, agents[a], 2]
+            known = not np.isnan(turn)
+            out[w, a, column] = np.float32(np.cos(turn)) if known else np.float32(0.0)
+            out[w, a, column + 1] = np.float32(np.sin(turn)) if known else np.float32(0.0)

@@ -1,0 +1,44 @@
+"""Last action: what the agent did before."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.engine import Shard
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class LastAction:
+    """The latest action, scaled to [-1, 1] as continuous actions are; that of standing still at the start."""
+
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = False
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the bounds, one element for each component of the command."""
+        size = term.action_size
+        return np.full(size, -1.0, np.float32), np.ones(size, np.float32)
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the action."""
+        write_action(shard.worlds, term.column, episode.action, episode.observation)
+
+
+@kernel
+def write_action(worlds: Ints, column: int, action: Floats, out: Rays) -> None:
+    """Copy the agents' actions, ``(n_worlds, n_agents, n_components)``."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(action.shape[1]):
+            for c in range(action.shape[2]):
+                out[w, a, column + c] = np.float32(action[w, a, c])

@@ -1,0 +1,186 @@
+"""Scan: the agent's range sensor, pooled into sectors."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+Code = Literal["inverse", "linear"]
+INVERSE, LINEAR = 0, 1
+
+
+@kind
+class Scan:
+    """Free depth in sectors of equal angle: the least range beyond the agent's own outline, encoded.
+
+    With the depth ``m`` of a sector, ``inverse`` is ``(1 / (m + near) - zero) / (1 / near - zero)``: 1 in contact,
+    steep where it matters, about 0 at ``1 / zero``. ``linear`` is ``1 - m / range_max``: 1 in contact.
+    """
+
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = True
+
+    sectors: int = option(36, ge=1, meaning="Number of sectors; at most as many as there are beams are made.")
+    code: Code = option("inverse", meaning="How a depth becomes a number.")
+    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: depth at which the code has half its slope.")
+    zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (m + near) that becomes 0.")
+    without_sensor: str = option(
+        "", meaning="Observation that takes the place of this one, with its defaults, where a learner has no sensor."
+    )
+
+    def check(self) -> list[tuple[str, str]]:
+        """Return what is wrong with options that are right one by one: key and message."""
+        if self.code == "inverse" and self.zero * self.near > 0.5:
+            return [("zero", f"must be <= 0.5 / near = {0.5 / self.near:g}, got {self.zero:g}")]
+        return []
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return the live ranges, who has which, the sectors' beams and the agents' own extents."""
+        found = [simulation.scan(int(b)) for b in agents]
+        groups = [item[0] for item in found if item is not None]
+        if len(groups) < len(found) or any(group is not groups[0] for group in groups):
+            raise ValueError("observation 'scan': all learners need range sensors with the same beams")
+        members = np.array([item[1] for item in found if item is not None], np.int64)
+        table = groups[0].arrays
+        first, last = sector_beams(table["angles"], self.sectors)
+        far = np.array([groups[0].options[k].range_max for k in members], np.float32)
+        return {
+            "ranges": table["ranges"],
+            "members": members,
+            "first": first,
+            "last": last,
+            "extent": np.ascontiguousarray(table["footprint"][members]),
+            "far": far,
+        }
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the codes of the greatest depth that each sector can show, and of contact."""
+        first, last, far = term.arrays["first"], term.arrays["last"], term.arrays["far"]
+        farthest = far[:, None] - term.arrays["extent"]
+        low = np.stack([farthest[:, i:j].min(axis=1) for i, j in zip(first, last, strict=True)], axis=1)
+        low, high = np.maximum(low, np.float32(0.0)), np.zeros_like(low)
+        for a in range(len(far)):
+            for values in (low[a], high[a]):
+                encode(values, 0, len(first), _code(self), np.float32(self.near), np.float32(self.zero), far[a])
+        return low.min(axis=0), high.max(axis=0)
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the sectors' codes."""
+        options, table = term.options, term.arrays
+        pool(
+            shard.worlds,
+            table["members"],
+            term.column,
+            _code(options),
+            options.near,
+            options.zero,
+            table["far"],
+            table["first"],
+            table["last"],
+            table["extent"],
+            table["ranges"],
+            episode.observation,
+        )
+
+
+def _code(options: Scan) -> int:
+    return get_args(Code).index(options.code)
+
+
+def sector_beams(angles: Floats, sectors: int) -> tuple[Ints, Ints]:
+    """Return first and one past last beam of each sector; sectors of equal angle cover all beams.
+
+    The sectors span the beams' angles [rad, rising] and half a beam more at both ends. A sector in which no
+    beam falls takes the one nearest to its middle.
+
+    Args:
+        angles: Beam directions, shape ``(n_beams,)``.
+        sectors: Wanted number of sectors.
+    """
+    n_beams = len(angles)
+    count = min(sectors, n_beams)
+    if n_beams == 1:
+        return np.zeros(1, np.int64), np.ones(1, np.int64)
+    half = 0.5 * (angles[-1] - angles[0]) / (n_beams - 1)
+    width = (angles[-1] - angles[0] + 2.0 * half) / count
+    sector = np.floor((angles - angles[0] + half) / width + 1e-9).astype(np.int64).clip(0, count - 1)
+    first = np.searchsorted(sector, np.arange(count), side="left").astype(np.int64)
+    last = np.searchsorted(sector, np.arange(count), side="right").astype(np.int64)
+    for s in np.flatnonzero(first == last):
+        middle = angles[0] - half + (s + 0.5) * width
+        first[s] = np.argmin(np.abs(angles - middle))
+        last[s] = first[s] + 1
+    return first, last
+
+
+@kernel
+def pool(
+    worlds: Ints,
+    members: Ints,
+    column: int,
+    code: int,
+    near: float,
+    zero: float,
+    far: Rays,
+    first: Ints,
+    last: Ints,
+    extent: Rays,
+    ranges: Rays,
+    out: Rays,
+) -> None:
+    """Write each sector's least depth beyond the own outline, encoded.
+
+    Args:
+        worlds: The worlds to treat.
+        members: Each agent's row in ``ranges``, ``(n_agents,)``.
+        column: First column of ``out``.
+        code: INVERSE or LINEAR.
+        near: See ``Scan`` [m].
+        zero: See ``Scan`` [1/m].
+        far: Greatest range of each agent's sensor [m], ``(n_agents,)``.
+        first: First beam of each sector, ``(n_sectors,)``.
+        last: One past its last beam.
+        extent: Distance to the own outline [m], ``(n_agents, n_beams)``.
+        ranges: Readings [m], ``(n_worlds, n_members, n_beams)``.
+        out: Written, ``(n_worlds, n_agents, n_features)``.
+    """
+    n_sectors = first.shape[0]
+    near_32, zero_32 = np.float32(near), np.float32(zero)
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(members.shape[0]):
+            scan, own, row = ranges[w, members[a]], extent[a], out[w, a]
+            for s in range(n_sectors):
+                least = far[a]
+                for k in range(first[s], last[s]):
+                    depth = scan[k] - own[k]
+                    least = depth if depth < least else least
+                row[column + s] = least if least > np.float32(0.0) else np.float32(0.0)
+            encode(row, column, n_sectors, code, near_32, zero_32, far[a])
+
+
+@kernel
+def encode(
+    row: Rays, column: int, count: int, code: int, near: np.float32, zero: np.float32, far: np.float32
+) -> None:
+    """Replace depths [m] by their codes, in place; float32, and falling with the depth to the last bit."""
+    one = np.float32(1.0)
+    if code == INVERSE:
+        largest = one / near - zero
+        for s in range(column, column + count):
+            row[s] = (one / (row[s] + near) - zero) / largest
+    else:
+        for s in range(column, column + count):
+            row[s] = one - row[s] / far

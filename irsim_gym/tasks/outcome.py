@@ -1,0 +1,28 @@
+"""How an episode ends."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class Outcome(IntEnum):
+    """What became of an agent; the numbers are part of the public face.
+
+    If several things happen in the same step, the first of collision, left the world, success and timeout counts.
+    """
+
+    RUNNING = 0
+    SUCCESS = 1
+    COLLISION = 2
+    TIMEOUT = 3
+    LEFT_WORLD = 4
+
+
+PRECEDENCE = (Outcome.COLLISION, Outcome.LEFT_WORLD, Outcome.SUCCESS)
+"""The outcomes that endings may declare, the one that wins first; the time limit comes after all of them."""
+
+RUNNING = int(Outcome.RUNNING)
+SUCCESS = int(Outcome.SUCCESS)
+COLLISION = int(Outcome.COLLISION)
+TIMEOUT = int(Outcome.TIMEOUT)
+LEFT_WORLD = int(Outcome.LEFT_WORLD)

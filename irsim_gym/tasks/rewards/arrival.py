@@ -1,0 +1,31 @@
+"""Arrival: the bonus for success."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from irsim_gym.engine import Shard
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.outcome import SUCCESS, Outcome
+from irsim_gym.tasks.rewards.on_outcome import pay_outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Role, Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Arrival:
+    """Bonus ``+weight``, once, when the episode ends with success."""
+
+    role: ClassVar[Role] = "bonus"
+    outcome: ClassVar[Outcome] = Outcome.SUCCESS
+    needs_goal: ClassVar[bool] = True
+    needs_ending: ClassVar[bool] = True
+
+    weight: float = option(2.0, ge=0.0, meaning="Bonus for success.")
+
+    @staticmethod
+    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the bonus."""
+        pay_outcome(shard.worlds, term.column, SUCCESS, term.options.weight, episode.outcome, episode.reward_term)

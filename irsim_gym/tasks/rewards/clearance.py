@@ -1,0 +1,44 @@
+"""Clearance: passing close to other bodies costs."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.engine import Shard
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Role, Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Clearance:
+    """Cost of closeness: ``max(0, 1 - clearance / safe)^2``, times ``weight / max_steps``."""
+
+    role: ClassVar[Role] = "running"
+    outcome: ClassVar[Outcome] = Outcome.RUNNING
+    needs_goal: ClassVar[bool] = False
+    needs_ending: ClassVar[bool] = False
+
+    weight: float = option(0.8, ge=0.0, meaning="Cost of an episode spent in contact.")
+    safe: float = option(0.3, gt=0.0, unit="m", meaning="Clearance from which on nothing is paid.")
+
+    @staticmethod
+    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the cost of the present clearance."""
+        amount = -term.options.weight / term.max_steps
+        pay_closeness(shard.worlds, term.column, amount, term.options.safe, episode.clearance, episode.reward_term)
+
+
+@kernel
+def pay_closeness(worlds: Ints, column: int, amount: float, safe: float, clearance: Floats, out: Floats) -> None:
+    """Write ``amount`` times the squared shortfall of the clearance [m], relative to ``safe`` [m]."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(clearance.shape[1]):
+            short = max(0.0, 1.0 - clearance[w, a] / safe)
+            out[w, a, column] = amount * short * short

@@ -1,0 +1,31 @@
+"""Left the world: the penalty for leaving the world's rectangle."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from irsim_gym.engine import Shard
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.outcome import LEFT_WORLD, Outcome
+from irsim_gym.tasks.rewards.on_outcome import pay_outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Role, Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class LeftWorldPenalty:
+    """Penalty ``-weight``, once, when the episode ends outside the world's rectangle."""
+
+    role: ClassVar[Role] = "penalty"
+    outcome: ClassVar[Outcome] = Outcome.LEFT_WORLD
+    needs_goal: ClassVar[bool] = False
+    needs_ending: ClassVar[bool] = True
+
+    weight: float = option(5.0, ge=0.0, meaning="Penalty for leaving the world.")
+
+    @staticmethod
+    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the penalty."""
+        pay_outcome(shard.worlds, term.column, LEFT_WORLD, -term.options.weight, episode.outcome, episode.reward_term)

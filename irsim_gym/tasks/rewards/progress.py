@@ -1,0 +1,101 @@
+"""Progress: coming closer to the goal pays, moving away costs as much."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Role, Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Progress:
+    """``weight`` times the way gained towards the goal in the step, over the world's diagonal.
+
+    The way is measured to the goal that was next before the step, so that a change of goal costs nothing.
+    """
+
+    role: ClassVar[Role] = "potential"
+    outcome: ClassVar[Outcome] = Outcome.RUNNING
+    needs_goal: ClassVar[bool] = True
+    needs_ending: ClassVar[bool] = False
+
+    weight: float = option(4.0, ge=0.0, meaning="Reward for a gain of one diagonal of the world.")
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return the memory: each agent's goal and its distance, one step ago."""
+        shape = (simulation.n_worlds, len(agents))
+        return {"target": np.zeros((*shape, 2)), "potential": np.zeros(shape)}
+
+    @staticmethod
+    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Note goals and distances."""
+        memory = term.arrays
+        note(shard.worlds, term.agents, state.pose, state.goal, memory["target"], memory["potential"])
+
+    @staticmethod
+    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the gain since the step before."""
+        memory = term.arrays
+        pay_gain(
+            shard.worlds,
+            term.agents,
+            term.column,
+            term.options.weight,
+            model.bounds,
+            state.pose,
+            memory["target"],
+            memory["potential"],
+            episode.reward_term,
+        )
+        note(shard.worlds, term.agents, state.pose, state.goal, memory["target"], memory["potential"])
+
+
+@kernel
+def distance(pose: Floats, target: Floats) -> float:
+    """Return the distance from a pose to a point [m]."""
+    dx, dy = target[0] - pose[0], target[1] - pose[1]
+    return np.sqrt(dx * dx + dy * dy)
+
+
+@kernel
+def note(worlds: Ints, agents: Ints, pose: Floats, goal: Floats, target: Floats, potential: Floats) -> None:
+    """Write where each agent's goal is and how far away [m]."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            target[w, a, 0], target[w, a, 1] = goal[w, b, 0], goal[w, b, 1]
+            potential[w, a] = distance(pose[w, b], target[w, a])
+
+
+@kernel
+def pay_gain(
+    worlds: Ints,
+    agents: Ints,
+    column: int,
+    weight: float,
+    bounds: Floats,
+    pose: Floats,
+    target: Floats,
+    potential: Floats,
+    out: Floats,
+) -> None:
+    """Write the weighted loss of distance to the noted goal, over the diagonal of ``bounds``."""
+    width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
+    rate = weight / np.sqrt(width * width + height * height)
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            gain = potential[w, a] - distance(pose[w, agents[a]], target[w, a])
+            out[w, a, column] = rate * gain

@@ -1,0 +1,55 @@
+"""Smoothness: changing the action costs."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.engine import Shard
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Role, Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Smoothness:
+    """Cost of abrupt actions: ``|a_t - a_(t-1)|^2`` over its largest possible value, times ``weight / max_steps``."""
+
+    role: ClassVar[Role] = "running"
+    outcome: ClassVar[Outcome] = Outcome.RUNNING
+    needs_goal: ClassVar[bool] = False
+    needs_ending: ClassVar[bool] = False
+
+    weight: float = option(0.2, ge=0.0, meaning="Cost of an episode in which every action swings from end to end.")
+
+    @staticmethod
+    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the cost of the latest change."""
+        pay_change(
+            shard.worlds,
+            term.column,
+            -term.options.weight / term.max_steps,
+            episode.previous_action,
+            episode.action,
+            episode.reward_term,
+        )
+
+
+@kernel
+def pay_change(
+    worlds: Ints, column: int, amount: float, previous_action: Floats, action: Floats, out: Floats
+) -> None:
+    """Write ``amount`` times the squared change of the action, scaled to [0, 1]; actions lie in [-1, 1]."""
+    largest = 4.0 * action.shape[2]
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(action.shape[1]):
+            squared = 0.0
+            for c in range(action.shape[2]):
+                change = action[w, a, c] - previous_action[w, a, c]
+                squared += change * change
+            out[w, a, column] = amount * squared / largest

@@ -1,0 +1,41 @@
+"""Time: every step costs the same."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.engine import Shard
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Role, Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Time:
+    """Cost of time: ``-weight`` spread evenly over the steps of a full episode."""
+
+    role: ClassVar[Role] = "running"
+    outcome: ClassVar[Outcome] = Outcome.RUNNING
+    needs_goal: ClassVar[bool] = False
+    needs_ending: ClassVar[bool] = False
+
+    weight: float = option(2.0, ge=0.0, meaning="Cost of a full episode; a step costs weight / max_steps.")
+
+    @staticmethod
+    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the cost of a step."""
+        fill(shard.worlds, term.column, -term.options.weight / term.max_steps, episode.reward_term)
+
+
+@kernel
+def fill(worlds: Ints, column: int, amount: float, out: Floats) -> None:
+    """Write one amount into a column for all agents of the worlds."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(out.shape[1]):
+            out[w, a, column] = amount

@@ -1,0 +1,41 @@
+"""What a task remembers of the episodes under way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints, Rays, Words
+from irsim_gym.world.arrays import Arrays, column
+
+
+@dataclass
+class EpisodeState(Arrays):
+    """The moment of every episode, beside the moment of the world; agents are counted within a world."""
+
+    base: Words = column("world", np.uint64, "", "key of the split that the world draws its levels from")
+    first_level: Ints = column("world", np.int64, "", "level that the world's chain of levels began with")
+    episode: Ints = column("world", np.int64, "", "number of the episode in that chain, from 0")
+    stream: Words = column("world", np.uint64, "", "random stream of the level under way")
+    level: Ints = column("world agent", np.int64, "", "level under way")
+    given: Floats = column("world agent action", np.float64, "", "continuous action as the learner gave it")
+    choice: Ints = column("world agent", np.int64, "", "discrete action as the learner gave it")
+    action: Floats = column("world agent action", np.float64, "", "latest action, in [-1, 1]; at rest at the start")
+    previous_action: Floats = column("world agent action", np.float64, "", "the action before the latest")
+    position: Floats = column("world agent 2", np.float64, "m", "x and y, as last added to the path")
+    clearance: Floats = column("world agent", np.float64, "m", "distance to the nearest other body, 0 in contact")
+    min_clearance: Floats = column("world agent", np.float64, "m", "least clearance so far, the start included")
+    path_length: Floats = column("world agent", np.float64, "m", "distance travelled")
+    goal_distance: Floats = column("world agent", np.float64, "m", "distance to the goal that is next")
+    steps: Ints = column("world agent", np.int64, "", "steps taken")
+    hit: Ints = column("world agent", np.int64, "", "the body that is touched (lowest id), -1 for none")
+    outcome: Ints = column("world agent", np.int64, "", "an Outcome")
+    success: Flags = column("world agent", np.bool_, "", "the outcome is SUCCESS")
+    over: Flags = column("world agent", np.bool_, "", "the agent's episode had ended before the latest step")
+    ending: Flags = column("world agent ending", np.bool_, "", "which endings apply now")
+    terminated: Flags = column("world agent", np.bool_, "", "the task has ended")
+    truncated: Flags = column("world agent", np.bool_, "", "the time limit has cut the episode")
+    reward_term: Floats = column("world agent reward", np.float64, "", "weighted reward terms of the latest step")
+    reward: Floats = column("world agent", np.float64, "", "their sum")
+    observation: Rays = column("world agent feature", np.float32, "", "what the agents perceive, in [-1, 1]")

@@ -1,0 +1,185 @@
+"""A task: what is learned, by whom, and when it is over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from irsim_gym.errors import Problem, ScenarioError, UnknownNameError
+from irsim_gym.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
+from irsim_gym.registry import Registry
+from irsim_gym.scenario import library
+from irsim_gym.scenario.messages import show
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.scenario.source import Place, Source, read_file, read_mapping
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.scenario.validation import Report, build, build_named
+from irsim_gym.tasks.checks import check_fit, check_terms, choose_agents
+from irsim_gym.tasks.layers import Layer, Merged, merge
+
+DEFAULT = "navigation"
+FAMILIES = {"observations": OBSERVATIONS, "rewards": REWARDS, "endings": ENDINGS}
+LONGEST_CHAIN = 8
+
+
+@kind
+class TaskOptions:
+    """The plain keys of a task."""
+
+    agents: str | tuple[str, ...] = option(
+        "", meaning="Who learns: the name of a robot, a list of names, or 'all'; by default the first robot."
+    )
+    max_steps: int = option(500, ge=1, le=10**9, unit="steps", meaning="Time limit of an episode.")
+    observation_form: Literal["flat", "dict"] = option(
+        "flat", meaning="One vector, or a dictionary with one vector for each observation."
+    )
+    audit: bool = option(
+        True, meaning="Refuse rewards under which a crash or an escape would pay more than going on."
+    )
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is learned.
+
+    Attributes:
+        name: Name of the task file it builds upon.
+        agents: Bodies of the learners.
+        max_steps: Time limit; an episode that is still running after so many steps is truncated.
+        action: Instance of a registered action.
+        observations: Instances of registered observations, in order.
+        rewards: Instances of registered rewards, in order.
+        endings: Instances of registered endings.
+        observation_form: ``flat`` or ``dict``.
+    """
+
+    name: str
+    agents: tuple[int, ...]
+    max_steps: int
+    action: Any
+    observations: tuple[Any, ...]
+    rewards: tuple[Any, ...]
+    endings: tuple[Any, ...]
+    observation_form: Literal["flat", "dict"] = "flat"
+
+
+def load_task(
+    scenario: Scenario,
+    task: str | Path | Mapping[str, Any] | None = None,
+    max_steps: int | None = None,
+    *,
+    team: bool = False,
+) -> Task:
+    """Read the task of a scenario and check that it fits.
+
+    Args:
+        scenario: Where it is played.
+        task: A shipped name, the path of a YAML file, or the same as plain data, in place of the scenario's own
+            section ``task``; None takes that section, and ``navigation`` where there is none.
+        max_steps: Replaces the task's time limit.
+        team: Without ``agents`` in the task all robots learn instead of the first one.
+
+    Raises:
+        ScenarioError: It cannot be used; the error lists every problem with its line.
+        UnknownNameError: ``task`` is no shipped name.
+    """
+    if max_steps is not None and (isinstance(max_steps, bool) or not isinstance(max_steps, int) or max_steps < 1):
+        raise ValueError(f"max_steps must be a whole number >= 1, got {max_steps!r}")
+    name, layers = _layers(scenario, task)
+    merged = merge(layers)
+    report, data = merged.report, merged.data
+    options = build(TaskOptions, data, (), report, skip={"name", "action", *FAMILIES})
+    action = build_named(ACTIONS, data.get("action", {"name": "velocity"}), ("action",), report)
+    terms = {key: _terms(family, key, data, report) for key, family in FAMILIES.items()}
+    if options is not None:
+        agents = choose_agents(scenario, options.agents, team, merged)
+        if agents:
+            terms["observations"] = check_fit(scenario, agents, name, terms, merged)
+        check_terms(terms, options.audit, report)
+    merged.refuse(_title(scenario))
+    assert options is not None
+    parts = {key: tuple(item for _, item in items) for key, items in terms.items()}
+    limit = options.max_steps if max_steps is None else max_steps
+    return Task(name, agents, limit, action, **parts, observation_form=options.observation_form)
+
+
+def _title(scenario: Scenario) -> str:
+    return scenario.source.title
+
+
+def _layers(scenario: Scenario, task: str | Path | Mapping[str, Any] | None) -> tuple[str, list[Layer]]:
+    """Return the task's name and its files and sections, the most basic one first."""
+    folder = Path(scenario.file).parent if scenario.file else Path()
+    if isinstance(task, str | Path):
+        return _file_layers(library.find(task, "tasks"), folder)
+    if task is None:
+        top = Layer(_title(scenario), scenario.task, lambda place: scenario.problem(("task", *place), "").line, ("task",))
+    else:
+        source = read_mapping(task)
+        _refuse_unreadable(source)
+        top = Layer("the given task", source.data, lambda place: 0)
+    name = top.data.get("name", DEFAULT)
+    if not isinstance(name, str) or not name:
+        message = f"must be the name or the file of a task, got {show(name)}"
+        raise ScenarioError(top.title, [Problem(top.line(("name",)), _path(top), message)])
+    try:
+        called, layers = _file_layers(_find(name, folder), folder)
+    except UnknownNameError as error:
+        raise ScenarioError(top.title, [Problem(top.line(("name",)), _path(top), str(error))]) from None
+    return called, [*layers, top]
+
+
+def _path(layer: Layer) -> str:
+    return ".".join([*map(str, layer.prefix), "name"])
+
+
+def _find(name: str, folder: Path) -> Path:
+    """Return the file of a task; a relative path is looked up beside the file that gives it first."""
+    file = library.find(name, "tasks")
+    beside = folder / file
+    return beside if not file.is_absolute() and beside.is_file() else file
+
+
+def _file_layers(file: Path, folder: Path) -> tuple[str, list[Layer]]:
+    """Return the name of a task file, and the files it builds upon with itself at the end."""
+    name, layers = file.stem, []
+    for _ in range(LONGEST_CHAIN):
+        source = read_file(file)
+        _refuse_unreadable(source)
+        layers.insert(0, Layer(source.title, source.data, source.line))
+        base = source.data.get("name", file.stem)
+        if base == file.stem:
+            return name, layers
+        try:
+            file = _find(base, file.parent) if isinstance(base, str) else library.find("", "tasks")
+        except UnknownNameError as error:
+            raise ScenarioError(source.title, [source.problem(("name",), str(error))]) from None
+    raise ScenarioError(str(file), [Problem(0, "name", f"tasks build upon each other more than {LONGEST_CHAIN} deep")])
+
+
+def _refuse_unreadable(source: Source) -> None:
+    problems = list(source.problems)
+    if not isinstance(source.data, Mapping):
+        problems.append(source.problem((), f"a task must be a mapping, got {show(source.data)}"))
+    if problems:
+        raise ScenarioError(source.title, problems)
+
+
+def _terms(family: Registry, key: str, data: Mapping[str, Any], report: Report) -> list[tuple[Place, Any]]:
+    """Return the kinds of a list with their paths, those that are right."""
+    given = data.get(key)
+    if given is None:
+        return []
+    if not isinstance(given, list):
+        report.add((key,), f"must be a list, got {show(given)}")
+        return []
+    made = [((key, i), build_named(family, item, (key, i), report)) for i, item in enumerate(given)]
+    found = [(place, item) for place, item in made if item is not None]
+    seen: set[type[Any]] = set()
+    for place, item in found:
+        if type(item) in seen:
+            report.add(place, f"{family.family} '{family.name_of(type(item))}' is given twice")
+        seen.add(type(item))
+    return found

@@ -1,0 +1,122 @@
+"""What the kinds of a task have in common: how they are bound to a simulation and called.
+
+Every kind is called with the same five things: its ``Term``, the ``WorldModel``, the ``WorldState``, the
+``EpisodeState`` that it writes into, and the ``Shard`` that says in which worlds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
+
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+Role = Literal["potential", "bonus", "penalty", "running"]
+
+
+@dataclass
+class Term:
+    """A kind of a task, bound to a simulation.
+
+    Attributes:
+        name: YAML name of the kind.
+        options: The kind's instance.
+        agents: Body of each agent, shape ``(n_agents,)``.
+        max_steps: Steps of a full episode.
+        action_size: Components of an action, and of the command that it becomes.
+        column: Where the term writes: first column of the observation, column of the reward or of the ending.
+        arrays: The term's own arrays: tables, memory, live readings of sensors.
+    """
+
+    name: str
+    options: Any
+    agents: Ints
+    max_steps: int
+    action_size: int
+    column: int = 0
+    arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+
+@runtime_checkable
+class HasArrays(Protocol):
+    """A kind with arrays of its own."""
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return what ``Term.arrays`` will hold."""
+
+
+@runtime_checkable
+class Remembers(Protocol):
+    """A kind that takes note of the start of an episode."""
+
+    @staticmethod
+    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Prepare ``term.arrays`` for the levels that begin in the shard's worlds."""
+
+
+class ActionKind(Protocol):
+    """Turns what a learner emits into commands."""
+
+    @property
+    def n_choices(self) -> int:
+        """Number of choices of a discrete action; 0 for a continuous one in [-1, 1]."""
+
+    @staticmethod
+    def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Turn ``episode.given`` or ``episode.choice`` into ``episode.action``, in [-1, 1]."""
+
+
+class ObservationKind(Protocol):
+    """One part of an observation.
+
+    ``needs_goal``: it means nothing for an agent without a goal.
+    ``needs_scan``: it needs a range sensor.
+    """
+
+    needs_goal: ClassVar[bool]
+    needs_scan: ClassVar[bool]
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the least and the greatest value of each element, within [-1, 1], shape ``(width,)`` each."""
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the columns from ``term.column`` on of ``episode.observation``."""
+
+
+class RewardKind(Protocol):
+    """One term of the reward; its weight is never negative, so that its role fixes its sign.
+
+    ``role``: ``potential`` (a difference of potentials), ``bonus`` (positive, once), ``penalty`` (negative, on an
+    event) or ``running`` (never positive, and over a whole episode never below ``-weight``).
+    ``outcome``: what a bonus or a penalty is for.
+    ``needs_ending``: the task must end on that outcome, else the term would never be paid.
+    """
+
+    role: ClassVar[Role]
+    outcome: ClassVar[Outcome]
+    needs_goal: ClassVar[bool]
+    needs_ending: ClassVar[bool]
+    weight: float
+
+    @staticmethod
+    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write column ``term.column`` of ``episode.reward_term``."""
+
+
+class EndingKind(Protocol):
+    """One way in which the task ends."""
+
+    outcome: ClassVar[Outcome]
+    needs_goal: ClassVar[bool]
+
+    @staticmethod
+    def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write column ``term.column`` of ``episode.ending``."""
