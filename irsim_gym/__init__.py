@@ -12,7 +12,7 @@ from irsim_gym import errors
 from irsim_gym.envs.registration import make, make_vec, register_scenarios, register_shipped
 
 if TYPE_CHECKING:
-    from irsim_gym.engine import compile
+    from irsim_gym.engine.compile import compile
     from irsim_gym.envs import sb3
     from irsim_gym.scenario import load_scenario
 

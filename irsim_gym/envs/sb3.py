@@ -67,9 +67,9 @@ class WorldVecEnv(VecEnv):
         self._started = time.time()
         self._all_begun = False
         super().__init__(worlds.n_worlds, worlds.observation_space, worlds.action_space)
-        self.metadata["render_fps"] = worlds.render_fps
+        self.metadata: dict[str, Any] = {**self.metadata, "render_fps": worlds.render_fps}
 
-    def reset(self) -> Observation:  # type: ignore[override]
+    def reset(self) -> Observation:
         """Begin an episode in every world, with the seeds and options given before, which are then forgotten."""
         worlds = range(self.num_envs)
         self.worlds.begin(worlds, self._seeds, self._options, fresh_level)
@@ -87,7 +87,7 @@ class WorldVecEnv(VecEnv):
             raise ValueError(f"actions must have shape {self._action_shape}, got {rows.shape}")
         self._actions = rows[:, None]
 
-    def step_wait(self) -> tuple[Observation, Rays, Flags, list[dict[str, Any]]]:  # type: ignore[override]
+    def step_wait(self) -> tuple[Observation, Rays, Flags, list[dict[str, Any]]]:
         """Advance all worlds by one step and restart those that end.
 
         Returns:

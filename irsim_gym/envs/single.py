@@ -78,7 +78,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         self._going = not (terminated or truncated)
         return worlds.observation_of(0), view.reward.item(0), terminated, truncated, worlds.info_of(0)
 
-    def render(self) -> Bytes | None:  # type: ignore[override]
+    def render(self) -> Bytes | None:
         """Return a fresh picture ``(height, width, 3)``; None, with a warning, without a render mode."""
         if self.render_mode is None:
             gymnasium.logger.warn("render() was called but no render_mode was given: use render_mode='rgb_array'")

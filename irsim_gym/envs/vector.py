@@ -83,7 +83,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         self._seeds: list[int | None] = [None] * num_envs
         self._generators: list[np.random.Generator | None] = [None] * num_envs
 
-    def reset(  # type: ignore[override]
+    def reset(
         self,
         *,
         seed: int | Sequence[int | None] | None = None,
@@ -179,7 +179,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         """Free the renderer."""
         self.worlds.close()
 
-    @property
+    @property  # type: ignore[misc]
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
         """The generators of the worlds."""
         return tuple(self._generator(w) for w in range(self.num_envs))

@@ -180,9 +180,7 @@ class Worlds:
         return self._renderer.frame(w, self._status(w))
 
     def _status(self, w: int) -> str:
-        infos = self.episodes.view.infos
-        outcome = Outcome(infos["outcome"].item(w)).name.lower().replace("_", " ")
-        return f"{infos['steps'].item(w) * self.scenario.world.step_time:.1f} s  {outcome}"
+        return Outcome(self.episodes.view.infos["outcome"].item(w)).name.lower()
 
     def forget_trails(self, worlds: Sequence[int] | Ints) -> None:
         """Clear the trails drawn for worlds that restart."""

@@ -20,6 +20,7 @@ import irsim_gym
 
 NAME = "sparse_circles"
 CONSTANT = {
+    "name": "blank",
     "observations": [{"name": "scan", "sectors": 4}],
     "rewards": [{"name": "time", "weight": 20.0}],
     "endings": [],
