@@ -1,6 +1,13 @@
 """How a body decides."""
 
 from irsim_gym.behaviors.dash import Dash
-from irsim_gym.families import BEHAVIORS
+from irsim_gym.behaviors.orca import OrcaGroup
+from irsim_gym.behaviors.rvo import Rvo
+from irsim_gym.behaviors.social_force import SocialForce, SocialForceGroup
+from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 
 BEHAVIORS.register("dash", Dash)
+BEHAVIORS.register("rvo", Rvo, planned=True)
+BEHAVIORS.register("sfm", SocialForce, planned=True)
+GROUP_BEHAVIORS.register("orca", OrcaGroup, planned=True)
+GROUP_BEHAVIORS.register("sfm", SocialForceGroup, planned=True)

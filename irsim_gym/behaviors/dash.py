@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.geometry.angles import wrap
 from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import kind, option
+from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -35,6 +36,10 @@ class Dash:
     angle_tolerance: float = option(
         0.1, ge=0.0, unit="rad", meaning="No turn while the bearing of the goal is smaller than this."
     )
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from crossed_bounds(self.range_low, self.range_high)
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:

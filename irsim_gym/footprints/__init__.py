@@ -2,6 +2,7 @@
 
 from irsim_gym.families import FOOTPRINTS
 from irsim_gym.footprints.circle import Circle
+from irsim_gym.footprints.compound import Compound
 from irsim_gym.footprints.linestring import Linestring
 from irsim_gym.footprints.polygon import Polygon
 from irsim_gym.footprints.rectangle import Rectangle
@@ -10,3 +11,4 @@ FOOTPRINTS.register("circle", Circle)
 FOOTPRINTS.register("rectangle", Rectangle)
 FOOTPRINTS.register("polygon", Polygon)
 FOOTPRINTS.register("linestring", Linestring)
+FOOTPRINTS.register("compound", Compound, planned=True)

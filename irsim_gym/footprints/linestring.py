@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from irsim_gym.footprints import random_outline
 from irsim_gym.footprints.polygon import regular_vertices
-from irsim_gym.footprints.random_outline import draw_outlines
+from irsim_gym.footprints.random_outline import draw_outlines, outline_problems
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
@@ -34,6 +36,12 @@ class Linestring:
     def is_random(self) -> bool:
         """True if the outline differs between levels."""
         return self.random_shape
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from outline_problems(self)
+        if self.vertices is not None and len(set(self.vertices)) < 2:
+            yield "vertices", "all points are the same"
 
     def outline(self) -> Outline:
         """Return the segments; a random chain as a regular one with the most vertices it can have."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from irsim_gym.footprints import random_outline
-from irsim_gym.footprints.random_outline import draw_outlines
+from irsim_gym.footprints.random_outline import draw_outlines, outline_problems
 from irsim_gym.geometry.polygons import signed_area
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
@@ -35,6 +37,12 @@ class Polygon:
         """True if the outline differs between levels."""
         return self.random_shape
 
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from outline_problems(self)
+        if self.vertices is not None and not self.random_shape and (flaw := flaw_of(self.vertices)):
+            yield "vertices", flaw
+
     def outline(self) -> Outline:
         """Return the sides, counter-clockwise; a random polygon as a regular one with the most vertices it can have."""
         if self.vertices is not None and not self.random_shape:
@@ -56,6 +64,20 @@ class Polygon:
             model.segment_count,
             model.reach,
         )
+
+
+def flaw_of(vertices: tuple[tuple[float, float], ...]) -> str:
+    """Return why these corners bound no area: too few, all on a line, or sides that cross; empty when they do."""
+    import shapely
+    from shapely.validation import explain_validity
+
+    if len(set(vertices)) < 3:
+        return "a polygon needs three different corners"
+    with np.errstate(all="ignore"):
+        outline = shapely.Polygon(vertices)
+        if outline.is_valid and outline.area > 0.0:
+            return ""
+        return f"the outline crosses or touches itself ({explain_validity(outline).lower()})"
 
 
 def regular_vertices(count: int) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints, Words
 from irsim_gym.jit import kernel
 from irsim_gym.rng import integer, normal, uniform
-from irsim_gym.scenario.options import option
+from irsim_gym.scenario.options import option, unordered_ranges
 
 STEP_TRIES = 32
 
@@ -18,6 +19,22 @@ RADIUS_RANGE = option((0.1, 1.0), unit="m", meaning="Bounds of the mean distance
 IRREGULARITY_RANGE = option((0.0, 1.0), meaning="Bounds of the irregularity of the angles between vertices, 0 to 1.")
 SPIKEYNESS_RANGE = option((0.0, 1.0), meaning="Bounds of the relative deviation of the vertices' distances, 0 to 1.")
 NUM_VERTICES_RANGE = option((4, 10), meaning="Bounds of the number of vertices, the upper one excluded.")
+MOST_VERTICES = 1000
+
+
+def outline_problems(options: Any) -> Iterator[tuple[str, str]]:
+    """Yield key and message of what cannot be in the options of a polygon or linestring."""
+    if options.vertices is None and not options.random_shape:
+        yield "vertices", "is required unless random_shape is true"
+    yield from unordered_ranges(options, "avg_radius_range", least=1e-3)
+    yield from unordered_ranges(options, "irregularity_range", "spikeyness_range", least=0.0)
+    low, high = options.num_vertices_range
+    if not 3 <= low < high <= MOST_VERTICES:
+        message = f"must be [low, high] with 3 <= low < high <= {MOST_VERTICES} (high is excluded), got [{low}, {high}]"
+        yield "num_vertices_range", message
+    x_min, y_min, x_max, y_max = options.center_range
+    if x_min > x_max or y_min > y_max:
+        yield "center_range", "must be [x_min, y_min, x_max, y_max] with min <= max"
 
 
 @kernel

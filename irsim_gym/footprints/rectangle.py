@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -9,11 +10,13 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints, Words
 from irsim_gym.jit import kernel
 from irsim_gym.rng import uniform
-from irsim_gym.scenario.options import kind, option
+from irsim_gym.scenario.options import kind, option, unordered_ranges
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import Outline, chain
 from irsim_gym.world.state import WorldState
+
+LEAST_SIZE = 1e-3
 
 
 @kind
@@ -31,6 +34,10 @@ class Rectangle:
     def is_random(self) -> bool:
         """True if the outline differs between levels."""
         return self.random_shape
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from unordered_ranges(self, "length_range", "width_range", least=LEAST_SIZE)
 
     def outline(self) -> Outline:
         """Return the four sides, counter-clockwise; a random rectangle at its largest."""

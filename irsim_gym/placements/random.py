@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,7 +13,7 @@ from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point
 from irsim_gym.jit import kernel
 from irsim_gym.placements.manual import world_box
 from irsim_gym.rng import uniform
-from irsim_gym.scenario.options import kind, option
+from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WANDER, WorldModel
 from irsim_gym.world.state import WorldState
@@ -44,6 +45,11 @@ class RandomPlacement:
     reachable: bool = option(
         False, meaning="Hand out only goals that a disc around the body can reach past the static bodies."
     )
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        if self.range_low is not None and self.range_high is not None:
+            yield from crossed_bounds(self.range_low, self.range_high)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:

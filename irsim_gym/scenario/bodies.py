@@ -224,7 +224,7 @@ def _named(pattern: BodySpec, entry: Entry, i: int, number: int) -> BodySpec:
         color = CYCLE[i % len(CYCLE)]
     elif color is None or color is BAD:
         color = _default_color(pattern)
-    return replace(pattern, name=name, color=color, plot=_settle_plot(pattern, color))
+    return replace(pattern, name=name, color=color)
 
 
 def _default_color(body: BodySpec) -> str:
@@ -232,23 +232,6 @@ def _default_color(body: BodySpec) -> str:
         return OBSTACLE_COLOR
     is_car = body.kinematics is not None and KINEMATICS.name_of(type(body.kinematics)) == "acker"
     return CAR_COLOR if is_car else ROBOT_COLOR
-
-
-def _settle_plot(body: BodySpec, color: str) -> ObjectPlot:
-    """Return the drawing options with everything filled in that follows from colour, role and drive."""
-    plot = body.plot
-    moves = body.kinematics is not None and not body.static
-    slides = body.kinematics is not None and KINEMATICS.name_of(type(body.kinematics)) == "omni"
-    return replace(
-        plot,
-        obj_zorder=(3 if body.role == ROBOT else 1) if plot.obj_zorder is None else plot.obj_zorder,
-        obj_color=plot.obj_color or color,
-        goal_color=plot.goal_color or color,
-        traj_color=plot.traj_color or color,
-        trail_color=plot.trail_color or color,
-        trail_edgecolor=plot.trail_edgecolor or color,
-        show_arrow=(moves and not slides) if plot.show_arrow is None else plot.show_arrow,
-    )
 
 
 def _pattern(entry: Entry, i: int, index: int, group: int, report: Report) -> BodySpec | None:

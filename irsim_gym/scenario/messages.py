@@ -37,7 +37,7 @@ def show(value: Any) -> str:
 
 def _number(value: Any) -> str:
     try:
-        return f"{value:g}" if isinstance(value, float) and value != value else str(value)
+        return f"{value:.6g}" if isinstance(value, float) else str(value)
     except ValueError:  # an integer with thousands of digits
         return "a huge number"
 

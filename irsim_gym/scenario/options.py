@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator, Sequence
 from typing import Any, TypeVar, cast, dataclass_transform
 
 from pydantic import ConfigDict, Field
@@ -40,7 +42,11 @@ def option(
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(option,))
 def kind(cls: type[T]) -> type[T]:
-    """Make a class a kind: a frozen, strictly validated dataclass of its options."""
+    """Make a class a kind: a frozen, strictly validated dataclass of its options.
+
+    A kind may have a method ``problems()`` that yields (key, message) for each option that does not fit the others;
+    the reader of scenarios tells them with their lines. An empty key means the kind as a whole.
+    """
     made: Any = pydantic_dataclass(frozen=True, kw_only=True, config=OPTIONS_CONFIG)(cls)
     return cast("type[T]", made)
 
@@ -48,3 +54,20 @@ def kind(cls: type[T]) -> type[T]:
 def defaults(cls: type[T]) -> T:
     """Return a kind with all its options at their defaults (type checkers do not see those of ``option``)."""
     return cls()
+
+
+def unordered_ranges(options: Any, *names: str, least: float = -math.inf) -> Iterator[tuple[str, str]]:
+    """Yield a problem for each option ``[low, high]`` that is the wrong way round or begins below ``least``."""
+    for name in names:
+        low, high = getattr(options, name)
+        if low > high:
+            yield name, f"must be [low, high] with low <= high, got [{low:g}, {high:g}]"
+        elif low < least:
+            yield name, f"must be >= {least:g}, got [{low:g}, {high:g}]"
+
+
+def crossed_bounds(low: Sequence[float], high: Sequence[float]) -> Iterator[tuple[str, str]]:
+    """Yield a problem if a component of ``range_low`` lies above that of ``range_high``."""
+    if any(a > b for a, b in zip(low, high, strict=True)):
+        shown = [f"[{', '.join(f'{value:g}' for value in bounds)}]" for bounds in (low, high)]
+        yield "range_low", f"must not exceed range_high, got {shown[0]} and {shown[1]}"

@@ -13,7 +13,6 @@ from irsim_gym.scenario.options import defaults, kind, option
 ROBOT_COLOR = "#009E73"
 CAR_COLOR = "#117733"
 OBSTACLE_COLOR = "k"
-ARROW_COLOR = "#F0E442"
 CYCLE = ("#009E73", "#E69F00", "#56B4E9", "#D55E00", "#0072B2", "#CC79A7", "#F0E442", "#000000")
 
 LineStyle = Literal["-", "--", "-.", ":", "solid", "dashed", "dashdot", "dotted"]
@@ -74,7 +73,7 @@ class ObjectPlot:
     show_arrow: bool | None = option(
         None, meaning="Draw the velocity arrow; by default for bodies that move and have a heading of their own."
     )
-    arrow_color: str = option(ARROW_COLOR, meaning="Colour of the arrow.")
+    arrow_color: str = option("#F0E442", meaning="Colour of the arrow.")
     arrow_length: float = option(0.4, ge=0.0, unit="m", meaning="Length of the arrow.")
     arrow_width: float = option(0.6, ge=0.0, unit="m", meaning="Width of the arrow.")
     arrow_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the arrow.")
@@ -108,7 +107,7 @@ class ObjectPlot:
     fov_alpha: float = option(0.5, ge=0.0, le=1.0, meaning="Opacity of the field of view.")
     fov_zorder: int = option(1, meaning="Layer of the field of view.")
 
-    def check(self) -> Iterator[tuple[str, str]]:
+    def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of each colour that is none."""
         for key in COLOR_KEYS:
             problem = color_problem(getattr(self, key))

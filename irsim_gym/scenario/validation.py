@@ -123,7 +123,7 @@ def _construct(cls: type[T], values: Mapping[str, Any], place: Place, report: Re
             where = (*place, *(part for part in record["loc"] if isinstance(part, str | int)))
             report.add(where, translate(record, record.get("input"), Any))
         return None
-    problems = list(made.check()) if hasattr(made, "check") else []
+    problems = list(made.problems()) if hasattr(made, "problems") else []
     for key, message in problems:
         report.add((*place, key) if key else place, message)
     return None if problems else made
@@ -187,6 +187,8 @@ def _tell(error: ValidationError, info: FieldInfo, value: Any, place: Place, rep
         report.add(place, f"must be {describe(info.annotation)}, got {show(value)}")
         return
     for record in error.errors():
+        if record["type"] == "too_short" and len(record["input"]) >= record["ctx"]["min_length"]:
+            continue  # pydantic counts what is left after refused elements, which are told themselves
         inner = tuple(part for part in record["loc"] if isinstance(part, int))
         report.add((*place, *inner), translate(record, record.get("input"), _hint_at(info.annotation, inner)))
 
@@ -277,6 +279,7 @@ def build_named(
     contact = CONTACT_KEYS.get(family, ())
     made = build(entry.kind, data, place, report, skip={"name", key}, contact=contact)
     if entry.planned:
-        report.add((*place, key), f"{family} '{name}' is not supported yet; supported: {', '.join(registry.names())}")
+        running = f"; supported: {', '.join(registry.names())}" if registry.names() else ""
+        report.add((*place, key), f"{family} '{name}' is not supported yet{running}")
         return None
     return made

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, ClassVar
 
 import numpy as np
@@ -41,6 +42,11 @@ class Lidar2D:
     color: str = option("#CC3311", meaning="Colour of the drawn beams.")
     has_velocity: bool = option(False, meaning="Report the velocity of what each beam hits.", planned=True)
     plot: Any = option(None, meaning="Drawing options of the sensor.")
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        if self.range_min > self.range_max:
+            yield "range_min", f"must not exceed range_max, got {self.range_min:g} and {self.range_max:g}"
 
     def group_key(self) -> tuple[Any, ...]:
         """Return what members of one group have in common: the beams."""
