@@ -14,7 +14,7 @@ from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.tables import summary_table
-from irsim_gym.scenario.library import scenario_names
+from irsim_gym.scenario.library import SUFFIXES, scenario_names
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.hyperparameters import load_hyperparameters
 from irsim_gym.training.run import Run, Settings, default_folder, environment_id, scenario_name
@@ -28,7 +28,8 @@ def new_settings(
     """Put the settings of a run together from what was asked for and the hyper-parameter file."""
     overrides: dict[str, Any] = {} if steps is None else {"n_timesteps": steps}
     found = load_hyperparameters(algorithm, environment_id(scenario), file=hyperparameters, overrides=overrides)
-    return Settings(_lasting(scenario_name(scenario)), algorithm, seed, _lasting(task), found)
+    named = _lasting(scenario_name(scenario))
+    return Settings(named, algorithm, seed, None if task is None else _lasting(task), found)
 
 
 def settings_to_resume(run: Run, asked: Settings, steps: int | None) -> Settings:
@@ -128,7 +129,9 @@ def draw_level(scenario: str, level: int, split: str, task: str | None, out: Pat
     worlds.begin([0], [None], [{"split": split, "level": level}], int)
     path = out or Path(f"{worlds.scenario.name}.png")
     path.parent.mkdir(parents=True, exist_ok=True)
-    imsave(path, worlds.frame(0), format="png")
+    frame = worlds.frame(0)
+    assert frame is not None, "worlds with a render mode give frames"
+    imsave(path, frame, format="png")
     worlds.close()
     return path
 
@@ -150,8 +153,6 @@ def _zeros(env: sb3.WorldVecEnv) -> Any:
     return np.zeros((env.num_envs, *(env.action_space.shape or ())), np.float32)
 
 
-def _lasting(source: str | None) -> str | None:
+def _lasting(source: str) -> str:
     """Make the path of a file absolute, so that a run can be resumed from another folder."""
-    if source is not None and Path(source).suffix in (".yaml", ".yml"):
-        return str(Path(source).resolve())
-    return source
+    return str(Path(source).resolve()) if Path(source).suffix in SUFFIXES else source

@@ -105,8 +105,9 @@ class Watch(BaseCallback):
             console=console,
             disable=not console.is_terminal,
         )
-        fields = {"steps": "0", "speed": "-", "success": "-"}
-        self.line = self.bar.add_task("training", total=total, completed=progress.steps, **fields)
+        self.line = self.bar.add_task(
+            "training", total=total, completed=progress.steps, steps="0", speed="-", success="-"
+        )
         self.begun = (progress.steps, progress.training_seconds)
 
     def _on_training_start(self) -> None:

@@ -1,0 +1,92 @@
+"""Films of policies on the same levels, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.console import Console
+from rich.progress import Progress
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.protocol import Policy
+from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.training.policies import load_policy, policy_names
+from irsim_gym.training.worlds import make_episodes
+
+if TYPE_CHECKING:
+    from irsim_gym.render import Renderer
+
+SUFFIXES = (".mp4", ".gif")
+
+
+def record_film(
+    scenario: str,
+    sources: Sequence[str | Path],
+    levels: Sequence[int],
+    path: Path,
+    *,
+    split: str = "test",
+    task: str | None = None,
+    names: Sequence[str] | None = None,
+    console: Console | None = None,
+) -> Path:
+    """Film policies on levels, one level after another, one panel per policy; return the film's path.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        sources: Policies as ``load_policy`` takes them.
+        levels: Levels of the split.
+        path: Film to write, ``.mp4`` or ``.gif``.
+        split: ``"test"``, ``"dev"`` or ``"train"``.
+        task: Shipped name or path of a task; None for the scenario's own.
+        names: Captions; None to take them from the sources.
+        console: Where a progress bar goes; it stays quiet when that is no terminal.
+
+    Raises:
+        IrsimGymError: The file's suffix is none of a film.
+    """
+    from irsim_gym.render import Renderer
+    from irsim_gym.render.film import EpisodeFilm
+
+    if path.suffix.lower() not in SUFFIXES:
+        raise IrsimGymError(f"a film's name ends in {' or '.join(SUFFIXES)}, got '{path.name}'")
+    policies = [load_policy(source) for source in sources]
+    episodes = make_episodes(scenario, task=task, n_worlds=len(policies))
+    simulation = episodes.simulation
+    renderer = Renderer(simulation.scenario, simulation.model, simulation.state, simulation.sensors)
+    captions = policy_names(sources) if names is None else names
+    film = EpisodeFilm(captions, fps=1.0 / float(simulation.model.step_time[0]))
+    screen = console or Console(stderr=True)
+    with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
+        film.write(
+            (
+                [_episode(episodes, renderer, policy, w, level, split) for w, policy in enumerate(policies)]
+                for level in bar.track(levels, description="filming")
+            ),
+            path,
+        )
+    renderer.close()
+    return path
+
+
+def _episode(
+    episodes: Episodes, renderer: Renderer, policy: Policy, world: int, level: int, split: str
+) -> Iterator[Bytes]:
+    """Drive one world through a level and yield its frames, that of the start first."""
+    worlds, first = np.array([world]), np.array([level])
+    episodes.begin(worlds, first, split)
+    policy.begin(episodes, worlds, first)
+    renderer.clear(world)
+    outcome = Outcome.RUNNING
+    yield renderer.frame(world, outcome.name.lower())
+    while outcome is Outcome.RUNNING:
+        chosen = np.asarray(policy.act(episodes, worlds))
+        actions = np.zeros((episodes.n_worlds, 1, *chosen.shape[1:]), chosen.dtype)
+        actions[world, 0] = chosen[0]
+        episodes.step(actions, worlds)
+        outcome = Outcome(int(episodes.view.infos["outcome"][world, 0]))
+        yield renderer.frame(world, outcome.name.lower())

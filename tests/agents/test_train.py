@@ -1,0 +1,161 @@
+"""Training, interrupted and resumed. The runs are tiny: they show that nothing is lost, not that much is learned."""
+
+import json
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+from stable_baselines3.common.base_class import BaseAlgorithm
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.training import train as module
+from irsim_gym.training.checkpoint import list_checkpoints, load_progress, newest_checkpoint
+from irsim_gym.training.hyperparameters import Hyperparameters, Linear
+from irsim_gym.training.run import Run, Settings, environment_id, scenario_name
+from irsim_gym.training.train import TrainingInterruptedError, train
+from irsim_gym.training.watch import Watch
+
+PPO: dict[str, Any] = {"n_steps": 16, "batch_size": 32, "n_epochs": 2, "learning_rate": "lin_3e-3"}
+PPO["policy_kwargs"] = {"net_arch": [16], "activation_fn": "relu"}
+SAC: dict[str, Any] = {"learning_starts": 16, "batch_size": 8, "buffer_size": 500, "gradient_steps": 1}
+SAC["policy_kwargs"] = {"net_arch": [16]}
+NORMALIZED = {"normalize": {"norm_reward": True}, "reward_scale": 2.0}
+
+
+def settings(algorithm: str = "ppo", **own: Any) -> Settings:
+    arguments = PPO if algorithm == "ppo" else SAC
+    steps = {"n_timesteps": 512, "n_envs": 4, "checkpoint_every": 192, **own}
+    return Settings("empty_goal", algorithm, 3, None, Hyperparameters.from_plain({**steps, **arguments}))
+
+
+def weights(run: Run) -> dict[str, torch.Tensor]:
+    model: BaseAlgorithm = module.CLASSES[run.settings().algorithm].load(run.policy, device="cpu")
+    return model.policy.state_dict()
+
+
+def assert_equal_weights(one: Run, other: Run) -> None:
+    first, second = weights(one), weights(other)
+    assert first.keys() == second.keys()
+    for name, value in first.items():
+        assert torch.equal(value, second[name]), name
+
+
+@pytest.fixture
+def interrupt(monkeypatch: pytest.MonkeyPatch) -> Callable[[int, int], None]:
+    """Send this process a signal when a rollout begins after so many steps."""
+
+    def arrange(steps: int, number: int) -> None:
+        original, sent = Watch._on_step, []
+
+        def on_step(self: Watch) -> bool:
+            if not sent and self.num_timesteps > steps:
+                sent.append(True)
+                os.kill(os.getpid(), number)
+            return original(self)
+
+        monkeypatch.setattr(Watch, "_on_step", on_step)
+
+    return arrange
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "own"), [("ppo", {}), ("ppo", NORMALIZED), ("sac", {}), ("sac", NORMALIZED)]
+)
+def test_resumed_run_equals_an_uninterrupted_one(
+    algorithm: str, own: dict[str, Any], tmp_path: Path, interrupt: Callable[[int, int], None]
+) -> None:
+    asked = settings(algorithm, **own)
+    whole = train(asked, tmp_path / "whole")
+    interrupt(200, signal.SIGINT)
+    with pytest.raises(TrainingInterruptedError) as stop:
+        train(asked, tmp_path / "parts")
+    assert stop.value.signal == signal.SIGINT
+    parts = Run(tmp_path / "parts")
+    newest = newest_checkpoint(parts.checkpoints)
+    assert newest is not None
+    assert 192 <= load_progress(newest).steps < 512
+    assert not parts.finished()
+    torch.manual_seed(99)
+    train(asked, tmp_path / "parts", resume=True)
+    assert_equal_weights(whole, parts)
+
+
+def test_another_seed_gives_other_weights(tmp_path: Path) -> None:
+    one = train(settings(), tmp_path / "one")
+    asked = settings()
+    other = train(Settings(asked.scenario, asked.algorithm, 4, None, asked.hyperparameters), tmp_path / "other")
+    assert not all(torch.equal(value, weights(other)[name]) for name, value in weights(one).items())
+
+
+def test_what_a_run_leaves(tmp_path: Path) -> None:
+    run = train(settings(), tmp_path / "run")
+    found = list_checkpoints(run.checkpoints)
+    assert [int(path.name) for path in found] == [192, 384, 512]
+    assert [(path / "state.pkl").exists() for path in found] == [False, False, True]
+    assert run.policy.read_bytes() == (found[-1] / "policy.zip").read_bytes()
+    progress = load_progress(found[-1])
+    assert (progress.steps, progress.training_seconds > 0.0) == (512, True)
+    config = json.loads(run.config.read_text())
+    assert config["settings"]["seed"] == 3
+    assert config["machine"]["versions"]["torch"]
+    assert (run.folder / "training.csv").read_text().startswith("steps,training_seconds,")
+    assert list((run.folder / "tensorboard").iterdir())
+    assert not list(run.folder.rglob(".*"))
+
+
+def test_a_finished_run_is_left_alone(tmp_path: Path) -> None:
+    run = train(settings(), tmp_path)
+    before = run.policy.stat().st_mtime_ns
+    train(settings(), tmp_path)
+    assert run.policy.stat().st_mtime_ns == before
+
+
+def test_a_folder_with_another_run_is_refused(tmp_path: Path, interrupt: Callable[[int, int], None]) -> None:
+    interrupt(100, signal.SIGTERM)
+    with pytest.raises(TrainingInterruptedError) as stop:
+        train(settings(), tmp_path)
+    assert stop.value.signal == signal.SIGTERM
+    with pytest.raises(IrsimGymError, match="--resume"):
+        train(settings(), tmp_path)
+    with pytest.raises(IrsimGymError, match="other settings"):
+        train(settings(n_timesteps=1024), tmp_path, resume=True)
+
+
+def test_the_second_signal_stops_at_once() -> None:
+    from irsim_gym.training.watch import StopRequest
+
+    request = StopRequest()
+    with request.listening():
+        os.kill(os.getpid(), signal.SIGINT)
+        assert request.signal == signal.SIGINT
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+
+
+def test_settings_survive_their_file(tmp_path: Path) -> None:
+    run = Run(tmp_path)
+    assert not run.exists()
+    with pytest.raises(IrsimGymError, match="no training run"):
+        run.settings()
+    run.begin(settings("sac", **NORMALIZED))
+    assert run.settings() == settings("sac", **NORMALIZED)
+
+
+def test_seeds_share_no_levels() -> None:
+    asked = settings()
+    other = Settings(asked.scenario, asked.algorithm, 4, None, asked.hyperparameters)
+    assert other.first_level - asked.first_level > asked.hyperparameters.n_envs
+
+
+@pytest.mark.parametrize("scenario", ["corridor", "irsim_gym/corridor-v0", "some/corridor.yaml"])
+def test_environment_id(scenario: str) -> None:
+    assert environment_id(scenario) == "irsim_gym/corridor-v0"
+    assert scenario_name(scenario) in ("corridor", "some/corridor.yaml")
+
+
+def test_linear_schedule() -> None:
+    assert [Linear(2.0)(remaining) for remaining in (1.0, 0.25, 0.0)] == [2.0, 0.5, 0.0]
