@@ -1,0 +1,113 @@
+"""Random levels: nothing overlaps, goals can be reached, and a full world says so."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+import irsim_gym as ig
+from irsim_gym.errors import PlacementError
+
+N_WORLDS = 40
+
+
+def geometry(sim: Any, w: int, b: int) -> shapely.Geometry:
+    model, state = sim.model, sim.state
+    discs = state.discs[w, model.disc_start[b] :][: model.disc_count[w % len(model.disc_count), b]]
+    if len(discs):
+        return shapely.Point(*discs[0, :2]).buffer(discs[0, 2], quad_segs=64)
+    rows = state.segments[w, model.segment_start[b] :][: model.segment_count[w % len(model.segment_count), b]]
+    return shapely.Polygon(rows[:, :2]) if model.solid[b] else shapely.LineString([rows[0, :2], *rows[:, 2:]])
+
+
+@pytest.fixture(scope="module", params=["cluttered_room", "dense_room"])
+def rooms(request: pytest.FixtureRequest) -> Any:
+    sim = ig.compile(ig.load_scenario(request.param), N_WORLDS)
+    sim.reset(seed=7)
+    return sim
+
+
+def test_nothing_overlaps(rooms: Any) -> None:
+    for w in range(N_WORLDS):
+        shapes = [geometry(rooms, w, b) for b in np.flatnonzero(rooms.model.present[w])]
+        for i, shape in enumerate(shapes):
+            assert shape.is_valid
+            assert not any(shape.intersects(other) for other in shapes[i + 1 :])
+
+
+def test_number_ranges_are_kept_and_used(rooms: Any) -> None:
+    low, high = (8, 10) if rooms.scenario.name == "cluttered_room" else (16, 18)
+    counts = rooms.model.present.sum(axis=1) - 2
+    assert set(counts) <= set(range(low, high + 1))
+    assert len(set(counts)) == high - low + 1
+
+
+def test_goals_are_far_free_and_reachable(rooms: Any) -> None:
+    for w in range(N_WORLDS):
+        start, goal = rooms.state.pose[w, 0, :2], rooms.state.goal[w, 0, :2]
+        assert np.linalg.norm(goal - start) >= 4.0
+        obstacles = [geometry(rooms, w, b) for b in np.flatnonzero(rooms.model.present[w]) if b > 0]
+        assert min(shapely.Point(goal).distance(shape) for shape in obstacles) >= 0.2
+        free = shapely.box(0, 0, 10, 10).difference(shapely.union_all([s.buffer(0.2, quad_segs=64) for s in obstacles]))
+        parts = shapely.get_parts(free)
+        assert any(part.contains(shapely.Point(start)) and part.contains(shapely.Point(goal)) for part in parts)
+
+
+def boxes(count: int, **distribution: Any) -> dict[str, Any]:
+    shape = {"name": "rectangle", "length": 2, "width": 2}
+    return {"number": count, "shape": shape, "distribution": {"name": "random", "min_distance": 0, **distribution}}
+
+
+def test_a_world_too_full_names_the_body() -> None:
+    sim = ig.compile(ig.load_scenario({"world": {"width": 5, "height": 5}, "obstacle": [boxes(30)]}))
+    with pytest.raises(PlacementError, match="no place found for 'obstacle_"):
+        sim.reset()
+
+
+def test_an_unreachable_goal_is_never_handed_out() -> None:
+    walls = {"shape": {"name": "linestring", "vertices": [[5, 0], [5, 10]]}}
+    robot = {
+        "kinematics": {"name": "diff"},
+        "distribution": {"name": "random", "min_goal_distance": 3, "reachable": True},
+    }
+    sim = ig.compile(ig.load_scenario({"robot": robot, "obstacle": [walls]}), 64)
+    sim.reset()
+    sides = np.sign(sim.state.pose[:, 0, 0] - 5), np.sign(sim.state.goal[:, 0, 0] - 5)
+    np.testing.assert_array_equal(*sides)
+
+
+def test_spacing_and_clearance_are_kept() -> None:
+    sim = ig.compile(ig.load_scenario({"obstacle": [boxes(4, min_distance=3.5, clearance=0.4)]}), 20)
+    sim.reset(seed=3)
+    for w in range(20):
+        shapes = [geometry(sim, w, b) for b in range(4)]
+        for i in range(4):
+            for j in range(i):
+                assert shapes[i].distance(shapes[j]) >= 0.4
+                assert np.linalg.norm(sim.state.pose[w, i, :2] - sim.state.pose[w, j, :2]) >= 3.5
+
+
+def test_random_obstacles_keep_clear_of_a_given_start_and_goal() -> None:
+    robot = {"kinematics": {"name": "diff"}, "state": [2, 2, 0], "goal": [8, 8, 0]}
+    sim = ig.compile(ig.load_scenario({"robot": robot, "obstacle": [boxes(6)]}), 30)
+    sim.reset()
+    for w in range(30):
+        for b in range(1, 7):
+            shape = geometry(sim, w, b)
+            assert shape.distance(shapely.Point(2, 2)) > 0.2
+            assert shape.distance(shapely.Point(8, 8)) >= 0.2
+
+
+def test_circle_faces_the_centre_with_opposite_goals() -> None:
+    robots = {"number": 4, "kinematics": {"name": "diff"}, "distribution": {"name": "circle", "radius": 3}}
+    sim = ig.compile(ig.load_scenario({"robot": robots}))
+    sim.reset()
+    assert sim.state.pose[0, :, :2] == pytest.approx(np.array([[8, 5], [5, 8], [2, 5], [5, 2]]))
+    assert sim.state.goal[0, :, :2] == pytest.approx(np.array([[2, 5], [5, 2], [8, 5], [5, 8]]))
+    toward = np.array([5, 5]) - sim.state.pose[0, :, :2]
+    heading = sim.state.pose[0, :, 2]
+    facing = toward[:, 0] * np.cos(heading) + toward[:, 1] * np.sin(heading)
+    assert facing == pytest.approx(np.full(4, 3.0))
