@@ -19,8 +19,9 @@ from irsim_gym.jit import kernel
 EDGE_ON = 2e-6
 """Segments that subtend an angle smaller than this (or within it of pi) at the sensor are seen edge-on [rad]."""
 
-SLACK = 5e-7
-"""A segment is widened by this angle at both ends [rad], so that no beam slips between two that share a vertex."""
+SLACK = np.float32(3e-7)
+"""Segments are widened at both ends by this angle [rad] or up to sqrt(2) times as much, so that no beam slips between
+two that share a vertex."""
 
 HERE = np.float32(1e30)
 """Inverse depth of what touches the sensor [1/m]."""
@@ -28,7 +29,7 @@ HERE = np.float32(1e30)
 
 @kernel(contract=True)
 def inverse_depth_segment(
-    ax: float, ay: float, bx: float, by: float, beams_x: Rays, beams_y: Rays, inverse: Rays
+    ax: np.float32, ay: np.float32, bx: np.float32, by: np.float32, beams_x: Rays, beams_y: Rays, inverse: Rays
 ) -> None:
     """Raise ``inverse`` where beams meet the segment ab, from either side.
 
@@ -44,48 +45,41 @@ def inverse_depth_segment(
         beams_y: As ``beams_x``.
         inverse: Raised: inverse depth of the nearest hit [1/m], shape ``(n_padded,)``.
     """
-    cross = np.float64(ax) * np.float64(by) - np.float64(ay) * np.float64(bx)
-    if cross < 0.0:
-        ax, ay, bx, by, cross = bx, by, ax, ay, -cross
-    a2 = np.float64(ax) * np.float64(ax) + np.float64(ay) * np.float64(ay)
-    b2 = np.float64(bx) * np.float64(bx) + np.float64(by) * np.float64(by)
-    if cross * cross <= EDGE_ON * EDGE_ON * a2 * b2:
-        if ax * bx + ay * by > np.float32(0.0):
-            inverse_depth_point(ax if a2 < b2 else bx, ay if a2 < b2 else by, beams_x, beams_y, inverse)
+    a_x, a_y, b_x, b_y = np.float64(ax), np.float64(ay), np.float64(bx), np.float64(by)
+    a2, b2 = a_x * a_x + a_y * a_y, b_x * b_x + b_y * b_y
+    cross = a_x * b_y - a_y * b_x
+    slack, level = SLACK, np.float32(0.0)
+    normal_x, normal_y = 0.0, 0.0
+    if cross * cross > EDGE_ON * EDGE_ON * a2 * b2:
+        normal_x, normal_y = (b_y - a_y) / cross, (a_x - b_x) / cross
+    elif a_x * b_x + a_y * b_y > 0.0:
+        # All that is seen is the nearer end p, as a segment from p to p: there 1/t = p.d / p.p.
+        if a2 < b2:
+            bx, by = ax, ay
         else:
-            for i in range(inverse.shape[0]):
-                inverse[i] = HERE
-        return
-    normal_x = np.float32((np.float64(by) - np.float64(ay)) / cross)
-    normal_y = np.float32((np.float64(ax) - np.float64(bx)) / cross)
-    slack_a, slack_b = np.float32(SLACK * np.sqrt(a2)), np.float32(SLACK * np.sqrt(b2))
+            ax, ay = bx, by
+        slack = SLACK + np.float32(EDGE_ON)
+        normal_x, normal_y = np.float64(ax) / min(a2, b2), np.float64(ay) / min(a2, b2)
+    else:
+        slack, level = HERE, HERE
+    x_slope, y_slope = np.float32(normal_x), np.float32(normal_y)
+    slack_a, slack_b = slack * (np.abs(ax) + np.abs(ay)), slack * (np.abs(bx) + np.abs(by))
+    turn = np.float32(1.0) if cross > 0.0 else np.float32(-1.0)
+    ax, ay, bx, by = turn * ax, turn * ay, turn * bx, turn * by
     for i in range(inverse.shape[0]):
         x, y = beams_x[i], beams_y[i]
         after_a = slack_a + ax * y - ay * x
         before_b = slack_b + by * x - bx * y
-        depth = normal_x * x + normal_y * y
+        depth = level + x_slope * x + y_slope * y
         inner = after_a if after_a < before_b else before_b
         depth = depth if inner >= np.float32(0.0) else np.float32(0.0)
         inverse[i] = depth if depth > inverse[i] else inverse[i]
 
 
 @kernel(contract=True)
-def inverse_depth_point(px: float, py: float, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
-    """Raise ``inverse`` where beams meet the point p, which is as wide as the angles ``EDGE_ON`` and ``SLACK``."""
-    distance = np.sqrt(np.float64(px) * np.float64(px) + np.float64(py) * np.float64(py))
-    nearest = np.float32(1.0 / distance)
-    slack = np.float32((EDGE_ON + SLACK) * distance)
-    for i in range(inverse.shape[0]):
-        x, y = beams_x[i], beams_y[i]
-        ahead = px * x + py * y
-        aside = np.abs(px * y - py * x)
-        meets = ahead > np.float32(0.0) and aside <= slack
-        depth = nearest if meets else np.float32(0.0)
-        inverse[i] = depth if depth > inverse[i] else inverse[i]
-
-
-@kernel(contract=True)
-def inverse_depth_disc(cx: float, cy: float, radius: float, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
+def inverse_depth_disc(
+    cx: np.float32, cy: np.float32, radius: np.float32, beams_x: Rays, beams_y: Rays, inverse: Rays
+) -> None:
     """Raise ``inverse`` where beams meet a disc: at its near side, or at the exit for a sensor inside.
 
     Args:
