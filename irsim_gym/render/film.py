@@ -1,0 +1,126 @@
+"""Several episodes side by side: the films that compare policies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.render import theme
+from irsim_gym.render.layout import LEFT, REFERENCE_SIDE
+from irsim_gym.render.video import write_video
+
+CAPTION_HEIGHT = 34
+CAPTION_SIZE = 11.0
+DOTS_PER_INCH = 100.0
+
+
+@dataclass
+class EpisodeFilm:
+    """A film of the same levels played by several policies, one panel for each.
+
+    A panel whose episode has ended keeps its last frame until all have ended; then all are held for a moment
+    before the next level begins.
+
+    Attributes:
+        captions: Text above each panel; empty texts leave no room.
+        fps: Frames per second.
+        hold: How long the end of a level is shown [s].
+        columns: Panels side by side; None puts up to four in a row.
+    """
+
+    captions: Sequence[str]
+    fps: float
+    hold: float = 1.2
+    columns: int | None = None
+    _strips: dict[tuple[str, int], Bytes] = field(default_factory=dict, init=False, repr=False)
+
+    def frames(self, episodes: Sequence[Iterable[Bytes]]) -> Iterator[Bytes]:
+        """Yield the film of one level.
+
+        Args:
+            episodes: The frames of each panel's episode, uint8 ``(height, width, 3)``; taken one by one, so
+                generators that step and draw are welcome.
+
+        Raises:
+            ValueError: There are not as many episodes as captions, or one has no frame.
+        """
+        if len(episodes) != len(self.captions):
+            raise ValueError(f"{len(self.captions)} captions for {len(episodes)} episodes")
+        sources = [iter(episode) for episode in episodes]
+        latest: list[Bytes | None] = [next(source, None) for source in sources]
+        shown = [frame for frame in latest if frame is not None]
+        if not shown or len(shown) < len(latest):
+            raise ValueError("an episode needs at least one frame")
+        running = True
+        while running:
+            picture = self.compose(shown)
+            yield picture
+            following = [next(source, None) for source in sources]
+            running = any(frame is not None for frame in following)
+            shown = [old if new is None else new for old, new in zip(shown, following, strict=True)]
+        for _ in range(round(self.hold * self.fps)):
+            yield picture.copy()
+
+    def write(self, levels: Iterable[Sequence[Iterable[Bytes]]], path: str | Path | Sequence[str | Path]) -> None:
+        """Write the film of several levels, one after another, to ``path`` (``.mp4``, ``.gif`` or both)."""
+        write_video((frame for episodes in levels for frame in self.frames(episodes)), path, self.fps)
+
+    def compose(self, panels: Sequence[Bytes]) -> Bytes:
+        """Return one frame: the panels with their captions, in rows."""
+        captioned = [self._captioned(frame, caption) for frame, caption in zip(panels, self.captions, strict=True)]
+        return grid(captioned, self.columns)
+
+    def _captioned(self, frame: Bytes, caption: str) -> Bytes:
+        if not any(self.captions):
+            return frame
+        key = caption, frame.shape[1]
+        if key not in self._strips:
+            self._strips[key] = caption_strip(caption, frame.shape[1])
+        return np.vstack([self._strips[key], frame])
+
+
+def grid(frames: Sequence[Bytes], columns: int | None = None) -> Bytes:
+    """Put frames side by side, in rows of ``columns`` (None: up to four).
+
+    Args:
+        frames: uint8, shape ``(height, width, 3)``; smaller ones are set at the top left of their cell.
+        columns: Frames in a row.
+    """
+    columns = min(columns or _columns(len(frames)), len(frames))
+    rows = math.ceil(len(frames) / columns)
+    height, width = (max(frame.shape[axis] for frame in frames) for axis in (0, 1))
+    picture = np.empty((rows * height, columns * width, 3), np.uint8)
+    picture[:] = np.round(np.multiply(to_rgb(theme.PAPER), 255.0))
+    for k, frame in enumerate(frames):
+        row, column = divmod(k, columns)
+        top, left = row * height, column * width
+        picture[top : top + frame.shape[0], left : left + frame.shape[1]] = frame
+    return picture
+
+
+def caption_strip(caption: str, width: int) -> Bytes:
+    """Draw a caption on a strip, uint8, shape ``(height, width, 3)``; the height is even and grows with the width."""
+    enlargement = max(width / REFERENCE_SIDE, 0.4)
+    height = 2 * round(CAPTION_HEIGHT * enlargement / 2.0)
+    dpi = DOTS_PER_INCH * enlargement
+    figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi, facecolor=theme.PAPER)
+    canvas: Any = FigureCanvasAgg(figure)
+    left = LEFT / REFERENCE_SIDE
+    look: dict[str, Any] = {"family": theme.FONT, "fontsize": CAPTION_SIZE, "weight": "bold", "color": theme.INK}
+    figure.text(left, 0.40, caption, va="center", parse_math=False, **look)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def _columns(count: int) -> int:
+    """Return a number of columns that fills the rows evenly: at most four, two by two for four."""
+    return count if count <= 3 else math.ceil(count / math.ceil(count / 4)) if count != 4 else 2

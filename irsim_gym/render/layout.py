@@ -1,0 +1,116 @@
+"""Which pixel shows which point of the world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+
+BASE_SIDE = 524.0
+LONGEST_SIDE = 1160.0
+REFERENCE_SIDE = 600.0
+PADDING = 9.0
+LEFT, RIGHT, TOP, BOTTOM = 42.0, 34.0, 42.0, 34.0
+BARE = 12.0
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The places on a frame, in pixels from its lower left corner.
+
+    Attributes:
+        width: Width of the frame; even.
+        height: Height of the frame; even.
+        enlargement: Size of type and lines relative to a frame of 600 x 600.
+        left: Left edge of the drawing area.
+        bottom: Lower edge of the drawing area.
+        plot_width: Width of the drawing area.
+        plot_height: Height of the drawing area.
+        scale: Pixels per metre.
+        limits: The part of the world that the drawing area shows [m]: x_min, y_min, x_max, y_max.
+        bounds: The world's rectangle [m], likewise.
+    """
+
+    width: int
+    height: int
+    enlargement: float
+    left: int
+    bottom: int
+    plot_width: int
+    plot_height: int
+    scale: float
+    limits: tuple[float, float, float, float]
+    bounds: tuple[float, float, float, float]
+
+    def column_row(self, x: float, y: float) -> tuple[float, float]:
+        """Return where the world point x, y [m] is in a frame: column, and row counted from the top."""
+        column = self.left + (x - self.limits[0]) * self.scale
+        row = self.height - (self.bottom + (y - self.limits[1]) * self.scale)
+        return column, row
+
+
+def lay_out(bounds: Floats, size: tuple[int, int] | None = None, *, axis: bool = True, title: bool = True) -> Layout:
+    """Place a world rectangle on a frame.
+
+    Args:
+        bounds: The world's rectangle [m], x_min, y_min, x_max, y_max, shape ``(4,)``.
+        size: Width and height of the frame in pixels, made even; None for a frame as large as the world's
+            proportions ask for: 600 x 600 when it is square.
+        axis: Leave room for ticks.
+        title: Leave room for the status line.
+    """
+    x_min, y_min, x_max, y_max = (float(value) for value in bounds)
+    span_x, span_y = max(x_max - x_min, 1e-9), max(y_max - y_min, 1e-9)
+    width, height = _natural_size(span_x, span_y, axis, title) if size is None else _even(size)
+    enlargement = float(np.clip(np.sqrt(width * height) / REFERENCE_SIDE, 0.4, 4.0)) if size is not None else 1.0
+    left, right, top, bottom = (enlargement * margin for margin in _margins(axis, title))
+    room_x, room_y = max(width - left - right, 16.0), max(height - top - bottom, 16.0)
+    padding = PADDING * enlargement
+    scale = max(min((room_x - 2 * padding) / span_x, (room_y - 2 * padding) / span_y), 1e-9)
+    plot_width = min(round(span_x * scale + 2 * padding), round(room_x))
+    plot_height = min(round(span_y * scale + 2 * padding), round(room_y))
+    margin_x = (plot_width / scale - span_x) / 2.0
+    margin_y = (plot_height / scale - span_y) / 2.0
+    return Layout(
+        width=width,
+        height=height,
+        enlargement=enlargement,
+        left=round(left + (room_x - plot_width) / 2.0),
+        bottom=round(bottom + (room_y - plot_height) / 2.0),
+        plot_width=plot_width,
+        plot_height=plot_height,
+        scale=scale,
+        limits=(x_min - margin_x, y_min - margin_y, x_max + margin_x, y_max + margin_y),
+        bounds=(x_min, y_min, x_max, y_max),
+    )
+
+
+def tick_positions(low: float, high: float, room: float) -> Floats:
+    """Return round numbers between low and high [m], at most one per 60 of ``room`` pixels, shape ``(n,)``."""
+    wanted = (high - low) / max(min(room / 60.0, 6.0), 1.0)
+    magnitude = 10.0 ** np.floor(np.log10(wanted))
+    step = next(factor * magnitude for factor in (1.0, 2.0, 5.0, 10.0) if factor * magnitude >= wanted * (1 - 1e-9))
+    first = np.ceil(low / step - 1e-9)
+    last = np.floor(high / step + 1e-9)
+    return np.asarray(np.arange(first, last + 1.0) * step, np.float64)
+
+
+def _margins(axis: bool, title: bool) -> tuple[float, float, float, float]:
+    sides = (LEFT, RIGHT) if axis else (BARE, BARE)
+    return *sides, (TOP if title else BARE), (BOTTOM if axis else BARE)
+
+
+def _natural_size(span_x: float, span_y: float, axis: bool, title: bool) -> tuple[int, int]:
+    """Return a size that gives every world the same drawing area, unless it is very long."""
+    left, right, top, bottom = _margins(axis, title)
+    side_x = BASE_SIDE * np.sqrt(span_x / span_y)
+    side_y = BASE_SIDE * np.sqrt(span_y / span_x)
+    shrink = min(1.0, LONGEST_SIDE / max(side_x, side_y))
+    return _even((max(side_x * shrink, 60.0) + left + right, max(side_y * shrink, 60.0) + top + bottom))
+
+
+def _even(size: tuple[float, float]) -> tuple[int, int]:
+    """Round to even numbers, which video formats ask for."""
+    return max(2 * round(size[0] / 2.0), 2), max(2 * round(size[1] / 2.0), 2)

@@ -1,0 +1,85 @@
+"""Draws worlds with matplotlib's Agg canvas: no display, no pyplot, no global state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.render.layout import Layout, lay_out
+from irsim_gym.render.reader import SceneReader
+from irsim_gym.render.scene import Scene
+from irsim_gym.render.stage import Stage
+from irsim_gym.render.styles import chosen
+from irsim_gym.world.group import Group
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+if TYPE_CHECKING:
+    from irsim_gym.scenario.spec import Scenario
+
+
+class Renderer:
+    """Pictures of a simulation's worlds. It only reads, and costs nothing until the first frame.
+
+    Args:
+        scenario: What is simulated, for names, colours and plot options.
+        model: The simulation's constants.
+        state: Its present state.
+        sensors: Its sensor groups.
+        size: Width and height of the frames in pixels, made even; None for ``figure_pixels`` where the
+            scenario sets it, else for what the world's proportions ask for (600 x 600 for a square).
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        model: WorldModel,
+        state: WorldState,
+        sensors: Sequence[Group] = (),
+        *,
+        size: tuple[int, int] | None = None,
+    ) -> None:
+        plot = scenario.world.plot
+        self._reader = SceneReader(scenario, model, state, sensors)
+        self._axis, self._show_title = not plot.no_axis, bool(plot.show_title)
+        self._layout = lay_out(
+            model.bounds, size or chosen(plot, "figure_pixels"), axis=self._axis, title=self._show_title
+        )
+        self._stage: Stage | None = None
+
+    @property
+    def layout(self) -> Layout:
+        """Where the world is on a frame."""
+        return self._layout
+
+    def scene(self, world: int = 0, status: str = "") -> Scene:
+        """Return what a frame of the world would show, as data."""
+        return self._reader.read(world, status)
+
+    def frame(self, world: int = 0, status: str = "") -> Bytes:
+        """Draw a world.
+
+        Args:
+            world: Its index.
+            status: How its episode stands: ``running``, ``success``, ``collision``, ``timeout``, ``left_world``
+                or any other text; the outcomes tint the frame. Read from the state when empty.
+
+        Returns:
+            The picture, uint8, shape ``(height, width, 3)``; the caller's own, never written again.
+        """
+        scene = self._reader.read(world, status)
+        if self._stage is None:
+            self._stage = Stage(self._layout, scene.title, axis=self._axis, show_title=self._show_title)
+        return self._stage.draw(scene)
+
+    def clear(self, world: int | None = None) -> None:
+        """Forget the trails of one world, or of all; for the beginning of an episode."""
+        self._reader.clear(world)
+
+    def close(self) -> None:
+        """Let go of the figure; a later frame makes a new one."""
+        self._stage = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_stage": None}

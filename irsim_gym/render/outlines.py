@@ -1,0 +1,73 @@
+"""From rows of segments to shapes that can be drawn."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+
+NOTHING = np.zeros((0, 2))
+WEDGE = np.array([[0.70, 0.0], [-0.46, 0.50], [-0.20, 0.0], [-0.46, -0.50]])
+
+
+def chains(segments: Floats) -> tuple[Floats, ...]:
+    """Join segments that follow each other.
+
+    Args:
+        segments: x0, y0, x1, y1 of each [m], shape ``(n_segments, 4)``.
+
+    Returns:
+        Chains of vertices [m], each of shape ``(n_vertices, 2)``; a closed one repeats its first vertex.
+    """
+    if not len(segments):
+        return ()
+    gaps = np.abs(segments[1:, :2] - segments[:-1, 2:]).max(axis=1) > 1e-6
+    cuts = np.flatnonzero(gaps) + 1
+    return tuple(np.vstack([part[:, :2], part[-1:, 2:]]) for part in np.split(segments, cuts))
+
+
+def box(segments: Floats, discs: Floats) -> tuple[float, float, float, float] | None:
+    """Return the bounding box x_min, y_min, x_max, y_max [m] of an outline; None if it is empty."""
+    low = [part.min(axis=0) for part in (segments[:, :2], segments[:, 2:]) if len(part)]
+    high = [part.max(axis=0) for part in (segments[:, :2], segments[:, 2:]) if len(part)]
+    if len(discs):
+        low.append((discs[:, :2] - discs[:, 2:]).min(axis=0))
+        high.append((discs[:, :2] + discs[:, 2:]).max(axis=0))
+    if not low:
+        return None
+    (x_min, y_min), (x_max, y_max) = np.min(low, axis=0), np.max(high, axis=0)
+    return float(x_min), float(y_min), float(x_max), float(y_max)
+
+
+def wedge(segments: Floats, discs: Floats) -> Floats:
+    """Return the corners of a mark within a footprint that points ahead.
+
+    Args:
+        segments: The footprint's segments in the body frame [m], shape ``(n_segments, 4)``.
+        discs: Its discs in the body frame [m], shape ``(n_discs, 3)``.
+
+    Returns:
+        Corners in the body frame [m], shape ``(4, 2)``; shape ``(0, 2)`` for an empty footprint.
+    """
+    extent = box(segments, discs)
+    if extent is None:
+        return NOTHING
+    x_min, y_min, x_max, y_max = extent
+    half = 0.5 * min(x_max - x_min, y_max - y_min)
+    ahead = 0.5 * (x_min + x_max) + 0.5 * max(0.5 * (x_max - x_min) - half, 0.0)
+    return WEDGE * half + [ahead, 0.5 * (y_min + y_max)]
+
+
+def arrow(length: float, width: float) -> Floats:
+    """Return the corners of an arrow from the body's origin straight ahead, in the body frame, shape ``(7, 2)``."""
+    neck, shaft, half = 0.55 * length, 0.14 * width, 0.5 * width
+    return np.array(
+        [[0.0, shaft], [neck, shaft], [neck, half], [length, 0.0], [neck, -half], [neck, -shaft], [0.0, -shaft]]
+    )
+
+
+def placed(points: Floats, pose: Floats) -> Floats:
+    """Move points of the body frame, shape ``(n, 2)`` [m], to the world frame."""
+    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+    turned: Floats = points @ np.array([[cosine, sine], [-sine, cosine]])
+    return turned + pose[:2]

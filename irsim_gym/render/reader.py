@@ -1,0 +1,198 @@
+"""Reads a scene from the arrays of a simulation; it writes nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.render.outlines import NOTHING, arrow, box, chains, placed, wedge
+from irsim_gym.render.scene import BodyView, GoalView, ScanView, Scene, TrailView
+from irsim_gym.render.styles import BodyStyle, body_style, scan_style
+from irsim_gym.render.trails import Trails
+from irsim_gym.world.group import Group
+from irsim_gym.world.model import ROBOT, WorldModel
+from irsim_gym.world.state import WorldState
+
+if TYPE_CHECKING:
+    from irsim_gym.scenario.spec import Scenario
+
+HIT_MARGIN = 1e-3
+REMEMBERED_WORLDS = 16
+
+
+class SceneReader:
+    """Makes scenes of one simulation.
+
+    Args:
+        scenario: What is simulated, for names and plot options.
+        model: Its constants.
+        state: Its present state.
+        sensors: Its sensor groups; those with ``ranges`` and ``angles`` are drawn.
+    """
+
+    def __init__(self, scenario: Scenario, model: WorldModel, state: WorldState, sensors: Sequence[Group]) -> None:
+        self._model, self._state = model, state
+        self._scans = [group for group in sensors if {"ranges", "angles"} <= group.arrays.keys()]
+        self._names = [body.name for body in scenario.bodies]
+        self._styles = [body_style(body) for body in scenario.bodies]
+        order = sorted(range(len(self._styles)), key=lambda body: self._styles[body].order)
+        self._fixed_bodies = [body for body in order if not model.movable[body]]
+        self._moving_bodies = [body for body in order if model.movable[body]]
+        self._robots = [body for body in order if model.role[body] == ROBOT]
+        self._title = scenario.world.plot.title or scenario.name
+        self._fixed: dict[int, tuple[bytes, tuple[BodyView, ...]]] = {}
+        shown = [body for body in self._moving_bodies if self._styles[body].show_trajectory]
+        self._trails = Trails(np.array(shown, np.int64))
+
+    def read(self, world: int, status: str = "") -> Scene:
+        """Return what world number ``world`` looks like now, and note where its bodies are for their trails."""
+        model, state = self._model, self._state
+        self._trails.record(world, int(state.step[world]), model.start[world], state.pose[world])
+        fixed = self._fixed_views(world)
+        moving = tuple(self._body_view(world, body) for body in self._moving_bodies if model.present[world, body])
+        return Scene(
+            world=world,
+            bounds=model.bounds.copy(),
+            title=self._title,
+            time=float(state.time[world]),
+            status=status or self._status(world),
+            fixed=fixed,
+            moving=moving,
+            struck=self._struck(world, fixed + moving),
+            goals=self._goals(world),
+            scans=self._scan_views(world),
+            trails=self._trail_views(world),
+        )
+
+    def clear(self, world: int | None = None) -> None:
+        """Forget the trails of one world, or of all."""
+        self._trails.clear(world)
+
+    def _status(self, world: int) -> str:
+        """Return IR-SIM's status: arrived when all robots have, else collision when one collides, else running."""
+        state = self._state
+        robots = [body for body in self._robots if self._model.present[world, body]]
+        if robots and bool(state.arrived[world, robots].all()):
+            return "arrived"
+        return "collision" if robots and bool(state.collided[world, robots].any()) else "running"
+
+    def _rows(self, world: int, body: int) -> tuple[slice, slice]:
+        """Return the body's rows in the tables of segments and of discs."""
+        model = self._model
+        segment, disc = int(model.segment_start[body]), int(model.disc_start[body])
+        segments = int(model.segment_count[world % len(model.segment_count), body])
+        discs = int(model.disc_count[world % len(model.disc_count), body])
+        return slice(segment, segment + segments), slice(disc, disc + discs)
+
+    def _fixed_views(self, world: int) -> tuple[BodyView, ...]:
+        """Return the views of the fixed bodies, the same tuple until one of their outlines changes."""
+        model, state = self._model, self._state
+        bodies = [body for body in self._fixed_bodies if model.present[world, body]]
+        parts = [np.array(bodies).tobytes()]
+        for body in bodies:
+            segments, discs = self._rows(world, body)
+            parts += [state.segments[world, segments].tobytes(), state.discs[world, discs].tobytes()]
+        key = b"|".join(parts)
+        known = self._fixed.pop(world, None)
+        if known is None or known[0] != key:
+            known = key, tuple(self._body_view(world, body) for body in bodies)
+            if len(self._fixed) >= REMEMBERED_WORLDS:
+                self._fixed.pop(next(iter(self._fixed)))
+        self._fixed[world] = known
+        return known[1]
+
+    def _body_view(self, world: int, body: int) -> BodyView:
+        state, style = self._state, self._styles[body]
+        segment_rows, disc_rows = self._rows(world, body)
+        segments, discs = state.segments[world, segment_rows].copy(), state.discs[world, disc_rows].copy()
+        return BodyView(
+            body=body,
+            name=self._names[body],
+            lines=chains(segments),
+            discs=discs,
+            solid=bool(self._model.solid[body]),
+            heading=self._heading(world, body, segment_rows, disc_rows) if style.show_arrow else NOTHING,
+            anchor=_anchor(state.pose[world, body], style, segments, discs),
+            style=style,
+        )
+
+    def _heading(self, world: int, body: int, segment_rows: slice, disc_rows: slice) -> Floats:
+        model, style = self._model, self._styles[body]
+        if style.arrow is not None:
+            corners = arrow(*style.arrow)
+        else:
+            segments = model.local_segments[world % len(model.local_segments), segment_rows]
+            discs = model.local_discs[world % len(model.local_discs), disc_rows]
+            corners = wedge(segments, discs)
+        return placed(corners, self._state.pose[world, body])
+
+    def _struck(self, world: int, views: tuple[BodyView, ...]) -> tuple[BodyView, ...]:
+        state = self._state
+        robots = [body for body in self._robots if state.collided[world, body]]
+        bodies = {*robots, *(int(state.hit[world, body]) for body in robots)}
+        return tuple(view for view in views if view.body in bodies)
+
+    def _goals(self, world: int) -> tuple[GoalView, ...]:
+        model, state = self._model, self._state
+        shown = model.has_goal & model.present[world]
+        views = []
+        for body in (int(body) for body in np.flatnonzero(shown) if self._styles[int(body)].show_goal):
+            x, y, heading = (float(value) for value in state.goal[world, body])
+            later = slice(int(state.waypoint[world, body]) + 1, int(model.waypoint_count[world, body]))
+            views.append(
+                GoalView(
+                    x=x,
+                    y=y,
+                    heading=heading,
+                    tolerance=float(model.goal_threshold[world % len(model.goal_threshold), body]),
+                    later=model.waypoints[world, body, later, :2].copy(),
+                    arrived=bool(state.arrived[world, body]),
+                    name=self._names[body],
+                    style=self._styles[body],
+                )
+            )
+        return tuple(views)
+
+    def _scan_views(self, world: int) -> tuple[ScanView, ...]:
+        model = self._model
+        return tuple(
+            self._scan_view(world, group, k)
+            for group in self._scans
+            for k, body in enumerate(group.members)
+            if model.present[world, body] and self._styles[int(body)].show_sensor
+        )
+
+    def _scan_view(self, world: int, group: Group, k: int) -> ScanView:
+        options, pose = group.options[k], self._state.pose[world, group.members[k]]
+        mount = np.asarray(getattr(options, "offset", (0.0, 0.0, 0.0)), np.float64)
+        origin = placed(mount[None, :2], pose)[0]
+        angles = group.arrays["angles"] + pose[2] + mount[2]
+        ranges = group.arrays["ranges"][world, k].astype(np.float64)
+        span = float(group.arrays["angles"][-1] - group.arrays["angles"][0])
+        return ScanView(
+            origin=origin,
+            ends=origin + ranges[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]),
+            hits=ranges < options.range_max - HIT_MARGIN,
+            surrounds=span > 2.0 * np.pi * (1.0 - 1.5 / max(len(angles), 2)),
+            style=scan_style(options),
+        )
+
+    def _trail_views(self, world: int) -> tuple[TrailView, ...]:
+        views = []
+        for index, body in enumerate(self._trails.bodies):
+            style = self._styles[int(body)]
+            if self._model.present[world, body]:
+                views.append(TrailView(self._trails.points(world, index, style.trajectory_length), style))
+        return tuple(views)
+
+
+def _anchor(pose: Floats, style: BodyStyle, segments: Floats, discs: Floats) -> tuple[float, float]:
+    """Return where a body's label stands: at the chosen offset, or above the footprint."""
+    x, y = float(pose[0]), float(pose[1])
+    if style.label_offset is not None:
+        return x + style.label_offset[0], y + style.label_offset[1]
+    extent = box(segments, discs)
+    return (x, y) if extent is None else (0.5 * (extent[0] + extent[2]), extent[3] + 0.08)

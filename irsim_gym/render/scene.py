@@ -1,0 +1,121 @@
+"""What is drawn: one world at one moment, as plain data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.render.styles import BodyStyle, ScanStyle
+
+
+@dataclass(frozen=True, eq=False)
+class BodyView:
+    """A body's footprint in the world frame.
+
+    Attributes:
+        body: Its id.
+        name: Its name in the scenario.
+        lines: Chains of vertices [m], each of shape ``(n_vertices, 2)``; closed ones repeat the first vertex.
+        discs: x, y, radius of its discs [m], shape ``(n_discs, 3)``.
+        solid: Its closed chains bound an area.
+        heading: Corners of the mark that shows where it heads [m], shape ``(n_corners, 2)``; empty for none.
+        anchor: Where its label stands [m].
+        style: How it looks.
+    """
+
+    body: int
+    name: str
+    lines: tuple[Floats, ...]
+    discs: Floats
+    solid: bool
+    heading: Floats
+    anchor: tuple[float, float]
+    style: BodyStyle
+
+
+@dataclass(frozen=True, eq=False)
+class GoalView:
+    """Where a body goes.
+
+    Attributes:
+        x: Abscissa of the next goal [m].
+        y: Its ordinate [m].
+        heading: Its heading [rad]; NaN for any.
+        tolerance: Distance at which it counts as reached [m].
+        later: The goals after it [m], shape ``(n, 2)``.
+        arrived: The body has reached it.
+        name: Its body's name.
+        style: How its body looks.
+    """
+
+    x: float
+    y: float
+    heading: float
+    tolerance: float
+    later: Floats
+    arrived: bool
+    name: str
+    style: BodyStyle
+
+
+@dataclass(frozen=True, eq=False)
+class ScanView:
+    """What a range sensor sees.
+
+    Attributes:
+        origin: Where it stands [m], shape ``(2,)``.
+        ends: Where its beams end [m], shape ``(n_beams, 2)``.
+        hits: Which beams end on something, shape ``(n_beams,)``.
+        surrounds: The beams go all around.
+        style: How it looks.
+    """
+
+    origin: Floats
+    ends: Floats
+    hits: Flags
+    surrounds: bool
+    style: ScanStyle
+
+
+@dataclass(frozen=True, eq=False)
+class TrailView:
+    """Where a body has been.
+
+    Attributes:
+        points: Its positions, the last one now [m], shape ``(n, 2)``.
+        style: How its body looks.
+    """
+
+    points: Floats
+    style: BodyStyle
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """One world at one moment.
+
+    Attributes:
+        world: Its index.
+        bounds: Its rectangle [m]: x_min, y_min, x_max, y_max, shape ``(4,)``.
+        title: Heading of the picture.
+        time: Elapsed time [s].
+        status: How the episode stands, e.g. ``"running"``.
+        fixed: Bodies that never move. The same object as long as none of them has changed.
+        moving: The other bodies, in drawing order.
+        struck: The bodies among both that take part in a robot's collision.
+        goals: Goals that are shown.
+        scans: Scans that are shown.
+        trails: Trajectories that are shown.
+    """
+
+    world: int
+    bounds: Floats
+    title: str
+    time: float
+    status: str
+    fixed: tuple[BodyView, ...]
+    moving: tuple[BodyView, ...]
+    struck: tuple[BodyView, ...]
+    goals: tuple[GoalView, ...]
+    scans: tuple[ScanView, ...]
+    trails: tuple[TrailView, ...]

@@ -1,0 +1,75 @@
+"""Matplotlib paths of what a scene holds."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.path import Path
+
+from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.render.scene import BodyView, ScanView
+
+FADE_STEPS = 28
+MOST_BEAMS = 100
+CIRCLE_VERTICES: Floats = np.asarray(Path.unit_circle().vertices, np.float64)
+CIRCLE_CODES = Path.unit_circle().codes
+
+
+def outline_path(view: BodyView) -> Path:
+    """Return a body's footprint as one path: its chains, then its discs."""
+    parts = [_chain(line) for line in view.lines] + [circle_path(x, y, radius) for x, y, radius in view.discs]
+    return parts[0] if len(parts) == 1 else Path.make_compound_path(*parts)
+
+
+def _chain(vertices: Floats) -> Path:
+    return Path(vertices, closed=_is_closed(vertices))
+
+
+def _is_closed(vertices: Floats) -> bool:
+    return len(vertices) > 2 and bool(np.abs(vertices[0] - vertices[-1]).max() < 1e-6)
+
+
+def is_filled(view: BodyView) -> bool:
+    """Return whether a body is an area rather than a curve."""
+    return bool(len(view.discs)) or (bool(view.lines) and view.solid)
+
+
+def circle_path(x: float, y: float, radius: float) -> Path:
+    """Return a circle."""
+    return Path(CIRCLE_VERTICES * radius + np.array([x, y]), CIRCLE_CODES)
+
+
+def beam_path(view: ScanView) -> Path:
+    """Return the beams as one path, so that where they overlap they are not darker; of many every n-th."""
+    ends = view.ends[:: -(-len(view.ends) // MOST_BEAMS)]
+    vertices = np.empty((2 * len(ends), 2))
+    vertices[0::2] = view.origin
+    vertices[1::2] = ends
+    codes = np.tile(np.array([Path.MOVETO, Path.LINETO], Path.code_type), len(ends))
+    return Path(vertices, codes)
+
+
+def seen_path(view: ScanView) -> Path:
+    """Return the border of the area that a scan sees."""
+    corners = view.ends if view.surrounds else np.vstack([view.origin, view.ends])
+    return Path(np.vstack([corners, corners[:1]]), closed=True)
+
+
+def thinned(points: Floats, apart: float) -> Floats:
+    """Leave out points that stand closer than ``apart`` [m] along the way."""
+    if len(points) < 3:
+        return points
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    bins = np.floor(along / apart)
+    kept: Flags = np.concatenate([[True], np.diff(bins) > 0])
+    kept[-1] = True
+    return np.asarray(points[kept], np.float64)
+
+
+def pieces(points: Floats) -> list[Floats]:
+    """Cut a polyline into at most ``FADE_STEPS`` pieces that share their end points."""
+    if len(points) < 2:
+        return []
+    cuts = np.unique(np.linspace(0, len(points) - 1, FADE_STEPS + 1).astype(int))
+    return [points[first : last + 1] for first, last in pairwise(cuts)]

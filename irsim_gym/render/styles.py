@@ -1,0 +1,156 @@
+"""How things look: a scenario's plot options where it sets them, the theme elsewhere."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from irsim_gym.render import theme
+
+UNSET_OBSTACLE_COLOURS = frozenset({"k"})
+LINESTYLES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
+
+
+@dataclass(frozen=True)
+class BodyStyle:
+    """How one body is drawn; lengths in points of the figure unless they say [m].
+
+    Attributes:
+        colour: Its fill, and the colour of its wall when it is a curve.
+        alpha: Its opacity.
+        line_width: Width of its edge.
+        wall_width: Width of its line when it is a curve.
+        line_style: Style of its edge.
+        order: Bodies with a higher number are drawn over those with a lower one.
+        show_goal: Mark its goal.
+        goal_colour: Colour of the mark.
+        goal_alpha: Opacity of the mark.
+        show_arrow: Mark where it heads.
+        arrow: Length and width of that mark [m]; None for one that fits into the footprint.
+        arrow_colour: Colour of that mark.
+        arrow_alpha: Opacity of that mark.
+        show_trajectory: Draw where it has been.
+        trajectory_colour: Colour of that line.
+        trajectory_style: Style of that line.
+        trajectory_width: Width of that line [m]; None for the theme's.
+        trajectory_alpha: Opacity of that line at its head.
+        trajectory_length: So many of the latest positions are drawn; 0 for all.
+        show_sensor: Draw what its sensors see.
+        label: Text beside it; empty for none.
+        goal_label: Text beside its goal; empty for none.
+        label_colour: Colour of those texts.
+        label_size: Their size.
+        label_alpha: Their opacity.
+        label_offset: Where the text stands, from the body's origin [m]; None for above the body.
+    """
+
+    colour: str
+    alpha: float = 1.0
+    line_width: float = 1.0
+    wall_width: float = 2.2
+    line_style: str = "solid"
+    order: float = 1.0
+    show_goal: bool = False
+    goal_colour: str = theme.ROBOT
+    goal_alpha: float = 1.0
+    show_arrow: bool = False
+    arrow: tuple[float, float] | None = None
+    arrow_colour: str = theme.HEADING
+    arrow_alpha: float = 0.95
+    show_trajectory: bool = False
+    trajectory_colour: str = theme.ROBOT
+    trajectory_style: str = "solid"
+    trajectory_width: float | None = None
+    trajectory_alpha: float = 0.85
+    trajectory_length: int = 0
+    show_sensor: bool = True
+    label: str = ""
+    goal_label: str = ""
+    label_colour: str = theme.INK
+    label_size: float = 8.0
+    label_alpha: float = 1.0
+    label_offset: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class ScanStyle:
+    """How a scan is drawn.
+
+    Attributes:
+        colour: Colour of beams and hits.
+        alpha: Strength of the beams; 0.3 is what the theme is made for.
+    """
+
+    colour: str = theme.BEAM
+    alpha: float = 0.3
+
+
+def body_style(body: Any) -> BodyStyle:
+    """Return how a body of the scenario (``BodySpec``) is drawn."""
+    options = partial(chosen, body.plot)
+    robot, moves = body.role == "robot", not body.static
+    colour = options("obj_color", _body_colour(body, robot, moves))
+    length, width = options("arrow_length", None), options("arrow_width", None)
+    arrow = None if length is None and width is None else (length or 0.4, width or 0.6)
+    label = _short_name(body.name, robot)
+    return BodyStyle(
+        colour=colour,
+        alpha=options("obj_alpha", 1.0),
+        line_width=options("obj_linewidth", 1.0),
+        wall_width=options("obj_linewidth", 2.2),
+        line_style=_line_style(options("obj_linestyle", "-")),
+        order=float(options("obj_zorder", 3 if robot else 1)),
+        show_goal=options("show_goal", robot),
+        goal_colour=options("goal_color", colour),
+        goal_alpha=options("goal_alpha", 1.0),
+        show_arrow=options("show_arrow", moves),
+        arrow=arrow,
+        arrow_colour=options("arrow_color", theme.HEADING),
+        arrow_alpha=options("arrow_alpha", 0.95),
+        show_trajectory=options("show_trajectory", robot and moves),
+        trajectory_colour=options("traj_color", colour),
+        trajectory_style=_line_style(options("traj_style", "-")),
+        trajectory_width=options("traj_width", None),
+        trajectory_alpha=options("traj_alpha", 0.85),
+        trajectory_length=options("keep_traj_length", 0),
+        show_sensor=options("show_sensor", True),
+        label=label if options("show_text", False) else "",
+        goal_label=label if options("show_goal_text", False) else "",
+        label_colour=options("text_color", theme.INK),
+        label_size=float(options("text_size", 8.0)),
+        label_alpha=options("text_alpha", 1.0),
+        label_offset=options("text_position", None),
+    )
+
+
+def scan_style(sensor: Any) -> ScanStyle:
+    """Return how a sensor's scan (its options) is drawn."""
+    colour = str(chosen(sensor, "color", theme.BEAM))
+    alpha = float(getattr(sensor, "alpha", 0.3))
+    return ScanStyle(colour=colour, alpha=alpha if math.isfinite(alpha) else 0.3)
+
+
+def chosen(options: Any, name: str, otherwise: Any = None) -> Any:
+    """Return an option that a scenario sets; ``otherwise`` where it is absent or equal to its default."""
+    value = getattr(options, name, None)
+    declared = getattr(type(options), "__pydantic_fields__", {}).get(name)
+    return otherwise if value is None or (declared is not None and value == declared.default) else value
+
+
+def _body_colour(body: Any, robot: bool, moves: bool) -> str:
+    """Return the body's colour; IR-SIM's black, the colour of obstacles without one, becomes the theme's."""
+    if not robot and body.color in UNSET_OBSTACLE_COLOURS:
+        return theme.MOVING_OBSTACLE if moves else theme.OBSTACLE
+    return str(body.color)
+
+
+def _line_style(name: str) -> str:
+    return LINESTYLES.get(name, name)
+
+
+def _short_name(name: str, robot: bool) -> str:
+    """Return the label that IR-SIM puts beside a body: r0 for robot_0; other names as they are."""
+    head, _, number = name.rpartition("_")
+    return ("r" if robot else "o") + number if head in ("robot", "obstacle") else name

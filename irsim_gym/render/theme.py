@@ -1,0 +1,49 @@
+"""The look: colours, line widths and type sizes that a scenario does not set itself.
+
+Widths and type sizes are points of a figure whose resolution grows with its size, so that a large frame is
+an enlarged small one.
+"""
+
+from __future__ import annotations
+
+FONT = "DejaVu Sans"
+
+PAPER = "#F6F7F9"
+CARD = "#FFFFFF"
+GRID = "#EDF0F3"
+RULE = "#C5CCD4"
+INK = "#1F2933"
+INK_LIGHT = "#7B8794"
+SHADOW = "#1F2933"
+
+ROBOT = "#009E73"
+OBSTACLE = "#475569"
+MOVING_OBSTACLE = "#64748B"
+WALL = "#27323F"
+BEAM = "#F97316"
+HEADING = "#FFFFFF"
+IMPACT = "#DC2626"
+
+OUTCOMES = {
+    "success": "#0B9F6E",
+    "arrived": "#0B9F6E",
+    "collision": IMPACT,
+    "timeout": "#D97706",
+    "left_world": "#7C3AED",
+}
+RUNNING = "#3B82F6"
+
+
+def status_colour(status: str) -> str:
+    """Return the colour of a status line; that of a running episode for a status without one of its own."""
+    return OUTCOMES.get(status_key(status), RUNNING)
+
+
+def ends_episode(status: str) -> bool:
+    """Return whether the status is an outcome, which tints the frame."""
+    return status_key(status) in OUTCOMES
+
+
+def status_key(status: str) -> str:
+    """Return a status as the outcomes above are spelt: ``"Left world"`` is ``left_world``."""
+    return status.strip().lower().replace(" ", "_")

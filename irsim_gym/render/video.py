@@ -1,0 +1,229 @@
+"""Films from frames: mp4 and gif files that appear only when they are complete."""
+
+from __future__ import annotations
+
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import imageio.v2 as imageio
+import numpy as np
+from PIL import Image
+
+from irsim_gym.arraytypes import Bytes
+
+CODEC = "libx264"
+# Constant quality without visible loss; the index at the front lets browsers start before the end.
+CODEC_OPTIONS = ["-crf", "18", "-preset", "medium", "-movflags", "+faststart", "-loglevel", "error"]
+# Browsers slow a gif down whose frames are shown for less [hundredths of a second].
+SHORTEST_GIF_FRAME = 2
+GIF_COLOURS = 256
+
+
+class VideoWriter:
+    """Writes frames to a film, one after another; use it in a ``with`` statement.
+
+    The file is written under another name and renamed at the end, so that ``path`` never holds half a film;
+    after an exception nothing is left.
+
+    Args:
+        path: File to write; ``.mp4`` (H.264, yuv420p) or ``.gif``. Missing folders are made.
+        fps: Frames per second.
+
+    Raises:
+        ValueError: Another suffix, or a frame rate that is not positive.
+    """
+
+    def __init__(self, path: str | Path, fps: float) -> None:
+        self.path = Path(path)
+        if self.path.suffix.lower() not in _ENCODERS:
+            raise ValueError(f"a film's name ends in {' or '.join(_ENCODERS)}, got {self.path.name!r}")
+        if not 0.0 < fps < float("inf"):
+            raise ValueError(f"the frame rate must be a positive number, got {fps}")
+        self._fps = float(fps)
+        self._shape: tuple[int, ...] | None = None
+        self._part = self.path.with_name(f".{self.path.stem}.{os.getpid()}.part{self.path.suffix.lower()}")
+        self._encoder: _Encoder | None = None
+
+    def append(self, frame: Bytes) -> None:
+        """Add a frame.
+
+        Args:
+            frame: uint8, shape ``(height, width, 3)``, the same for all frames.
+
+        Raises:
+            ValueError: The frame is no picture, or its shape differs from the first one's.
+        """
+        if self._encoder is None:
+            if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3:
+                raise ValueError(f"a frame is uint8 (height, width, 3), got {frame.dtype} {frame.shape}")
+            self._shape = frame.shape
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self._encoder = _ENCODERS[self.path.suffix.lower()](self._part, self._fps)
+        if frame.shape != self._shape:
+            raise ValueError(f"all frames of a film have one shape: {self._shape}, got {frame.shape}")
+        self._encoder.append(_even(frame))
+
+    def close(self) -> None:
+        """Finish the film.
+
+        Raises:
+            ValueError: It has no frame.
+        """
+        if self._encoder is None:
+            raise ValueError(f"no frames for {self.path}")
+        self._encoder.finish()
+        self._encoder = None
+        self._part.replace(self.path)
+
+    def discard(self) -> None:
+        """Give the film up, leaving no file."""
+        if self._encoder is not None:
+            self._encoder.abandon()
+            self._encoder = None
+        self._part.unlink(missing_ok=True)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            if kind is None:
+                self.close()
+        finally:
+            self.discard()
+
+
+def write_video(frames: Iterable[Bytes], path: str | Path | Sequence[str | Path], fps: float) -> None:
+    """Write frames to one film, or to several (mp4 and gif) at once.
+
+    Args:
+        frames: uint8, shape ``(height, width, 3)`` each; they are taken one by one and not kept.
+        path: File or files to write, ``.mp4`` or ``.gif``.
+        fps: Frames per second.
+
+    Raises:
+        ValueError: No frames, frames of different shapes, another suffix, or a frame rate that is not positive.
+    """
+    paths = [path] if isinstance(path, str | Path) else list(path)
+    writers = [VideoWriter(each, fps) for each in paths]
+    try:
+        for frame in frames:
+            for writer in writers:
+                writer.append(frame)
+        for writer in writers:
+            writer.close()
+    finally:
+        for writer in writers:
+            writer.discard()
+
+
+def _even(frame: Bytes) -> Bytes:
+    """Repeat the last row and column where their number is odd: H.264 with yuv420p takes even sizes only."""
+    height, width = frame.shape[:2]
+    if height % 2 == 0 and width % 2 == 0:
+        return frame
+    return np.pad(frame, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+
+
+class _Encoder(ABC):
+    """One file format."""
+
+    @abstractmethod
+    def __init__(self, path: Path, fps: float) -> None: ...
+
+    @abstractmethod
+    def append(self, frame: Bytes) -> None:
+        """Take a frame."""
+
+    @abstractmethod
+    def finish(self) -> None:
+        """Write what is left and close the file."""
+
+    @abstractmethod
+    def abandon(self) -> None:
+        """Let go of the file."""
+
+
+class _Mp4(_Encoder):
+    """H.264 as every player reads it, by imageio's ffmpeg."""
+
+    def __init__(self, path: Path, fps: float) -> None:
+        self._writer: Any = imageio.get_writer(
+            path,
+            format="FFMPEG",
+            fps=fps,
+            codec=CODEC,
+            pixelformat="yuv420p",
+            quality=None,
+            macro_block_size=2,
+            output_params=CODEC_OPTIONS,
+        )
+
+    def append(self, frame: Bytes) -> None:
+        self._writer.append_data(frame)
+
+    def finish(self) -> None:
+        self._writer.close()
+
+    def abandon(self) -> None:
+        self._writer.close()
+
+
+class _Gif(_Encoder):
+    """A looping gif without dithering, which flat colours do not need.
+
+    A palette serves as long as it fits, because frames with one palette compress to half the size. Frames last
+    whole hundredths of a second, so durations are rounded along the film, not one by one.
+    """
+
+    def __init__(self, path: Path, fps: float) -> None:
+        self._path, self._fps = path, fps
+        self._images: list[Image.Image] = []
+        self._shown_from: list[int] = []
+        self._count = 0
+        self._palette: Image.Image | None = None
+        self._tolerance = 0.0
+
+    def append(self, frame: Bytes) -> None:
+        begin = round(100 * self._count / self._fps)
+        self._count += 1
+        if not self._shown_from or begin - self._shown_from[-1] >= SHORTEST_GIF_FRAME:
+            self._images.append(self._quantized(frame))
+            self._shown_from.append(begin)
+
+    def _quantized(self, frame: Bytes) -> Image.Image:
+        """Reduce the colours, with the last palette if that is nearly as good as it was for its own frame."""
+        picture = Image.fromarray(frame)
+        if self._palette is not None:
+            reduced = picture.quantize(palette=self._palette, dither=Image.Dither.NONE)
+            if _difference(reduced, frame) <= self._tolerance:
+                return reduced
+        self._palette = picture.quantize(GIF_COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+        self._tolerance = 1.5 * _difference(self._palette, frame) + 1.0
+        return self._palette
+
+    def finish(self) -> None:
+        end = max(round(100 * self._count / self._fps), self._shown_from[-1] + SHORTEST_GIF_FRAME)
+        durations = [10 * (after - begin) for begin, after in pairwise([*self._shown_from, end])]
+        first, *others = self._images
+        first.save(self._path, save_all=True, append_images=others, duration=durations, loop=0, disposal=1)
+        self._images = []
+
+    def abandon(self) -> None:
+        self._images = []
+
+
+def _difference(reduced: Image.Image, frame: Bytes) -> float:
+    """Return the mean difference of colour between a reduced picture and a frame, from a sample of pixels."""
+    sample = np.asarray(reduced.convert("RGB"))[::7, ::7].astype(np.int16) - frame[::7, ::7]
+    return float(np.abs(sample).mean())
+
+
+_ENCODERS: dict[str, type[_Encoder]] = {".mp4": _Mp4, ".gif": _Gif}
