@@ -54,6 +54,8 @@ RENDER_FROM = {"envs", "training", "cli"}
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60
 MAX_KERNEL_LINES = 80
+# tasks/checks.py compares a task with a scenario file, in the file's own words.
+YAML_READERS = ("engine/compile", "tasks/checks")
 YAML_ONLY_NAMES = {"acce", "vel_min", "vel_max"}
 MUTATORS = {"append", "extend", "insert", "add", "update", "setdefault", "pop", "popitem", "clear", "remove", "discard"}
 RANDOM_OBJECTS = {"Generator", "SeedSequence", "BitGenerator", "PCG64", "default_rng"}
@@ -406,7 +408,7 @@ def test_yaml_words_end_at_compile() -> None:
         [
             f"{module.place}:{node.lineno} reads .{node.attr}"
             for module in modules()
-            if module.part != "scenario" and not module.place.startswith("engine/compile")
+            if module.part != "scenario" and not module.place.startswith(YAML_READERS)
             for node in ast.walk(module.tree)
             if isinstance(node, ast.Attribute) and node.attr in YAML_ONLY_NAMES
         ]
