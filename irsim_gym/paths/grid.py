@@ -1,0 +1,210 @@
+"""A grid of free space.
+
+A cell of side h is free if a disc of radius R = sqrt(r^2 + h^2 / 2) about its centre touches nothing. Then a body of
+radius r can go straight between the centres of two free cells that share a side or a corner, and through every
+triangle of three free centres of a square of four:
+
+Let o be a point of an obstacle, c_i the centres and x = sum l_i c_i a point between them (l_i >= 0, sum l_i = 1).
+Expanding the squares gives sum l_i |o - c_i|^2 = |o - x|^2 + sum l_i |x - c_i|^2. The left side is more than R^2. The
+last sum equals q^2 - |x - m|^2 with the centre m and radius q of the circle through the c_i (for two of them, the
+circle on their distance), and q^2 <= h^2 / 2. Hence |o - x|^2 > R^2 - h^2 / 2 = r^2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.jit import kernel
+
+FREE, BLOCKED = np.uint8(0), np.uint8(1)
+MARGIN = 1e-9
+"""Added to the radius of cells [m], so that rounding never frees one."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Square cells over a rectangle, whose centres all lie within it.
+
+    Attributes:
+        origin_x: Lower left corner of the first cell [m].
+        origin_y: Lower left corner of the first cell [m].
+        cell: Side of a cell [m].
+        columns: Number of cells along x.
+        rows: Number of cells along y.
+    """
+
+    origin_x: float
+    origin_y: float
+    cell: float
+    columns: int
+    rows: int
+
+    @classmethod
+    def over(cls, bounds: Sequence[float] | Floats, cell: float) -> Self:
+        """Return the grid over x_min, y_min, x_max, y_max [m]; what no whole cell fills is shared by both sides."""
+        x_min, y_min, x_max, y_max = (float(value) for value in bounds)
+        columns = max(1, round((x_max - x_min) / cell))
+        rows = max(1, round((y_max - y_min) / cell))
+        origin_x = 0.5 * (x_min + x_max - columns * cell)
+        origin_y = 0.5 * (y_min + y_max - rows * cell)
+        return cls(origin_x, origin_y, cell, columns, rows)
+
+    def blocked(self) -> Bytes:
+        """Return memory for ``mark_blocked``, shape ``(rows, columns)``."""
+        return np.zeros((self.rows, self.columns), np.uint8)
+
+    def runs(self) -> Ints:
+        """Return scratch memory for ``is_reachable``, shape ``(n_runs, 4)``."""
+        return np.zeros((self.rows * ((self.columns + 1) // 2), 4), np.int64)
+
+    def field(self) -> Floats:
+        """Return memory for ``distance_field``, shape ``(rows, columns)``."""
+        return np.zeros((self.rows, self.columns))
+
+    def queue(self) -> Ints:
+        """Return scratch memory for ``spread``, shape ``(3, n_cells + 8)``."""
+        return np.zeros((3, self.rows * self.columns + 8), np.int64)
+
+    def path(self) -> Floats:
+        """Return memory for ``shortest_path``, shape ``(n_points, 2)``."""
+        return np.zeros((self.rows * self.columns + 64, 2))
+
+
+@kernel
+def mark_blocked(
+    segments: Floats,
+    segment_start: Ints,
+    segment_count: Ints,
+    discs: Floats,
+    disc_start: Ints,
+    disc_count: Ints,
+    solid: Flags,
+    blocks: Flags,
+    radius: float,
+    origin_x: float,
+    origin_y: float,
+    cell: float,
+    blocked: Bytes,
+) -> None:
+    """Write which cells are blocked for a body of some radius.
+
+    Args:
+        segments: As all tables up to ``blocks``: see the package's description.
+        segment_start: See there.
+        segment_count: See there.
+        discs: See there.
+        disc_start: See there.
+        disc_count: See there.
+        solid: See there.
+        blocks: See there.
+        radius: Radius r of the moving body [m].
+        origin_x: Lower left corner of the grid [m].
+        origin_y: Lower left corner of the grid [m].
+        cell: Side of a cell [m].
+        blocked: Written: 1 where a disc of radius R about the cell's centre touches a body, shape ``(rows, columns)``.
+    """
+    blocked[:] = FREE
+    wide = np.sqrt(radius * radius + 0.5 * cell * cell) + MARGIN
+    for b in range(blocks.shape[0]):
+        if not blocks[b]:
+            continue
+        for d in range(disc_start[b], disc_start[b] + disc_count[b]):
+            x, y = discs[d, 0] - origin_x, discs[d, 1] - origin_y
+            block_capsule(x, y, x, y, discs[d, 2] + wide, cell, blocked)
+        for s in range(segment_start[b], segment_start[b] + segment_count[b]):
+            ax, ay = segments[s, 0] - origin_x, segments[s, 1] - origin_y
+            bx, by = segments[s, 2] - origin_x, segments[s, 3] - origin_y
+            block_capsule(ax, ay, bx, by, wide, cell, blocked)
+    for b in range(blocks.shape[0]):
+        if blocks[b] and solid[b] and segment_count[b] > 0:
+            block_inside(segments, segment_start[b], segment_count[b], origin_x, origin_y, cell, blocked)
+
+
+@kernel
+def first_cell(coordinate: float, cell: float, count: int) -> int:
+    """Return the first of ``count`` cells whose centre is not before a coordinate [m], ``count`` if there is none."""
+    return int(max(min(np.ceil(coordinate / cell - 0.5), float(count)), 0.0))
+
+
+@kernel
+def last_cell(coordinate: float, cell: float, count: int) -> int:
+    """Return the last of ``count`` cells whose centre is not beyond a coordinate [m], -1 if there is none."""
+    return int(max(min(np.floor(coordinate / cell - 0.5), count - 1.0), -1.0))
+
+
+@kernel
+def block_capsule(ax: float, ay: float, bx: float, by: float, radius: float, cell: float, blocked: Bytes) -> None:
+    """Block the cells whose centres lie within ``radius`` of the segment ab (in the grid's frame) [m].
+
+    In each row these lie in one interval: what the discs about both ends and the rectangle between them cover.
+    """
+    dx, dy = bx - ax, by - ay
+    length = np.sqrt(dx * dx + dy * dy)
+    along_x, along_y = (dx / length, dy / length) if length > 0.0 else (1.0, 0.0)
+    rows, columns = blocked.shape
+    top = last_cell(max(ay, by) + radius, cell, rows)
+    for row in range(first_cell(min(ay, by) - radius, cell, rows), top + 1):
+        y = (row + 0.5) * cell
+        left, right = np.inf, -np.inf
+        room_a, room_b = radius * radius - (y - ay) * (y - ay), radius * radius - (y - by) * (y - by)
+        if room_a >= 0.0:
+            half = np.sqrt(room_a)
+            left, right = ax - half, ax + half
+        if room_b >= 0.0:
+            half = np.sqrt(room_b)
+            left, right = min(left, bx - half), max(right, bx + half)
+        near, far = band(y - ay, along_x, along_y, 0.0, length)
+        near_side, far_side = band(y - ay, -along_y, along_x, -radius, radius)
+        near, far = max(near, near_side), min(far, far_side)
+        if near <= far:
+            left, right = min(left, ax + near), max(right, ax + far)
+        for column in range(first_cell(left, cell, columns), last_cell(right, cell, columns) + 1):
+            blocked[row, column] = BLOCKED
+
+
+@kernel
+def band(y: float, slope_x: float, slope_y: float, low: float, high: float) -> tuple[float, float]:
+    """Return the interval of x where low <= slope_x x + slope_y y <= high; empty if its ends are swapped."""
+    rest = slope_y * y
+    if slope_x > 0.0:
+        return (low - rest) / slope_x, (high - rest) / slope_x
+    if slope_x < 0.0:
+        return (high - rest) / slope_x, (low - rest) / slope_x
+    if low <= rest <= high:
+        return -np.inf, np.inf
+    return np.inf, -np.inf
+
+
+@kernel
+def block_inside(
+    segments: Floats, start: int, count: int, origin_x: float, origin_y: float, cell: float, blocked: Bytes
+) -> None:
+    """Block the cells within the area that segments bound, once the cells around the segments are blocked.
+
+    Between neighbours of which one lies inside and one outside, one is nearer to the boundary than h and blocked, so
+    each run of free cells in a row lies on one side and one test is enough for it.
+    """
+    low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
+    for s in range(start, start + count):
+        low_x, high_x = min(low_x, segments[s, 0]), max(high_x, segments[s, 0])
+        low_y, high_y = min(low_y, segments[s, 1]), max(high_y, segments[s, 1])
+    rows, columns = blocked.shape
+    first, last = first_cell(low_x - origin_x, cell, columns), last_cell(high_x - origin_x, cell, columns)
+    top = last_cell(high_y - origin_y, cell, rows)
+    for row in range(first_cell(low_y - origin_y, cell, rows), top + 1):
+        known, inside = False, False
+        for column in range(first, last + 1):
+            if blocked[row, column] == BLOCKED:
+                known = False
+                continue
+            if not known:
+                x, y = origin_x + (column + 0.5) * cell, origin_y + (row + 0.5) * cell
+                known, inside = True, contains_point(segments, start, count, x, y)
+            if inside:
+                blocked[row, column] = BLOCKED
