@@ -24,3 +24,19 @@ def load() -> None:
     """Import the packages that fill the registries. By name, so that nothing here depends on a kind."""
     for package in _PACKAGES:
         importlib.import_module(f"irsim_gym.{package}")
+
+
+def every() -> tuple[Registry, ...]:
+    """Return the registries of all families."""
+    return (
+        KINEMATICS,
+        BEHAVIORS,
+        GROUP_BEHAVIORS,
+        FOOTPRINTS,
+        PLACEMENTS,
+        SENSORS,
+        ACTIONS,
+        OBSERVATIONS,
+        REWARDS,
+        ENDINGS,
+    )

@@ -1,0 +1,155 @@
+"""The language as a JSON Schema (draft 2020-12), for editors; built from the registries, so user kinds are in it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from irsim_gym import families
+from irsim_gym.registry import Registry
+from irsim_gym.scenario.plot_spec import ObjectPlot
+from irsim_gym.scenario.shorthand import ROLES, WRAPPER
+from irsim_gym.scenario.spec import BodyOptions, GuiSpec, WorldSpec
+from irsim_gym.scenario.validation import is_planned, option_fields
+
+Schema = dict[str, Any]
+
+EXPRESSION: Schema = {"type": "string", "pattern": r"^[-+*/() .0-9eEpi]+$"}
+_REFERENCE = "#/$defs/{model}"
+_KINDS = {
+    "kinematics": families.KINEMATICS,
+    "shape": families.FOOTPRINTS,
+    "behavior": families.BEHAVIORS,
+    "group_behavior": families.GROUP_BEHAVIORS,
+    "distribution": families.PLACEMENTS,
+}
+_TERMS = {"observations": families.OBSERVATIONS, "rewards": families.REWARDS, "endings": families.ENDINGS}
+
+
+def json_schema() -> Schema:
+    """Return the JSON Schema of scenario files; what does not work yet is not in it."""
+    families.load()
+    definitions: Schema = {}
+    sections = {
+        "world": _optional(_options(WorldSpec, definitions)),
+        **{role: _section(role, definitions) for role in ROLES},
+        "gui": _optional(_options(GuiSpec, definitions)),
+        "plot": _optional(_options(ObjectPlot, definitions)),
+        "task": _task(definitions),
+        "custom": {"description": "Anything; the simulator does not read it."},
+    }
+    wrapped = {"type": "object", "properties": sections, "additionalProperties": False}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Scenario of irsim_gym",
+        "type": "object",
+        "properties": {**sections, WRAPPER: {**wrapped, "description": "All sections may stand under this key."}},
+        "additionalProperties": False,
+        "$defs": definitions,
+    }
+
+
+def _optional(schema: Schema) -> Schema:
+    return {"anyOf": [schema, {"type": "null"}]}
+
+
+def _options(cls: type[Any], definitions: Schema) -> Schema:
+    """Return the schema of a kind's or spec's options; nested ones go to the definitions."""
+    schema = TypeAdapter(cls).json_schema(ref_template=_REFERENCE)
+    for name, nested in schema.pop("$defs", {}).items():
+        definitions.setdefault(name, _with_expressions(nested))
+    for name, info in option_fields(cls).items():
+        if is_planned(info):
+            schema["properties"].pop(name, None)
+    made: Schema = _with_expressions(schema)
+    return made
+
+
+def _with_expressions(schema: Any) -> Any:
+    """Let an expression such as ``pi/2`` stand wherever a number may; drop remarks that say nothing."""
+    if isinstance(schema, list):
+        return [_with_expressions(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    kept = {key: value for key, value in schema.items() if key not in ("unit", "consequence") or value != ""}
+    kept.pop("planned", None)
+    if schema.get("type") in ("number", "integer"):
+        numeric = ("type", "minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
+        number = {key: kept.pop(key) for key in numeric if key in kept}
+        return {"anyOf": [number, EXPRESSION], **kept}
+    return {
+        key: value if key in ("default", "const", "enum") else _with_expressions(value) for key, value in kept.items()
+    }
+
+
+def _named(registry: Registry, definitions: Schema, synonym: str = "", default: str = "") -> Schema:
+    """Return the choice between the kinds of a family that run."""
+    choices = []
+    for entry in registry:
+        if entry.planned:
+            continue
+        key = f"{registry.family}.{entry.name}".replace(" ", "_")
+        schema = _options(entry.kind, definitions)
+        name = {"const": entry.name, "description": "Which one."}
+        keys = ["name", synonym] if synonym else ["name"]
+        schema["properties"] = {**dict.fromkeys(keys, name), **schema.get("properties", {})}
+        if entry.name != default:
+            schema["anyOf"] = [{"required": [one]} for one in keys]
+        schema["title"] = f"{registry.family} {entry.name}"
+        definitions[key] = schema
+        choices.append({"$ref": _REFERENCE.format(model=key)})
+    return {"anyOf": choices} if choices else {"not": {}}
+
+
+def _section(role: str, definitions: Schema) -> Schema:
+    declared = _options(BodyOptions, definitions)["properties"]
+    properties = {key: _property(key, one, definitions) for key, one in declared.items()}
+    properties["role"] = {"const": role, "description": "The section's own name, or nothing."}
+    name = f"entry.{role}"
+    definitions[name] = {"title": f"One entry of {role}", "type": "object", "properties": properties}
+    definitions[name]["additionalProperties"] = False
+    entry = {"$ref": _REFERENCE.format(model=name)}
+    return {"anyOf": [entry, {"type": "array", "items": entry}, {"type": "null"}]}
+
+
+def _property(key: str, declared: Schema, definitions: Schema) -> Schema:
+    """Return the schema of one key of an entry, with what may be shared out over the entry's bodies."""
+    meaning = declared.get("description", "")
+    if key in _KINDS:
+        one = {"anyOf": [_named(_KINDS[key], definitions), {"type": "null"}, {"type": "object", "maxProperties": 0}]}
+        return {"description": meaning, **(one if key == "distribution" else _shared(one))}
+    if key == "sensors":
+        sensor = _named(families.SENSORS, definitions, synonym="type", default="lidar2d")
+        sensors = {"anyOf": [sensor, {"type": "array", "items": sensor}]}
+        return {"description": meaning, "anyOf": [*_shared(sensors)["anyOf"], {"type": "null"}]}
+    if key == "goal":
+        return {"description": meaning, "anyOf": [{"type": "array"}, {"type": "null"}]}
+    one = dict(declared)
+    if key in ("number", "number_range", "role"):
+        return one
+    info: Schema = {name: one.pop(name) for name in ("description", "default", "unit") if name in one}
+    shared = _shared(one)
+    return {**info, **shared}
+
+
+def _shared(one: Schema) -> Schema:
+    """Return: one for all bodies of an entry, or a list with one for each."""
+    return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
+
+
+def _task(definitions: Schema) -> Schema:
+    """Return the section ``task``; overrides may name some keys of a term only, so none is required."""
+    properties: Schema = {"name": {"type": "string", "description": "A shipped task or a file, to build upon."}}
+    for key, registry in {"action": families.ACTIONS, **_TERMS}.items():
+        _named(registry, definitions)
+        terms = []
+        for entry in registry:
+            definition = definitions.get(f"{registry.family}.{entry.name}".replace(" ", "_"))
+            if definition is not None:
+                definition.pop("required", None)
+                definition["properties"]["use"] = {"type": "boolean", "description": "false leaves the term out."}
+                terms.append({"$ref": _REFERENCE.format(model=f"{registry.family}.{entry.name}".replace(" ", "_"))})
+        term: Schema = {"anyOf": [*terms, {"type": "string"}]}
+        properties[key] = term if key == "action" else {"type": "array", "items": term}
+    return {"anyOf": [{"type": "string"}, {"type": "object", "properties": properties}, {"type": "null"}]}

@@ -1,0 +1,96 @@
+"""The language as tables, for the reference in ``configs/README.md``; made from the declarations themselves."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from irsim_gym import families
+from irsim_gym.scenario.messages import describe, show
+from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure, WorldPlot
+from irsim_gym.scenario.spec import BodyOptions, KeyboardSpec, MouseSpec, WorldSpec
+from irsim_gym.scenario.validation import is_planned, option_fields
+
+_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+
+
+@dataclass(frozen=True)
+class OptionRow:
+    """One option.
+
+    Attributes:
+        key: Its name in YAML.
+        default: What holds when it is not given; ``required`` when it must be.
+        unit: SI unit, or nothing.
+        allowed: Type and bounds.
+        meaning: What it does.
+        consequence: What a bad value leads to, where the check cannot know.
+        is_planned: True for a key that is known but does not work yet.
+    """
+
+    key: str
+    default: str
+    unit: str
+    allowed: str
+    meaning: str
+    consequence: str
+    is_planned: bool
+
+
+def option_rows(cls: type[Any]) -> tuple[OptionRow, ...]:
+    """Return the options of a kind or spec, in the order of their declaration."""
+    rows = []
+    for key, info in option_fields(cls).items():
+        extra: Any = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
+        bounds = [
+            f"{sign} {getattr(item, name):g}"
+            for item in info.metadata
+            for name, sign in _SIGNS.items()
+            if hasattr(item, name)
+        ]
+        default = "required" if info.is_required() else _default(info.default)
+        allowed = ", ".join([describe(info.annotation), *bounds])
+        texts = str(extra.get("unit", "")), allowed, str(info.description or ""), str(extra.get("consequence", ""))
+        rows.append(OptionRow(key, default, *texts, is_planned(info)))
+    return tuple(rows)
+
+
+def _default(value: Any) -> str:
+    if value is None or value == ():
+        return ""
+    return "{}" if dataclasses.is_dataclass(value) else show(value)
+
+
+def option_tables() -> Iterator[tuple[str, tuple[OptionRow, ...]]]:
+    """Yield a title and the options of each section, and of each registered kind."""
+    families.load()
+    specs = {
+        "world": WorldSpec,
+        "world.plot": WorldPlot,
+        "world.plot.saved_figure": SavedFigure,
+        "robot, obstacle": BodyOptions,
+        "plot": ObjectPlot,
+        "gui.keyboard": KeyboardSpec,
+        "gui.mouse": MouseSpec,
+    }
+    for title, cls in specs.items():
+        yield title, option_rows(cls)
+    for registry in families.every():
+        for entry in registry:
+            remark = " (not supported yet)" if entry.planned else ""
+            yield f"{registry.family} {entry.name}{remark}", option_rows(entry.kind)
+
+
+def markdown() -> str:
+    """Return all tables as Markdown."""
+    parts = []
+    for title, rows in option_tables():
+        lines = [f"## {title}", "", "| key | default | unit | allowed | meaning |", "|---|---|---|---|---|"]
+        for row in rows:
+            meaning = " ".join(part for part in (row.meaning, row.consequence) if part)
+            meaning += " Not supported yet." if row.is_planned else ""
+            lines.append("| " + " | ".join((f"`{row.key}`", row.default, row.unit, row.allowed, meaning)) + " |")
+        parts.append("\n".join(lines) + "\n")
+    return "\n".join(parts)
