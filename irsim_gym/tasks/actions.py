@@ -139,11 +139,11 @@ def command(
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
+        slowest, fastest = velocity_min[w % velocity_min.shape[0]], velocity_max[w % velocity_max.shape[0]]
         for a in range(agents.shape[0]):
             b = agents[a]
             for c in range(action.shape[2]):
-                low = velocity_min[w % velocity_min.shape[0], b, c]
-                high = velocity_max[w % velocity_max.shape[0], b, c]
+                low, high = slowest[b, c], fastest[b, c]
                 wanted = 0.5 * (low + high) + action[w, a, c] * (0.5 * (high - low))
                 commanded[w, b, c] = wanted if outcome[w, a] == RUNNING else 0.0
 
@@ -160,11 +160,11 @@ def rest(
     """Write the action that asks for standing still, or for the slowest command there is, as the latest ones."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
+        slowest, fastest = velocity_min[w % velocity_min.shape[0]], velocity_max[w % velocity_max.shape[0]]
         for a in range(agents.shape[0]):
             b = agents[a]
             for c in range(action.shape[2]):
-                low = velocity_min[w % velocity_min.shape[0], b, c]
-                high = velocity_max[w % velocity_max.shape[0], b, c]
+                low, high = slowest[b, c], fastest[b, c]
                 still = -(low + high) / (high - low) if high > low else 0.0
                 action[w, a, c] = min(max(still, -1.0), 1.0)
                 previous_action[w, a, c] = action[w, a, c]

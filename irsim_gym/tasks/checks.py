@@ -154,4 +154,3 @@ def check_terms(terms: Terms, audit: bool, report: Report) -> None:
 def _ending_for(outcome: Any) -> str:
     names = [entry.name for entry in ENDINGS if entry.kind.outcome == outcome]
     return names[0] if names else str(outcome)
-

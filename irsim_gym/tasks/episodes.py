@@ -56,7 +56,7 @@ class Episodes:
         self.state = self._allocate()
         self.state.base[:] = stream_base(simulation.scenario.name, "train")
         self.view = transition_of(self.state)
-        self._given = self.state.choice if self.n_discrete else self.state.given
+        self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
 
     @property
     def n_worlds(self) -> int:
@@ -165,9 +165,7 @@ class Episodes:
         simulation.begin(shard, state.stream)
         simulation.clearance(shard, self._agents, state.clearance)
         model = simulation.model
-        actions.rest(
-            worlds, self._agents, model.velocity_min, model.velocity_max, state.action, state.previous_action
-        )
+        actions.rest(worlds, self._agents, model.velocity_min, model.velocity_max, state.action, state.previous_action)
         account.open_books(
             worlds,
             self._agents,

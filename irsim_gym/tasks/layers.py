@@ -69,7 +69,8 @@ class Merged:
             return
         titles = [title for title, _ in found]
         file = main if main in titles else titles[0]
-        raise ScenarioError(file, [problem if title == file else _elsewhere(title, problem) for title, problem in found])
+        told = [problem if title == file else _elsewhere(title, problem) for title, problem in found]
+        raise ScenarioError(file, told)
 
     def _origin(self, problem: Problem) -> tuple[str, Problem]:
         place, node = self.origins[min(problem.line, len(self.origins)) - 1]

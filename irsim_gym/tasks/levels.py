@@ -39,7 +39,7 @@ def take_levels(worlds: Ints, base: Words, first_level: Ints, episode: Ints, lev
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        here = later_level(first_level[w], episode[w])
-        stream[w] = level_stream(base[w], here)
+        here = later_level(int(first_level[w]), int(episode[w]))
+        stream[w] = level_stream(base[w], int(here))
         for a in range(level.shape[1]):
             level[w, a] = here

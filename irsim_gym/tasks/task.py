@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -17,7 +17,7 @@ from irsim_gym.scenario.source import Place, Source, read_file, read_mapping
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.scenario.validation import Report, build, build_named
 from irsim_gym.tasks.checks import check_fit, check_terms, choose_agents
-from irsim_gym.tasks.layers import Layer, Merged, merge
+from irsim_gym.tasks.layers import Layer, merge
 
 DEFAULT = "navigation"
 FAMILIES = {"observations": OBSERVATIONS, "rewards": REWARDS, "endings": ENDINGS}
@@ -35,9 +35,7 @@ class TaskOptions:
     observation_form: Literal["flat", "dict"] = option(
         "flat", meaning="One vector, or a dictionary with one vector for each observation."
     )
-    audit: bool = option(
-        True, meaning="Refuse rewards under which a crash or an escape would pay more than going on."
-    )
+    audit: bool = option(True, meaning="Refuse rewards under which a crash or an escape would pay more than going on.")
 
 
 @dataclass(frozen=True)
@@ -115,11 +113,11 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, Any] | None) -> 
     if isinstance(task, str | Path):
         return _file_layers(library.find(task, "tasks"), folder)
     if task is None:
-        top = Layer(_title(scenario), scenario.task, lambda place: scenario.problem(("task", *place), "").line, ("task",))
+        top = Layer(_title(scenario), scenario.task, _task_line(scenario), ("task",))
     else:
         source = read_mapping(task)
         _refuse_unreadable(source)
-        top = Layer("the given task", source.data, lambda place: 0)
+        top = Layer("the given task", source.data, source.line)
     name = top.data.get("name", DEFAULT)
     if not isinstance(name, str) or not name:
         message = f"must be the name or the file of a task, got {show(name)}"
@@ -129,6 +127,10 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, Any] | None) -> 
     except UnknownNameError as error:
         raise ScenarioError(top.title, [Problem(top.line(("name",)), _path(top), str(error))]) from None
     return called, [*layers, top]
+
+
+def _task_line(scenario: Scenario) -> Callable[[Place], int]:
+    return lambda place: scenario.problem(("task", *place), "").line
 
 
 def _path(layer: Layer) -> str:
@@ -144,7 +146,8 @@ def _find(name: str, folder: Path) -> Path:
 
 def _file_layers(file: Path, folder: Path) -> tuple[str, list[Layer]]:
     """Return the name of a task file, and the files it builds upon with itself at the end."""
-    name, layers = file.stem, []
+    name = file.stem
+    layers: list[Layer] = []
     for _ in range(LONGEST_CHAIN):
         source = read_file(file)
         _refuse_unreadable(source)
@@ -175,7 +178,8 @@ def _terms(family: Registry, key: str, data: Mapping[str, Any], report: Report) 
     if not isinstance(given, list):
         report.add((key,), f"must be a list, got {show(given)}")
         return []
-    made = [((key, i), build_named(family, item, (key, i), report)) for i, item in enumerate(given)]
+    places: list[Place] = [(key, i) for i in range(len(given))]
+    made = [(place, build_named(family, given[i], place, report)) for i, place in enumerate(places)]
     found = [(place, item) for place, item in made if item is not None]
     seen: set[type[Any]] = set()
     for place, item in found:

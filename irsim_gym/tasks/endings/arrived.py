@@ -25,4 +25,3 @@ class Arrived:
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""
         copy_flag(shard.worlds, term.agents, term.column, state.arrived, episode.ending)
-

@@ -149,9 +149,7 @@ def write_nearest(
 
 
 @kernel
-def nearest_disc(
-    discs: Floats, start: int, count: int, x: float, y: float
-) -> tuple[float, float, float, float]:
+def nearest_disc(discs: Floats, start: int, count: int, x: float, y: float) -> tuple[float, float, float, float]:
     """Return surface distance, centre and radius of the nearest disc [m]; infinity without one."""
     gap, cx, cy, radius = np.inf, 0.0, 0.0, 0.0
     for d in range(start, start + count):

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.arraytypes import Floats, Ints, Rays, Words
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
@@ -58,8 +58,8 @@ class Scan:
         return {
             "ranges": table["ranges"],
             "members": members,
-            "first": first,
-            "last": last,
+            "first": first.astype(np.uint64),
+            "last": last.astype(np.uint64),
             "extent": np.ascontiguousarray(table["footprint"][members]),
             "far": far,
         }
@@ -68,11 +68,11 @@ class Scan:
         """Return the codes of the greatest depth that each sector can show, and of contact."""
         first, last, far = term.arrays["first"], term.arrays["last"], term.arrays["far"]
         farthest = far[:, None] - term.arrays["extent"]
-        low = np.stack([farthest[:, i:j].min(axis=1) for i, j in zip(first, last, strict=True)], axis=1)
+        low = np.stack([farthest[:, int(i) : int(j)].min(axis=1) for i, j in zip(first, last, strict=True)], axis=1)
         low, high = np.maximum(low, np.float32(0.0)), np.zeros_like(low)
         for a in range(len(far)):
             for values in (low[a], high[a]):
-                encode(values, 0, len(first), _code(self), np.float32(self.near), np.float32(self.zero), far[a])
+                encode(values, _code(self), np.float32(self.near), np.float32(self.zero), far[a])
         return low.min(axis=0), high.max(axis=0)
 
     @staticmethod
@@ -134,8 +134,8 @@ def pool(
     near: float,
     zero: float,
     far: Rays,
-    first: Ints,
-    last: Ints,
+    first: Words,
+    last: Words,
     extent: Rays,
     ranges: Rays,
     out: Rays,
@@ -150,7 +150,7 @@ def pool(
         near: See ``Scan`` [m].
         zero: See ``Scan`` [1/m].
         far: Greatest range of each agent's sensor [m], ``(n_agents,)``.
-        first: First beam of each sector, ``(n_sectors,)``.
+        first: First beam of each sector, ``(n_sectors,)``; unsigned, which spares a test for negative numbers.
         last: One past its last beam.
         extent: Distance to the own outline [m], ``(n_agents, n_beams)``.
         ranges: Readings [m], ``(n_worlds, n_members, n_beams)``.
@@ -161,26 +161,24 @@ def pool(
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(members.shape[0]):
-            scan, own, row = ranges[w, members[a]], extent[a], out[w, a]
+            scan, own, row = ranges[w, members[a]], extent[a], out[w, a, column : column + n_sectors]
             for s in range(n_sectors):
                 least = far[a]
                 for k in range(first[s], last[s]):
                     depth = scan[k] - own[k]
                     least = depth if depth < least else least
-                row[column + s] = least if least > np.float32(0.0) else np.float32(0.0)
-            encode(row, column, n_sectors, code, near_32, zero_32, far[a])
+                row[s] = least if least > np.float32(0.0) else np.float32(0.0)
+            encode(row, code, near_32, zero_32, far[a])
 
 
 @kernel
-def encode(
-    row: Rays, column: int, count: int, code: int, near: np.float32, zero: np.float32, far: np.float32
-) -> None:
+def encode(row: Rays, code: int, near: np.float32, zero: np.float32, far: np.float32) -> None:
     """Replace depths [m] by their codes, in place; float32, and falling with the depth to the last bit."""
     one = np.float32(1.0)
     if code == INVERSE:
         largest = one / near - zero
-        for s in range(column, column + count):
+        for s in range(row.shape[0]):
             row[s] = (one / (row[s] + near) - zero) / largest
     else:
-        for s in range(column, column + count):
+        for s in range(row.shape[0]):
             row[s] = one - row[s] / far

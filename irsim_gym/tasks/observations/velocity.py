@@ -66,11 +66,11 @@ def write_velocity(
     """Write ``size`` components of the velocity over max(abs(velocity_min), abs(velocity_max)); 0 when stopped."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
+        slowest, fastest = velocity_min[w % velocity_min.shape[0]], velocity_max[w % velocity_max.shape[0]]
         for a in range(agents.shape[0]):
             b = agents[a]
             for c in range(size):
-                low = velocity_min[w % velocity_min.shape[0], b, c]
-                high = velocity_max[w % velocity_max.shape[0], b, c]
+                low, high = slowest[b, c], fastest[b, c]
                 largest = max(np.abs(low), np.abs(high))
                 scaled = 0.0
                 if largest > 0.0 and not stopped[w, b]:

@@ -65,7 +65,7 @@ class Progress:
 def distance(pose: Floats, target: Floats) -> float:
     """Return the distance from a pose to a point [m]."""
     dx, dy = target[0] - pose[0], target[1] - pose[1]
-    return np.sqrt(dx * dx + dy * dy)
+    return float(np.sqrt(dx * dx + dy * dy))
 
 
 @kernel

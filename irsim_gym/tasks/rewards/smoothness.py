@@ -40,9 +40,7 @@ class Smoothness:
 
 
 @kernel
-def pay_change(
-    worlds: Ints, column: int, amount: float, previous_action: Floats, action: Floats, out: Floats
-) -> None:
+def pay_change(worlds: Ints, column: int, amount: float, previous_action: Floats, action: Floats, out: Floats) -> None:
     """Write ``amount`` times the squared change of the action, scaled to [0, 1]; actions lie in [-1, 1]."""
     largest = 4.0 * action.shape[2]
     for i in range(worlds.shape[0]):
