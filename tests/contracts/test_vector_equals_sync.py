@@ -46,7 +46,7 @@ def roll(native, sync, n_steps, seed=5, actions=forward_actions):
 @pytest.mark.parametrize("env_id", [STILL, MOVING, "irsim_gym/cluttered_room-v0"])
 def test_native_equals_sync(env_id, mode):
     native, sync = pair(env_id, mode, max_steps=45)
-    assert roll(native, sync, 400) > 20
+    assert roll(native, sync, 1000) > 50
 
 
 @pytest.mark.parametrize("mode", list(AutoresetMode))

@@ -12,7 +12,7 @@ from gymnasium.wrappers import vector as vector_wrappers
 
 
 def test_single_wrappers():
-    env = gymnasium.make(STILL, max_steps=12, render_mode="rgb_array")
+    env = gymnasium.make(STILL, max_episode_steps=12, render_mode="rgb_array")
     env = wrappers.RecordEpisodeStatistics(env)
     env = wrappers.NormalizeReward(wrappers.NormalizeObservation(wrappers.ClipAction(env)))
     env = wrappers.FrameStackObservation(wrappers.TimeAwareObservation(env), 3)
@@ -40,9 +40,9 @@ def test_outer_time_limit():
 def observation_wrappers(env):
     yield vector_wrappers.NormalizeObservation(env)
     yield vector_wrappers.TransformObservation(env, lambda x: x * 0.5, single_observation_space=None)
-    yield vector_wrappers.RescaleObservation(env, 0.0, 1.0)
+    yield vector_wrappers.RescaleObservation(env, np.float32(0.0), np.float32(1.0))
     yield vector_wrappers.FlattenObservation(env)
-    yield vector_wrappers.DtypeObservation(env, np.float64)
+    yield vector_wrappers.ReshapeObservation(env, (*env.single_observation_space.shape, 1))
 
 
 def other_wrappers(env):
@@ -52,7 +52,7 @@ def other_wrappers(env):
     yield vector_wrappers.ClipReward(env, -1.0, 1.0)
     yield vector_wrappers.TransformAction(env, lambda x: x * 0.5)
     yield vector_wrappers.ClipAction(env)
-    yield vector_wrappers.RescaleAction(env, 0.0, 1.0)
+    yield vector_wrappers.RescaleAction(env, np.float32(0.0), np.float32(1.0))
 
 
 def exercise(env, n_steps=30):
