@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.rewards.geodesic import field_arrays, note_fields, pay_field_gain
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Role, Term
 from irsim_gym.world.model import WorldModel
@@ -31,21 +32,34 @@ class Progress:
     needs_ending: ClassVar[bool] = False
 
     weight: float = option(4.0, ge=0.0, meaning="Reward for a gain of one diagonal of the world.")
+    potential: Literal["euclidean", "geodesic"] = option(
+        "euclidean", meaning="The way: straight, or around everything that never moves, at the agent's reach."
+    )
+    cell: float = option(0.1, gt=0.0, unit="m", meaning="Geodesic: side of the cells in which ways are measured.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
         """Return the memory: each agent's goal and its distance, one step ago."""
         shape = (simulation.n_worlds, len(agents))
-        return {"target": np.zeros((*shape, 2)), "potential": np.zeros(shape)}
+        memory: dict[str, NDArray[Any]] = {"target": np.zeros((*shape, 2)), "potential": np.zeros(shape)}
+        fields = field_arrays(simulation, len(agents), self.cell) if self.potential == "geodesic" else {}
+        return memory | fields
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Note goals and distances."""
-        memory = term.arrays
-        note(shard.worlds, term.agents, state.pose, state.goal, memory["target"], memory["potential"])
+        if term.options.potential == "geodesic":
+            note_fields(term, model, state, shard, afresh=True)
+        else:
+            memory = term.arrays
+            note(shard.worlds, term.agents, state.pose, state.goal, memory["target"], memory["potential"])
 
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Write the gain since the step before."""
+        """Write the gain since the step before, and note where things are now."""
+        if term.options.potential == "geodesic":
+            pay_field_gain(term, model, state, shard, episode.reward_term)
+            note_fields(term, model, state, shard, afresh=False)
+            return
         memory = term.arrays
         pay_gain(
             shard.worlds,
@@ -54,11 +68,11 @@ class Progress:
             term.options.weight,
             model.bounds,
             state.pose,
+            state.goal,
             memory["target"],
             memory["potential"],
             episode.reward_term,
         )
-        note(shard.worlds, term.agents, state.pose, state.goal, memory["target"], memory["potential"])
 
 
 @kernel
@@ -87,15 +101,19 @@ def pay_gain(
     weight: float,
     bounds: Floats,
     pose: Floats,
+    goal: Floats,
     target: Floats,
     potential: Floats,
     out: Floats,
 ) -> None:
-    """Write the weighted loss of distance to the noted goal, over the diagonal of ``bounds``."""
+    """Write the weighted loss of distance to the noted goal, over the diagonal of ``bounds``; note goal and distance."""
     width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
     rate = weight / np.sqrt(width * width + height * height)
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            gain = potential[w, a] - distance(pose[w, agents[a]], target[w, a])
+            b = agents[a]
+            gain = potential[w, a] - distance(pose[w, b], target[w, a])
             out[w, a, column] = rate * gain
+            target[w, a, 0], target[w, a, 1] = goal[w, b, 0], goal[w, b, 1]
+            potential[w, a] = distance(pose[w, b], target[w, a])
