@@ -36,9 +36,7 @@ ARRIVE_MODES = {"position": POSITION, "state": STATE}
 RANDOM_OUTLINE = frozenset({"local_segments", "local_discs", "segment_count", "disc_count", "reach"})
 
 
-def compile(
-    scenario: Scenario, n_worlds: int = 1, *, agents: Sequence[int] = (), num_threads: int = 1
-) -> Simulation:
+def compile(scenario: Scenario, n_worlds: int = 1, *, agents: Sequence[int] = (), num_threads: int = 1) -> Simulation:
     """Turn a scenario into arrays for ``n_worlds`` worlds.
 
     Args:

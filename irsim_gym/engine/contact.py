@@ -116,9 +116,7 @@ def find_contacts(
 
 
 @kernel
-def stop_bodies(
-    worlds: Ints, movers: Ints, collision_mode: Ints, role: Ints, collided: Flags, stopped: Flags
-) -> None:
+def stop_bodies(worlds: Ints, movers: Ints, collision_mode: Ints, role: Ints, collided: Flags, stopped: Flags) -> None:
     """Hold collided bodies in place as the collision mode says."""
     mode = collision_mode[0]
     for i in range(worlds.shape[0]):
@@ -129,9 +127,7 @@ def stop_bodies(
             stopped[w, b] = collided[w, b] and holds
 
 
-def clearance(
-    bodies: Ints, limit: float, model: WorldModel, state: WorldState, shard: Shard, distance: Floats
-) -> None:
+def clearance(bodies: Ints, limit: float, model: WorldModel, state: WorldState, shard: Shard, distance: Floats) -> None:
     """Write the surface distance of ``bodies`` to the nearest other body.
 
     Args:

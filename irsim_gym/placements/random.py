@@ -7,21 +7,23 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.arraytypes import Floats, Ints, Words
 from irsim_gym.geometry.frames import place_outline
-from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
 from irsim_gym.jit import kernel
+from irsim_gym.paths.grid import Grid
+from irsim_gym.placements.free_space import has_way, is_goal_free, is_spaced, is_start_free
 from irsim_gym.placements.manual import world_box
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WANDER, WorldModel
+from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 MARGIN = 0.5
 START_TRIES = 1000
 GOAL_TRIES = 100
 PATH_TRIES = 8
+CELL_PER_REACH = 0.5
 
 
 @kind
@@ -53,11 +55,23 @@ class RandomPlacement:
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Settle the bounds."""
+        """Settle the bounds, and make room for the grid on which ways are looked for."""
         options = group.options[0]
         low, high = world_box(model, MARGIN)
-        group.arrays["low"] = low if options.range_low is None else np.array(options.range_low, np.float64)
-        group.arrays["high"] = high if options.range_high is None else np.array(options.range_high, np.float64)
+        low = low if options.range_low is None else np.array(options.range_low, np.float64)
+        high = high if options.range_high is None else np.array(options.range_high, np.float64)
+        x0, y0, x1, y1 = model.bounds
+        area = (min(x0, low[0]), min(y0, low[1]), max(x1, high[0]), max(y1, high[1]))
+        cell = CELL_PER_REACH * float(np.min(model.reach[:, group.members]))
+        grid = Grid.over(area, cell if options.reachable else max(area[2] - area[0], area[3] - area[1]))
+        group.arrays = {
+            "low": low,
+            "high": high,
+            "frame": np.array([grid.origin_x, grid.origin_y, grid.cell]),
+            "blocks": np.zeros((n_slots, len(model.role)), np.bool_),
+            "blocked": np.stack([grid.blocked()] * n_slots),
+            "runs": np.stack([grid.runs()] * n_slots),
+        }
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
@@ -75,15 +89,17 @@ class RandomPlacement:
         )
         targets = (model.has_goal, model.movable, model.goal_renewal, model.waypoints)
         scene = (state.pose, state.segments, state.discs, state.placed)
+        table, slot = group.arrays, shard.slot
         draw_members(
             shard.worlds,
             group.members,
             group.params[0],
-            group.arrays["low"],
-            group.arrays["high"],
+            table["low"],
+            table["high"],
             shapes,
             targets,
             scene,
+            (table["frame"], table["blocks"][slot], table["blocked"][slot], table["runs"][slot]),
             state.random,
             failed,
         )
@@ -99,6 +115,7 @@ def draw_members(
     shapes: Any,
     targets: Any,
     scene: Any,
+    grid: Any,
     random: Words,
     failed: Ints,
 ) -> None:
@@ -114,6 +131,8 @@ def draw_members(
                 placed[w, b] = draw_start(w, k, members, options, low, high, shapes, targets, scene, random) and (
                     not has_goal[b] or draw_goal(w, k, members, options, low, high, shapes, targets, scene, random)
                 )
+                if placed[w, b] and options.reachable and has_goal[b]:
+                    placed[w, b] = has_way(w, b, shapes, targets, scene, grid)
                 if placed[w, b]:
                     break
             if not placed[w, b]:
@@ -161,95 +180,6 @@ def draw_start(
 
 
 @kernel
-def is_spaced(points: Floats, members: Ints, k: int, spacing: float, present: Flags) -> bool:
-    """Return whether point ``members[k]`` keeps its distance from those of the earlier members."""
-    b = members[k]
-    for earlier in range(k):
-        q = members[earlier]
-        dx, dy = points[q, 0] - points[b, 0], points[q, 1] - points[b, 1]
-        if present[q] and dx * dx + dy * dy < spacing * spacing:
-            return False
-    return True
-
-
-@kernel
-def is_start_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, scene: Any) -> bool:
-    """Return whether body b, where its outline stands, is clear of all placed bodies.
-
-    A body that will not move is clear of the placed bodies' goals too.
-    """
-    present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
-    has_goal, movable, goal_renewal, waypoints = targets
-    pose, segments, discs, placed = scene
-    row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
-    own_segments, own_discs = segment_count[n_segments, b], disc_count[n_discs, b]
-    for q in range(present.shape[1]):
-        if q == b or not placed[w, q] or not present[w, q]:
-            continue
-        if has_goal[q] and not movable[b] and goal_renewal[q] != WANDER:
-            goal = waypoints[w, q, 0]
-            gap = point_outline_distance(
-                goal[0], goal[1], segments[w], segment_start[b], own_segments,
-                discs[w], disc_start[b], own_discs, solid[b],
-            )  # fmt: skip
-            if gap < reach[row, q] + clearance:
-                return False
-        dx, dy = pose[w, q, 0] - pose[w, b, 0], pose[w, q, 1] - pose[w, b, 1]
-        near = reach[row, b] + reach[row, q] + clearance
-        if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
-            continue
-        if is_closer(
-            clearance,
-            segments[w],
-            segment_start[b],
-            own_segments,
-            discs[w],
-            disc_start[b],
-            own_discs,
-            solid[b],
-            segment_start[q],
-            segment_count[n_segments, q],
-            disc_start[q],
-            disc_count[n_discs, q],
-            solid[q],
-        ):
-            return False
-    return True
-
-
-@kernel
-def is_closer(
-    clearance: float,
-    segments: Floats,
-    first_a: int,
-    count_a: int,
-    discs: Floats,
-    disc_a: int,
-    discs_a: int,
-    solid_a: bool,
-    first_b: int,
-    count_b: int,
-    disc_b: int,
-    discs_b: int,
-    solid_b: bool,
-) -> bool:
-    """Return whether two outlines of one world touch, or come closer than ``clearance`` [m]."""
-    if clearance <= 0.0:
-        return bool(
-            outlines_overlap(
-                segments, first_a, count_a, discs, disc_a, discs_a, solid_a,
-                segments, first_b, count_b, discs, disc_b, discs_b, solid_b,
-            )
-        )  # fmt: skip
-    return bool(
-        outline_distance(
-            segments, first_a, count_a, discs, disc_a, discs_a, solid_a,
-            segments, first_b, count_b, discs, disc_b, discs_b, solid_b, clearance,
-        ) < clearance
-    )  # fmt: skip
-
-
-@kernel
 def draw_goal(
     w: int,
     k: int,
@@ -277,41 +207,3 @@ def draw_goal(
         if is_goal_free(w, b, options.clearance, shapes, targets, scene):
             return True
     return False
-
-
-@kernel
-def is_goal_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, scene: Any) -> bool:
-    """Return whether a disc around body b at its goal is clear of placed static bodies and of others' goals."""
-    present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
-    has_goal, movable, goal_renewal, waypoints = targets
-    pose, segments, discs, placed = scene
-    row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
-    x, y = waypoints[w, b, 0, 0], waypoints[w, b, 0, 1]
-    for q in range(present.shape[1]):
-        if q == b or not placed[w, q] or not present[w, q]:
-            continue
-        if has_goal[q] and goal_renewal[q] != WANDER:
-            dx, dy = waypoints[w, q, 0, 0] - x, waypoints[w, q, 0, 1] - y
-            apart = reach[row, b] + reach[row, q]
-            if dx * dx + dy * dy < apart * apart:
-                return False
-        if movable[q]:
-            continue
-        dx, dy = pose[w, q, 0] - x, pose[w, q, 1] - y
-        near = reach[row, b] + reach[row, q] + clearance
-        if dx * dx + dy * dy > near * near:
-            continue
-        gap = point_outline_distance(
-            x,
-            y,
-            segments[w],
-            segment_start[q],
-            segment_count[n_segments, q],
-            discs[w],
-            disc_start[q],
-            disc_count[n_discs, q],
-            solid[q],
-        )
-        if gap < reach[row, b] + clearance:
-            return False
-    return True

@@ -90,7 +90,8 @@ def outline(sim: Any, w: int, b: int) -> shapely.Geometry:
     discs = state.discs[w, model.disc_start[b] :][: model.disc_count[0, b]]
     if len(discs):
         return shapely.Point(*discs[0, :2]).buffer(discs[0, 2], quad_segs=4000).exterior
-    return shapely.multilinestrings([shapely.linestrings(rows.reshape(2, 2)) for rows in state.segments[w, start:][:count]])
+    rows = state.segments[w, start : start + count]
+    return shapely.multilinestrings(shapely.linestrings(rows.reshape(-1, 2, 2)))
 
 
 @pytest.mark.parametrize("name", ["cluttered_room", "dense_room"])

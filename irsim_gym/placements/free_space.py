@@ -1,0 +1,176 @@
+"""What a random draw is tested for: spacing, room for start and goal, and a way between them.
+
+The kernels share bundles of arrays: ``shapes`` (present, solid, reach, and the outline tables of the model),
+``targets`` (has_goal, movable, goal_renewal, waypoints), ``scene`` (pose, segments, discs, placed) and ``grid``
+(frame, blocks, blocked, runs).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
+from irsim_gym.jit import kernel
+from irsim_gym.paths.reachability import is_reachable
+from irsim_gym.world.model import WANDER
+
+
+@kernel
+def is_spaced(points: Floats, members: Ints, k: int, spacing: float, present: Flags) -> bool:
+    """Return whether point ``members[k]`` keeps its distance from those of the earlier members."""
+    b = members[k]
+    for earlier in range(k):
+        q = members[earlier]
+        dx, dy = points[q, 0] - points[b, 0], points[q, 1] - points[b, 1]
+        if present[q] and dx * dx + dy * dy < spacing * spacing:
+            return False
+    return True
+
+
+@kernel
+def is_start_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, scene: Any) -> bool:
+    """Return whether body b, where its outline stands, is clear of all placed bodies.
+
+    A body that will not move is clear of the placed bodies' goals too.
+    """
+    present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
+    has_goal, movable, goal_renewal, waypoints = targets
+    pose, segments, discs, placed = scene
+    row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
+    own_segments, own_discs = segment_count[n_segments, b], disc_count[n_discs, b]
+    for q in range(present.shape[1]):
+        if q == b or not placed[w, q] or not present[w, q]:
+            continue
+        if has_goal[q] and not movable[b] and goal_renewal[q] != WANDER:
+            goal = waypoints[w, q, 0]
+            gap = point_outline_distance(
+                goal[0], goal[1], segments[w], segment_start[b], own_segments,
+                discs[w], disc_start[b], own_discs, solid[b],
+            )  # fmt: skip
+            if gap < reach[row, q] + clearance:
+                return False
+        dx, dy = pose[w, q, 0] - pose[w, b, 0], pose[w, q, 1] - pose[w, b, 1]
+        near = reach[row, b] + reach[row, q] + clearance
+        if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
+            continue
+        if is_closer(
+            clearance,
+            segments[w],
+            segment_start[b],
+            own_segments,
+            discs[w],
+            disc_start[b],
+            own_discs,
+            solid[b],
+            segment_start[q],
+            segment_count[n_segments, q],
+            disc_start[q],
+            disc_count[n_discs, q],
+            solid[q],
+        ):
+            return False
+    return True
+
+
+@kernel
+def is_closer(
+    clearance: float,
+    segments: Floats,
+    first_a: int,
+    count_a: int,
+    discs: Floats,
+    disc_a: int,
+    discs_a: int,
+    solid_a: bool,
+    first_b: int,
+    count_b: int,
+    disc_b: int,
+    discs_b: int,
+    solid_b: bool,
+) -> bool:
+    """Return whether two outlines of one world touch, or come closer than ``clearance`` [m]."""
+    if clearance <= 0.0:
+        return bool(
+            outlines_overlap(
+                segments, first_a, count_a, discs, disc_a, discs_a, solid_a,
+                segments, first_b, count_b, discs, disc_b, discs_b, solid_b,
+            )
+        )  # fmt: skip
+    return bool(
+        outline_distance(
+            segments, first_a, count_a, discs, disc_a, discs_a, solid_a,
+            segments, first_b, count_b, discs, disc_b, discs_b, solid_b, clearance,
+        ) < clearance
+    )  # fmt: skip
+
+
+@kernel
+def is_goal_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, scene: Any) -> bool:
+    """Return whether a disc around body b at its goal is clear of placed static bodies and of others' goals."""
+    present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
+    has_goal, movable, goal_renewal, waypoints = targets
+    pose, segments, discs, placed = scene
+    row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
+    x, y = waypoints[w, b, 0, 0], waypoints[w, b, 0, 1]
+    for q in range(present.shape[1]):
+        if q == b or not placed[w, q] or not present[w, q]:
+            continue
+        if has_goal[q] and goal_renewal[q] != WANDER:
+            dx, dy = waypoints[w, q, 0, 0] - x, waypoints[w, q, 0, 1] - y
+            apart = reach[row, b] + reach[row, q]
+            if dx * dx + dy * dy < apart * apart:
+                return False
+        if movable[q]:
+            continue
+        dx, dy = pose[w, q, 0] - x, pose[w, q, 1] - y
+        near = reach[row, b] + reach[row, q] + clearance
+        if dx * dx + dy * dy > near * near:
+            continue
+        gap = point_outline_distance(
+            x,
+            y,
+            segments[w],
+            segment_start[q],
+            segment_count[n_segments, q],
+            discs[w],
+            disc_start[q],
+            disc_count[n_discs, q],
+            solid[q],
+        )
+        if gap < reach[row, b] + clearance:
+            return False
+    return True
+
+
+@kernel
+def has_way(w: int, b: int, shapes: Any, targets: Any, scene: Any, grid: Any) -> bool:
+    """Return whether a disc around body b has a free way to its goal past the placed static bodies."""
+    present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
+    movable, waypoints = targets[1], targets[3]
+    pose, segments, discs, placed = scene
+    frame, blocks, blocked, runs = grid
+    for q in range(blocks.shape[0]):
+        blocks[q] = placed[w, q] and present[w, q] and not movable[q]
+    return bool(
+        is_reachable(
+            segments[w],
+            segment_start,
+            segment_count[w % segment_count.shape[0]],
+            discs[w],
+            disc_start,
+            disc_count[w % disc_count.shape[0]],
+            solid,
+            blocks,
+            reach[w % reach.shape[0], b],
+            pose[w, b, 0],
+            pose[w, b, 1],
+            waypoints[w, b, 0, 0],
+            waypoints[w, b, 0, 1],
+            frame[0],
+            frame[1],
+            frame[2],
+            blocked,
+            runs,
+        )
+    )
