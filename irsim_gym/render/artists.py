@@ -170,15 +170,13 @@ class Goals:
 
 
 class Scans:
-    """For each scan the area seen, the beams and the points hit."""
+    """For each scan the area seen and the beams."""
 
     def __init__(self, axes: Axes) -> None:
         self._area = PathPatch(Path([(0.0, 0.0)]), linewidth=0.0, animated=True)
         self._beams = PathPatch(Path([(0.0, 0.0)]), linewidth=0.45, fill=False, animated=True)
-        self._hits = Line2D([], [], linestyle="none", marker="o", markersize=2.6, markeredgewidth=0.0, animated=True)
         axes.add_patch(self._area)
         axes.add_patch(self._beams)
-        axes.add_line(self._hits)
         self._views: Sequence[ScanView] = ()
 
     def update(self, views: Sequence[ScanView]) -> None:
@@ -191,11 +189,29 @@ class Scans:
             colour, alpha = view.style.colour, view.style.alpha
             self._area.set(path=shapes.seen_path(view), facecolor=to_rgba(colour, min(0.22 * alpha, 1.0)))
             self._beams.set(path=shapes.beam_path(view), edgecolor=to_rgba(colour, min(0.9 * alpha, 1.0)))
+            self._area.draw(renderer)
+            self._beams.draw(renderer)
+
+
+class Hits:
+    """The points where beams end on something."""
+
+    def __init__(self, axes: Axes) -> None:
+        self._dots = Line2D([], [], linestyle="none", marker="o", markersize=2.6, markeredgewidth=0.0, animated=True)
+        axes.add_line(self._dots)
+        self._views: Sequence[ScanView] = ()
+
+    def update(self, views: Sequence[ScanView]) -> None:
+        """Show the hits of these scans."""
+        self._views = views
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw what the last update gave."""
+        for view in self._views:
             ends = view.ends[view.hits]
-            self._hits.set_data(ends[:, 0], ends[:, 1])
-            self._hits.set_color(to_rgba(colour, min(3.0 * alpha, 1.0)))
-            for part in (self._area, self._beams, self._hits):
-                part.draw(renderer)
+            self._dots.set_data(ends[:, 0], ends[:, 1])
+            self._dots.set_color(to_rgba(view.style.colour, min(3.0 * view.style.alpha, 1.0)))
+            self._dots.draw(renderer)
 
 
 class Labels:
@@ -228,7 +244,9 @@ def _fill(style: BodyStyle) -> Colour:
 
 
 def _edge(style: BodyStyle, is_filled: bool) -> Colour:
-    """Return the colour of the edge: the wall's own, or a darker shade of the fill."""
+    """Return the colour of the edge: a line's own, or a darker shade of the fill."""
+    if style.edge_colour is not None:
+        return to_rgba(style.edge_colour, style.alpha)
     red, green, blue, alpha = to_rgba(style.colour, style.alpha)
     return (0.68 * red, 0.68 * green, 0.68 * blue, alpha) if is_filled else (red, green, blue, alpha)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats
 
-BASE_SIDE = 524.0
+BASE_SIDE = 506.0
 LONGEST_SIDE = 1160.0
 REFERENCE_SIDE = 600.0
 PADDING = 9.0
@@ -88,8 +88,8 @@ def lay_out(bounds: Floats, size: tuple[int, int] | None = None, *, axis: bool =
 
 
 def tick_positions(low: float, high: float, room: float) -> Floats:
-    """Return round numbers between low and high [m], at most one per 60 of ``room`` pixels, shape ``(n,)``."""
-    wanted = (high - low) / max(min(room / 60.0, 6.0), 1.0)
+    """Return round numbers between low and high [m], at most one per 70 of ``room`` pixels, shape ``(n,)``."""
+    wanted = (high - low) / max(min(room / 70.0, 12.0), 1.0)
     magnitude = 10.0 ** np.floor(np.log10(wanted))
     step = next(factor * magnitude for factor in (1.0, 2.0, 5.0, 10.0) if factor * magnitude >= wanted * (1 - 1e-9))
     first = np.ceil(low / step - 1e-9)
@@ -108,7 +108,8 @@ def _natural_size(span_x: float, span_y: float, axis: bool, title: bool) -> tupl
     side_x = BASE_SIDE * np.sqrt(span_x / span_y)
     side_y = BASE_SIDE * np.sqrt(span_y / span_x)
     shrink = min(1.0, LONGEST_SIDE / max(side_x, side_y))
-    return _even((max(side_x * shrink, 60.0) + left + right, max(side_y * shrink, 60.0) + top + bottom))
+    width, height = (max(side * shrink, 60.0) + 2.0 * PADDING for side in (side_x, side_y))
+    return _even((width + left + right, height + top + bottom))
 
 
 def _even(size: tuple[float, float]) -> tuple[int, int]:

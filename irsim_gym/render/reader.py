@@ -44,8 +44,8 @@ class SceneReader:
         self._robots = [body for body in order if model.role[body] == ROBOT]
         self._title = scenario.world.plot.title or scenario.name
         self._fixed: dict[int, tuple[bytes, tuple[BodyView, ...]]] = {}
-        shown = [body for body in self._moving_bodies if self._styles[body].show_trajectory]
-        self._trails = Trails(np.array(shown, np.int64))
+        tracked = [body for body in self._moving_bodies if _leaves_trail(self._styles[body])]
+        self._trails = Trails(np.array(tracked, np.int64))
 
     def read(self, world: int, status: str = "") -> Scene:
         """Return what world number ``world`` looks like now, and note where its bodies are for their trails."""
@@ -65,6 +65,7 @@ class SceneReader:
             goals=self._goals(world),
             scans=self._scan_views(world),
             trails=self._trail_views(world),
+            ghosts=self._ghosts(world),
         )
 
     def clear(self, world: int | None = None) -> None:
@@ -184,9 +185,39 @@ class SceneReader:
         views = []
         for index, body in enumerate(self._trails.bodies):
             style = self._styles[int(body)]
-            if self._model.present[world, body]:
-                views.append(TrailView(self._trails.points(world, index, style.trajectory_length), style))
+            if style.show_trajectory and self._model.present[world, body]:
+                poses = self._trails.poses(world, index, length=style.trajectory_length)
+                views.append(TrailView(poses[:, :2], style))
         return tuple(views)
+
+    def _ghosts(self, world: int) -> tuple[BodyView, ...]:
+        views = []
+        for index, body in enumerate(int(body) for body in self._trails.bodies):
+            style = self._styles[body]
+            if style.ghost is not None and self._model.present[world, body]:
+                poses = self._trails.poses(world, index, every=style.ghost_every, length=style.ghost_length)
+                views += [self._ghost(world, body, pose, style.ghost) for pose in poses]
+        return tuple(views)
+
+    def _ghost(self, world: int, body: int, pose: Floats, style: BodyStyle) -> BodyView:
+        """Return the body as it stood at a pose."""
+        model, (segment_rows, disc_rows) = self._model, self._rows(world, body)
+        segments = model.local_segments[world % len(model.local_segments), segment_rows]
+        discs = model.local_discs[world % len(model.local_discs), disc_rows]
+        return BodyView(
+            body=body,
+            name=self._names[body],
+            lines=tuple(placed(line, pose) for line in chains(segments)),
+            discs=np.hstack([placed(discs[:, :2], pose), discs[:, 2:]]),
+            solid=bool(model.solid[body]),
+            heading=NOTHING,
+            anchor=(float(pose[0]), float(pose[1])),
+            style=style,
+        )
+
+
+def _leaves_trail(style: BodyStyle) -> bool:
+    return style.show_trajectory or style.ghost is not None
 
 
 def _anchor(pose: Floats, style: BodyStyle, segments: Floats, discs: Floats) -> tuple[float, float]:

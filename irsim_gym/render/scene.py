@@ -106,6 +106,7 @@ class Scene:
         goals: Goals that are shown.
         scans: Scans that are shown.
         trails: Trajectories that are shown.
+        ghosts: Outlines that bodies have left behind.
     """
 
     world: int
@@ -119,3 +120,4 @@ class Scene:
     goals: tuple[GoalView, ...]
     scans: tuple[ScanView, ...]
     trails: tuple[TrailView, ...]
+    ghosts: tuple[BodyView, ...]

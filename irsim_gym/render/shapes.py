@@ -31,8 +31,8 @@ def _is_closed(vertices: Floats) -> bool:
 
 
 def is_filled(view: BodyView) -> bool:
-    """Return whether a body is an area rather than a curve."""
-    return bool(len(view.discs)) or (bool(view.lines) and view.solid)
+    """Return whether a body is drawn as an area rather than a curve."""
+    return view.style.filled and (bool(len(view.discs)) or (bool(view.lines) and view.solid))
 
 
 def circle_path(x: float, y: float, radius: float) -> Path:

@@ -41,11 +41,24 @@ class Stage:
         axes = _axes(self._figure, layout, axis)
         self._fixed = artists.Bodies(axes, shadows=True)
         self._scans = artists.Scans(axes)
+        self._ghosts = artists.Bodies(axes)
         self._goals = artists.Goals(axes)
         self._trails = artists.Trails(axes, layout.scale, dpi / POINTS_PER_INCH)
         self._moving = artists.Bodies(axes)
+        self._hits = artists.Hits(axes)
         self._impacts = artists.Impacts(axes)
         self._labels = artists.Labels(axes)
+        # The order in which they cover each other.
+        self._parts = (
+            self._scans,
+            self._ghosts,
+            self._goals,
+            self._trails,
+            self._moving,
+            self._hits,
+            self._impacts,
+            self._labels,
+        )
         self._outcome = _frame(axes, layout, linewidth=2.2, animated=True)
         self._head = _Head(self._figure, layout, title) if show_title else None
         self._backdrops: dict[int, tuple[tuple[BodyView, ...], Any]] = {}
@@ -55,12 +68,14 @@ class Stage:
         self._canvas.restore_region(self._backdrop(scene))
         renderer = self._canvas.get_renderer()
         self._scans.update(scene.scans)
+        self._ghosts.update(scene.ghosts)
         self._goals.update(scene.goals)
         self._trails.update(scene.trails)
         self._moving.update(scene.moving)
+        self._hits.update(scene.scans)
         self._impacts.update(scene.struck)
         self._labels.update(scene.fixed + scene.moving, scene.goals)
-        for part in (self._scans, self._goals, self._trails, self._moving, self._impacts, self._labels):
+        for part in self._parts:
             part.draw(renderer)
         if theme.ends_episode(scene.status):
             colour = theme.status_colour(scene.status)

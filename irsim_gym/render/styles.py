@@ -18,7 +18,9 @@ class BodyStyle:
     """How one body is drawn; lengths in points of the figure unless they say [m].
 
     Attributes:
-        colour: Its fill, and the colour of its wall when it is a curve.
+        colour: Its fill, and the colour of its line when it is a curve.
+        edge_colour: Colour of its edge; None for a darker shade of the fill.
+        filled: Its area is filled.
         alpha: Its opacity.
         line_width: Width of its edge.
         wall_width: Width of its line when it is a curve.
@@ -37,6 +39,9 @@ class BodyStyle:
         trajectory_width: Width of that line [m]; None for the theme's.
         trajectory_alpha: Opacity of that line at its head.
         trajectory_length: So many of the latest positions are drawn; 0 for all.
+        ghost: How the outlines look that it leaves behind; None for none.
+        ghost_every: It leaves one at every n-th step.
+        ghost_length: So many of the latest outlines are drawn; 0 for all.
         show_sensor: Draw what its sensors see.
         label: Text beside it; empty for none.
         goal_label: Text beside its goal; empty for none.
@@ -47,6 +52,8 @@ class BodyStyle:
     """
 
     colour: str
+    edge_colour: str | None = None
+    filled: bool = True
     alpha: float = 1.0
     line_width: float = 1.0
     wall_width: float = 2.2
@@ -65,6 +72,9 @@ class BodyStyle:
     trajectory_width: float | None = None
     trajectory_alpha: float = 0.85
     trajectory_length: int = 0
+    ghost: BodyStyle | None = None
+    ghost_every: int = 1
+    ghost_length: int = 0
     show_sensor: bool = True
     label: str = ""
     goal_label: str = ""
@@ -102,19 +112,22 @@ def body_style(body: Any) -> BodyStyle:
         wall_width=options("obj_linewidth", 2.2),
         line_style=_line_style(options("obj_linestyle", "-")),
         order=float(options("obj_zorder", 3 if robot else 1)),
-        show_goal=options("show_goal", robot),
+        show_goal=options("show_goal", False),
         goal_colour=options("goal_color", colour),
         goal_alpha=options("goal_alpha", 1.0),
         show_arrow=options("show_arrow", moves),
         arrow=arrow,
         arrow_colour=options("arrow_color", theme.HEADING),
         arrow_alpha=options("arrow_alpha", 0.95),
-        show_trajectory=options("show_trajectory", robot and moves),
+        show_trajectory=options("show_trajectory", False),
         trajectory_colour=options("traj_color", colour),
         trajectory_style=_line_style(options("traj_style", "-")),
         trajectory_width=options("traj_width", None),
         trajectory_alpha=options("traj_alpha", 0.85),
         trajectory_length=options("keep_traj_length", 0),
+        ghost=_ghost(body.plot, colour) if options("show_trail", False) else None,
+        ghost_every=options("trail_freq", 2),
+        ghost_length=options("keep_trail_length", 0),
         show_sensor=options("show_sensor", True),
         label=label if options("show_text", False) else "",
         goal_label=label if options("show_goal_text", False) else "",
@@ -144,6 +157,19 @@ def _body_colour(body: Any, robot: bool, moves: bool) -> str:
     if not robot and body.color in UNSET_OBSTACLE_COLOURS:
         return theme.MOVING_OBSTACLE if moves else theme.OBSTACLE
     return str(body.color)
+
+
+def _ghost(plot: Any, colour: str) -> BodyStyle:
+    """Return how the outlines look that a body leaves behind."""
+    options = partial(chosen, plot)
+    return BodyStyle(
+        colour=options("trail_color", colour),
+        edge_colour=options("trail_edgecolor", colour),
+        filled=options("trail_fill", False),
+        alpha=options("trail_alpha", 0.7),
+        line_width=options("trail_linewidth", 0.8),
+        wall_width=options("trail_linewidth", 0.8),
+    )
 
 
 def _line_style(name: str) -> str:

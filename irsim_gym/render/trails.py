@@ -14,15 +14,15 @@ LONGEST = 4096
 
 @dataclass
 class _History:
-    """Positions of the tracked bodies in one world's present episode."""
+    """Poses of the tracked bodies in one world's present episode."""
 
     start: bytes
-    step: int = -1
-    positions: deque[Floats] = field(default_factory=lambda: deque(maxlen=LONGEST))
+    steps: deque[int] = field(default_factory=lambda: deque(maxlen=LONGEST))
+    poses: deque[Floats] = field(default_factory=lambda: deque(maxlen=LONGEST))
 
 
 class Trails:
-    """Positions of some bodies since their episode began, for every world that is drawn.
+    """Poses of some bodies since their episode began, for every world that is drawn.
 
     A new episode is recognised by its start poses or by a step count that went back, so that forgetting to
     clear does not join two episodes.
@@ -46,29 +46,31 @@ class Trails:
         """
         key = start.tobytes()
         history = self._histories.get(world)
-        if history is None or history.start != key or step < history.step:
+        if history is None or history.start != key or step < history.steps[-1]:
             history = self._histories[world] = _History(key)
-        elif step == history.step:
-            history.positions.pop()
-        history.step = step
-        history.positions.append(pose[self.bodies, :2].copy())
+        elif step == history.steps[-1]:
+            history.steps.pop()
+            history.poses.pop()
+        history.steps.append(step)
+        history.poses.append(pose[self.bodies])
 
-    def points(self, world: int, index: int, length: int = 0) -> Floats:
-        """Return the trajectory of the tracked body number ``index``.
+    def poses(self, world: int, index: int, *, every: int = 1, length: int = 0) -> Floats:
+        """Return where the tracked body number ``index`` has been.
 
         Args:
             world: Index of the world.
             index: Position of the body in ``bodies``.
-            length: Only so many of the latest positions; 0 for all.
+            every: Only at steps that this number divides.
+            length: Only so many of the latest poses; 0 for all.
 
         Returns:
-            Positions [m], the oldest first, shape ``(n, 2)``.
+            Poses [m, m, rad], the oldest first, shape ``(n, 3)``.
         """
         history = self._histories.get(world)
         if history is None:
-            return np.zeros((0, 2))
-        rows = [row[index] for row in history.positions]
-        return np.array(rows[-length:] if length else rows).reshape(-1, 2)
+            return np.zeros((0, 3))
+        rows = [pose[index] for step, pose in zip(history.steps, history.poses, strict=True) if step % every == 0]
+        return np.array(rows[-length:] if length else rows).reshape(-1, 3)
 
     def clear(self, world: int | None = None) -> None:
         """Forget one world's trajectories, or all."""

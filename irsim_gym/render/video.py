@@ -22,6 +22,8 @@ CODEC_OPTIONS = ["-crf", "18", "-preset", "medium", "-movflags", "+faststart", "
 # Browsers slow a gif down whose frames are shown for less [hundredths of a second].
 SHORTEST_GIF_FRAME = 2
 GIF_COLOURS = 256
+# A palette is given up when more than this share of the pixels is off by more than so many levels.
+LARGEST_SHARE_OFF, SMALLEST_SEEN = 0.02, 4
 
 
 class VideoWriter:
@@ -189,7 +191,6 @@ class _Gif(_Encoder):
         self._shown_from: list[int] = []
         self._count = 0
         self._palette: Image.Image | None = None
-        self._tolerance = 0.0
 
     def append(self, frame: Bytes) -> None:
         begin = round(100 * self._count / self._fps)
@@ -199,14 +200,13 @@ class _Gif(_Encoder):
             self._shown_from.append(begin)
 
     def _quantized(self, frame: Bytes) -> Image.Image:
-        """Reduce the colours, with the last palette if that is nearly as good as it was for its own frame."""
+        """Reduce the colours with the last palette, or with a new one where that would be seen."""
         picture = Image.fromarray(frame)
         if self._palette is not None:
             reduced = picture.quantize(palette=self._palette, dither=Image.Dither.NONE)
-            if _difference(reduced, frame) <= self._tolerance:
+            if _share_off(reduced, frame) <= LARGEST_SHARE_OFF:
                 return reduced
         self._palette = picture.quantize(GIF_COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-        self._tolerance = 1.5 * _difference(self._palette, frame) + 1.0
         return self._palette
 
     def finish(self) -> None:
@@ -220,10 +220,10 @@ class _Gif(_Encoder):
         self._images = []
 
 
-def _difference(reduced: Image.Image, frame: Bytes) -> float:
-    """Return the mean difference of colour between a reduced picture and a frame, from a sample of pixels."""
-    sample = np.asarray(reduced.convert("RGB"))[::7, ::7].astype(np.int16) - frame[::7, ::7]
-    return float(np.abs(sample).mean())
+def _share_off(reduced: Image.Image, frame: Bytes) -> float:
+    """Return the share of pixels whose colour has visibly changed, from a sample of them."""
+    change = np.abs(np.asarray(reduced.convert("RGB"))[::5, ::5].astype(np.int16) - frame[::5, ::5]).max(axis=2)
+    return float((change > SMALLEST_SEEN).mean())
 
 
 _ENCODERS: dict[str, type[_Encoder]] = {".mp4": _Mp4, ".gif": _Gif}
