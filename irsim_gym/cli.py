@@ -57,7 +57,8 @@ def check(files: Annotated[list[str], typer.Argument(help="Scenario files or shi
             continue
         robots = len(scenario.robots)
         learned = f"task '{task.name}'" if task is not None else "no robot to learn"
-        print(f"{file}: fine ({robots} robots, {len(scenario.bodies) - robots} obstacles, {learned})")
+        obstacles = len(scenario.bodies) - robots
+        print(f"{file}: fine (robots: {robots}, obstacles: {obstacles}, {learned})")
     if failed:
         raise typer.Exit(1)
 

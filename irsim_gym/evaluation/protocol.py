@@ -77,6 +77,8 @@ def evaluate(
     chosen = np.arange(levels, dtype=np.int64) if isinstance(levels, int) else np.asarray(levels, dtype=np.int64)
     driver = policy if isinstance(policy, Policy) else ObservationPolicy(policy)
     found = Optima(split) if optima is None else optima
+    if found.split != split:
+        raise ValueError(f"these optima are of '{found.split}', the levels of '{split}'")
     rows: list[EpisodeRow | None] = [None] * chosen.size
     for indices, worlds in _run(driver, episodes, chosen, split):
         for index, world in zip(indices, worlds, strict=True):

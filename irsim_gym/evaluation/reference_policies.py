@@ -38,14 +38,14 @@ class RandomPolicy:
         drawn = np.stack([self._next(world, size) for world in worlds.tolist()])
         if episodes.action_kind == "discrete":
             return (drawn[:, 0] * episodes.n_discrete).astype(np.int64)
-        return episodes.action_low + drawn * (episodes.action_high - episodes.action_low)
+        return np.asarray(episodes.action_low + drawn * (episodes.action_high - episodes.action_low), np.float64)
 
     def _next(self, world: int, size: int) -> Floats:
         """Return the world's next ``size`` numbers from [0, 1); they are drawn in blocks."""
         if self._used[world] >= DRAWS:
             self._drawn[world] = self._generators[world].random((DRAWS, size))
             self._used[world] = 0
-        row = self._drawn[world][self._used[world]]
+        row: Floats = self._drawn[world][self._used[world]]
         self._used[world] += 1
         return row
 
@@ -78,7 +78,7 @@ def dash_command(episodes: Episodes, worlds: Ints) -> Floats:
     command = np.stack([high[:, 0] * np.cos(error), turn], axis=1)
     arrived = np.hypot(offset[:, 0], offset[:, 1]) < _row(model.goal_threshold, worlds, body)
     command[arrived] = 0.0
-    return np.clip(command, low, high)
+    return np.asarray(np.clip(command, low, high))
 
 
 def _turn_rate(error: Floats, fastest: Floats, acceleration: Floats, step_time: float) -> Floats:
@@ -101,7 +101,7 @@ def _row(field: Floats, worlds: Ints, body: int) -> Floats:
     return field[worlds % field.shape[0], body]
 
 
-REFERENCES = {"random": RandomPolicy, "dash": DashPolicy}
+REFERENCES: dict[str, type[RandomPolicy] | type[DashPolicy]] = {"random": RandomPolicy, "dash": DashPolicy}
 
 
 def reference_policy(name: str) -> RandomPolicy | DashPolicy:
@@ -120,7 +120,7 @@ def to_actions(episodes: Episodes, worlds: Ints, command: Floats) -> NDArray[np.
     model, body = episodes.simulation.model, int(episodes.simulation.agents[0])
     low, high = (_row(limit, worlds, body)[:, :2] for limit in (model.velocity_min, model.velocity_max))
     half = np.maximum(0.5 * (high - low), 1e-12)
-    action = np.clip((command - 0.5 * (low + high)) / half, -1.0, 1.0)
+    action: Floats = np.clip((command - 0.5 * (low + high)) / half, -1.0, 1.0)
     if episodes.action_kind == "continuous":
         return action
     options = episodes.task.action

@@ -13,10 +13,13 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
 from rich.table import Table
 
 from irsim_gym.evaluation.metrics import HITS, EpisodeRow, Rate, Summary
 
+WIDTH = 160
 EPISODE_COLUMNS = (*(field.name for field in fields(EpisodeRow)), "spl", "path_ratio")
 
 
@@ -79,20 +82,22 @@ def plain(data: Any) -> Any:
 
 
 def summary_table(summaries: Sequence[Summary], title: str) -> Table:
-    """Lay out the figures of several policies side by side, one row each."""
-    table = Table(title=title, title_justify="left", caption=r"\[ ]: 95 % Wilson interval", caption_justify="left")
+    """Lay out the figures of several policies, one row each; narrow enough for a terminal of 80 columns."""
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     table.add_column("policy", no_wrap=True)
     hits = [hit for hit in HITS if any(summary.collision_with[hit].count for summary in summaries)]
-    heads = ["success", "collision", *(f"with {hit}" for hit in hits if len(hits) > 1), "timeout", "left world"]
-    for head in [*heads, "SPL", "time [s]", "path ratio", "clearance [m]"]:
-        table.add_column(head, justify="right", no_wrap=head == "success")
+    split = hits if len(hits) > 1 else []
+    shares = ["success", "95 %\ninterval", "collision", *(f"with {hit}" for hit in split), "timeout", "left"]
+    for head in [*(f"{share}\n[%]" for share in shares), "SPL", "time\n[s]", "path\nratio", "clear.\n[m]"]:
+        table.add_column(head, justify="right")
     for summary in summaries:
-        split = [_percent(summary.collision_with[hit]) for hit in hits if len(hits) > 1]
+        success = summary.success
         table.add_row(
             summary.policy,
-            f"{_percent(summary.success)} [{100 * summary.success.low:.1f}, {100 * summary.success.high:.1f}]",
+            _percent(success),
+            f"{100.0 * success.low:.1f}-{100.0 * success.high:.1f}",
             _percent(summary.collision),
-            *split,
+            *(_percent(summary.collision_with[hit]) for hit in split),
             _percent(summary.timeout),
             _percent(summary.left_world),
             _number(summary.spl, 3),
@@ -103,8 +108,24 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
     return table
 
 
+def table_text(table: Table) -> str:
+    """Return a table as plain text."""
+    console = Console(width=WIDTH, file=io.StringIO(), record=True)
+    console.print(table)
+    return "\n".join(line.rstrip() for line in console.export_text().splitlines()) + "\n"
+
+
+def print_table(table: Table) -> None:
+    """Print a table; where the output is no terminal, as wide as it needs."""
+    console = Console()
+    if console.is_terminal:
+        console.print(table)
+    else:
+        print(table_text(table), end="")
+
+
 def _percent(share: Rate) -> str:
-    return f"{100.0 * share.value:.1f} %"
+    return f"{100.0 * share.value:.1f}"
 
 
 def _number(value: float, digits: int) -> str:

@@ -7,6 +7,7 @@ is scored afterwards.
 
 from __future__ import annotations
 
+import io
 import json
 import pickle
 import random
@@ -20,12 +21,13 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 
-from irsim_gym.evaluation.tables import plain
+from irsim_gym.evaluation.tables import plain, write_bytes
 from irsim_gym.training.environment import worlds_state
 
 POLICY, NORMALIZATION, PROGRESS = "policy.zip", "vecnormalize.pkl", "progress.json"
 STATE, REPLAY_BUFFER = "state.pkl", "replay_buffer.pkl"
 PARTIAL = ".partial"
+EPISODES_UNDER_WAY = ("_last_obs", "_last_original_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer")
 
 
 @dataclass
@@ -66,6 +68,19 @@ def save_checkpoint(folder: Path, model: BaseAlgorithm, progress: Progress) -> P
             for name in (STATE, REPLAY_BUFFER):
                 (older / name).unlink(missing_ok=True)
     return target
+
+
+def export_policy(path: Path, model: BaseAlgorithm) -> None:
+    """Write what is needed to drive, a third of a checkpoint's size; the optimisers of ``model`` are emptied."""
+    parts = [model, model.policy, *(getattr(model, name, None) for name in ("actor", "critic"))]
+    for part in parts:
+        for name in ("optimizer", "ent_coef_optimizer"):
+            optimizer = getattr(part, name, None)
+            if optimizer is not None:
+                optimizer.state.clear()
+    content = io.BytesIO()
+    model.save(content, exclude=EPISODES_UNDER_WAY)
+    write_bytes(path, content.getvalue())
 
 
 def list_checkpoints(folder: Path) -> list[Path]:

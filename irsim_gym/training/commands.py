@@ -13,7 +13,7 @@ from irsim_gym.envs import sb3
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.optimum import Optima
-from irsim_gym.evaluation.tables import summary_table
+from irsim_gym.evaluation.tables import print_table, summary_table
 from irsim_gym.scenario.library import SUFFIXES, scenario_names
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.hyperparameters import load_hyperparameters
@@ -69,7 +69,7 @@ def run_training(
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(f"{stop}. Go on with the same command and --resume.", stop.signal) from None
     if dev_levels:
-        Console().print(marks_table(score_run(run, levels=dev_levels, console=console)))
+        print_table(marks_table(score_run(run, levels=dev_levels, console=console)))
     print(f"policy: {run.policy}")
     return run
 
@@ -104,7 +104,7 @@ def run_evaluation(
     found = evaluate_policies(
         scenario, policies, levels=levels, split=split, task=task, references=references, folder=folder
     )
-    Console().print(summary_table(found.summaries, found.title))
+    print_table(summary_table(found.summaries, found.title))
     print(f"rows, figures and table: {folder}")
     return found
 

@@ -13,7 +13,7 @@ from irsim_gym.evaluation.metrics import EpisodeRow, Summary, summarize
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.protocol import Policy, evaluate
 from irsim_gym.evaluation.reference_policies import REFERENCES
-from irsim_gym.evaluation.tables import summary_table, write_episodes, write_json, write_text
+from irsim_gym.evaluation.tables import summary_table, table_text, write_episodes, write_json, write_text
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.policies import load_policy, policy_names
 from irsim_gym.training.run import machine
@@ -87,10 +87,7 @@ def write_evaluation(folder: Path, found: Evaluation, named: Mapping[str, object
     """Write the rows, the figures and the table."""
     write_episodes(folder / "episodes.csv", found.rows)
     write_json(folder / "summary.json", {"conditions": named, "machine": machine(), "policies": found.summaries})
-    screen = Console(width=160, record=True, quiet=True)
-    with screen.capture() as text:
-        Console.print(screen, summary_table(found.summaries, found.title))
-    write_text(folder / "table.txt", text.get())
+    write_text(folder / "table.txt", table_text(summary_table(found.summaries, found.title)))
 
 
 def _drive(

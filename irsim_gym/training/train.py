@@ -126,9 +126,9 @@ def _learn(run: Run, settings: Settings, model: BaseAlgorithm, progress: files.P
             watch.finish()
             model.logger.close()
         last = save()
-        for name in (files.NORMALIZATION, files.POLICY):
-            if (last / name).is_file():
-                write_bytes(run.folder / name, (last / name).read_bytes())
+        if (last / files.NORMALIZATION).is_file():
+            write_bytes(run.folder / files.NORMALIZATION, (last / files.NORMALIZATION).read_bytes())
+        files.export_policy(run.policy, model)
     if stop.signal is not None:
         raise TrainingInterruptedError(f"stopped after all {progress.steps:,} steps; the run is finished", stop.signal)
 

@@ -62,9 +62,7 @@ def interrupt(monkeypatch: pytest.MonkeyPatch) -> Callable[[int, int], None]:
     return arrange
 
 
-@pytest.mark.parametrize(
-    ("algorithm", "own"), [("ppo", {}), ("ppo", NORMALIZED), ("sac", {}), ("sac", NORMALIZED)]
-)
+@pytest.mark.parametrize(("algorithm", "own"), [("ppo", {}), ("ppo", NORMALIZED), ("sac", {}), ("sac", NORMALIZED)])
 def test_resumed_run_equals_an_uninterrupted_one(
     algorithm: str, own: dict[str, Any], tmp_path: Path, interrupt: Callable[[int, int], None]
 ) -> None:
@@ -96,7 +94,7 @@ def test_what_a_run_leaves(tmp_path: Path) -> None:
     found = list_checkpoints(run.checkpoints)
     assert [int(path.name) for path in found] == [192, 384, 512]
     assert [(path / "state.pkl").exists() for path in found] == [False, False, True]
-    assert run.policy.read_bytes() == (found[-1] / "policy.zip").read_bytes()
+    assert run.policy.stat().st_size < 0.7 * (found[-1] / "policy.zip").stat().st_size
     progress = load_progress(found[-1])
     assert (progress.steps, progress.training_seconds > 0.0) == (512, True)
     config = json.loads(run.config.read_text())

@@ -1,0 +1,123 @@
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from irsim_gym import cli
+
+BROKEN = "world: {height: 10, step_tme: 0.1}\nrobot: {shape: {name: circle, radius: -1}}\n"
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
+    monkeypatch.setattr(sys, "argv", ["irsim-gym", *map(str, arguments)])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    return int(end.value.code or 0)
+
+
+def test_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(monkeypatch, "list") == 0
+    assert "irsim_gym/cluttered_room-v0" in capsys.readouterr().out
+
+
+def test_check_tells_every_problem_and_goes_on(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "broken.yaml").write_text(BROKEN)
+    assert run(monkeypatch, "check", tmp_path / "broken.yaml", tmp_path / "none.yaml", "cluttered_room") == 1
+    said = capsys.readouterr()
+    assert "did you mean 'step_time'" in said.err
+    assert "radius" in said.err
+    assert "none.yaml" in said.err
+    assert "cluttered_room: fine (robots: 1" in said.out
+    assert run(monkeypatch, "check", "cluttered_room") == 0
+
+
+def test_schema_is_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(monkeypatch, "schema") == 0
+    assert "world" in json.loads(capsys.readouterr().out)["properties"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["rollout", "cluterd_room"], "did you mean 'cluttered_room'"),
+        (["train", "empty_goal", "--algorithm", "pppo"], "did you mean 'ppo'"),
+        (["evaluate", "empty_goal", "runs/nowhere"], "no policy at runs/nowhere"),
+        (["evaluate", "empty_goal", "--no-references"], "nothing to evaluate"),
+        (["evaluate", "empty_goal", "--split", "tset"], "did you mean 'test'"),
+        (["record", "empty_goal", "dash", "--out", "film.avi"], "ends in .mp4 or .gif"),
+    ],
+)
+def test_mistakes_are_told_in_a_sentence(
+    arguments: list[str], said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(monkeypatch, *arguments) == 1
+    assert said in capsys.readouterr().err
+
+
+def test_rollout_and_draw(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    film, picture = tmp_path / "film.gif", tmp_path / "new" / "picture.png"
+    assert run(monkeypatch, "rollout", "empty_goal", "--levels", 1, "--frames", film) == 0
+    assert "level 0: success after" in capsys.readouterr().out
+    assert film.read_bytes().startswith(b"GIF")
+    assert run(monkeypatch, "draw", "empty_goal", "--level", 3, "--out", picture) == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_train_resume_evaluate_and_record(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    train = ["train", "empty_goal", "--steps", "16384", "--dev-levels", "3"]
+    assert run(monkeypatch, *train) == 0
+    folder = tmp_path / "runs" / "empty_goal-ppo-0"
+    assert {file.name for file in folder.glob("curve.*")} == {"curve.csv", "curve.json", "curve.png"}
+    assert "end:" in capsys.readouterr().out
+    assert run(monkeypatch, *train, "--resume") == 0
+    assert run(monkeypatch, *train, "--resume", "--seed", 1, "--out", folder) == 1
+    assert "other settings" in capsys.readouterr().err
+    assert run(monkeypatch, "evaluate", "empty_goal", folder, "--levels", 5, "--out", "evaluation") == 0
+    lines = Path("evaluation/episodes.csv").read_text().splitlines()
+    assert len(lines) == 1 + 3 * 5
+    summary = json.loads(Path("evaluation/summary.json").read_text())
+    assert [row["policy"] for row in summary["policies"]] == ["empty_goal-ppo-0", "random", "dash"]
+    assert summary["conditions"]["goal_tolerance"] > 0.0
+    table = Path("evaluation/table.txt").read_text()
+    assert "empty_goal: 5 test levels" in table
+    assert run(monkeypatch, "record", "empty_goal", folder, "dash", "--level", 2, "--out", "film.mp4") == 0
+    assert b"ftyp" in Path("film.mp4").read_bytes()[:16]
+
+
+def test_demo_twice(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    demo = ["demo", "--scenario", "empty_goal", "--steps", 16384, "--levels", 3, "--out", tmp_path]
+    assert run(monkeypatch, *demo) == 0
+    made = {name: (tmp_path / name) for name in ("film.mp4", "curve.png", "table.txt", "policy.zip", "episodes.csv")}
+    said = capsys.readouterr().out
+    assert all(str(file) in said and file.stat().st_size > 0 for file in made.values())
+    kept = {name: file.stat().st_mtime_ns for name, file in made.items() if name != "curve.png"}
+    assert run(monkeypatch, *demo) == 0
+    assert kept == {name: made[name].stat().st_mtime_ns for name in kept}
+    assert "done before" in capsys.readouterr().err
+
+
+def test_warmup(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(monkeypatch, "warmup", "empty_goal") == 0
+    assert "empty_goal: ready" in capsys.readouterr().out
+
+
+def test_the_command_line_starts_light() -> None:
+    script = "import sys, irsim_gym.cli; print([m for m in ('numba', 'torch', 'matplotlib') if m in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("name", ["train", "evaluate", "record"])
+def test_scripts_are_the_commands(name: str) -> None:
+    script = Path(__file__).parents[2] / "agents" / f"{name}.py"
+    found = subprocess.run([sys.executable, str(script), "--help"], capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stderr
+    assert "scenario" in found.stdout.lower()

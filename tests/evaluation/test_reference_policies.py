@@ -1,0 +1,85 @@
+from typing import Any
+
+import numpy as np
+import pytest
+
+from irsim_gym.engine import compile
+from irsim_gym.envs.worlds import Worlds
+from irsim_gym.evaluation.reference_policies import RandomPolicy, dash_command, reference_policy, to_actions
+from irsim_gym.scenario import load_scenario
+
+HERE = np.array([0])
+
+
+def scenario(**robot: Any) -> dict[str, Any]:
+    given = {
+        "kinematics": {"name": "diff"},
+        "shape": {"name": "circle", "radius": 0.2},
+        "behavior": {"name": "dash"},
+        "state": [2, 2, 2.5],
+        "goal": [8, 5, 0],
+        "vel_min": [-1, -1.5],
+        "vel_max": [1, 1.5],
+        "sensors": [{"name": "lidar2d", "number": 36}],
+        **robot,
+    }
+    return {"world": {"height": 10, "width": 10, "step_time": 0.1}, "robot": given}
+
+
+@pytest.mark.parametrize("acceleration", [[".inf", ".inf"], [2.0, 0.8]])
+@pytest.mark.parametrize("state", [[2, 2, 2.5], [2, 2, 0.3], [7.9, 8, -2.0]])
+def test_dash_drives_as_the_behaviour_does(state: list[float], acceleration: list[Any]) -> None:
+    limits = [float(value) if isinstance(value, float) else np.inf for value in acceleration]
+    data = scenario(state=state, acce=limits)
+    native = compile(load_scenario(data))
+    native.reset()
+    episodes, policy = Worlds(data).episodes, reference_policy("dash")
+    episodes.begin(HERE, HERE)
+    for _ in range(60):
+        native.step()
+        episodes.step(np.asarray(policy.act(episodes, HERE), np.float64)[:, None])
+        if episodes.view.terminated[0, 0]:
+            break
+        np.testing.assert_allclose(episodes.simulation.state.pose[0, 0], native.state.pose[0, 0], atol=1e-9)
+        np.testing.assert_allclose(episodes.simulation.state.velocity[0, 0], native.state.velocity[0, 0], atol=1e-9)
+    assert episodes.view.infos["steps"][0, 0] > 20
+
+
+def test_command_by_hand() -> None:
+    episodes = Worlds(scenario(state=[0, 0, 0], goal=[3, 3, 0])).episodes
+    episodes.begin(HERE, HERE)
+    # The goal is pi/4 to the left: v = cos(pi/4), full turn.
+    np.testing.assert_allclose(dash_command(episodes, HERE), [[np.sqrt(0.5), 1.5]])
+
+
+def test_turn_that_can_still_be_braked_by_hand() -> None:
+    episodes = Worlds(scenario(state=[0, 0, 0], goal=[3, 3, 0], acce=[np.inf, 1.0])).episodes
+    episodes.begin(HERE, HERE)
+    # -0.1 + sqrt(0.01 + 2 (pi/4 - 0.1)) = 1.0750
+    assert dash_command(episodes, HERE)[0, 1] == pytest.approx(-0.1 + np.sqrt(0.01 + 2.0 * (np.pi / 4.0 - 0.1)))
+
+
+def test_discrete_actions_are_the_nearest_choices() -> None:
+    task = {"name": "navigation", "action": {"name": "discrete", "linear": 3, "angular": 5}}
+    episodes = Worlds({**scenario(), "task": task}).episodes
+    episodes.begin(HERE, HERE)
+    # Forward values -1, 0, 1 m/s; turns -1.5, -0.75, 0, 0.75, 1.5 rad/s.
+    for command, choice in [((1.0, 1.5), 14), ((0.1, 0.0), 7), ((-1.0, -0.8), 1)]:
+        assert to_actions(episodes, HERE, np.array([command])).tolist() == [choice]
+    random = RandomPolicy()
+    random.begin(episodes, HERE, HERE)
+    drawn = {int(random.act(episodes, HERE)[0]) for _ in range(300)}
+    assert drawn == set(range(15))
+
+
+def test_random_actions_follow_from_the_level() -> None:
+    episodes = Worlds(scenario(), 3).episodes
+    both, alone = RandomPolicy(), RandomPolicy()
+    both.begin(episodes, np.array([0, 2]), np.array([4, 9]))
+    alone.begin(episodes, np.array([1]), np.array([9]))
+    for _ in range(70):
+        np.testing.assert_array_equal(both.act(episodes, np.array([0, 2]))[1], alone.act(episodes, np.array([1]))[0])
+    other = RandomPolicy(seed=1)
+    other.begin(episodes, np.array([1]), np.array([9]))
+    alone.begin(episodes, np.array([1]), np.array([9]))
+    assert (other.act(episodes, np.array([1])) != alone.act(episodes, np.array([1]))).all()
