@@ -12,10 +12,12 @@ from typing import Any
 
 import yaml
 
+from irsim_gym.scenario.messages import show
+
 Place = tuple[str | int, ...]
 
 MAX_DEPTH = 40
-MAX_VALUES = 200_000
+MAX_VALUES = 100_000
 
 _TAG = "tag:yaml.org,2002:"
 _SCALARS = {_TAG + name for name in ("null", "bool", "int", "float", "str")}
@@ -79,8 +81,8 @@ def compose(text: str) -> Document:
 def _syntax(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
     """Return line and message of a syntax error, in words for the person who wrote the file."""
     mark = error.problem_mark or error.context_mark
-    line = mark.line + 1 if mark is not None else 0
     rows = text.splitlines()
+    line = min(mark.line + 1, len(rows)) if mark is not None else 0
     row = rows[line - 1] if 0 < line <= len(rows) else ""
     if "\t" in row[: len(row) - len(row.lstrip())]:
         return line, "tabs cannot indent YAML: use spaces"
@@ -95,6 +97,7 @@ class _Composer:
         self._loader = _Loader("")
         self._events: Iterator[Any] = yaml.parse(text, Loader=_Loader)
         self._anchors: dict[str, _Node] = {}
+        self._count = 0
 
     def document(self) -> _Node:
         root = None
@@ -110,6 +113,9 @@ class _Composer:
     def _node(self, event: Any, depth: int) -> _Node:
         if depth > MAX_DEPTH:
             raise Fatal(_line(event), f"nested deeper than {MAX_DEPTH} levels")
+        self._count += 1
+        if self._count > 2 * MAX_VALUES:  # keys count here, but not as values
+            raise Fatal(_line(event), f"more than {MAX_VALUES} values")
         if isinstance(event, yaml.AliasEvent):
             return self._alias(event)
         node = _Node(_line(event), is_open=True)
@@ -151,6 +157,10 @@ class _Composer:
         if tag not in _SCALARS:
             node.error = f"the tag '{_short(tag)}' is not allowed"
             return
+        if tag == _TAG + "str":
+            node.scalar = event.value
+            return
+        self._loader.constructed_objects.clear()  # PyYAML would keep every node
         try:
             node.scalar = self._loader.construct_object(yaml.ScalarNode(tag, event.value))
         except (ValueError, KeyError, OverflowError, yaml.YAMLError):
@@ -206,7 +216,7 @@ class _Expansion:
     def _accept_key(self, key: _Node, place: Place, first: dict[str, int]) -> bool:
         name = key.scalar
         if key.error or key.items is not None or key.pairs is not None or not isinstance(name, str):
-            found = "a list or mapping" if key.items is not None or key.pairs is not None else str(name)[:40]
+            found = "a list or mapping" if key.items is not None or key.pairs is not None else show(name)
             self._document.problems.append((key.line, place, f"keys must be text, got {found}"))
             return False
         if name in first:

@@ -18,6 +18,8 @@ Waypoint = tuple[float, float, float]
 Limit = Annotated[float, AllowInfNan(True), Field(ge=0.0)]
 
 MAX_BODIES = 100_000
+FARTHEST = 1e7
+Coordinate = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
 
 
 @kind
@@ -36,7 +38,7 @@ class WorldSpec:
         consequence="Coarse steps pass through thin walls.",
     )
     sample_time: float = option(0.1, gt=0.0, unit="s", meaning="Time between frames, rounded to whole steps.")
-    offset: tuple[float, float] = option((0.0, 0.0), unit="m", meaning="Lower left corner of the world.")
+    offset: tuple[Coordinate, Coordinate] = option((0.0, 0.0), unit="m", meaning="Lower left corner of the world.")
     control_mode: Literal["auto", "keyboard"] = option("auto", meaning="Who drives.", planned=True)
     collision_mode: Literal["stop", "unobstructed", "unobstructed_obstacles"] = option(
         "stop", meaning="Who stops at a collision: all, nobody, or robots only."
@@ -71,13 +73,13 @@ class BodyOptions:
     )
     kinematics: Any = option(None, meaning="The drive; a body without one never moves.")
     shape: Any = option(None, meaning="The footprint; by default a circle of radius 0.2 m.")
-    state: tuple[float, ...] = option(
+    state: tuple[Coordinate, ...] = option(
         (0.0, 0.0, 0.0), min_length=1, unit="m, m, rad", meaning="Start pose; missing numbers are 0."
     )
     velocity: tuple[float, ...] = option(
         (), unit="m/s or rad/s", meaning="Velocity at the start, in the drive's coordinates; missing numbers are 0."
     )
-    goal: tuple[tuple[float, ...], ...] = option(
+    goal: tuple[tuple[Coordinate, ...], ...] = option(
         (), unit="m, m, rad", meaning="[x, y] or [x, y, heading]; several in order need three levels of lists."
     )
     behavior: Any = option(None, meaning="How the body decides; without one it stands still unless an agent drives it.")

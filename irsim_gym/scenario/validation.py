@@ -39,13 +39,17 @@ class Report:
     def __init__(self, source: Source) -> None:
         self.source = source
         self.problems: dict[Problem, None] = dict.fromkeys(source.problems)
+        self._unread = {(problem.line, problem.path) for problem in source.problems}
 
     def add(self, place: Place, message: str) -> None:
-        """Tell a problem; the same one is told once, and after many the rest is only counted off."""
+        """Tell a problem; the same one is told once, and after many the rest is left out."""
+        problem = self.source.problem(place, message)
+        if (problem.line, problem.path) in self._unread:
+            return  # it could not even be read, which is told already
         if len(self.problems) < MAX_PROBLEMS:
-            self.problems[self.source.problem(place, message)] = None
+            self.problems[problem] = None
         elif len(self.problems) == MAX_PROBLEMS:
-            self.problems[Problem(10**9, "", "more problems are not shown")] = None
+            self.problems[Problem(0, "", f"more than {MAX_PROBLEMS} problems: the rest is not shown")] = None
 
     @property
     def is_full(self) -> bool:

@@ -1,0 +1,435 @@
+"""Scenario files with mistakes: each is told with its line, its path, and what would be right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from irsim_gym.errors import ScenarioError
+from irsim_gym.scenario import load_scenario
+from irsim_gym.scenario.validation import MAX_PROBLEMS
+
+WORLD = {
+    "unknown section": ("wrold: {}", "1 wrold: unknown key (did you mean 'world'?)"),
+    "unknown key": ("world:\n  step_tme: 0.1", "2 world.step_tme: unknown key (did you mean 'step_time'?)"),
+    "far from any key": ("world:\n  qqq: 0.1", "2 world.qqq: unknown key"),
+    "world is a number": ("world: 3", "1 world: must be a mapping of options, got 3"),
+    "world is a list": ("world: [1]", "1 world: must be a mapping of options, got [1]"),
+    "negative size": ("world:\n  width: -3", "2 world.width: must be > 0, got -3"),
+    "no size": ("world:\n  height: 0", "2 world.height: must be > 0, got 0"),
+    "nan": ("world:\n  width: .nan", "2 world.width: must be finite, got nan"),
+    "inf": ("world:\n  width: .inf", "2 world.width: must be finite, got inf"),
+    "text for a number": ("world:\n  width: wide", "2 world.width: must be a number, got 'wide'"),
+    "inf without its dot": (
+        "world:\n  width: inf",
+        "2 world.width: must be a number, got 'inf' (infinity is written .inf)",
+    ),
+    "bool for a number": ("world:\n  width: true", "2 world.width: must be a number, got true"),
+    "mapping for a number": ("world:\n  width: {a: 1}", "2 world.width: must be a number, got a mapping"),
+    "huge number": ("world:\n  width: 1" + "0" * 400, f"2 world.width: must be a number, got 1{'0' * 36}..."),
+    "number for text": ("world:\n  name: 3", "2 world.name: must be text, got 3"),
+    "empty name": ("world:\n  name: ''", "2 world.name: must not be empty"),
+    "step time": ("world:\n  step_time: 0", "2 world.step_time: must be > 0, got 0"),
+    "offset too long": ("world:\n  offset: [1, 2, 3]", "2 world.offset: must be a list of 2 numbers, got [1, 2, 3]"),
+    "offset of text": ("world:\n  offset:\n    - 1\n    - b", "4 world.offset[1]: must be a number, got 'b'"),
+    "mode": (
+        "world:\n  collision_mode: stpo",
+        "2 world.collision_mode: must be 'stop', 'unobstructed' or 'unobstructed_obstacles', got 'stpo' "
+        "(did you mean 'stop'?)",
+    ),
+    "mode of a wrong type": (
+        "world:\n  control_mode: [auto]",
+        "2 world.control_mode: must be 'auto' or 'keyboard', got ['auto']",
+    ),
+    "plot key": (
+        "world:\n  plot: {show_titel: 1}",
+        "2 world.plot.show_titel: unknown key (did you mean 'show_title'?)",
+    ),
+    "deep plot key": (
+        "world:\n  plot:\n    saved_figure:\n      dpi: 0",
+        "4 world.plot.saved_figure.dpi: must be >= 1, got 0",
+    ),
+    "pixels": ("world:\n  plot: {figure_pixels: [10, 800]}", "2 world.plot.figure_pixels[0]: must be >= 16, got 10"),
+    "title": ("world:\n  plot: {show_title: 'yes'}", "2 world.plot.show_title: must be true or false, got 'yes'"),
+    "viewpoint": (
+        "world:\n  plot: {viewpoint: 3}",
+        "2 world.plot.viewpoint: must be text or a list of 2 numbers, got 3",
+    ),
+    "gui": ("gui:\n  keybord: {}", "2 gui.keybord: unknown key (did you mean 'keyboard'?)"),
+    "key speed": ("gui:\n  keyboard: {key_lv_max: -1}", "2 gui.keyboard.key_lv_max: must be >= 0, got -1"),
+    "backend": ("gui: {keyboard: {backend: qt}}", "1 gui.keyboard.backend: must be 'pynput' or 'mpl', got 'qt'"),
+    "zoom": ("gui:\n  mouse: {zoom_factor: 1}", "2 gui.mouse.zoom_factor: must be > 1, got 1"),
+    "task": ("task: 3", "1 task: must be the name of a task or a mapping, got 3"),
+    "wrapper": ("irsim: 3", "1 irsim: must be a mapping with sections such as world and robot, got 3"),
+    "inside the wrapper": ("irsim:\n  world:\n    width: -1", "3 irsim.world.width: must be > 0, got -1"),
+    "twice with the wrapper": (
+        "world: {}\nirsim:\n  world: {}",
+        "3 irsim.world: given outside the wrapper key as well",
+    ),
+    "unknown in the wrapper": ("irsim:\n  robt: {}", "2 irsim.robt: unknown key (did you mean 'robot'?)"),
+    "plot for all": ("plot: {obj_alpha: 2}", "1 plot.obj_alpha: must be <= 1, got 2"),
+}
+ENTRIES = {
+    "section": ("robot: 3", "1 robot: must be a list of robots or one mapping, got 3"),
+    "entry": ("obstacle:\n  - 3", "2 obstacle[0]: must be a mapping of options, got 3"),
+    "null entry": ("obstacle:\n  -", "2 obstacle[0]: must be a mapping of options, got nothing"),
+    "unknown key": ("robot:\n  - goals: [1, 2]", "2 robot[0].goals: unknown key (did you mean 'goal'?)"),
+    "dict form": ("robot:\n  goals: [1, 2]", "2 robot.goals: unknown key (did you mean 'goal'?)"),
+    "number": ("robot: {number: two}", "1 robot.number: must be a whole number, got 'two'"),
+    "fraction": ("robot: {number: 2.5}", "1 robot.number: must be a whole number, got 2.5"),
+    "negative number": ("robot: {number: -1}", "1 robot.number: must be >= 0, got -1"),
+    "very many": ("robot: {number: 1000000000}", "1 robot.number: must be <= 100000, got 1000000000"),
+    "many in all": ("robot: [{number: 60000}, {number: 60000}]", "1 robot[1]: too many bodies: at most 100000"),
+    "range backwards": (
+        "obstacle: {number_range: [3, 2]}",
+        "1 obstacle.number_range: must be [least, most] with 0 <= least <= most, got [3, 2]",
+    ),
+    "range and number": (
+        "obstacle: {number_range: [1, 2], number: 2}",
+        "1 obstacle.number_range: cannot stand beside number",
+    ),
+    "distribution": (
+        "robot:\n  distribution: {name: randm}",
+        "2 robot.distribution.name: no distribution named 'randm' (did you mean 'random'?)",
+    ),
+    "distribution without name": (
+        "robot:\n  distribution: {range_low: [0, 0, 0]}",
+        "2 robot.distribution.name: is required: 'manual', 'circle' or 'random'",
+    ),
+    "distribution text": (
+        "robot:\n  distribution: random",
+        "2 robot.distribution: must be a mapping such as {name: random}, got 'random'",
+    ),
+    "two numbers": (
+        "robot:\n  distribution: {name: random, range_low: [0, 0]}",
+        "2 robot.distribution.range_low: must be a list of 3 numbers, got [0, 0]",
+    ),
+    "crossed bounds": (
+        "robot:\n  distribution: {name: random, range_low: [5, 0, 0], range_high: [1, 1, 1]}",
+        "2 robot.distribution.range_low: must not exceed range_high, got [5, 0, 0] and [1, 1, 1]",
+    ),
+    "third dimension": (
+        "robot:\n  distribution: {name: random, 3d: true}",
+        "2 robot.distribution.3d: the world is flat: only false is possible",
+    ),
+    "drive": (
+        "robot:\n  - kinematics: {name: dif}",
+        "2 robot[0].kinematics.name: no kinematics named 'dif' (did you mean 'diff'?)",
+    ),
+    "drive without name": (
+        "robot:\n  kinematics: {noise: false}",
+        "2 robot.kinematics.name: is required: 'diff'",
+    ),
+    "drive as text": (
+        "robot:\n  kinematics: diff",
+        "2 robot.kinematics: must be a mapping such as {name: diff}, got 'diff'",
+    ),
+    "name of a wrong type": ("robot:\n  kinematics: {name: 3}", "2 robot.kinematics.name: must be 'diff', got 3"),
+    "unknown option": (
+        "robot:\n  kinematics: {name: diff, nois: true}",
+        "2 robot.kinematics.nois: unknown key (did you mean 'noise'?)",
+    ),
+    "behaviour": (
+        "robot:\n  kinematics: {name: diff}\n  behavior: {name: dsh}",
+        "3 robot.behavior.name: no behavior named 'dsh' (did you mean 'dash'?)",
+    ),
+    "behaviour without name": (
+        "robot:\n  kinematics: {name: diff}\n  behavior: {wander: true}",
+        "3 robot.behavior.name: is required: 'dash'",
+    ),
+    "behaviour without drive": (
+        "obstacle:\n  - shape: {name: circle}\n    behavior: {name: dash}",
+        "3 obstacle[0].behavior: needs a drive: add kinematics ('diff'), or static: true",
+    ),
+    "wander bounds": (
+        "robot:\n  kinematics: {name: diff}\n  behavior: {name: dash, range_low: [11, 0, 0]}",
+        "3 robot.behavior.range_low: must not exceed range_high, got [11, 0, 0] and [10, 10, 3.14159]",
+    ),
+    "negative radius": (
+        "robot:\n  - shape:\n      name: circle\n      radius: -0.3",
+        "4 robot[0].shape.radius: must be > 0, got -0.3",
+    ),
+    "zero length": ("obstacle: {shape: {name: rectangle, length: 0}}", "1 obstacle.shape.length: must be > 0, got 0"),
+    "nan radius": ("robot: {shape: {name: circle, radius: .nan}}", "1 robot.shape.radius: must be finite, got nan"),
+    "shape": ("robot: {shape: {name: circel}}", "1 robot.shape.name: no shape named 'circel' (did you mean 'circle'?)"),
+    "shape without name": (
+        "robot: {shape: {radius: 2}}",
+        "1 robot.shape.name: is required: 'circle', 'rectangle', 'polygon' or 'linestring'",
+    ),
+    "no vertices": (
+        "obstacle: {shape: {name: polygon}}",
+        "1 obstacle.shape.vertices: is required unless random_shape is true",
+    ),
+    "no points": (
+        "obstacle: {shape: {name: linestring}}",
+        "1 obstacle.shape.vertices: is required unless random_shape is true",
+    ),
+    "two vertices": (
+        "obstacle: {shape: {name: polygon, vertices: [[0, 0], [1, 1]]}}",
+        "1 obstacle.shape.vertices: must have at least 3 values, got 2",
+    ),
+    "same vertices": (
+        "obstacle: {shape: {name: polygon, vertices: [[0, 0], [1, 1], [0, 0]]}}",
+        "1 obstacle.shape.vertices: a polygon needs three different corners",
+    ),
+    "crossing sides": (
+        "obstacle: {shape: {name: polygon, vertices: [[0, 0], [1, 1], [1, 0], [0, 1]]}}",
+        "1 obstacle.shape.vertices: the outline crosses or touches itself (self-intersection[0.5 0.5])",
+    ),
+    "vertex of text": (
+        "obstacle:\n  shape:\n    name: polygon\n    vertices:\n      - [0, 0]\n      - [1, a]\n      - [1, 1]",
+        "6 obstacle.shape.vertices[1][1]: must be a number, got 'a'",
+    ),
+    "vertex in space": (
+        "obstacle:\n  shape:\n    name: polygon\n    vertices:\n      - [0, 0]\n      - [1, 0, 2]\n      - [1, 1]",
+        "6 obstacle.shape.vertices[1]: must be a list of 2 numbers, got [1, 0, 2]",
+    ),
+    "infinite vertex": (
+        "obstacle:\n  shape:\n    name: polygon\n    vertices:\n      - [0, 0]\n      - [1, 0]\n      - [1, .inf]",
+        "7 obstacle.shape.vertices[2][1]: must be finite, got inf",
+    ),
+    "radius range": (
+        "obstacle: {shape: {name: circle, random_shape: true, radius_range: [2, 1]}}",
+        "1 obstacle.shape.radius_range: must be [low, high] with low <= high, got [2, 1]",
+    ),
+    "vertex count": (
+        "obstacle: {shape: {name: polygon, random_shape: true, num_vertices_range: [4, 1000000]}}",
+        "1 obstacle.shape.num_vertices_range: must be [low, high] with 3 <= low < high <= 1000 (high is excluded), "
+        "got [4, 1000000]",
+    ),
+    "state": ("robot: {state: here}", "1 robot.state: must be a list of numbers, got 'here'"),
+    "empty state": ("robot: {state: []}", "1 robot.state: must have at least 1 values, got 0"),
+    "state with nan": ("robot:\n  state: [1, 2, .nan]", "2 robot.state[2]: must be finite, got nan"),
+    "far state": ("robot:\n  state: [1e300, 2]", "2 robot.state[0]: must be <= 1e+07, got 1e+300"),
+    "goal": ("robot: {goal: 3}", "1 robot.goal: must be [x, y] or [x, y, heading], got 3"),
+    "short goal": ("robot: {goal: [3]}", "1 robot.goal: must be [x, y] or [x, y, heading], got [3]"),
+    "goal of text": ("robot:\n  goal: [3, there]", "2 robot.goal[1]: must be a number, got 'there'"),
+    "goals of one body": (
+        "robot:\n  goal: [[3, 3], [4, 4]]",
+        "2 robot.goal: several goals for one body need one more pair of brackets: [[[x, y], [x, y]]]",
+    ),
+    "one of several goals": (
+        "robot:\n  number: 2\n  goal:\n    - [[3, 3], [4]]\n    - [[3, 3]]",
+        "4 robot.goal[0][1]: must be [x, y] or [x, y, heading], got [4]",
+    ),
+    "limits": (
+        "robot:\n  kinematics: {name: diff}\n  vel_min: [1, 1]\n  vel_max: [0, 1]",
+        "3 robot.vel_min: vel_min must not exceed vel_max, got [1, 1] and [0, 1]",
+    ),
+    "limit against the default": (
+        "robot:\n  kinematics: {name: diff}\n  vel_max: [-2, 1]",
+        "3 robot.vel_max: vel_min must not exceed vel_max, got [-1, -1] and [-2, 1]",
+    ),
+    "limits of another drive": (
+        "robot:\n  kinematics: {name: diff}\n  vel_max: [1, 1, 1]",
+        "3 robot.vel_max: must have 2 numbers (linear, angular) for 'diff', got [1, 1, 1]",
+    ),
+    "one limit": (
+        "robot:\n  kinematics: {name: diff}\n  vel_max: 1",
+        "3 robot.vel_max: must be a list of numbers, got 1",
+    ),
+    "infinite limit": (
+        "robot:\n  kinematics: {name: diff}\n  vel_max: [.inf, 1]",
+        "3 robot.vel_max[0]: must be finite, got inf",
+    ),
+    "acceleration": (
+        "robot:\n  kinematics: {name: diff}\n  acce: [-1, .inf]",
+        "3 robot.acce[0]: must be >= 0, got -1",
+    ),
+    "velocity": (
+        "robot:\n  kinematics: {name: diff}\n  velocity: [1, 2, 3]",
+        "3 robot.velocity: must have at most 2 numbers (linear, angular) for 'diff', got [1, 2, 3]",
+    ),
+    "angle range": (
+        "robot:\n  angle_range: [-1, 1]",
+        "2 robot.angle_range: must be a full turn wide (2 pi), such as [-pi, pi], got [-1, 1]",
+    ),
+    "state_dim": (
+        "robot:\n  kinematics: {name: diff}\n  state_dim: 4",
+        "3 robot.state_dim: must be 3 for 'diff', got 4",
+    ),
+    "vel_dim": ("robot:\n  kinematics: {name: diff}\n  vel_dim: 3", "3 robot.vel_dim: must be 2 for 'diff', got 3"),
+    "role": (
+        "obstacle:\n  - role: robot",
+        "2 obstacle[0].role: must be 'obstacle' in this section (or left out), got 'robot'",
+    ),
+    "threshold": ("robot: {goal_threshold: -1}", "1 robot.goal_threshold: must be >= 0, got -1"),
+    "thresholds": (
+        "robot: {number: 3, goal_threshold: [0.1, 0.2]}",
+        "1 robot.goal_threshold: must be one value, or a list of 3 (one for each body), got [0.1, 0.2]",
+    ),
+    "static": ("robot: {static: 'no'}", "1 robot.static: must be true or false, got 'no'"),
+    "arrive mode": ("robot: {arrive_mode: pose}", "1 robot.arrive_mode: must be 'position' or 'state', got 'pose'"),
+    "group": ("robot: {group: -1}", "1 robot.group: must be >= 0, got -1"),
+    "colour": ("robot: {color: blu}", "1 robot.color: no colour named 'blu' (did you mean 'blue'?)"),
+    "second colour": (
+        "robot:\n  number: 2\n  color:\n    - red\n    - gren",
+        "5 robot.color[1]: no colour named 'gren' (did you mean 'green'?)",
+    ),
+    "plot": ("robot: {plot: {show_gaol: true}}", "1 robot.plot.show_gaol: unknown key (did you mean 'show_goal'?)"),
+    "plot colour": ("robot: {plot: {traj_color: '#12'}}", "1 robot.plot.traj_color: no colour named '#12'"),
+    "line style": (
+        "robot: {plot: {traj_style: '=='}}",
+        "1 robot.plot.traj_style: must be '-', '--', '-.', ':', 'solid', 'dashed', 'dashdot' or 'dotted', got '=='",
+    ),
+    "sensors": (
+        "robot: {sensors: lidar2d}",
+        "1 robot.sensors: must be a list of sensors such as [{name: lidar2d}], got 'lidar2d'",
+    ),
+    "sensor": (
+        "robot:\n  sensors:\n    - name: lidr2d",
+        "3 robot.sensors[0].name: no sensor named 'lidr2d' (did you mean 'lidar2d'?)",
+    ),
+    "beams": ("robot:\n  sensors:\n    - number: 0", "3 robot.sensors[0].number: must be >= 1, got 0"),
+    "sensor key": (
+        "robot:\n  sensors:\n    - type: lidar2d\n      rnge_max: 3",
+        "4 robot.sensors[0].rnge_max: unknown key (did you mean 'range_max'?)",
+    ),
+    "sensor band": (
+        "robot:\n  sensors: [{range_min: 7, range_max: 3}]",
+        "2 robot.sensors[0].range_min: must not exceed range_max, got 7 and 3",
+    ),
+    "own name twice": (
+        "robot:\n  - name: a\n  - name: b\nobstacle:\n  - name: a",
+        "5 obstacle[0].name: the name 'a' is given to several bodies (first in line 2)",
+    ),
+    "one name for three": (
+        "robot:\n  number: 3\n  name: a",
+        "3 robot.name: the name 'a' is given to several bodies; a list gives each body its own",
+    ),
+    "automatic name taken": (
+        "robot:\n  - name: robot_1\n  - state: [1, 1]",
+        "3 robot[1].name: the name 'robot_1' is given to several bodies (first in line 2)",
+    ),
+}
+DRIVE = "robot:\n  kinematics: {name: diff}\n"
+PLANNED = {
+    "drives": (
+        "robot:\n  - kinematics: {name: omni}\n  - kinematics: {name: acker, mode: angular}",
+        "2 robot[0].kinematics.name: kinematics 'omni' is not supported yet; supported: diff",
+        "3 robot[1].kinematics.name: kinematics 'acker' is not supported yet; supported: diff",
+    ),
+    "planned and wrong": (
+        "robot:\n  kinematics: {name: acker, mode: ster}",
+        "2 robot.kinematics.mode: must be 'steer' or 'angular', got 'ster' (did you mean 'steer'?)",
+        "2 robot.kinematics.name: kinematics 'acker' is not supported yet; supported: diff",
+    ),
+    "rvo": (
+        DRIVE + "  behavior: {name: rvo, vxmax: 1.5, vymax: 1.5, acce: 1.0, factor: 1.0, mode: hrvo}",
+        "3 robot.behavior.name: behavior 'rvo' is not supported yet; supported: dash",
+    ),
+    "sfm": (
+        DRIVE + "  behavior: {name: sfm}",
+        "3 robot.behavior.name: behavior 'sfm' is not supported yet; supported: dash",
+    ),
+    "orca": (
+        DRIVE + "  group_behavior: {name: orca, neighborDist: 15}",
+        "3 robot.group_behavior.name: group behavior 'orca' is not supported yet",
+    ),
+    "noise of the drive": (
+        "robot: {kinematics: {name: diff, noise: true}}",
+        "1 robot.kinematics.noise: true is not supported yet",
+    ),
+    "compound": (
+        "obstacle: {shape: {name: compound, parts: [{name: circle, pose: [1, 0, 0]}]}}",
+        "1 obstacle.shape.name: shape 'compound' is not supported yet; "
+        "supported: circle, rectangle, polygon, linestring",
+    ),
+    "fmcw": (
+        "robot: {sensors: [{name: fmcw_lidar2d}]}",
+        "1 robot.sensors[0].name: sensor 'fmcw_lidar2d' is not supported yet; supported: lidar2d",
+    ),
+    "noise of the sensor": (
+        "robot: {sensors: [{name: lidar2d, noise: true}]}",
+        "1 robot.sensors[0].noise: true is not supported yet",
+    ),
+    "velocity of the sensor": (
+        "robot: {sensors: [{has_velocity: true}]}",
+        "1 robot.sensors[0].has_velocity: true is not supported yet",
+    ),
+    "field of view": (
+        "robot:\n  fov: pi/2\n  fov_radius: 5",
+        "2 robot.fov: 1.5708 is not supported yet",
+        "3 robot.fov_radius: 5 is not supported yet",
+    ),
+    "keyboard": ("world: {control_mode: keyboard}", "1 world.control_mode: 'keyboard' is not supported yet"),
+    "pause": ("world: {status: Pause}", "1 world.status: 'Pause' is not supported yet"),
+    "external": ("world: {step_mode: external}", "1 world.step_mode: 'external' is not supported yet"),
+    "simultaneous": ("world: {update: simultaneous}", "1 world.update: 'simultaneous' is not supported yet"),
+    "map": ("world: {obstacle_map: cave.png}", "1 world.obstacle_map: 'cave.png' is not supported yet"),
+    "perlin": ("world: {obstacle_map: {name: perlin}}", "1 world.obstacle_map: is not supported yet"),
+    "downsampling": ("world: {mdownsample: 2}", "1 world.mdownsample: 2 is not supported yet"),
+    "fog": ("world: {fog_map: true}", "1 world.fog_map: true is not supported yet"),
+    "contact mode": (
+        "world:\n  collision_mode: contact\n  gravity: 9.81",
+        "2 world.collision_mode: contact mode is not part of the scenario language",
+        "3 world.gravity: contact mode is not part of the scenario language",
+    ),
+    "contact keys": (
+        "robot:\n  mass: 1\n  friction: 0.5\n  kinematics: {name: diff, tau: 0.1}",
+        "2 robot.mass: contact mode is not part of the scenario language",
+        "3 robot.friction: contact mode is not part of the scenario language",
+        "4 robot.kinematics.tau: contact mode is not part of the scenario language",
+    ),
+}
+CASES = {
+    f"{group}: {name}": case
+    for group, cases in (("world", WORLD), ("entry", ENTRIES), ("planned", PLANNED))
+    for name, case in cases.items()
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_problem(case: str, problems: Callable[[str], list[str]]) -> None:
+    text, *expected = CASES[case]
+    assert problems(text) == expected
+
+
+def test_text_of_the_error(tmp_path: Path) -> None:
+    file = tmp_path / "corridor.yaml"
+    file.write_text(
+        "\nworld:\n  width: 10\n  step_tme: 0.1\nrobot:\n  - shape: {name: circle, radius: -0.3}\n"
+        "    goal: [1, 1]\n    kinematics: {name: dif}\n"
+    )
+    with pytest.raises(ScenarioError) as caught:
+        load_scenario(str(file))
+    assert str(caught.value) == (
+        f"3 problems in {file}\n"
+        f"  {file}:4   world.step_tme: unknown key (did you mean 'step_time'?)\n"
+        f"  {file}:6   robot[0].shape.radius: must be > 0, got -0.3\n"
+        f"  {file}:8   robot[0].kinematics.name: no kinematics named 'dif' (did you mean 'diff'?)"
+    )
+
+
+def test_a_mapping_has_no_lines() -> None:
+    with pytest.raises(ScenarioError) as caught:
+        load_scenario({"world": {"width": -1}})
+    assert str(caught.value) == "1 problem in the given mapping\n  the given mapping   world.width: must be > 0, got -1"
+
+
+def test_a_mistake_of_fifty_bodies_is_told_once(problems: Callable[[str], list[str]]) -> None:
+    text = "robot:\n  - number: 50\n    kinematics: {name: diff}\n    shape: {name: circle, radius: -1}\n"
+    text += "    vel_min: [2, 2]\n"
+    assert problems(text) == ["4 robot[0].shape.radius: must be > 0, got -1"]
+    text = text.replace("-1", "1")
+    assert problems(text) == ["5 robot[0].vel_min: vel_min must not exceed vel_max, got [2, 2] and [1, 1]"]
+
+
+def test_many_problems_are_cut_off(problems: Callable[[str], list[str]]) -> None:
+    told = problems("".join(f"key_{i}: 1\n" for i in range(1000)))
+    assert len(told) == MAX_PROBLEMS + 1
+    assert told[0] == f"0 more than {MAX_PROBLEMS} problems: the rest is not shown"
+    assert told[-1] == f"{MAX_PROBLEMS} key_{MAX_PROBLEMS - 1}: unknown key"
+
+
+def test_problems_of_a_task_get_their_lines(tmp_path: Path) -> None:
+    file = tmp_path / "task.yaml"
+    file.write_text(
+        "irsim:\n  robot: {}\n  task:\n    name: navigation\n    rewards:\n      - {name: time,\n         weight: 1}\n"
+    )
+    scenario = load_scenario(file)
+    problem = scenario.problem(("task", "rewards", 0, "weight"), "must be ...")
+    assert (problem.line, problem.path) == (7, "irsim.task.rewards[0].weight")
+    assert scenario.problem(("task", "nothing"), "").line == 3
