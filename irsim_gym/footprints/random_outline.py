@@ -13,6 +13,7 @@ from irsim_gym.rng import integer, normal, uniform
 from irsim_gym.scenario.options import option, unordered_ranges
 
 STEP_TRIES = 32
+LEAST_DISTANCE = 0.01
 
 CENTER_RANGE = option((0.0, 0.0, 0.0, 0.0), unit="m", meaning="Bounds of a random outline's centre: x, y, x, y.")
 RADIUS_RANGE = option((0.1, 1.0), unit="m", meaning="Bounds of the mean distance of vertices from the centre.")
@@ -53,7 +54,7 @@ def draw_outlines(
 
     The generator is IR-SIM's: a centre, a mean radius R, irregularity, spikeyness and a number of vertices are
     drawn; angle steps differ by the irregularity, distances are normal about R with deviation spikeyness * R,
-    clipped to [0, 2 R].
+    clipped to [0.01 R, 2 R] (IR-SIM: [0, 2 R], where two vertices in the centre would pinch the outline).
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
@@ -84,7 +85,7 @@ def draw_vertices(random: Words, w: int, bounds: Any, rows: Floats) -> int:
     draw_angle_steps(random, w, n, irregularity, rows)
     angle = uniform(random, w, 0.0, 2.0 * np.pi)
     for v in range(n):
-        distance = min(max(normal(random, w, radius, spikeyness * radius), 0.0), 2.0 * radius)
+        distance = min(max(normal(random, w, radius, spikeyness * radius), LEAST_DISTANCE * radius), 2.0 * radius)
         rows[v, 0], rows[v, 1] = x + distance * np.cos(angle), y + distance * np.sin(angle)
         angle += rows[v, 2]
     return n

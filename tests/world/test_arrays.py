@@ -1,0 +1,59 @@
+"""Arrays cannot lie about their declaration, and records hold what kernels read."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import pytest
+
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.group import records
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+SIZES = {"world": 3, "body": 2, "segment": 5, "disc": 1, "waypoint": 4}
+
+
+@pytest.mark.parametrize("declared", [WorldModel, WorldState])
+def test_every_array_is_declared_with_a_meaning(declared: type[WorldModel] | type[WorldState]) -> None:
+    arrays = declared.allocate(SIZES)
+    for name, column in declared.columns().items():
+        array = getattr(arrays, name)
+        assert column.meaning
+        assert array.dtype == column.dtype
+        assert array.ndim == len(column.axes)
+        assert array.flags.c_contiguous
+
+
+def test_shared_axes_have_one_row_unless_asked_for() -> None:
+    shared, own = WorldModel.allocate(SIZES), WorldModel.allocate(SIZES, per_world=frozenset({"local_segments"}))
+    assert shared.local_segments.shape == (1, 5, 4)
+    assert own.local_segments.shape == (3, 5, 4)
+    assert own.present.shape == (3, 2)
+
+
+@kind
+class Options:
+    """Options of every type that records know."""
+
+    radius: float = option(1.0, meaning="A number.")
+    wheelbase: float | None = option(None, meaning="A number or nothing.")
+    count: int = option(3, meaning="A count.")
+    active: bool = option(True, meaning="A flag.")
+    mode: Literal["slow", "fast"] = option("fast", meaning="A choice.")
+    bounds: tuple[float, float] = option((0.0, 1.0), meaning="A pair.")
+    label: str = option("text", meaning="Not for kernels.")
+    vertices: tuple[tuple[float, float], ...] | None = option(None, meaning="Not for kernels.")
+
+
+def test_records_hold_numbers_choices_and_pairs() -> None:
+    table = records([Options(), Options(radius=2.0, wheelbase=0.5, active=False, mode="slow", bounds=(3.0, 4.0))])
+    assert table.dtype.names == ("index", "radius", "wheelbase", "count", "active", "mode", "bounds")
+    assert table[1].radius == 2.0
+    assert np.isnan(table[0].wheelbase)
+    assert table[1].wheelbase == 0.5
+    assert table.count.tolist() == [3, 3]
+    assert table.active.tolist() == [1, 0]
+    assert table.mode.tolist() == [1, 0]
+    assert table[1].bounds.tolist() == [3.0, 4.0]
