@@ -106,7 +106,7 @@ def pay_gain(
     potential: Floats,
     out: Floats,
 ) -> None:
-    """Write the weighted loss of distance to the noted goal, over the diagonal of ``bounds``; note goal and distance."""
+    """Write the weighted loss of distance to the noted goal, over the diagonal of ``bounds``; note what is new."""
     width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
     rate = weight / np.sqrt(width * width + height * height)
     for i in range(worlds.shape[0]):

@@ -1,0 +1,77 @@
+"""Actions in [-1, 1] and on a grid become commands."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from irsim_gym.tasks.actions import DiscreteAction
+from task_tools import drive, play
+
+DISCRETE = {"name": "navigation", "action": {"name": "discrete", "linear": 3, "angular": 5}}
+
+
+@pytest.mark.parametrize(
+    ("action", "command"),
+    [
+        ((-1, -1), (0.0, -1.5)),
+        ((1, 1), (1.0, 1.5)),
+        ((0, 0), (0.5, 0.0)),
+        ((0.5, -0.2), (0.75, -0.3)),
+        ((7, -9), (1.0, -1.5)),
+    ],
+)
+def test_actions_map_affinely_to_the_limits(action: tuple[float, float], command: tuple[float, float]) -> None:
+    episodes = play()
+    drive(episodes, *action)
+    assert episodes.simulation.state.command[0, 0, :2] == pytest.approx(command, abs=1e-15)
+
+
+def test_the_episode_begins_with_the_action_of_standing_still() -> None:
+    # v lies in [0, 1], so rest is -1; w lies in [-1.5, 1.5], so rest is 0.
+    assert play().state.action[0, 0].tolist() == [-1.0, 0.0]
+    assert play({"vel_min": [-1, -1], "vel_max": [3, 1]}).state.action[0, 0].tolist() == [-0.5, 0.0]
+    assert play({"vel_min": [0.5, -1], "vel_max": [1, 1]}).state.action[0, 0].tolist() == [-1.0, 0.0]
+
+
+def test_discrete_choices_run_over_the_grid() -> None:
+    episodes = play(task=DISCRETE)
+    assert (episodes.action_kind, episodes.n_discrete) == ("discrete", 15)
+    for choice, command in {0: (0.0, -1.5), 2: (0.0, 0.0), 7: (0.5, 0.0), 9: (0.5, 1.5), 14: (1.0, 1.5)}.items():
+        episodes.step(np.array([[choice]]))
+        assert episodes.simulation.state.command[0, 0, :2] == pytest.approx(command)
+
+
+def test_grids_of_one_value() -> None:
+    grid = DiscreteAction(linear=1, angular=1).arrays(None, np.zeros(1, np.int64))["grid"]  # type: ignore[arg-type]
+    assert grid.tolist() == [[1.0, 0.0]]
+
+
+@pytest.mark.parametrize("choice", [-1, 15])
+def test_a_choice_off_the_grid_is_refused(choice: int) -> None:
+    episodes = play(task=DISCRETE)
+    with pytest.raises(ValueError, match="not a choice from 0 to 14"):
+        episodes.step(np.array([[choice]]))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_an_action_that_is_not_finite_is_refused_before_anything_moves(bad: float) -> None:
+    episodes = play(n_worlds=2)
+    before = episodes.simulation.state.pose.copy()
+    actions = np.zeros((2, 1, 2), np.float32)
+    actions[1, 0, 1] = bad
+    with pytest.raises(ValueError, match="not finite"):
+        episodes.step(actions)
+    assert (episodes.simulation.state.pose == before).all()
+    episodes.step(actions, np.array([0]))
+    assert episodes.view.infos["steps"].tolist() == [[1], [0]]
+
+
+def test_wrong_shapes_and_types_are_refused() -> None:
+    episodes = play()
+    with pytest.raises(ValueError, match=r"shape \(1, 1, 2\), got \(1, 2\)"):
+        episodes.step(np.zeros((1, 2)))
+    with pytest.raises(ValueError, match="must be numbers"):
+        episodes.step(np.zeros((1, 1, 2), complex))
+    with pytest.raises(ValueError, match="whole numbers"):
+        play(task=DISCRETE).step(np.zeros((1, 1)))

@@ -1,0 +1,84 @@
+"""Training never meets a level of another split."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from irsim_gym.errors import UnknownNameError
+from irsim_gym.rng import later_level, level_stream, stream_base
+from irsim_gym.tasks.levels import SPLITS, check_split, take_levels
+from task_tools import play
+
+RANDOM = {"distribution": {"name": "random"}}
+
+
+def streams(split: str, levels: range) -> set[int]:
+    base = stream_base("cluttered_room", split)
+    return {int(level_stream(base, level)) for level in levels}
+
+
+def test_splits_share_no_stream() -> None:
+    found = [streams(split, range(20_000)) for split in SPLITS]
+    assert sum(map(len, found)) == len(set().union(*found)) == 60_000
+
+
+def test_a_chain_stays_in_its_split() -> None:
+    kept = streams("dev", range(10_000)) | streams("test", range(10_000))
+    n_worlds = 64
+    base = np.full(n_worlds, stream_base("cluttered_room", "train"))
+    first, episode = np.arange(n_worlds), np.zeros(n_worlds, np.int64)
+    level, stream = np.zeros((n_worlds, 1), np.int64), np.zeros(n_worlds, np.uint64)
+    met: set[int] = set()
+    for number in range(200):
+        episode[:] = number
+        take_levels(np.arange(n_worlds), base, first, episode, level, stream)
+        assert (stream == [level_stream(base[0], here) for here in level[:, 0].tolist()]).all()
+        met |= set(stream.tolist())
+    assert len(met) == 200 * n_worlds
+    assert not met & kept
+
+
+def test_the_first_level_is_the_given_one_and_later_ones_lie_beyond_ordinary_seeds() -> None:
+    assert later_level(17, 0) == 17
+    later = [int(later_level(17, k)) for k in range(1, 1000)]
+    assert min(later) >= 2**52
+    assert len(set(later)) == len(later)
+
+
+def test_unknown_split() -> None:
+    with pytest.raises(UnknownNameError, match=r"no split named 'tset' \(did you mean 'test'\?\)"):
+        check_split("tset")
+
+
+def test_levels_are_the_same_in_any_batch_and_differ_between_splits() -> None:
+    batch, single = play(RANDOM, n_worlds=4), play(RANDOM)
+    poses = batch.simulation.state.pose
+    for split in SPLITS:
+        batch.begin(np.arange(4), np.array([7, 8, 9, 10]), split)
+        single.begin(np.array([0]), np.array([9]), split)
+        assert (single.view.observation[0] == batch.view.observation[2]).all()
+        assert (single.simulation.state.pose[0] == poses[2]).all()
+    starts = []
+    for split in SPLITS:
+        single.begin(np.array([0]), np.array([9]), split)
+        starts.append(single.simulation.state.pose[0, 0].tolist())
+    assert len(set(map(tuple, starts))) == 3
+
+
+def test_begin_next_follows_from_the_first_level_alone() -> None:
+    one, other = play(RANDOM, n_worlds=2), play(RANDOM, n_worlds=2)
+    one.begin_next(np.array([1]))
+    one.begin_next(np.array([0, 1]))
+    other.begin_next(np.array([0, 1]))
+    other.begin_next(np.array([1]))
+    assert one.view.infos["level"].tolist() == other.view.infos["level"].tolist()
+    assert (one.simulation.state.pose == other.simulation.state.pose).all()
+
+
+def test_begin_refuses_what_is_no_level() -> None:
+    episodes = play()
+    with pytest.raises(ValueError, match="levels must be >= 0, got -1"):
+        episodes.begin(np.array([0]), np.array([-1]))
+    with pytest.raises(ValueError, match="same length"):
+        episodes.begin(np.array([0]), np.array([1, 2]))
