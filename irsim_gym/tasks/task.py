@@ -91,11 +91,13 @@ def load_task(
     options = build(TaskOptions, data, (), report, skip={"name", "action", *FAMILIES})
     action = build_named(ACTIONS, data.get("action", {"name": "velocity"}), ("action",), report)
     terms = {key: _terms(family, key, data, report) for key, family in FAMILIES.items()}
+    is_sound = not report.problems and not merged.outside
     if options is not None:
         agents = choose_agents(scenario, options.agents, team, merged)
         if agents:
             terms["observations"] = check_fit(scenario, agents, name, terms, merged)
-        check_terms(terms, options.audit, report)
+        if is_sound:
+            check_terms(terms, options.audit, report)
     merged.refuse(_title(scenario))
     assert options is not None
     parts = {key: tuple(item for _, item in items) for key, items in terms.items()}

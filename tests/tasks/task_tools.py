@@ -24,9 +24,7 @@ ROBOT: dict[str, Any] = {
 BALL: dict[str, Any] = {"shape": {"name": "circle", "radius": 0.5}, "state": [5, 5, 0]}
 
 
-def scenario(
-    robot: Any = None, obstacle: Any = None, task: Any = None, **world: Any
-) -> Any:
+def scenario(robot: Any = None, obstacle: Any = None, task: Any = None, **world: Any) -> Any:
     """Return a scenario of 10 x 10 m with steps of 0.1 s; the robot is ROBOT with other keys, or a list."""
     robots = robot if isinstance(robot, list) else {**ROBOT, **(robot or {})}
     data: dict[str, Any] = {"world": {"name": "yard", **world}, "robot": robots}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from task_tools import drive, play
 
 from irsim_gym.tasks.actions import DiscreteAction
-from task_tools import drive, play
 
 DISCRETE = {"name": "navigation", "action": {"name": "discrete", "linear": 3, "angular": 5}}
 

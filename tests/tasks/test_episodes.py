@@ -7,13 +7,13 @@ import pickle
 
 import numpy as np
 import pytest
+from task_tools import BALL, ROBOT, drive, play, scenario
 
 from irsim_gym.engine import compile
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import Episodes, Outcome, load_task
 from irsim_gym.tasks.account import settle
 from irsim_gym.tasks.outcome import PRECEDENCE
-from task_tools import BALL, ROBOT, drive, play, scenario
 
 
 def test_success_at_the_hand_computed_step() -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from task_tools import play
 
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.rng import later_level, level_stream, stream_base
 from irsim_gym.tasks.levels import SPLITS, check_split, take_levels
-from task_tools import play
 
 RANDOM = {"distribution": {"name": "random"}}
 

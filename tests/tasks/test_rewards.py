@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from task_tools import BALL, drive, play
 
 DIAGONAL = np.sqrt(200.0)

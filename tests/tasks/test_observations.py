@@ -1,0 +1,253 @@
+"""Every observation against values worked out by hand, and within its bounds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from task_tools import BALL, ROBOT, drive, play
+
+from irsim_gym.tasks.observations.scan import Scan, encode, pool, sector_beams
+
+
+def part(episodes: Any, name: str) -> Any:
+    """Return one part of the observation of the first agent of the first world."""
+    column = 0
+    for term, low, _ in episodes.observation_terms:
+        if term == name:
+            return episodes.view.observation[0, 0, column : column + len(low)]
+        column += len(low)
+    raise KeyError(name)
+
+
+def only(*observations: Any) -> dict[str, Any]:
+    """Return a task with these observations alone and no goal."""
+    return {"name": "blank", "observations": list(observations)}
+
+
+def inverse(depth: float) -> float:
+    return (1 / (depth + 0.5) - 0.3) / 1.7
+
+
+# --- sectors
+
+
+@pytest.mark.parametrize("span", [2 * np.pi, np.pi, 1.0])
+def test_sectors_of_an_even_fan_have_equal_shares(span: float) -> None:
+    first, last = sector_beams(np.linspace(-span / 2, span / 2, 180), 36)
+    assert (last - first).tolist() == [5] * 36
+    assert first.tolist() == list(range(0, 180, 5))
+
+
+@pytest.mark.parametrize(("beams", "sectors"), [(180, 36), (180, 60), (100, 36), (37, 36), (36, 36), (7, 3), (2, 2)])
+def test_sectors_share_out_every_beam_once_and_mirror(beams: int, sectors: int) -> None:
+    first, last = sector_beams(np.linspace(-2.0, 2.0, beams), sectors)
+    assert first[0] == 0
+    assert last[-1] == beams
+    assert (first[1:] == last[:-1]).all()
+    sizes = last - first
+    assert sizes.min() >= 1
+    assert sizes.max() - sizes.min() <= 1
+
+
+def test_fewer_beams_than_sectors_give_as_many_sectors_as_beams() -> None:
+    first, last = sector_beams(np.linspace(-1.0, 1.0, 7), 36)
+    assert first.tolist() == list(range(7))
+    assert last.tolist() == list(range(1, 8))
+    assert [part.tolist() for part in sector_beams(np.zeros(1), 36)] == [[0], [1]]
+
+
+def test_sectors_go_by_angle_not_by_number() -> None:
+    # Three beams crowd to the right, one points left: two sectors of half the angle each.
+    first, last = sector_beams(np.array([-1.0, -0.9, -0.8, 1.0]), 2)
+    assert first.tolist() == [0, 3]
+    assert last.tolist() == [3, 4]
+    # A sector without a beam takes the nearest one.
+    first, last = sector_beams(np.array([-1.0, -0.9, -0.8, 1.0]), 3)
+    assert [list(range(i, j)) for i, j in zip(first, last, strict=True)] == [[0, 1, 2], [2], [3]]
+
+
+def test_pool_takes_the_least_depth_beyond_the_own_outline() -> None:
+    ranges = np.array([[[1.0, 0.9, 3.0, 6.0]]], np.float32)
+    extent = np.array([[0.2, 0.5, 0.25, 0.0]], np.float32)
+    out = np.zeros((1, 1, 3), np.float32)
+    far = np.array([6.0], np.float32)
+    first, last = np.array([0, 2], np.uint64), np.array([2, 4], np.uint64)
+    arguments = (np.arange(1), np.zeros(1, np.int64), 1, 1, 0.5, 0.3, far, first, last, extent, ranges, out)
+    pool(*arguments)
+    assert out[0, 0] == pytest.approx([0.0, 1 - 0.4 / 6, 1 - 2.75 / 6])
+    compiled = out.copy()
+    if hasattr(pool, "py_func"):
+        pool.py_func(*arguments)
+        assert out == pytest.approx(compiled, abs=1e-6)
+
+
+@pytest.mark.parametrize("code", [0, 1])
+def test_codes_fall_with_the_depth(code: int) -> None:
+    depths = np.sort(np.random.default_rng(0).uniform(0, 6, 5000)).astype(np.float32)
+    codes = depths.copy()
+    encode(codes, code, np.float32(0.5), np.float32(0.3), np.float32(6.0))
+    assert (np.diff(codes) <= 0).all()
+    assert codes == pytest.approx(inverse(depths) if code == 0 else 1 - depths / 6, abs=1e-6)
+
+
+def test_scan_of_a_ball_ahead() -> None:
+    # The ball's surface is 2 m ahead, 1.8 m beyond the robot's own; nothing else is in range.
+    episodes = play({"state": [2.5, 5, 0]}, BALL)
+    scan = part(episodes, "scan")
+    assert len(scan) == 36
+    assert scan[17] == pytest.approx(inverse(1.8), abs=2e-3)  # the beam nearest to straight ahead points 1 degree off
+    assert scan[18] == pytest.approx(inverse(1.8), abs=2e-3)
+    assert scan[[0, 9, 27, 35]] == pytest.approx([inverse(5.8)] * 4, abs=1e-6)
+    drive(episodes, -1, 0)
+    assert part(episodes, "scan") == pytest.approx(scan)
+
+
+def test_scan_bounds_are_tight() -> None:
+    episodes = play({"state": [4.3, 5, 0]}, BALL, only("scan"))
+    (_, low, high), scan = episodes.observation_terms[0], part(episodes, "scan")
+    assert high == pytest.approx(np.ones(36))
+    assert low == pytest.approx(np.full(36, inverse(5.8)), abs=1e-6)
+    assert scan[17:19] == pytest.approx(high[17:19], abs=5e-3)
+    assert (scan[[0, 35]] == low[[0, 35]]).all()
+    assert (scan <= high).all()
+
+
+def test_scan_linear_and_narrow() -> None:
+    sensor = {"name": "lidar2d", "number": 5, "angle_range": 1.0, "range_max": 4}
+    episodes = play({"state": [2.5, 5, 0], "sensors": [sensor]}, BALL, only({"name": "scan", "code": "linear"}))
+    scan = part(episodes, "scan")
+    assert len(scan) == 5
+    assert scan[2] == pytest.approx(1 - 1.8 / 4, abs=1e-6)
+    assert scan[[0, 4]] == pytest.approx([0.2 / 4] * 2, abs=1e-6)
+
+
+def test_scan_subtracts_the_outline_of_a_box() -> None:
+    # The sensor sits in the middle of a 1.0 x 0.4 m box: 0.5 m to its front, 0.2 m to its side.
+    shape = {"name": "rectangle", "length": 1.0, "width": 0.4}
+    sensor = {"name": "lidar2d", "number": 3, "angle_range": np.pi, "range_max": 4}
+    ball = {**BALL, "state": [5, 8, 0]}
+    episodes = play({"shape": shape, "state": [5, 5, 0], "sensors": [sensor]}, ball, only({"name": "scan"}))
+    assert part(episodes, "scan") == pytest.approx([inverse(3.8), inverse(3.5), inverse(2.3)], abs=1e-5)
+
+
+def test_near_and_zero_must_fit() -> None:
+    assert Scan(near=0.5, zero=1.0).check() == []
+    assert Scan(near=0.5, zero=1.1).check() == [("zero", "must be <= 0.5 / near = 1, got 1.1")]
+
+
+# --- goal, goal_heading, last_action, velocity
+
+
+@pytest.mark.parametrize(
+    ("pose", "goal", "expected"),
+    [
+        ([2, 5, 0], [8, 5], (6 / np.sqrt(200), 1, 0, np.exp(-6))),
+        ([2, 5, np.pi / 2], [8, 5], (6 / np.sqrt(200), 0, -1, np.exp(-6))),
+        ([2, 5, np.pi], [2, 2], (3 / np.sqrt(200), 0, 1, np.exp(-3))),
+        ([2, 5, 1.0], [2, 5], (0, 1, 0, 1)),
+        ([0, 0, 0], [40, 30], (1, 0.8, 0.6, 0)),
+    ],
+)
+def test_goal(pose: list[float], goal: list[float], expected: tuple[float, ...]) -> None:
+    assert part(play({"state": pose, "goal": goal}), "goal") == pytest.approx(expected, abs=1e-6)
+
+
+def test_goal_with_a_scale_of_its_own() -> None:
+    episodes = play({"goal": [8, 5]}, task={"observations": [{"name": "goal", "scale": 12, "near": 3}]})
+    assert part(episodes, "goal") == pytest.approx([0.5, 1, 0, np.exp(-2)], abs=1e-6)
+
+
+def test_goal_heading() -> None:
+    task = {"observations": ["goal_heading"]}
+    episodes = play({"state": [2, 5, 0.5], "goal": [8, 5, 1.5], "arrive_mode": "state"}, task=task)
+    assert part(episodes, "goal_heading") == pytest.approx([np.cos(1), np.sin(1)], abs=1e-6)
+    assert part(play({"goal": [8, 5]}, task=task), "goal_heading").tolist() == [0, 0]
+
+
+def test_last_action_is_the_cut_action() -> None:
+    episodes = play()
+    assert part(episodes, "last_action").tolist() == [-1, 0]
+    drive(episodes, 0.25, 3)
+    assert part(episodes, "last_action").tolist() == [0.25, 1]
+
+
+def test_velocity_is_what_was_executed() -> None:
+    task = {"observations": ["velocity"]}
+    episodes = play({"acce": [2, 3], "vel_min": [-0.5, -1.5]}, task=task)
+    assert part(episodes, "velocity").tolist() == [0, 0]
+    drive(episodes, 1, 1)  # 0.2 m/s of 1 m/s and 0.3 rad/s of 1.5 rad/s after one step
+    assert part(episodes, "velocity") == pytest.approx([0.2, 0.2])
+    (_, low, high) = episodes.observation_terms[-1]
+    assert low.tolist() == [-0.5, -1]
+    assert high.tolist() == [1, 1]
+
+
+# --- nearest_bodies
+
+
+def nearest(robot: Any, obstacle: Any, **options: Any) -> Any:
+    episodes = play(robot, obstacle, only({"name": "nearest_bodies", "count": 3, "range": 10, **options}))
+    return episodes, part(episodes, "nearest_bodies").reshape(-1, 6)
+
+
+def test_nearest_bodies_in_the_agents_frame() -> None:
+    balls = [
+        {"shape": {"name": "circle", "radius": 1.0}, "state": [2, 9, 0]},
+        {"shape": {"name": "circle", "radius": 0.5}, "state": [4, 5, 0]},
+    ]
+    _, rows = nearest({"state": [2, 5, np.pi / 2]}, balls)
+    assert rows[0] == pytest.approx([0, -0.2, 0, 0, 0.05, 1], abs=1e-6)
+    assert rows[1] == pytest.approx([0.4, 0, 0, 0, 0.1, 1], abs=1e-6)
+    assert rows[2].tolist() == [0] * 6
+
+
+def test_nearest_bodies_shows_the_nearest_point_of_walls_and_boxes() -> None:
+    wall = {"shape": {"name": "linestring", "vertices": [[0, 0], [10, 0]]}}
+    box = {"shape": {"name": "rectangle", "length": 2, "width": 2}, "state": [5, 5, np.pi / 2]}
+    _, rows = nearest({"state": [2, 5.5, 0]}, [wall, box])
+    assert rows[0] == pytest.approx([0.2, 0, 0, 0, 0, 1], abs=1e-6)
+    assert rows[1] == pytest.approx([0, -0.55, 0, 0, 0, 1], abs=1e-6)
+
+
+def test_nearest_bodies_move_relative_to_the_agent() -> None:
+    mover = {**ROBOT, "name": "mover", "state": [5, 5, np.pi], "goal": [0, 5, 0], "behavior": {"name": "dash"}}
+    robots = [{**ROBOT, "state": [2, 5, 0]}, mover]
+    episodes, _ = nearest(robots, None)
+    drive(episodes, 0, 0)  # 0.5 m/s towards each other's 1 m/s
+    rows = part(episodes, "nearest_bodies").reshape(-1, 6)
+    assert rows[0] == pytest.approx([(4.9 - 2.05) / 10, 0, -0.75, 0, 0.02, 1], abs=1e-6)
+
+
+def test_nearest_bodies_keeps_the_nearest_in_order() -> None:
+    places = [[9, 9, 0], [2, 6, 0], [7, 5, 0], [2, 2, 0], [4, 5, 0]]
+    balls = [{"shape": {"name": "circle", "radius": 0.1}, "state": place} for place in places]
+    _, rows = nearest({"state": [2, 5, 0]}, balls)
+    assert rows[:, :2] * 10 == pytest.approx(np.array([[0, 1], [2, 0], [0, -3]]), abs=1e-5)
+    _, rows = nearest({"state": [2, 5, 0]}, balls, range=1.5)
+    assert rows[:, 5].tolist() == [1, 0, 0]
+
+
+# --- the whole
+
+
+@pytest.mark.parametrize(
+    "observations", [["velocity", "goal_heading", "nearest_bodies"], [{"name": "scan", "code": "linear"}]]
+)
+def test_all_observations_stay_within_their_bounds(observations: list[Any]) -> None:
+    task = {"observations": observations}
+    robot = {"distribution": {"name": "random"}}
+    balls = {"number": 5, "shape": {"name": "circle", "radius": 0.4}, "distribution": {"name": "random"}}
+    mover = {**balls, "number": 2, "kinematics": {"name": "diff"}, "behavior": {"name": "dash", "wander": True}}
+    episodes = play(robot, [balls, mover], task, n_worlds=16)
+    low, high = (np.concatenate([term[k] for term in episodes.observation_terms]) for k in (1, 2))
+    assert (low >= -1).all()
+    assert (high <= 1).all()
+    rng = np.random.default_rng(3)
+    for _ in range(150):
+        episodes.step(rng.uniform(-1.2, 1.2, (16, 1, 2)))
+        seen = episodes.view.observation
+        assert seen.dtype == np.float32
+        assert ((seen >= low) & (seen <= high)).all()
+        episodes.begin_next(np.flatnonzero(episodes.view.terminated[:, 0]))
