@@ -92,6 +92,15 @@ def make_vec(
     return gymnasium.make_vec(one, num_envs=num_envs, **kwargs)
 
 
+def scenario_behind(name: Any) -> Any:
+    """Return the scenario that an id stands for; anything that is no id comes back as it is."""
+    if isinstance(name, str):
+        spec = gymnasium.registry.get(name.removeprefix(f"{NAMESPACE}:"))
+        if spec is not None and "scenario" in spec.kwargs:
+            return spec.kwargs["scenario"]
+    return name
+
+
 def _resolve(scenario: str | Path | Mapping[str, Any], kwargs: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     """Return the id to make and its arguments."""
     if isinstance(scenario, str):

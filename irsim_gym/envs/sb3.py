@@ -15,6 +15,7 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
+from irsim_gym.envs.registration import scenario_behind
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
 
@@ -34,7 +35,7 @@ def make_vec_env(
     """Make the worlds of a scenario for Stable-Baselines3.
 
     Args:
-        name: Name of a shipped scenario, path of a YAML file, plain data or a loaded scenario.
+        name: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
         n_envs: Number of worlds.
         seed: World ``w`` begins with level ``seed + w``; None for levels from entropy.
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
@@ -42,8 +43,16 @@ def make_vec_env(
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"`` or None; costs nothing until ``render`` is called.
     """
-    worlds = Worlds(name, n_envs, task=task, max_steps=max_steps, num_threads=num_threads, render_mode=render_mode)
-    env = WorldVecEnv(worlds)
+    env = WorldVecEnv(
+        Worlds(
+            scenario_behind(name),
+            n_envs,
+            task=task,
+            max_steps=max_steps,
+            num_threads=num_threads,
+            render_mode=render_mode,
+        )
+    )
     if seed is not None:
         env.seed(seed)
     return env

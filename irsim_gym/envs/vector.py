@@ -147,8 +147,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         """Step all worlds and restart those that end."""
         worlds = self.worlds
         worlds.episodes.step(rows)
-        view = worlds.episodes.view
-        rewards, terminations, truncations = (a[:, 0].copy() for a in (view.reward, view.terminated, view.truncated))
+        rewards, terminations, truncations = self._results()
         ended = terminations | truncations
         infos: dict[str, Any] = {}
         if ended.any():
@@ -162,10 +161,14 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         infos.update(worlds.batched_infos())
         return worlds.observation(), rewards, terminations, truncations, infos
 
+    def _results(self) -> tuple[Floats, Flags, Flags]:
+        """Return fresh copies of rewards, terminations and truncations, shape ``(num_envs,)`` each."""
+        view = self.worlds.episodes.view
+        return view.reward[:, 0].copy(), view.terminated[:, 0].copy(), view.truncated[:, 0].copy()
+
     def _transition(self) -> Step:
         """Return fresh copies of what the last step gave, and note which worlds have ended."""
-        view = self.worlds.episodes.view
-        rewards, terminations, truncations = (a[:, 0].copy() for a in (view.reward, view.terminated, view.truncated))
+        rewards, terminations, truncations = self._results()
         np.logical_or(terminations, truncations, out=self._ended)
         return self.worlds.observation(), rewards, terminations, truncations, self.worlds.batched_infos()
 

@@ -14,7 +14,7 @@ from gymnasium.error import ResetNeeded
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
-from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor, VecNormalize
+from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor, VecNormalize, VecVideoRecorder
 
 import irsim_gym
 
@@ -26,6 +26,15 @@ CONSTANT = {
     "endings": [],
     "max_steps": 20,
 }
+
+
+@pytest.fixture(autouse=True, scope="module")
+def one_torch_thread():
+    """Small networks learn faster on one thread, above all on a busy machine."""
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(threads)
 
 
 def pair(n=4, **kwargs):
@@ -187,6 +196,23 @@ def test_wrappers_of_sb3():
         lengths += [info["episode"]["l"] == info["steps"] for done, info in zip(dones, infos, strict=True) if done]
     assert len(lengths) >= 4
     assert all(lengths)
+
+
+def test_any_source_of_a_scenario_works():
+    seen = [irsim_gym.sb3.make_vec_env(name, 2, seed=1).reset() for name in (NAME, STILL, f"irsim_gym:{STILL}")]
+    np.testing.assert_array_equal(seen[0], seen[1])
+    np.testing.assert_array_equal(seen[0], seen[2])
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore:unclosed:ResourceWarning")
+def test_sb3_video(tmp_path):
+    env = irsim_gym.sb3.make_vec_env(NAME, 2, seed=0)
+    recorder = VecVideoRecorder(env, str(tmp_path), record_video_trigger=lambda step: step == 0, video_length=4)
+    recorder.reset()
+    for _ in range(6):
+        recorder.step(np.zeros((2, 2), np.float32))
+    recorder.close()
+    assert [file.suffix for file in tmp_path.iterdir()] == [".mp4"]
 
 
 def test_evaluation_trusts_the_statistics():

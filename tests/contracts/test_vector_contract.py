@@ -118,6 +118,18 @@ def test_bad_actions(actions, error):
         envs.step(actions)
 
 
+def test_actions_of_restarting_worlds_are_not_looked_at():
+    envs = gymnasium.make_vec(STILL, num_envs=2, max_steps=2)
+    envs.reset(seed=0)
+    envs.reset(seed=0, options={"reset_mask": np.array([True, False])})
+    for _ in range(2):
+        *_, truncations, _ = envs.step(np.zeros((2, 2), np.float32))
+    assert truncations.all()
+    envs.step(np.full((2, 2), np.nan, np.float32))
+    with pytest.raises(ValueError, match="finite"):
+        envs.step(np.full((2, 2), np.nan, np.float32))
+
+
 @pytest.mark.parametrize(
     ("mask", "error"),
     [
