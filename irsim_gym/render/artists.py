@@ -218,7 +218,7 @@ class Labels:
     """Texts beside bodies and goals."""
 
     def __init__(self, axes: Axes) -> None:
-        self._text = Text(family=theme.FONT, ha="center", va="bottom", parse_math=False, animated=True)
+        self._text = Text(family=theme.FONT, ha="center", va="bottom", parse_math=False, usetex=False, animated=True)
         axes.add_artist(self._text)
         self._items: list[tuple[float, float, str, BodyStyle]] = []
 

@@ -116,7 +116,7 @@ def caption_strip(caption: str, width: int) -> Bytes:
     canvas: Any = FigureCanvasAgg(figure)
     left = LEFT / REFERENCE_SIDE
     look: dict[str, Any] = {"family": theme.FONT, "fontsize": CAPTION_SIZE, "weight": "bold", "color": theme.INK}
-    figure.text(left, 0.40, caption, va="center", parse_math=False, **look)
+    figure.text(left, 0.40, caption, va="center", parse_math=False, usetex=False, **look)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()
 

@@ -52,10 +52,16 @@ def wedge(segments: Floats, discs: Floats) -> Floats:
     extent = box(segments, discs)
     if extent is None:
         return NOTHING
-    x_min, y_min, x_max, y_max = extent
-    half = 0.5 * min(x_max - x_min, y_max - y_min)
-    ahead = 0.5 * (x_min + x_max) + 0.5 * max(0.5 * (x_max - x_min) - half, 0.0)
-    return WEDGE * half + [ahead, 0.5 * (y_min + y_max)]
+    if len(discs):
+        center, half = discs[0, :2], float(discs[0, 2])
+    else:
+        starts, sides = segments[:, :2], segments[:, 2:] - segments[:, :2]
+        lengths = np.linalg.norm(sides, axis=1)
+        center = np.average(starts + 0.5 * sides, axis=0, weights=lengths)
+        along = np.clip(np.sum((center - starts) * sides, axis=1) / np.maximum(lengths * lengths, 1e-12), 0.0, 1.0)
+        inner = float(np.linalg.norm(starts + along[:, None] * sides - center, axis=1).min())
+        half = max(inner, 0.15 * min(extent[2] - extent[0], extent[3] - extent[1]))
+    return np.asarray(WEDGE * half + center, np.float64)
 
 
 def arrow(length: float, width: float) -> Floats:

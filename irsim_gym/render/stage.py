@@ -20,6 +20,7 @@ from irsim_gym.render.scene import BodyView, Scene
 DOTS_PER_INCH = 100.0
 POINTS_PER_INCH = 72.0
 REMEMBERED_BACKDROPS = 8
+TEXT = {"family": theme.FONT, "parse_math": False, "usetex": False}
 
 
 class Stage:
@@ -110,7 +111,7 @@ class _Head:
         y = 1.0 - 21.0 * layout.enlargement / layout.height
         left = layout.left / layout.width
         right = (layout.left + layout.plot_width) / layout.width
-        common: dict[str, Any] = {"family": theme.FONT, "va": "center", "parse_math": False}
+        common: dict[str, Any] = {**TEXT, "va": "center"}
         figure.text(left, y, title, color=theme.INK, fontsize=9.5, weight="bold", ha="left", **common)
         self._time = figure.text(right, y, "", color=theme.INK, fontsize=9.0, ha="right", animated=True, **common)
         self._status = figure.text(
@@ -156,7 +157,13 @@ def _frame(axes: Axes, layout: Layout, **look: Any) -> Rectangle:
 def _ticks(figure: Figure, axes: Axes, layout: Layout) -> None:
     """Write the coordinates beside the drawing area and draw the grid; the last number bears the unit."""
     x_min, y_min, x_max, y_max = layout.bounds
-    common: dict[str, Any] = {"family": theme.FONT, "fontsize": 7.5, "color": theme.INK_LIGHT, "parse_math": False}
+    common: dict[str, Any] = {
+        "family": theme.FONT,
+        "fontsize": 7.5,
+        "color": theme.INK_LIGHT,
+        "parse_math": False,
+        "usetex": False,
+    }
     columns = tick_positions(x_min, x_max, layout.plot_width / layout.enlargement)
     rows = tick_positions(y_min, y_max, layout.plot_height / layout.enlargement)
     low, low_row = layout.column_row(x_min, y_min)

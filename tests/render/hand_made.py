@@ -7,7 +7,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import pytest
 
 from irsim_gym.render import Renderer
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
@@ -144,8 +143,7 @@ def _lidar(n_worlds: int) -> Group:
 SHOWN = ObjectPlot(show_goal=True, show_trajectory=True)
 
 
-@pytest.fixture
-def world() -> World:
+def standard_world() -> World:
     return make_world(
         [
             Body(disc(0.4), (2.0, 3.0, 0.0), robot=True, movable=True, goal=(8.0, 8.0), color="#009E73", plot=SHOWN),
