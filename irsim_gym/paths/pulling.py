@@ -1,0 +1,154 @@
+"""Pull a path tight: shorter and shorter, and free all the way."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import way_is_free
+
+ROUNDS, SWEEPS, HALVINGS = 4, 6, 6
+SHORTEST_SIDE = 0.02
+"""Sides are not halved below this length [m]."""
+
+
+@kernel
+def path_length(path: Floats, count: int) -> float:
+    """Return the length [m] of the polyline through the first ``count`` points."""
+    total = 0.0
+    for i in range(1, count):
+        dx, dy = path[i, 0] - path[i - 1, 0], path[i, 1] - path[i - 1, 1]
+        total += np.sqrt(dx * dx + dy * dy)
+    return total
+
+
+@kernel
+def pull(
+    segments: Floats,
+    segment_start: Ints,
+    segment_count: Ints,
+    discs: Floats,
+    disc_start: Ints,
+    disc_count: Ints,
+    solid: Flags,
+    blocks: Flags,
+    radius: float,
+    path: Floats,
+    count: int,
+) -> int:
+    """Shorten a free path in place and return its new number of points; it stays free.
+
+    Points that can be left out are; then sides are halved and inner points drawn towards the chord of their
+    neighbours as far as both sides stay free, so that the path bends around what is in its way.
+
+    Args:
+        segments: As all tables up to ``blocks``: see the package's description.
+        segment_start: See there.
+        segment_count: See there.
+        discs: See there.
+        disc_start: See there.
+        disc_count: See there.
+        solid: See there.
+        blocks: See there.
+        radius: Radius of the moving body [m].
+        path: Changed: the points [m], shape ``(n_points, 2)``; room for more than ``count`` is used.
+        count: Number of points.
+    """
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    count = skip_points(*outlines, radius, path, count)
+    for _ in range(ROUNDS):
+        count = halve_sides(path, count)
+        for _ in range(SWEEPS):
+            for i in range(1, count - 1):
+                draw_in(*outlines, radius, path, i)
+        count = skip_points(*outlines, radius, path, count)
+    return count
+
+
+@kernel
+def skip_points(
+    segments: Floats,
+    segment_start: Ints,
+    segment_count: Ints,
+    discs: Floats,
+    disc_start: Ints,
+    disc_count: Ints,
+    solid: Flags,
+    blocks: Flags,
+    radius: float,
+    path: Floats,
+    count: int,
+) -> int:
+    """Go from each kept point straight to the last one that can be reached so; return the new number of points."""
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    kept, here = 1, 0
+    while here < count - 1:
+        to = count - 1
+        while to > here + 1 and not way_is_free(
+            *outlines, radius, path[kept - 1, 0], path[kept - 1, 1], path[to, 0], path[to, 1]
+        ):
+            to -= 1
+        path[kept, 0], path[kept, 1] = path[to, 0], path[to, 1]
+        kept, here = kept + 1, to
+    return kept
+
+
+@kernel
+def halve_sides(path: Floats, count: int) -> int:
+    """Put a point into the middle of each side that is long enough, while there is room; return the new number."""
+    added = 0
+    for i in range(1, count):
+        added += is_long(path, i)
+    if count + added > path.shape[0]:
+        return count
+    write = count + added - 1
+    for i in range(count - 1, 0, -1):
+        long = is_long(path, i)
+        x, y = 0.5 * (path[i, 0] + path[i - 1, 0]), 0.5 * (path[i, 1] + path[i - 1, 1])
+        path[write, 0], path[write, 1] = path[i, 0], path[i, 1]
+        write -= 1
+        if long:
+            path[write, 0], path[write, 1] = x, y
+            write -= 1
+    return count + added
+
+
+@kernel
+def is_long(path: Floats, i: int) -> bool:
+    """Return whether the side that ends in point i is long enough to be halved."""
+    dx, dy = path[i, 0] - path[i - 1, 0], path[i, 1] - path[i - 1, 1]
+    return bool(dx * dx + dy * dy > 4.0 * SHORTEST_SIDE * SHORTEST_SIDE)
+
+
+@kernel
+def draw_in(
+    segments: Floats,
+    segment_start: Ints,
+    segment_count: Ints,
+    discs: Floats,
+    disc_start: Ints,
+    disc_count: Ints,
+    solid: Flags,
+    blocks: Flags,
+    radius: float,
+    path: Floats,
+    i: int,
+) -> None:
+    """Move point i towards the nearest point of its neighbours' chord, as far as both its sides stay free."""
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    ax, ay, bx, by, cx, cy = path[i - 1, 0], path[i - 1, 1], path[i, 0], path[i, 1], path[i + 1, 0], path[i + 1, 1]
+    dx, dy = cx - ax, cy - ay
+    length2 = dx * dx + dy * dy
+    share = ((bx - ax) * dx + (by - ay) * dy) / length2 if length2 > 0.0 else 0.0
+    share = min(max(share, 0.0), 1.0)
+    way_x, way_y = ax + share * dx - bx, ay + share * dy - by
+    good, step = 0.0, 1.0
+    for _ in range(HALVINGS + 1):
+        x, y = bx + (good + step) * way_x, by + (good + step) * way_y
+        if way_is_free(*outlines, radius, ax, ay, x, y) and way_is_free(*outlines, radius, x, y, cx, cy):
+            good += step
+            if good >= 1.0:
+                break
+        step *= 0.5
+    path[i, 0], path[i, 1] = bx + good * way_x, by + good * way_y

@@ -1,0 +1,138 @@
+"""Distances over the grid of free cells, from all sources at once (Dijkstra 1959).
+
+Steps lead to 16 neighbours: the eight around a cell and the eight a knight's move away, whose straight way passes
+between two cells that must be free too (see ``grid`` for why it is free then). The grid's distance is at most 2.8 %
+longer than the straight one where nothing is in the way.
+
+The queue keeps cells in buckets as wide as the shortest step (Dial 1969), so that any order within a bucket is right.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import way_is_free
+from irsim_gym.paths.grid import BLOCKED
+from irsim_gym.paths.reachability import gate
+
+N_BUCKETS = 8
+NEXT, PREVIOUS, PARENT = 0, 1, 2
+
+STEPS = np.array(
+    [[dy, dx] for dy in range(-2, 3) for dx in range(-2, 3) if max(abs(dy), abs(dx)) == 1 or abs(dy * dx) == 2],
+    np.int64,
+)
+"""Rows and columns to the neighbours."""
+
+VIA = np.array(
+    [[[np.fix(dy / 2), np.fix(dx / 2)], [dy - np.fix(dy / 2), dx - np.fix(dx / 2)]] for dy, dx in STEPS], np.int64
+)
+"""Rows and columns of the two cells that a step passes (for a short step: the cell itself and the neighbour)."""
+
+LENGTHS = np.sqrt(np.sum(STEPS * STEPS, axis=1))
+"""Lengths of the steps in cells."""
+
+
+@kernel
+def clear_field(field: Floats, queue: Ints) -> None:
+    """Make all distances infinite and the queue empty."""
+    field[:] = np.inf
+    n_cells = field.size
+    for k in range(n_cells, n_cells + N_BUCKETS):
+        queue[NEXT, k], queue[PREVIOUS, k] = k, k
+
+
+@kernel
+def offer(field: Floats, queue: Ints, row: int, column: int, distance: float, parent: int, cell: float) -> None:
+    """Put a cell into its bucket if this distance [m] is less than the one it has."""
+    known = field[row, column]
+    if distance >= known:
+        return
+    n_cells, here = field.size, row * field.shape[1] + column
+    if known < np.inf:
+        before, after = queue[PREVIOUS, here], queue[NEXT, here]
+        queue[NEXT, before], queue[PREVIOUS, after] = after, before
+    field[row, column], queue[PARENT, here] = distance, parent
+    head = n_cells + int(distance / cell) % N_BUCKETS
+    after = queue[NEXT, head]
+    queue[NEXT, head], queue[PREVIOUS, here], queue[NEXT, here], queue[PREVIOUS, after] = here, head, after, here
+
+
+@kernel
+def offer_gates(
+    segments: Floats,
+    segment_start: Ints,
+    segment_count: Ints,
+    discs: Floats,
+    disc_start: Ints,
+    disc_count: Ints,
+    solid: Flags,
+    blocks: Flags,
+    radius: float,
+    x: float,
+    y: float,
+    origin_x: float,
+    origin_y: float,
+    cell: float,
+    blocked: Bytes,
+    field: Floats,
+    queue: Ints,
+) -> None:
+    """Offer the free cells about the source (x, y) [m] that can be reached straight from it; their PARENT is -1."""
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    rows, columns = blocked.shape
+    for i in range(16):
+        row, column = gate(i, x - origin_x, y - origin_y, cell)
+        if row < 0 or column < 0 or row >= rows or column >= columns or blocked[row, column] == BLOCKED:
+            continue
+        gate_x, gate_y = origin_x + (column + 0.5) * cell, origin_y + (row + 0.5) * cell
+        if way_is_free(*outlines, radius, x, y, gate_x, gate_y):
+            dx, dy = gate_x - x, gate_y - y
+            offer(field, queue, row, column, np.sqrt(dx * dx + dy * dy), -1, cell)
+
+
+@kernel
+def spread(blocked: Bytes, cell: float, target_row: int, target_column: int, field: Floats, queue: Ints) -> None:
+    """Spread from the cells in the queue until nothing is left, or until the target's surroundings are settled.
+
+    Args:
+        blocked: Blocked cells, shape ``(rows, columns)``.
+        cell: Side of a cell [m].
+        target_row: Stop once this cell and all as near as four cells beyond it are settled; -1 for no target.
+        target_column: See ``target_row``.
+        field: Changed: distances from the source [m], inf where there is no way, shape ``(rows, columns)``.
+        queue: Changed: the queue, and in row PARENT the number of the cell before on the way, -1 at the source.
+    """
+    n_cells, bucket, idle = field.size, 0, 0
+    while idle < N_BUCKETS:
+        head = n_cells + bucket % N_BUCKETS
+        here = queue[NEXT, head]
+        if here == head:
+            bucket, idle = bucket + 1, idle + 1
+            if target_row >= 0 and field[target_row, target_column] < (bucket - 4) * cell:
+                return
+            continue
+        idle = 0
+        after = queue[NEXT, here]
+        queue[NEXT, head], queue[PREVIOUS, after] = after, head
+        relax(blocked, cell, here, field, queue)
+
+
+@kernel
+def relax(blocked: Bytes, cell: float, here: int, field: Floats, queue: Ints) -> None:
+    """Offer all neighbours of a cell."""
+    rows, columns = blocked.shape
+    row, column = here // columns, here % columns
+    for k in range(STEPS.shape[0]):
+        to_row, to_column = row + STEPS[k, 0], column + STEPS[k, 1]
+        if to_row < 0 or to_column < 0 or to_row >= rows or to_column >= columns:
+            continue
+        if blocked[to_row, to_column] == BLOCKED:
+            continue
+        if blocked[row + VIA[k, 0, 0], column + VIA[k, 0, 1]] == BLOCKED:
+            continue
+        if blocked[row + VIA[k, 1, 0], column + VIA[k, 1, 1]] == BLOCKED:
+            continue
+        offer(field, queue, to_row, to_column, field[row, column] + LENGTHS[k] * cell, here, cell)
