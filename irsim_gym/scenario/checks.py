@@ -10,7 +10,7 @@ from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS, KINEMATICS
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.messages import choices, show
 from irsim_gym.scenario.source import Place
-from irsim_gym.scenario.validation import Report
+from irsim_gym.scenario.validation import BAD, Report
 
 FULL_TURN = 2.0 * math.pi
 TURN_TOLERANCE = 1e-4
@@ -22,6 +22,21 @@ Places = Mapping[str, Place]
 def command_size(drive: Any) -> int:
     """Return the number of velocities of a drive; 2 for a body without one."""
     return 2 if drive is None else len(drive.command_names)
+
+
+def check_body(values: Values, places: Places, report: Report) -> bool:
+    """Make each check whose values could be read; return whether all could, and none found anything."""
+    needs = {
+        check_drive: ("kinematics", "behavior", "group_behavior", "static"),
+        check_dimensions: ("kinematics", "state_dim", "vel_dim", "vel_min", "vel_max", "acce", "velocity"),
+        check_limits: ("kinematics", "vel_min", "vel_max"),
+        check_angle_range: ("angle_range",),
+    }
+    good = all(value is not BAD for value in values.values())
+    for check, keys in needs.items():
+        if all(values[key] is not BAD for key in keys):
+            good = check(values, places, report) and good
+    return good
 
 
 def check_drive(values: Values, places: Places, report: Report) -> bool:
@@ -45,9 +60,9 @@ def check_drive(values: Values, places: Places, report: Report) -> bool:
     return good
 
 
-def check_dimensions(values: Values, places: Places, drive: Any, report: Report) -> bool:
+def check_dimensions(values: Values, places: Places, report: Report) -> bool:
     """Tell vectors of the wrong length, and dimensions that are not the drive's."""
-    good = True
+    good, drive = True, values["kinematics"]
     name = "a body without kinematics" if drive is None else f"'{KINEMATICS.name_of(type(drive))}'"
     size, state_size = command_size(drive), 3 if drive is None else drive.state_size
     if values["state_dim"] not in (None, state_size):
@@ -70,11 +85,11 @@ def check_dimensions(values: Values, places: Places, drive: Any, report: Report)
     return good
 
 
-def check_limits(values: Values, places: Places, drive: Any, report: Report) -> bool:
+def check_limits(values: Values, places: Places, report: Report) -> bool:
     """Tell limits that leave no velocity."""
-    if drive is None:
+    if values["kinematics"] is None:
         return True
-    size = command_size(drive)
+    size = command_size(values["kinematics"])
     low, high = values["vel_min"] or (-1.0,) * size, values["vel_max"] or (1.0,) * size
     if any(a > b for a, b in zip(low, high, strict=False)):
         key = "vel_min" if values["vel_min"] is not None else "vel_max"
@@ -83,11 +98,11 @@ def check_limits(values: Values, places: Places, drive: Any, report: Report) -> 
     return True
 
 
-def check_angle_range(values: Values, places: Places, report: Report) -> float | None:
-    """Return the lower end of the interval that headings wrap into; None after telling that it is not a full turn."""
+def check_angle_range(values: Values, places: Places, report: Report) -> bool:
+    """Tell an interval of headings that is not a full turn."""
     low, high = values["angle_range"]
     if abs(high - low - FULL_TURN) > TURN_TOLERANCE:
         message = f"must be a full turn wide (2 pi), such as [-pi, pi], got {show(values['angle_range'])}"
         report.add(places["angle_range"], message)
-        return None
-    return float(low)
+        return False
+    return True

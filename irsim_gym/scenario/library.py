@@ -52,5 +52,6 @@ def find(name: str | Path, section: str = "scenarios") -> Path:
     if path.is_file() or path.is_dir():
         return path
     one = section.removesuffix("s")
-    near = suggestion(str(name), shipped) or f"; shipped: {', '.join(shipped) or 'none'}"
-    raise UnknownNameError(f"no {one} named '{name}'{near} (a file needs its suffix, .yaml)")
+    shown = str(name)[:60]
+    near = suggestion(shown, shipped) or f"; shipped: {', '.join(shipped) or 'none'}; a file needs its suffix, .yaml"
+    raise UnknownNameError(f"no {one} named '{shown}'{near}")

@@ -9,7 +9,8 @@ from typing import Any
 from irsim_gym import families
 from irsim_gym.errors import ScenarioError
 from irsim_gym.scenario import library
-from irsim_gym.scenario.bodies import make_bodies, placement_of, read_entry
+from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of
+from irsim_gym.scenario.entries import read_entry
 from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, show, unknown_key
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import ROLES, SECTIONS, WRAPPER, split_entries, split_sections
@@ -95,7 +96,7 @@ def _bodies(
     bodies: list[BodySpec] = []
     placements: list[PlacementSpec] = []
     total, next_group = 0, 0
-    places: list[Place] = []
+    names: list[tuple[Place, str]] = []
     for role in ROLES:
         raws = split_entries(role, sections.get(role), (*roots.get(role, ()), role), report)
         entries = [read_entry(raw, plot, report) for raw in raws]
@@ -106,22 +107,22 @@ def _bodies(
             made = make_bodies(entry, len(placements), total, next_group + k, report)
             if entry.count:
                 placements.append(placement_of(entry, total, report))
-            places.extend(entry.of("name", i)[0] for i in range(entry.count))
+            names.extend(name_of(entry, i, total + i) for i in range(entry.count))
             total += entry.count
             bodies.extend(made)
         next_group = 1 + max((body.group for body in bodies), default=len(entries) - 1)
-    if len(bodies) == total:
-        _check_names(bodies, places, report)
+    _check_names(names, report)
     return tuple(bodies), tuple(placements)
 
 
-def _check_names(bodies: list[BodySpec], places: list[Place], report: Report) -> None:
+def _check_names(names: list[tuple[Place, str]], report: Report) -> None:
     """Tell names that two bodies share."""
-    first: dict[str, int] = {}
-    for b, body in enumerate(bodies):
-        other = first.setdefault(body.name, b)
-        if other != b:
-            line = report.source.line(places[other])
-            where = f" (first in line {line})" if line and places[other] != places[b] else ""
-            hint = "; a list gives each body its own" if places[other] == places[b] else ""
-            report.add(places[b], f"the name '{body.name[:40]}' is given to several bodies{where}{hint}")
+    first: dict[str, Place] = {}
+    for place, name in names:
+        if name not in first:
+            first[name] = place
+            continue
+        line = report.source.line(first[name])
+        where = f" (first in line {line})" if line and first[name] != place else ""
+        hint = "; a list gives each body its own" if first[name] == place else ""
+        report.add(place, f"the name '{name[:40]}' is given to several bodies{where}{hint}")

@@ -1,0 +1,197 @@
+"""Entries of ``robot`` and ``obstacle``: each value is checked once, however many bodies share it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from irsim_gym.families import BEHAVIORS, FOOTPRINTS, GROUP_BEHAVIORS, KINEMATICS, PLACEMENTS, SENSORS
+from irsim_gym.registry import Registry
+from irsim_gym.scenario.colors import color_problem
+from irsim_gym.scenario.messages import CONTACT_KEYS, show
+from irsim_gym.scenario.options import defaults
+from irsim_gym.scenario.plot_spec import ObjectPlot
+from irsim_gym.scenario.shorthand import RawEntry, depth, share
+from irsim_gym.scenario.source import Place
+from irsim_gym.scenario.spec import MAX_BODIES, BodyOptions, Waypoint
+from irsim_gym.scenario.validation import BAD, Report, build, build_named, check_keys, option_fields, read_field
+
+FIELDS = option_fields(BodyOptions)
+OF_ENTRY = frozenset({"number", "number_range", "distribution"})
+FAMILIES: dict[str, Registry] = {
+    "kinematics": KINEMATICS,
+    "shape": FOOTPRINTS,
+    "behavior": BEHAVIORS,
+    "group_behavior": GROUP_BEHAVIORS,
+}
+ROBOT, OBSTACLE = "robot", "obstacle"
+
+
+@dataclass
+class Entry:
+    """An entry whose values are checked.
+
+    Attributes:
+        raw: What stands in the file.
+        count: Number of its bodies.
+        number_range: Least and greatest number of bodies in a level, or None.
+        placement: Instance of a distribution; None when it was refused.
+        values: For each key the checked values that its bodies share, with their paths.
+    """
+
+    raw: RawEntry
+    count: int = 1
+    number_range: tuple[int, int] | None = None
+    placement: Any = None
+    values: dict[str, list[tuple[Place, Any]]] = field(default_factory=dict)
+
+    def of(self, key: str, i: int) -> tuple[Place, Any]:
+        """Return path and value of a key for the entry's i-th body; the default and its would-be path if not given."""
+        values = self.values.get(key)
+        if not values:
+            default = FIELDS[key].default
+            return (*self.raw.place, key), default
+        return values[min(i, len(values) - 1)]
+
+
+def read_entry(raw: RawEntry, plot: Mapping[str, Any], report: Report) -> Entry:
+    """Check all values of an entry.
+
+    Args:
+        raw: What stands in the file.
+        plot: Drawing options for all bodies of the file, which the entry's own override.
+        report: Collects the problems.
+    """
+    entry = Entry(raw)
+    check_keys(raw.data, FIELDS, raw.place, report, CONTACT_KEYS["body"])
+    _read_number(entry, report)
+    entry.placement = _read_placement(raw, report)
+    for key, value in raw.data.items():
+        if key not in FIELDS or key in OF_ENTRY or value is None or value == {}:
+            continue
+        read = _reader(key, raw.role, plot)
+        shared = share(key, value, entry.count, (*raw.place, key), report)
+        entry.values[key] = [(place, read(item, place, report)) for place, item in shared.values]
+    if plot and not entry.values.get("plot"):
+        default = build(ObjectPlot, plot, (*raw.place, "plot"), Report(report.source))
+        entry.values["plot"] = [((*raw.place, "plot"), default or defaults(ObjectPlot))]
+    return entry
+
+
+def _read_number(entry: Entry, report: Report) -> None:
+    data, place = entry.raw.data, entry.raw.place
+    number, number_range = data.get("number"), data.get("number_range")
+    if number is not None:
+        count = read_field(FIELDS["number"], number, (*place, "number"), report)
+        entry.count = 1 if count is BAD else count
+    if number_range is None:
+        return
+    if number is not None:
+        report.add((*place, "number_range"), "cannot stand beside number")
+    bounds = read_field(FIELDS["number_range"], number_range, (*place, "number_range"), report)
+    if bounds is BAD:
+        return
+    low, high = bounds
+    if not 0 <= low <= high <= MAX_BODIES or high < 1:
+        report.add((*place, "number_range"), f"must be [least, most] with 0 <= least <= most, got {show(bounds)}")
+        return
+    entry.number_range, entry.count = bounds, high
+
+
+def _read_placement(raw: RawEntry, report: Report) -> Any:
+    data, place = raw.data.get("distribution"), (*raw.place, "distribution")
+    if data is None or data == {}:
+        return PLACEMENTS.entry("manual").kind()
+    if isinstance(data, Mapping) and "3d" in data:
+        if data["3d"] not in (False, None):
+            report.add((*place, "3d"), "the world is flat: only false is possible")
+        data = {key: value for key, value in data.items() if key != "3d"}
+    return build_named(PLACEMENTS, data, place, report)
+
+
+def _reader(key: str, role: str, plot: Mapping[str, Any]) -> Callable[[Any, Place, Report], Any]:
+    """Return the function that checks one value of a key."""
+    if key in FAMILIES:
+        return lambda value, place, report: _read_kind(key, value, place, report)
+    if key == "sensors":
+        return _read_sensors
+    if key == "goal":
+        return _read_goal
+    if key == "plot":
+        return lambda value, place, report: _read_plot(value, plot, place, report)
+    if key == "role":
+        return lambda value, place, report: _read_role(value, role, place, report)
+    if key == "color":
+        return _read_color
+    return lambda value, place, report: read_field(FIELDS[key], value, place, report)
+
+
+def _read_kind(key: str, value: Any, place: Place, report: Report) -> Any:
+    if value is None or value == {}:
+        return None
+    name = value.get("name") if isinstance(value, Mapping) else None
+    if key == "kinematics" and isinstance(name, str) and name not in KINEMATICS and name.lower() in KINEMATICS:
+        value = {**value, "name": name.lower()}
+    made = build_named(FAMILIES[key], value, place, report)
+    return BAD if made is None else made
+
+
+def _read_sensors(value: Any, place: Place, report: Report) -> Any:
+    items = [value] if isinstance(value, Mapping) else value
+    if not isinstance(items, list):
+        report.add(place, f"must be a list of sensors such as [{{name: lidar2d}}], got {show(value)}")
+        return BAD
+    paths = [place] if isinstance(value, Mapping) else [(*place, i) for i in range(len(items))]
+    made = [
+        build_named(SENSORS, item, where, report, default="lidar2d", synonym="type")
+        for item, where in zip(items, paths, strict=True)
+    ]
+    for sensor, where in zip(made, paths, strict=True):
+        if problem := color_problem(getattr(sensor, "color", None)):
+            report.add((*where, "color"), problem)
+    return BAD if any(sensor is None for sensor in made) else tuple(made)
+
+
+def _read_goal(value: Any, place: Place, report: Report) -> Any:
+    levels = depth(value)
+    if levels == 0:
+        report.add(place, f"must be [x, y] or [x, y, heading], got {show(value)}")
+        return BAD
+    goals = [(place, value)] if levels == 1 else [((*place, i), goal) for i, goal in enumerate(value)]
+    read = [_read_waypoint(goal, where, report) for where, goal in goals]
+    return BAD if any(goal is BAD for goal in read) else tuple(read)
+
+
+def _read_waypoint(value: Any, place: Place, report: Report) -> Any:
+    numbers = read_field(FIELDS["state"], value, place, report)
+    if numbers is BAD:
+        return BAD
+    if len(numbers) < 2:
+        report.add(place, f"must be [x, y] or [x, y, heading], got {show(value)}")
+        return BAD
+    waypoint: Waypoint = (numbers[0], numbers[1], numbers[2] if len(numbers) > 2 else math.nan)
+    return waypoint
+
+
+def _read_plot(value: Any, shared: Mapping[str, Any], place: Place, report: Report) -> Any:
+    own = build(ObjectPlot, value, place, report)
+    if own is None or not shared:
+        return BAD if own is None else own
+    return build(ObjectPlot, {**shared, **value}, place, Report(report.source)) or own
+
+
+def _read_role(value: Any, role: str, place: Place, report: Report) -> Any:
+    if value != role:
+        report.add(place, f"must be '{role}' in this section (or left out), got {show(value)}")
+        return BAD
+    return value
+
+
+def _read_color(value: Any, place: Place, report: Report) -> Any:
+    color = read_field(FIELDS["color"], value, place, report)
+    problem = "" if color is BAD or color == "cycle" else color_problem(color)
+    if problem:
+        report.add(place, problem)
+    return BAD if problem else color
