@@ -43,7 +43,7 @@ bench: $(TESTS_READY)
 
 clean:
 	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
-	find irsim_gym agents tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
+	find . -path ./$(VENV) -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # An interrupted set-up leaves no stamp, and the next run takes it up again.
 $(INSTALLED): pyproject.toml constraints.txt
