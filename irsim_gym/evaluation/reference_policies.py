@@ -98,7 +98,7 @@ def _wrap(angle: Floats) -> Floats:
 
 def _row(field: Floats, worlds: Ints, body: int) -> Floats:
     """Return a body's rows of a field that worlds may share."""
-    return field[worlds % field.shape[0], body]
+    return np.asarray(field[worlds % field.shape[0], body])
 
 
 REFERENCES: dict[str, type[RandomPolicy] | type[DashPolicy]] = {"random": RandomPolicy, "dash": DashPolicy}
@@ -126,4 +126,4 @@ def to_actions(episodes: Episodes, worlds: Ints, command: Floats) -> NDArray[np.
     options = episodes.task.action
     forward = np.rint(0.5 * (action[:, 0] + 1.0) * (options.linear - 1)).astype(np.int64)
     turn = np.rint(0.5 * (action[:, 1] + 1.0) * (options.angular - 1)).astype(np.int64)
-    return forward * options.angular + turn
+    return np.asarray(forward * options.angular + turn)

@@ -16,6 +16,7 @@ from typing import Any
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from irsim_gym.evaluation.metrics import HITS, EpisodeRow, Rate, Summary
 
@@ -89,7 +90,7 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
     split = hits if len(hits) > 1 else []
     shares = ["success", "95 %\ninterval", "collision", *(f"with {hit}" for hit in split), "timeout", "left"]
     for head in [*(f"{share}\n[%]" for share in shares), "SPL", "time\n[s]", "path\nratio", "clear.\n[m]"]:
-        table.add_column(head, justify="right")
+        table.add_column(Text(head), justify="right")
     for summary in summaries:
         success = summary.success
         table.add_row(

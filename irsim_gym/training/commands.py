@@ -8,6 +8,7 @@ from typing import Any
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from irsim_gym.envs import sb3
 from irsim_gym.envs.worlds import Worlds
@@ -78,7 +79,7 @@ def marks_table(points: Sequence[Point]) -> Table:
     """Say when which success was reached for good, and what the last checkpoint scores."""
     table = Table(title=f"success on {points[-1]['levels']:,} dev levels", title_justify="left")
     for head in ("mark", "training time [s]", "steps"):
-        table.add_column(head, justify="right")
+        table.add_column(Text(head), justify="right")
     for mark in MARKS:
         point = reached(points, mark)
         row = (f"{point['training_seconds']:.1f}", f"{point['steps']:,}") if point else ("-", "-")

@@ -35,9 +35,10 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
     success, collision = ([100.0 * point[name] for point in points] for name in ("success", "collision"))
     axes.plot(seconds, success, color=ACCENT, marker="o", ms=3.5, label="success")
     axes.plot(seconds, collision, color=FAILURE, lw=1.2, ls="--", label="collision")
-    for mark in (95.0, 98.0):
+    for mark, side in ((95.0, "top"), (98.0, "bottom")):
         axes.axhline(mark, color=GRID, lw=1.0, zorder=0)
-        axes.annotate(f"{mark:.0f} %", (1.0, mark), xycoords=("axes fraction", "data"), fontsize=7, color=INK)
+        place = (1.005, mark)
+        axes.annotate(f"{mark:.0f} %", place, xycoords=("axes fraction", "data"), fontsize=7, color=INK, va=side)
     axes.set(xlabel="training time [s]", ylabel="levels [%]", ylim=(0.0, 100.5), xlim=(0.0, None))
     axes.set_title(title, loc="left", fontsize=10, color=INK)
     axes.legend(loc="center right", frameon=False, fontsize=8)

@@ -93,6 +93,7 @@ def test_train_resume_evaluate_and_record(
 
 
 def test_demo_twice(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    monkeypatch.setattr("irsim_gym.training.demo.FILMED", (0,))
     demo = ["demo", "--scenario", "empty_goal", "--steps", 16384, "--levels", 3, "--out", tmp_path]
     assert run(monkeypatch, *demo) == 0
     made = {name: (tmp_path / name) for name in ("film.mp4", "curve.png", "table.txt", "policy.zip", "episodes.csv")}

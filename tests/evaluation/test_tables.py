@@ -54,6 +54,7 @@ def test_table_shows_the_split_of_collisions_only_where_there_is_one() -> None:
     # 1 of 2, SPL 0.8 / 2, clearance 0.25 / 2
     cells = ["dash", "50.0", "9.5-90.5", "50.0", "0.0", "0.0", "0.400", "2.00", "1.250", "0.125"]
     assert cells in [line.split() for line in text.splitlines()]
+    assert "[s]" in text
     assert max(map(len, text.splitlines())) <= 80
     moving = EpisodeRow(2, "collision", "moving obstacle", 7, 0.7, 1.0, 2.0, 0.0)
     heads = [str(column.header) for column in summary_table([summarize("dash", [*ROWS, moving])], "t").columns]
