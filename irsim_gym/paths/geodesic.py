@@ -42,7 +42,7 @@ def shortest_path(
     """Write a short free path and return its number of points, 0 if there is none.
 
     The straight way if it is free; else the shortest over free cells, pulled tight. What is written is free all the
-    way (tested exactly), so its length is never below that of the true shortest path; it is above by about 1 % at most
+    way (tested exactly), so its length is never below that of the true shortest path; it is above by 0.1 % or so,
     unless ways on different sides of something are nearly equally long (then by up to 3 %) or a gap is too narrow for
     the cells (see ``is_reachable``).
 

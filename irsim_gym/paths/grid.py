@@ -53,7 +53,7 @@ class Grid:
         rows = max(1, round((y_max - y_min) / cell))
         origin_x = 0.5 * (x_min + x_max - columns * cell)
         origin_y = 0.5 * (y_min + y_max - rows * cell)
-        return cls(origin_x, origin_y, cell, columns, rows)
+        return cls(origin_x, origin_y, float(cell), columns, rows)
 
     def blocked(self) -> Bytes:
         """Return memory for ``mark_blocked``, shape ``(rows, columns)``."""

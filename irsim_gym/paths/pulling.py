@@ -8,9 +8,9 @@ from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import way_is_free
 
-ROUNDS, SWEEPS, HALVINGS = 4, 6, 6
-SHORTEST_SIDE = 0.02
-"""Sides are not halved below this length [m]."""
+ROUNDS, SWEEPS, HALVINGS = 4, 4, 6
+LONGEST_CUT = 0.5
+"""How far from a corner points are added in the first round [m]; half as far in each later one."""
 
 
 @kernel
@@ -39,8 +39,9 @@ def pull(
 ) -> int:
     """Shorten a free path in place and return its new number of points; it stays free.
 
-    Points that can be left out are; then sides are halved and inner points drawn towards the chord of their
-    neighbours as far as both sides stay free, so that the path bends around what is in its way.
+    Points that can be left out are; then points are added on both sides of each corner, and all inner points drawn
+    towards the chord of their neighbours as far as both sides stay free, so that the path bends around what is in its
+    way.
 
     Args:
         segments: As all tables up to ``blocks``: see the package's description.
@@ -57,8 +58,10 @@ def pull(
     """
     outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
     count = skip_points(*outlines, radius, path, count)
+    cut = LONGEST_CUT
     for _ in range(ROUNDS):
-        count = halve_sides(path, count)
+        count = flank_corners(path, count, cut)
+        cut *= 0.5
         for _ in range(SWEEPS):
             for i in range(1, count - 1):
                 draw_in(*outlines, radius, path, i)
@@ -95,30 +98,33 @@ def skip_points(
 
 
 @kernel
-def halve_sides(path: Floats, count: int) -> int:
-    """Put a point into the middle of each side that is long enough, while there is room; return the new number."""
-    added = 0
-    for i in range(1, count):
-        added += is_long(path, i)
-    if count + added > path.shape[0]:
+def flank_corners(path: Floats, count: int, cut: float) -> int:
+    """Add a point before and after each inner one while there is room; return the new number of points.
+
+    The points lie ``cut`` [m] from the corner, or at a third of a side that is shorter than three times that.
+    """
+    more = 3 * count - 4
+    if count < 3 or more > path.shape[0]:
         return count
-    write = count + added - 1
-    for i in range(count - 1, 0, -1):
-        long = is_long(path, i)
-        x, y = 0.5 * (path[i, 0] + path[i - 1, 0]), 0.5 * (path[i, 1] + path[i - 1, 1])
-        path[write, 0], path[write, 1] = path[i, 0], path[i, 1]
-        write -= 1
-        if long:
-            path[write, 0], path[write, 1] = x, y
-            write -= 1
-    return count + added
+    path[more - 1, 0], path[more - 1, 1] = path[count - 1, 0], path[count - 1, 1]
+    after_x, after_y = path[count - 1, 0], path[count - 1, 1]
+    for i in range(count - 2, 0, -1):
+        x, y, before_x, before_y = path[i, 0], path[i, 1], path[i - 1, 0], path[i - 1, 1]
+        place = 3 * i - 1
+        put_between(path, place + 1, x, y, after_x, after_y, cut)
+        path[place, 0], path[place, 1] = x, y
+        put_between(path, place - 1, x, y, before_x, before_y, cut)
+        after_x, after_y = x, y
+    return more
 
 
 @kernel
-def is_long(path: Floats, i: int) -> bool:
-    """Return whether the side that ends in point i is long enough to be halved."""
-    dx, dy = path[i, 0] - path[i - 1, 0], path[i, 1] - path[i - 1, 1]
-    return bool(dx * dx + dy * dy > 4.0 * SHORTEST_SIDE * SHORTEST_SIDE)
+def put_between(path: Floats, place: int, ax: float, ay: float, bx: float, by: float, cut: float) -> None:
+    """Write a point ``cut`` [m] from a on the way to b, at most a third of the way."""
+    dx, dy = bx - ax, by - ay
+    length = np.sqrt(dx * dx + dy * dy)
+    share = min(1.0 / 3.0, cut / length) if length > 0.0 else 0.0
+    path[place, 0], path[place, 1] = ax + share * dx, ay + share * dy
 
 
 @kernel

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.pulling import path_length
@@ -18,6 +17,7 @@ from irsim_gym.world.state import WorldState
 FINE, COARSE = 0.05, 0.1
 
 Point = Sequence[float] | Floats
+Outlines = tuple[Floats, Ints, Ints, Floats, Ints, Ints, Flags, Flags]
 
 
 def standing_bodies(model: WorldModel, world: int) -> Flags:
@@ -50,9 +50,10 @@ def free_path(
     """
     grid, outlines = Grid.over(model.bounds, cell), _outlines(model, state, world, blocks)
     path = grid.path()
-    place = (start[0], start[1], goal[0], goal[1], grid.origin_x, grid.origin_y)
-    numbers = [float(value) for value in (radius, *place, cell)]
-    count = shortest_path(*outlines, *numbers, grid.blocked(), grid.field(), grid.queue(), path)
+    ends = float(start[0]), float(start[1]), float(goal[0]), float(goal[1])
+    place = grid.origin_x, grid.origin_y, grid.cell
+    memory = grid.blocked(), grid.field(), grid.queue()
+    count = shortest_path(*outlines, float(radius), *ends, *place, *memory, path)
     return path[:count].copy()
 
 
@@ -85,12 +86,12 @@ def has_free_path(
 ) -> bool:
     """Return whether ``is_reachable`` finds a way; arguments as for ``free_path``."""
     grid, outlines = Grid.over(model.bounds, cell), _outlines(model, state, world, blocks)
-    place = (start[0], start[1], goal[0], goal[1], grid.origin_x, grid.origin_y)
-    numbers = [float(value) for value in (radius, *place, cell)]
-    return bool(is_reachable(*outlines, *numbers, grid.blocked(), grid.runs()))
+    ends = float(start[0]), float(start[1]), float(goal[0]), float(goal[1])
+    place = grid.origin_x, grid.origin_y, grid.cell
+    return bool(is_reachable(*outlines, float(radius), *ends, *place, grid.blocked(), grid.runs()))
 
 
-def _outlines(model: WorldModel, state: WorldState, world: int, blocks: Flags | None) -> tuple[Any, ...]:
+def _outlines(model: WorldModel, state: WorldState, world: int, blocks: Flags | None) -> Outlines:
     """Return the tables of one world in the order that the kernels want."""
     return (
         state.segments[world],
