@@ -1,0 +1,66 @@
+"""Saved policies drive as they were trained: same observations, same normalisation, whatever the batch."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from irsim_gym.envs import sb3
+from irsim_gym.envs.worlds import Worlds
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.protocol import evaluate
+from irsim_gym.evaluation.reference_policies import DashPolicy
+from irsim_gym.scenario.library import find
+from irsim_gym.training.hyperparameters import Hyperparameters
+from irsim_gym.training.policies import SavedPolicy, load_policy, policy_names
+from irsim_gym.training.run import Settings
+from irsim_gym.training.train import train
+
+TINY = {"n_timesteps": 128, "n_envs": 4, "n_steps": 16, "batch_size": 32, "n_epochs": 1}
+DICT = {"name": "navigation", "observation_form": "dict"}
+DISCRETE = {"name": "navigation", "action": {"name": "discrete"}, "max_steps": 40}
+
+
+@pytest.mark.parametrize(
+    ("task", "own"), [(None, {}), (None, {"normalize": True}), (DICT, {}), (DICT, {"normalize": True}), (DISCRETE, {})]
+)
+def test_a_saved_policy_drives_any_number_of_worlds_alike(
+    task: dict[str, Any] | None, own: dict[str, Any], tmp_path: Path
+) -> None:
+    content = yaml.safe_load(find("cluttered_room").read_text())
+    content["task"] = {**(task or {"name": "navigation"}), "max_steps": 40}
+    scenario = tmp_path / "room.yaml"
+    scenario.write_text(yaml.safe_dump(content))
+    wanted = Hyperparameters.from_plain({**TINY, **own})
+    run = train(Settings(str(scenario), "ppo", 0, None, wanted), tmp_path / "run")
+    rows = [evaluate(load_policy(run.folder), Worlds(scenario, n).episodes, 6, "dev") for n in (1, 4, 6)]
+    assert rows[0] == rows[1] == rows[2]
+
+
+def test_it_acts_as_the_algorithm_predicts(tmp_path: Path) -> None:
+    wanted = Hyperparameters.from_plain({**TINY, "normalize": True})
+    run = train(Settings("empty_goal", "ppo", 0, None, wanted), tmp_path)
+    policy = load_policy(run.policy)
+    assert isinstance(policy, SavedPolicy)
+    assert policy.normalization is not None
+    env = sb3.make_vec_env("empty_goal", n_envs=3, seed=5, render_mode=None)
+    expected, _ = policy.model.predict(policy.normalization.normalize_obs(env.reset()), deterministic=True)
+    acted = policy.act(env.worlds.episodes, np.array([0, 1, 2]))
+    np.testing.assert_allclose(acted, expected, atol=1e-6)
+    assert policy.normalization.training is False
+
+
+def test_sources() -> None:
+    assert isinstance(load_policy("dash"), DashPolicy)
+    assert policy_names(["runs/a", "runs/b/policy.zip", "best.zip", "dash"]) == ["a", "b", "best", "dash"]
+    assert policy_names(["x/policy.zip", "dash", "y/x"]) == ["x-1", "dash", "x-2"]
+
+
+def test_what_is_no_policy(tmp_path: Path) -> None:
+    with pytest.raises(IrsimGymError, match="no policy at"):
+        load_policy(tmp_path)
+    (tmp_path / "policy.zip").write_text("nothing")
+    with pytest.raises(IrsimGymError, match="no policy of Stable-Baselines3"):
+        load_policy(tmp_path / "policy.zip")
