@@ -93,7 +93,7 @@ class RandomPlacement:
         draw_members(
             shard.worlds,
             group.members,
-            group.params[0],
+            group.params,
             table["low"],
             table["high"],
             shapes,
@@ -109,7 +109,7 @@ class RandomPlacement:
 def draw_members(
     worlds: Ints,
     members: Ints,
-    options: Any,
+    params: Any,
     low: Floats,
     high: Floats,
     shapes: Any,
@@ -120,7 +120,7 @@ def draw_members(
     failed: Ints,
 ) -> None:
     """Place one member after the other in each world, until one finds no place."""
-    present, has_goal, placed = shapes[0], targets[0], scene[3]
+    present, has_goal, placed, options = shapes[0], targets[0], scene[3], params[0]
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):

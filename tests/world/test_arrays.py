@@ -53,7 +53,7 @@ def test_records_hold_numbers_choices_and_pairs() -> None:
     assert table[1].radius == 2.0
     assert np.isnan(table[0].wheelbase)
     assert table[1].wheelbase == 0.5
-    assert table.count.tolist() == [3, 3]
-    assert table.active.tolist() == [1, 0]
-    assert table.mode.tolist() == [1, 0]
+    assert table["count"].tolist() == [3, 3]
+    assert table["active"].tolist() == [1, 0]
+    assert table["mode"].tolist() == [1, 0]
     assert table[1].bounds.tolist() == [3.0, 4.0]
