@@ -1,6 +1,7 @@
 """What an agent perceives."""
 
 from irsim_gym.families import OBSERVATIONS
+from irsim_gym.tasks.observations.free_travel import FreeTravel
 from irsim_gym.tasks.observations.goal import Goal
 from irsim_gym.tasks.observations.goal_heading import GoalHeading
 from irsim_gym.tasks.observations.last_action import LastAction
@@ -9,6 +10,7 @@ from irsim_gym.tasks.observations.scan import Scan
 from irsim_gym.tasks.observations.velocity import Velocity
 
 OBSERVATIONS.register("scan", Scan)
+OBSERVATIONS.register("free_travel", FreeTravel)
 OBSERVATIONS.register("goal", Goal)
 OBSERVATIONS.register("goal_heading", GoalHeading)
 OBSERVATIONS.register("velocity", Velocity)

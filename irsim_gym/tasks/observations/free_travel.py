@@ -1,0 +1,174 @@
+"""Free travel: how far the agent could go straight in each of many directions, judged by its scan."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.observations.scan import Code, encode
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class FreeTravel:
+    """Way that a disc around the agent is free to go, in directions evenly spread over a full turn, encoded.
+
+    The obstacles are the points that the beams hit. A gap that is too narrow for the agent shows as closed, however
+    few directions there are: what a pooled scan cannot tell. The codes are those of ``scan``.
+    """
+
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = True
+
+    directions: int = option(36, ge=1, le=1024, meaning="Number of directions; the first one is straight behind.")
+    margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
+    code: Code = option("inverse", meaning="How a way becomes a number; see scan.")
+    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: way at which the code has half its slope.")
+    zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (way + near) that becomes 0.")
+
+    def check(self) -> list[tuple[str, str]]:
+        """Return what is wrong with options that are right one by one: key and message."""
+        if self.code == "inverse" and self.zero * self.near > 0.5:
+            return [("zero", f"must be <= 0.5 / near = {0.5 / self.near:g}, got {self.zero:g}")]
+        return []
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return the live ranges, who has which, the beams in the body frame, the directions and the discs' radii."""
+        found = [simulation.scan(int(b)) for b in agents]
+        groups = [item[0] for item in found if item is not None]
+        if len(groups) < len(found) or any(group is not groups[0] for group in groups):
+            raise ValueError("observation 'free_travel': all learners need range sensors with the same beams")
+        members = np.array([item[1] for item in found if item is not None], np.int64)
+        table, mounts = groups[0].arrays, [groups[0].options[k] for k in members]
+        turned = np.array([table["angles"] + mount.offset[2] for mount in mounts])
+        ahead = 2.0 * np.pi * np.arange(self.directions) / self.directions - np.pi
+        return {
+            "ranges": table["ranges"],
+            "members": members,
+            "beams_x": np.cos(turned).astype(np.float32),
+            "beams_y": np.sin(turned).astype(np.float32),
+            "mount": np.array([mount.offset[:2] for mount in mounts], np.float32),
+            "ahead_x": np.cos(ahead).astype(np.float32),
+            "ahead_y": np.sin(ahead).astype(np.float32),
+            "radius": (simulation.model.reach[:, agents].max(axis=0) + self.margin).astype(np.float32),
+            "far": np.array([mount.range_max for mount in mounts], np.float32),
+        }
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the codes of a way as long as the sensor's range, and of contact."""
+        far = float(term.arrays["far"].max())
+        low, high = np.full(self.directions, far, np.float32), np.zeros(self.directions, np.float32)
+        for values in (low, high):
+            encode(
+                values, get_args(Code).index(self.code), np.float32(self.near), np.float32(self.zero), np.float32(far)
+            )
+        return low, high
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the directions' codes."""
+        options, table = term.options, term.arrays
+        measure(
+            shard.worlds,
+            table["members"],
+            term.column,
+            table["beams_x"],
+            table["beams_y"],
+            table["mount"],
+            table["ahead_x"],
+            table["ahead_y"],
+            table["radius"],
+            table["far"],
+            table["ranges"],
+            episode.observation,
+        )
+        encode_rows(
+            shard.worlds,
+            term.column,
+            table["ahead_x"].shape[0],
+            get_args(Code).index(options.code),
+            options.near,
+            options.zero,
+            table["far"],
+            episode.observation,
+        )
+
+
+@kernel
+def measure(
+    worlds: Ints,
+    members: Ints,
+    column: int,
+    beams_x: Rays,
+    beams_y: Rays,
+    mount: Rays,
+    ahead_x: Rays,
+    ahead_y: Rays,
+    radius: Rays,
+    far: Rays,
+    ranges: Rays,
+    out: Rays,
+) -> None:
+    """Write the free way in each direction [m].
+
+    Args:
+        worlds: The worlds to treat.
+        members: Each agent's row in ``ranges``, ``(n_agents,)``.
+        column: First column of ``out``.
+        beams_x: Beam directions in the body frame, ``(n_agents, n_beams)``.
+        beams_y: As ``beams_x``.
+        mount: Sensor positions in the body frame [m], ``(n_agents, 2)``.
+        ahead_x: Directions in the body frame, ``(n_directions,)``.
+        ahead_y: As ``ahead_x``.
+        radius: Radius of the disc around each agent [m], ``(n_agents,)``.
+        far: Greatest range of each agent's sensor [m], ``(n_agents,)``.
+        ranges: Readings [m], ``(n_worlds, n_members, n_beams)``.
+        out: Written, ``(n_worlds, n_agents, n_features)``.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(members.shape[0]):
+            row = out[w, a, column : column + ahead_x.shape[0]]
+            row[:] = far[a]
+            scan = ranges[w, members[a]]
+            for k in range(scan.shape[0]):
+                if scan[k] < far[a]:
+                    x = mount[a, 0] + scan[k] * beams_x[a, k]
+                    y = mount[a, 1] + scan[k] * beams_y[a, k]
+                    shorten(x, y, radius[a] * radius[a], far[a], ahead_x, ahead_y, row)
+
+
+@kernel(contract=True)
+def shorten(
+    x: np.float32, y: np.float32, radius2: np.float32, far: np.float32, ahead_x: Rays, ahead_y: Rays, row: Rays
+) -> None:
+    """Shorten the ways that a point in the body frame blocks; no branch, so that the directions run in lanes."""
+    nothing = np.float32(0.0)
+    for j in range(row.shape[0]):
+        along = x * ahead_x[j] + y * ahead_y[j]
+        aside = y * ahead_x[j] - x * ahead_y[j]
+        room = radius2 - aside * aside
+        way = along - np.sqrt(room if room > nothing else nothing)
+        way = way if way > nothing else nothing
+        way = way if (room > nothing) & (along > nothing) else far
+        row[j] = way if way < row[j] else row[j]
+
+
+@kernel
+def encode_rows(
+    worlds: Ints, column: int, width: int, code: int, near: float, zero: float, far: Rays, out: Rays
+) -> None:
+    """Replace ways [m] by their codes, in place."""
+    for i in range(worlds.shape[0]):
+        for a in range(out.shape[1]):
+            row = out[worlds[i], a, column : column + width]
+            encode(row, code, np.float32(near), np.float32(zero), far[a])
