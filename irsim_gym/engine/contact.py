@@ -80,7 +80,8 @@ def find_contacts(
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
+        reaches, rows, rounds = reach[w % reach.shape[0]], segments[w], discs[w]
+        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
         for k in range(bodies.shape[0]):
             b = bodies[k]
             if unobstructed[b] or not present[w, b]:
@@ -91,23 +92,23 @@ def find_contacts(
                 if (movable[q] == movable[b] and q < b) or (movable[q] and not movable[b]):
                     continue
                 dx, dy = pose[w, q, 0] - pose[w, b, 0], pose[w, q, 1] - pose[w, b, 1]
-                near = reach[row, b] + reach[row, q]
+                near = reaches[b] + reaches[q]
                 if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
                     continue
                 if outlines_overlap(
-                    segments[w],
+                    rows,
                     segment_start[b],
-                    segment_count[n_segments, b],
-                    discs[w],
+                    n_segments[b],
+                    rounds,
                     disc_start[b],
-                    disc_count[n_discs, b],
+                    n_discs[b],
                     solid[b],
-                    segments[w],
+                    rows,
                     segment_start[q],
-                    segment_count[n_segments, q],
-                    discs[w],
+                    n_segments[q],
+                    rounds,
                     disc_start[q],
-                    disc_count[n_discs, q],
+                    n_discs[q],
                     solid[q],
                 ):
                     collided[w, b], collided[w, q] = True, True
@@ -162,32 +163,33 @@ def measure_clearance(
     """Write exact surface distances, passing over bodies that cannot be the nearest."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
+        reaches, rows, rounds = reach[w % reach.shape[0]], segments[w], discs[w]
+        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
         for k in range(bodies.shape[0]):
             b, best = bodies[k], limit
             for q in range(present.shape[1]):
                 if q == b or unobstructed[q] or not present[w, q]:
                     continue
                 dx, dy = pose[w, q, 0] - pose[w, b, 0], pose[w, q, 1] - pose[w, b, 1]
-                near = best + reach[row, b] + reach[row, q]
+                near = best + reaches[b] + reaches[q]
                 if dx * dx + dy * dy >= near * near:
                     continue
                 best = min(
                     best,
                     outline_distance(
-                        segments[w],
+                        rows,
                         segment_start[b],
-                        segment_count[n_segments, b],
-                        discs[w],
+                        n_segments[b],
+                        rounds,
                         disc_start[b],
-                        disc_count[n_discs, b],
+                        n_discs[b],
                         solid[b],
-                        segments[w],
+                        rows,
                         segment_start[q],
-                        segment_count[n_segments, q],
-                        discs[w],
+                        n_segments[q],
+                        rounds,
                         disc_start[q],
-                        disc_count[n_discs, q],
+                        n_discs[q],
                         solid[q],
                         best,
                     ),

@@ -146,17 +146,25 @@ def cast_outline(
 ) -> None:
     """Cast the beams of a sensor at (x, y) against all rows of an outline, from both sides."""
     for s in range(segments.shape[0]):
-        cast_segment(x, y, cosine, sine, segments[s], beams_x, beams_y, inverse)
+        ax, ay, bx, by = segments[s, 0] - x, segments[s, 1] - y, segments[s, 2] - x, segments[s, 3] - y
+        cast_segment(ax, ay, bx, by, cosine, sine, beams_x, beams_y, inverse)
     for d in range(discs.shape[0]):
-        cast_disc(x, y, cosine, sine, discs[d], beams_x, beams_y, inverse)
+        cast_disc(discs[d, 0] - x, discs[d, 1] - y, discs[d, 2], cosine, sine, beams_x, beams_y, inverse)
 
 
 @kernel
 def cast_segment(
-    x: float, y: float, cosine: float, sine: float, segment: Floats, beams_x: Rays, beams_y: Rays, inverse: Rays
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    cosine: float,
+    sine: float,
+    beams_x: Rays,
+    beams_y: Rays,
+    inverse: Rays,
 ) -> None:
-    """Cast against one segment: into the sensor frame in float64, then float32."""
-    ax, ay, bx, by = segment[0] - x, segment[1] - y, segment[2] - x, segment[3] - y
+    """Cast against a segment given relative to the sensor: turned in float64, then float32."""
     inverse_depth_segment(
         np.float32(cosine * ax + sine * ay),
         np.float32(cosine * ay - sine * ax),
@@ -170,14 +178,13 @@ def cast_segment(
 
 @kernel
 def cast_disc(
-    x: float, y: float, cosine: float, sine: float, disc: Floats, beams_x: Rays, beams_y: Rays, inverse: Rays
+    cx: float, cy: float, radius: float, cosine: float, sine: float, beams_x: Rays, beams_y: Rays, inverse: Rays
 ) -> None:
-    """Cast against one disc: into the sensor frame in float64, then float32."""
-    cx, cy = disc[0] - x, disc[1] - y
+    """Cast against a disc given relative to the sensor: turned in float64, then float32."""
     inverse_depth_disc(
         np.float32(cosine * cx + sine * cy),
         np.float32(cosine * cy - sine * cx),
-        np.float32(disc[2]),
+        np.float32(radius),
         beams_x,
         beams_y,
         inverse,
@@ -208,29 +215,31 @@ def scan(
     """Write the ranges of all members in all given worlds."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
+        reaches = reach[w % reach.shape[0]]
+        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        rows, rounds = segments[w], discs[w]
         for k in range(members.shape[0]):
-            own = members[k]
+            own, far = members[k], params[k].range_max
             x, y, heading = mount_pose(pose[w, own], params[k].offset)
-            cosine, sine, far = np.cos(heading), np.sin(heading), params[k].range_max
+            cosine, sine = np.cos(heading), np.sin(heading)
             inverse[:] = np.float32(0.0)
             for b in range(present.shape[1]):
                 if b == own or unobstructed[b] or not present[w, b]:
                     continue
-                near = far + reach[w % reach.shape[0], b]
+                near = far + reaches[b]
                 dx, dy = pose[w, b, 0] - x, pose[w, b, 1] - y
                 distance2 = dx * dx + dy * dy
                 if distance2 > near * near:
                     continue
-                start, count = disc_start[b], disc_count[w % disc_count.shape[0], b]
-                for d in range(start, start + count):
-                    cast_disc(x, y, cosine, sine, discs[w, d], beams_x, beams_y, inverse)
-                start, count = segment_start[b], segment_count[w % segment_count.shape[0], b]
-                body_reach = reach[w % reach.shape[0], b]
-                within = distance2 <= body_reach * body_reach and contains_point(segments[w], start, count, x, y)
+                for d in range(disc_start[b], disc_start[b] + n_discs[b]):
+                    cast_disc(rounds[d, 0] - x, rounds[d, 1] - y, rounds[d, 2], cosine, sine, beams_x, beams_y, inverse)
+                start, end = segment_start[b], segment_start[b] + n_segments[b]
+                within = distance2 <= reaches[b] * reaches[b] and contains_point(rows, start, end - start, x, y)
                 two_sided = within or not solid[b]
-                for s in range(start, start + count):
-                    if is_visible(segments[w, s], x, y, far, two_sided):
-                        cast_segment(x, y, cosine, sine, segments[w, s], beams_x, beams_y, inverse)
+                for s in range(start, end):
+                    ax, ay, bx, by = rows[s, 0] - x, rows[s, 1] - y, rows[s, 2] - x, rows[s, 3] - y
+                    if is_visible(ax, ay, bx, by, far, two_sided):
+                        cast_segment(ax, ay, bx, by, cosine, sine, beams_x, beams_y, inverse)
             write_ranges(inverse, params[k].range_min, far, ranges[w, k])
 
 
@@ -244,15 +253,14 @@ def mount_pose(pose: Floats, offset: Floats) -> tuple[float, float, float]:
 
 
 @kernel
-def is_visible(segment: Floats, x: float, y: float, far: float, two_sided: bool) -> bool:
-    """Return whether a sensor can see a segment: in range, and not the back of a solid body.
+def is_visible(ax: float, ay: float, bx: float, by: float, far: float, two_sided: bool) -> bool:
+    """Return whether a sensor in the origin can see a segment: in range, and not the back of a solid body.
 
     Boundaries of solid bodies run counter-clockwise, so their front lies to the right of the segment.
     """
-    ax, ay, bx, by = segment[0], segment[1], segment[2], segment[3]
-    if not two_sided and (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+    if not two_sided and (by - ay) * ax - (bx - ax) * ay > 0.0:
         return False
-    return bool(point_segment_distance2(x, y, ax, ay, bx, by) <= far * far)
+    return bool(point_segment_distance2(0.0, 0.0, ax, ay, bx, by) <= far * far)
 
 
 @kernel
