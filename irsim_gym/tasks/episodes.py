@@ -50,7 +50,8 @@ class Episodes:
         by_precedence = sorted(task.endings, key=lambda ending: PRECEDENCE.index(ending.outcome))
         self._endings = self._bind(ENDINGS, by_precedence)
         self._outcomes = np.array([int(term.options.outcome) for term in self._endings], np.int64)
-        self._remembering = [term for term in self._rewards if isinstance(term.options, Remembers)]
+        terms = [*self._observations, *self._rewards]
+        self._remembering = [term for term in terms if isinstance(term.options, Remembers)]
         self.observation_terms = self._place_observations()
         self.reward_names = tuple(term.name for term in self._rewards)
         self.state = self._allocate()

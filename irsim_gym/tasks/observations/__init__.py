@@ -4,9 +4,11 @@ from irsim_gym.families import OBSERVATIONS
 from irsim_gym.tasks.observations.free_travel import FreeTravel
 from irsim_gym.tasks.observations.goal import Goal
 from irsim_gym.tasks.observations.goal_heading import GoalHeading
+from irsim_gym.tasks.observations.goal_record import GoalRecord
 from irsim_gym.tasks.observations.last_action import LastAction
 from irsim_gym.tasks.observations.nearest_bodies import NearestBodies
 from irsim_gym.tasks.observations.scan import Scan
+from irsim_gym.tasks.observations.trail import Trail
 from irsim_gym.tasks.observations.velocity import Velocity
 
 OBSERVATIONS.register("scan", Scan)
@@ -16,3 +18,5 @@ OBSERVATIONS.register("goal_heading", GoalHeading)
 OBSERVATIONS.register("velocity", Velocity)
 OBSERVATIONS.register("last_action", LastAction)
 OBSERVATIONS.register("nearest_bodies", NearestBodies)
+OBSERVATIONS.register("goal_record", GoalRecord)
+OBSERVATIONS.register("trail", Trail)

@@ -1,0 +1,88 @@
+"""Goal record: what a Bug algorithm remembers on its way."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class GoalRecord:
+    """How much farther the goal is than it has been at its nearest, and for how long.
+
+    Both come as ``e / (e + near)`` and ``t / (t + soon)``. A policy without memory cannot tell whether it is on its way
+    around an obstacle or back into the same pocket. This number alone lets a robot leave a wall where it is nearer to
+    the goal than ever before, and never go round in circles (Lumelsky & Stepanov 1987; Kamon & Rivlin 1997).
+    """
+
+    needs_goal: ClassVar[bool] = True
+    needs_scan: ClassVar[bool] = False
+
+    near: float = option(1.0, gt=0.0, unit="m", meaning="Distance beyond the record that reads 0.5.")
+    soon: float = option(2.0, gt=0.0, unit="s", meaning="Time since the record that reads 0.5.")
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return the memory: least goal distance [m] and time of it [s], ``(n_worlds, n_agents)``."""
+        shape = (simulation.n_worlds, len(agents))
+        return {"nearest": np.zeros(shape), "since": np.zeros(shape)}
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the bounds of the two elements."""
+        return np.zeros(2, np.float32), np.ones(2, np.float32)
+
+    @staticmethod
+    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Forget the record."""
+        term.arrays["nearest"][shard.worlds] = np.inf
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Update the record and write the two elements."""
+        write_record(
+            shard.worlds,
+            term.agents,
+            term.column,
+            term.options.near,
+            term.options.soon,
+            state.time,
+            state.goal_distance,
+            term.arrays["nearest"],
+            term.arrays["since"],
+            episode.observation,
+        )
+
+
+@kernel
+def write_record(
+    worlds: Ints,
+    agents: Ints,
+    column: int,
+    near: float,
+    soon: float,
+    time: Floats,
+    goal_distance: Floats,
+    nearest: Floats,
+    since: Floats,
+    out: Rays,
+) -> None:
+    """Write how far and for how long the goal has been farther away than at the record."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            d = goal_distance[w, agents[a]]
+            if d < nearest[w, a]:
+                nearest[w, a], since[w, a] = d, time[w]
+            excess, elapsed = d - nearest[w, a], time[w] - since[w, a]
+            out[w, a, column] = np.float32(excess / (excess + near))
+            out[w, a, column + 1] = np.float32(elapsed / (elapsed + soon))

@@ -1,0 +1,108 @@
+"""Trail: where the agent has been, seen from where it is."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Trail:
+    """The nearest mark that the agent has left, by sector of its bearing: ``near / (d + near)``, 0 without one.
+
+    A mark is left every ``spacing`` metres of the way; the last ones, which lie right behind, do not count. It is
+    memory for a policy that has none: what has been tried already can be told from what has not.
+    """
+
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = False
+
+    sectors: int = option(12, ge=1, le=360, meaning="Number of sectors; the first one begins straight behind.")
+    spacing: float = option(0.25, gt=0.0, unit="m", meaning="Way between two marks.")
+    marks: int = option(64, ge=1, le=4096, meaning="Number of marks that are remembered.")
+    fresh: int = option(4, ge=0, meaning="Number of latest marks that do not count.")
+    near: float = option(0.5, gt=0.0, unit="m", meaning="Distance of a mark that reads 0.5.")
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return the memory: marks [m], ``(n_worlds, n_agents, n_marks, 2)``, and how many there have been."""
+        shape = (simulation.n_worlds, len(agents))
+        return {"marks": np.zeros((*shape, self.marks, 2)), "count": np.zeros(shape, np.int64)}
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the bounds of the sectors."""
+        return np.zeros(self.sectors, np.float32), np.ones(self.sectors, np.float32)
+
+    @staticmethod
+    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Forget all marks."""
+        term.arrays["count"][shard.worlds] = 0
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Leave a mark if it is time for one, and write the sectors."""
+        options = term.options
+        write_trail(
+            shard.worlds,
+            term.agents,
+            term.column,
+            options.sectors,
+            options.spacing,
+            options.fresh,
+            options.near,
+            state.pose,
+            term.arrays["marks"],
+            term.arrays["count"],
+            episode.observation,
+        )
+
+
+@kernel
+def write_trail(
+    worlds: Ints,
+    agents: Ints,
+    column: int,
+    sectors: int,
+    spacing: float,
+    fresh: int,
+    near: float,
+    pose: Floats,
+    marks: Floats,
+    count: Ints,
+    out: Rays,
+) -> None:
+    """Write the nearness of the nearest mark in each sector."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            x, y, heading = pose[w, agents[a], 0], pose[w, agents[a], 1], pose[w, agents[a], 2]
+            leave_mark(x, y, spacing, marks[w, a], count[w], a)
+            row = out[w, a, column : column + sectors]
+            row[:] = np.float32(0.0)
+            n, size = count[w, a], marks.shape[2]
+            for m in range(max(0, n - size), n - fresh):
+                dx, dy = marks[w, a, m % size, 0] - x, marks[w, a, m % size, 1] - y
+                turn = (np.arctan2(dy, dx) - heading) / (2.0 * np.pi) + 0.5
+                sector = min(int((turn - np.floor(turn)) * sectors), sectors - 1)
+                nearness = np.float32(near / (np.sqrt(dx * dx + dy * dy) + near))
+                row[sector] = max(row[sector], nearness)
+
+
+@kernel
+def leave_mark(x: float, y: float, spacing: float, marks: Floats, count: Ints, a: int) -> None:
+    """Add the place to the marks if it is ``spacing`` away from the latest one."""
+    n, size = count[a], marks.shape[0]
+    dx, dy = marks[(n - 1) % size, 0] - x, marks[(n - 1) % size, 1] - y
+    if n == 0 or dx * dx + dy * dy >= spacing * spacing:
+        marks[n % size, 0], marks[n % size, 1] = x, y
+        count[a] = n + 1
