@@ -22,7 +22,6 @@ def collect_parts(
     outlines: Sequence[Outline],
     model: WorldModel,
     agents: tuple[int, ...],
-    n_worlds: int,
     n_slots: int,
 ) -> Parts:
     """Return the groups and lists of a scenario whose constants are written already."""
@@ -35,7 +34,7 @@ def collect_parts(
         behaviors=group_members([member for member in deciding if model.movable[member[0]]]),
         footprints=group_members([(b, body.shape) for b, body in bodies if body.shape.is_random]),
         placements=_placements(scenario, model, n_slots),
-        sensors=_sensors(sensors, outlines, n_worlds, n_slots),
+        sensors=_sensors(sensors, outlines, model, n_slots),
         movers=np.flatnonzero(model.movable),
         fixed=np.flatnonzero(~model.movable),
         goal_bodies=np.flatnonzero(model.has_goal),
@@ -57,10 +56,10 @@ def group_members(members: Sequence[Member], key: Callable[[Any], Any] = type) -
     ]
 
 
-def _sensors(members: Sequence[Member], outlines: Sequence[Outline], n_worlds: int, n_slots: int) -> list[Group]:
+def _sensors(members: Sequence[Member], outlines: Sequence[Outline], model: WorldModel, n_slots: int) -> list[Group]:
     groups = group_members(members, key=lambda options: (type(options), options.group_key()))
     for group in groups:
-        group.kind.prepare(group, [outlines[b] for b in group.members], n_worlds, n_slots)
+        group.kind.prepare(group, [outlines[b] for b in group.members], model, n_slots)
     return groups
 
 

@@ -68,7 +68,7 @@ def compile(scenario: Scenario, n_worlds: int = 1, *, agents: Sequence[int] = ()
         model.driven[b] = body.behavior is not None or b in agents
         _write_goals(b, body, scenario, model)
     shards = Shards(n_worlds, num_threads)
-    parts = collect_parts(scenario, outlines, model, tuple(agents), n_worlds, shards.n_slots)
+    parts = collect_parts(scenario, outlines, model, tuple(agents), shards.n_slots)
     refuse_blocked_starts(scenario, parts, model, state)
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards)
 

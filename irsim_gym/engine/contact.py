@@ -128,12 +128,14 @@ def stop_bodies(worlds: Ints, movers: Ints, collision_mode: Ints, role: Ints, co
             stopped[w, b] = collided[w, b] and holds
 
 
-def clearance(bodies: Ints, limit: float, model: WorldModel, state: WorldState, shard: Shard, distance: Floats) -> None:
+def clearance(
+    bodies: Ints, limit: Floats, model: WorldModel, state: WorldState, shard: Shard, distance: Floats
+) -> None:
     """Write the surface distance of ``bodies`` to the nearest other body.
 
     Args:
         bodies: The bodies to measure, shape ``(n_bodies,)``.
-        limit: Distances above it [m] may be reported as any value not below it.
+        limit: Distances above it [m] may be reported as it, shape ``(n_worlds, n_bodies)``; may be ``distance`` itself.
         model: The constants.
         state: The moment.
         shard: The worlds to treat.
@@ -146,7 +148,7 @@ def clearance(bodies: Ints, limit: float, model: WorldModel, state: WorldState, 
 def measure_clearance(
     worlds: Ints,
     bodies: Ints,
-    limit: float,
+    limit: Floats,
     present: Flags,
     unobstructed: Flags,
     solid: Flags,
@@ -166,7 +168,7 @@ def measure_clearance(
         reaches, rows, rounds = reach[w % reach.shape[0]], segments[w], discs[w]
         n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
         for k in range(bodies.shape[0]):
-            b, best = bodies[k], limit
+            b, best = bodies[k], limit[w, k]
             for q in range(present.shape[1]):
                 if q == b or unobstructed[q] or not present[w, q]:
                     continue

@@ -61,13 +61,17 @@ class Simulation:
             raise UnknownNameError(f"no body named '{name}' in '{self.scenario.name}'{suggestion(name, names)}")
         return names.index(name)
 
-    def scan(self, body: int) -> tuple[Group, int] | None:
-        """Return the group and the member number of a body's first range sensor, None without one."""
+    def sensor(self, body: int, reading: str) -> tuple[Group, int] | None:
+        """Return the group and the member number of a body's first sensor with some reading, None without one."""
         for group in self.parts.sensors:
             found = np.flatnonzero(group.members == body)
-            if len(found):
+            if group.kind.reading == reading and len(found):
                 return group, int(found[0])
         return None
+
+    def scan(self, body: int) -> tuple[Group, int] | None:
+        """Return the group and the member number of a body's first range sensor, None without one."""
+        return self.sensor(body, "ranges")
 
     def run(self, function: Callable[[Shard], None], worlds: Ints | None = None) -> None:
         """Call ``function`` with shares of the given worlds (all by default), on threads if there are several."""
@@ -81,11 +85,15 @@ class Simulation:
         """Advance the shard's worlds by one step."""
         advance(self.parts, self.model, self.state, shard)
 
-    def clearance(self, shard: Shard, bodies: Ints, distance: Floats, limit: float = np.inf) -> None:
+    def clearance(self, shard: Shard, bodies: Ints, distance: Floats, limit: float | Floats = np.inf) -> None:
         """Write the bodies' surface distances [m] into ``distance``, shape ``(n_worlds, n_bodies)``.
 
-        Values above ``limit`` may be anything not below it.
+        Distances above ``limit``, a number or an array like ``distance`` (or that array itself), may be reported as
+        the limit: the nearer it is, the fewer bodies have to be looked at.
         """
+        if not isinstance(limit, np.ndarray):
+            distance[shard.worlds] = limit
+            limit = distance
         contact.clearance(bodies, limit, self.model, self.state, shard, distance)
 
     def reset(self, seed: int = 0, split: str = "train") -> None:

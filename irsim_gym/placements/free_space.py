@@ -1,8 +1,8 @@
 """What a random draw is tested for: spacing, room for start and goal, and a way between them.
 
 The kernels share bundles of arrays: ``shapes`` (present, solid, reach, and the outline tables of the model),
-``targets`` (has_goal, movable, goal_renewal, waypoints), ``scene`` (pose, segments, discs, placed) and ``grid``
-(frame, blocks, blocked, runs).
+``targets`` (has_goal, movable, goal_renewal, waypoints), ``scene`` (pose, segments, discs, placed) and ``grids``
+(blocks, and for a coarse and a fine grid: frame, cells and runs).
 """
 
 from __future__ import annotations
@@ -144,14 +144,27 @@ def is_goal_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, sc
 
 
 @kernel
-def has_way(w: int, b: int, shapes: Any, targets: Any, scene: Any, grid: Any) -> bool:
-    """Return whether a disc around body b has a free way to its goal past the placed static bodies."""
-    present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
-    movable, waypoints = targets[1], targets[3]
-    pose, segments, discs, placed = scene
-    frame, blocks, blocked, runs = grid
+def has_way(w: int, b: int, shapes: Any, targets: Any, scene: Any, grids: Any) -> bool:
+    """Return whether a disc around body b has a free way to its goal past the placed static bodies.
+
+    What a coarse grid finds is a proof; only where it finds nothing the fine one is asked.
+    """
+    present, movable, placed = shapes[0], targets[1], scene[3]
+    blocks, coarse, fine = grids
     for q in range(blocks.shape[0]):
         blocks[q] = placed[w, q] and present[w, q] and not movable[q]
+    return has_way_on(w, b, shapes, targets, scene, blocks, coarse) or has_way_on(
+        w, b, shapes, targets, scene, blocks, fine
+    )
+
+
+@kernel
+def has_way_on(w: int, b: int, shapes: Any, targets: Any, scene: Any, blocks: Flags, grid: Any) -> bool:
+    """Return whether a grid proves that there is a way."""
+    _, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
+    pose, segments, discs, _ = scene
+    goal = targets[3][w, b, 0]
+    frame, cells, runs = grid
     return bool(
         is_reachable(
             segments[w],
@@ -165,12 +178,12 @@ def has_way(w: int, b: int, shapes: Any, targets: Any, scene: Any, grid: Any) ->
             reach[w % reach.shape[0], b],
             pose[w, b, 0],
             pose[w, b, 1],
-            waypoints[w, b, 0, 0],
-            waypoints[w, b, 0, 1],
+            goal[0],
+            goal[1],
             frame[0],
             frame[1],
             frame[2],
-            blocked,
+            cells,
             runs,
         )
     )

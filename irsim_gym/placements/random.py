@@ -23,7 +23,8 @@ MARGIN = 0.5
 START_TRIES = 1000
 GOAL_TRIES = 100
 PATH_TRIES = 8
-CELL_PER_REACH = 0.5
+COARSE, FINE = 1.0, 0.5
+"""Sides of cells, relative to the reach of the body that looks for a way."""
 
 
 @kind
@@ -62,16 +63,14 @@ class RandomPlacement:
         high = high if options.range_high is None else np.array(options.range_high, np.float64)
         x0, y0, x1, y1 = model.bounds
         area = (min(x0, low[0]), min(y0, low[1]), max(x1, high[0]), max(y1, high[1]))
-        cell = CELL_PER_REACH * float(np.min(model.reach[:, group.members]))
-        grid = Grid.over(area, cell if options.reachable else max(area[2] - area[0], area[3] - area[1]))
-        group.arrays = {
-            "low": low,
-            "high": high,
-            "frame": np.array([grid.origin_x, grid.origin_y, grid.cell]),
-            "blocks": np.zeros((n_slots, len(model.role)), np.bool_),
-            "blocked": np.stack([grid.blocked()] * n_slots),
-            "runs": np.stack([grid.runs()] * n_slots),
-        }
+        group.arrays = {"low": low, "high": high, "blocks": np.zeros((n_slots, len(model.role)), np.bool_)}
+        reach = float(np.min(model.reach[:, group.members]))
+        whole = max(area[2] - area[0], area[3] - area[1])
+        for name, share in (("coarse", COARSE), ("fine", FINE)):
+            grid = Grid.over(area, share * reach if options.reachable else whole)
+            group.arrays[f"{name}_frame"] = np.array([grid.origin_x, grid.origin_y, grid.cell])
+            group.arrays[f"{name}_cells"] = np.stack([grid.blocked()] * n_slots)
+            group.arrays[f"{name}_runs"] = np.stack([grid.runs()] * n_slots)
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
@@ -90,6 +89,11 @@ class RandomPlacement:
         targets = (model.has_goal, model.movable, model.goal_renewal, model.waypoints)
         scene = (state.pose, state.segments, state.discs, state.placed)
         table, slot = group.arrays, shard.slot
+        grids = (
+            table["blocks"][slot],
+            (table["coarse_frame"], table["coarse_cells"][slot], table["coarse_runs"][slot]),
+            (table["fine_frame"], table["fine_cells"][slot], table["fine_runs"][slot]),
+        )
         draw_members(
             shard.worlds,
             group.members,
@@ -99,7 +103,7 @@ class RandomPlacement:
             shapes,
             targets,
             scene,
-            (table["frame"], table["blocks"][slot], table["blocked"][slot], table["runs"][slot]),
+            grids,
             state.random,
             failed,
         )
@@ -115,7 +119,7 @@ def draw_members(
     shapes: Any,
     targets: Any,
     scene: Any,
-    grid: Any,
+    grids: Any,
     random: Words,
     failed: Ints,
 ) -> None:
@@ -132,7 +136,7 @@ def draw_members(
                     not has_goal[b] or draw_goal(w, k, members, options, low, high, shapes, targets, scene, random)
                 )
                 if placed[w, b] and options.reachable and has_goal[b]:
-                    placed[w, b] = has_way(w, b, shapes, targets, scene, grid)
+                    placed[w, b] = has_way(w, b, shapes, targets, scene, grids)
                 if placed[w, b]:
                     break
             if not placed[w, b]:

@@ -67,6 +67,15 @@ def open_books(
 
 
 @kernel
+def limit_clearance(worlds: Ints, minded: float, min_clearance: Floats, clearance: Floats) -> None:
+    """Write up to where clearances matter [m]: to the terms that mind them, and as a new minimum."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(clearance.shape[1]):
+            clearance[w, a] = max(min_clearance[w, a], minded)
+
+
+@kernel
 def keep_books(
     worlds: Ints,
     agents: Ints,

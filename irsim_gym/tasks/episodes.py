@@ -18,7 +18,7 @@ from irsim_gym.tasks.levels import check_split, take_levels
 from irsim_gym.tasks.outcome import PRECEDENCE
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.task import Task
-from irsim_gym.tasks.term import HasArrays, Remembers, Term
+from irsim_gym.tasks.term import HasArrays, MindsClearance, Remembers, Term
 from irsim_gym.tasks.transition import transition_of
 
 
@@ -51,6 +51,9 @@ class Episodes:
         self._endings = self._bind(ENDINGS, by_precedence)
         self._outcomes = np.array([int(term.options.outcome) for term in self._endings], np.int64)
         terms = [*self._observations, *self._rewards]
+        self._minded_clearance = max(
+            (term.options.clearance_range for term in terms if isinstance(term.options, MindsClearance)), default=0.0
+        )
         self._remembering = [term for term in terms if isinstance(term.options, Remembers)]
         self.observation_terms = self._place_observations()
         self.reward_names = tuple(term.name for term in self._rewards)
@@ -196,7 +199,8 @@ class Episodes:
         simulation, model, world, state = self.simulation, self.simulation.model, self.simulation.state, self.state
         self._act(shard)
         simulation.advance(shard)
-        simulation.clearance(shard, self._agents, state.clearance)
+        account.limit_clearance(shard.worlds, self._minded_clearance, state.min_clearance, state.clearance)
+        simulation.clearance(shard, self._agents, state.clearance, limit=state.clearance)
         self._keep_books(shard)
         for term in self._endings:
             term.options.ends(term, model, world, state, shard)

@@ -24,7 +24,9 @@ class EpisodeState(Arrays):
     action: Floats = column("world agent action", np.float64, "", "latest action, in [-1, 1]; at rest at the start")
     previous_action: Floats = column("world agent action", np.float64, "", "the action before the latest")
     position: Floats = column("world agent 2", np.float64, "m", "x and y, as last added to the path")
-    clearance: Floats = column("world agent", np.float64, "m", "distance to the nearest other body, 0 in contact")
+    clearance: Floats = column(
+        "world agent", np.float64, "m", "distance to the nearest other body, as far as it matters"
+    )
     min_clearance: Floats = column("world agent", np.float64, "m", "least clearance so far, the start included")
     path_length: Floats = column("world agent", np.float64, "m", "distance travelled")
     goal_distance: Floats = column("world agent", np.float64, "m", "distance to the goal that is next")

@@ -61,6 +61,15 @@ class Remembers(Protocol):
         """Prepare ``term.arrays`` for the levels that begin in the shard's worlds."""
 
 
+@runtime_checkable
+class MindsClearance(Protocol):
+    """A kind that reads ``EpisodeState.clearance``."""
+
+    @property
+    def clearance_range(self) -> float:
+        """Clearances up to this must be exact [m]; larger ones may be reported as any value not below it."""
+
+
 class ActionKind(Protocol):
     """Turns what a learner emits into commands."""
 

@@ -37,7 +37,7 @@ def observe(robot: dict[str, Any], obstacles: list[dict[str, Any]], name: str, *
 
 
 def test_way_ahead_of_a_wall_ends_where_the_disc_touches_it() -> None:
-    ways = observe({"state": [5, 5, 0]}, [wall(7, 0, 10)], "free_travel", directions=4)
+    ways = observe({"state": [5, 5, 0]}, [wall(7, 0, 10)], "free_travel", horizon=6, directions=4)
     # Directions: behind, right, ahead, left; 1.8 m ahead, nothing within 6 m behind.
     assert ways == pytest.approx([inverse(6.0), inverse(6.0), inverse(1.8), inverse(6.0)], abs=2e-3)
 
@@ -45,14 +45,16 @@ def test_way_ahead_of_a_wall_ends_where_the_disc_touches_it() -> None:
 @pytest.mark.parametrize(("gap", "is_open"), [(0.36, False), (0.5, True)])
 def test_a_gap_counts_only_if_the_agent_fits(gap: float, is_open: bool) -> None:
     walls = [wall(6, 0, 5 - gap / 2), wall(6, 5 + gap / 2, 10)]
-    ahead = observe({"state": [5, 5, 0]}, walls, "free_travel", directions=2)[1]
+    ahead = observe({"state": [5, 5, 0]}, walls, "free_travel", horizon=6, directions=2)[1]
     assert (ahead < inverse(3.0)) == is_open
 
 
 def test_a_wall_alongside_does_not_shorten_the_way_but_with_a_margin_it_does() -> None:
     side = {"shape": {"name": "linestring", "vertices": [[0, 5.3], [10, 5.3]]}}
-    assert observe({"state": [5, 5, 0]}, [side], "free_travel", directions=2)[1] == pytest.approx(inverse(6.0))
-    assert observe({"state": [5, 5, 0]}, [side], "free_travel", directions=2, margin=0.15)[1] > inverse(0.3)
+    assert observe({"state": [5, 5, 0]}, [side], "free_travel", horizon=6, directions=2)[1] == pytest.approx(
+        inverse(6.0)
+    )
+    assert observe({"state": [5, 5, 0]}, [side], "free_travel", horizon=6, directions=2, margin=0.15)[1] > inverse(0.3)
 
 
 def test_the_mount_of_the_sensor_does_not_matter() -> None:
@@ -96,6 +98,12 @@ def test_ways_agree_with_a_disc_that_is_pushed_along() -> None:
         touching = (np.linalg.norm(path[:, None] - points, axis=2) < 0.3).any(axis=1)
         expected = steps[np.argmax(touching)] if touching.any() else 6.0
         assert way == pytest.approx(expected, abs=0.02)
+
+
+def test_nothing_beyond_the_horizon_is_looked_at() -> None:
+    near, far = (observe({"state": [5, 5, 0]}, [wall(x, 0, 10)], "free_travel", directions=2)[1] for x in (7.9, 8.3))
+    assert near == pytest.approx(inverse(2.7), abs=2e-3)
+    assert far == pytest.approx(inverse(3.0), abs=1e-6)
 
 
 # --- goal_record

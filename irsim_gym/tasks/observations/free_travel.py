@@ -29,7 +29,8 @@ class FreeTravel:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 
-    directions: int = option(36, ge=1, le=1024, meaning="Number of directions; the first one is straight behind.")
+    directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first one is straight behind.")
+    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Longest way; what lies farther away is not looked at.")
     margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
     code: Code = option("inverse", meaning="How a way becomes a number; see scan.")
     near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: way at which the code has half its slope.")
@@ -60,11 +61,12 @@ class FreeTravel:
             "ahead_x": np.cos(ahead).astype(np.float32),
             "ahead_y": np.sin(ahead).astype(np.float32),
             "radius": (simulation.model.reach[:, agents].max(axis=0) + self.margin).astype(np.float32),
-            "far": np.array([mount.range_max for mount in mounts], np.float32),
+            "far": np.array([min(mount.range_max, self.horizon) for mount in mounts], np.float32),
+            "sight": np.array([mount.range_max for mount in mounts], np.float32),
         }
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
-        """Return the codes of a way as long as the sensor's range, and of contact."""
+        """Return the codes of the longest way and of contact."""
         far = float(term.arrays["far"].max())
         low, high = np.full(self.directions, far, np.float32), np.zeros(self.directions, np.float32)
         for values in (low, high):
@@ -88,6 +90,7 @@ class FreeTravel:
             table["ahead_y"],
             table["radius"],
             table["far"],
+            table["sight"],
             table["ranges"],
             episode.observation,
         )
@@ -115,6 +118,7 @@ def measure(
     ahead_y: Rays,
     radius: Rays,
     far: Rays,
+    sight: Rays,
     ranges: Rays,
     out: Rays,
 ) -> None:
@@ -130,7 +134,8 @@ def measure(
         ahead_x: Directions in the body frame, ``(n_directions,)``.
         ahead_y: As ``ahead_x``.
         radius: Radius of the disc around each agent [m], ``(n_agents,)``.
-        far: Greatest range of each agent's sensor [m], ``(n_agents,)``.
+        far: Longest way of each agent [m], ``(n_agents,)``.
+        sight: Greatest range of each agent's sensor [m], ``(n_agents,)``.
         ranges: Readings [m], ``(n_worlds, n_members, n_beams)``.
         out: Written, ``(n_worlds, n_agents, n_features)``.
     """
@@ -140,8 +145,10 @@ def measure(
             row = out[w, a, column : column + ahead_x.shape[0]]
             row[:] = far[a]
             scan = ranges[w, members[a]]
+            beyond = np.sqrt(mount[a, 0] * mount[a, 0] + mount[a, 1] * mount[a, 1]) + radius[a]
+            limit = min(sight[a], far[a] + beyond)
             for k in range(scan.shape[0]):
-                if scan[k] < far[a]:
+                if scan[k] < limit:
                     x = mount[a, 0] + scan[k] * beams_x[a, k]
                     y = mount[a, 1] + scan[k] * beams_y[a, k]
                     shorten(x, y, radius[a] * radius[a], far[a], ahead_x, ahead_y, row)

@@ -29,9 +29,9 @@ class Trail:
     needs_scan: ClassVar[bool] = False
 
     sectors: int = option(12, ge=1, le=360, meaning="Number of sectors; the first one begins straight behind.")
-    spacing: float = option(0.25, gt=0.0, unit="m", meaning="Way between two marks.")
-    marks: int = option(64, ge=1, le=4096, meaning="Number of marks that are remembered.")
-    fresh: int = option(4, ge=0, meaning="Number of latest marks that do not count.")
+    spacing: float = option(0.5, gt=0.0, unit="m", meaning="Way between two marks.")
+    marks: int = option(32, ge=1, le=4096, meaning="Number of marks that are remembered.")
+    fresh: int = option(2, ge=0, meaning="Number of latest marks that do not count.")
     near: float = option(0.5, gt=0.0, unit="m", meaning="Distance of a mark that reads 0.5.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:

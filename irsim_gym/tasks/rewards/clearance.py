@@ -27,6 +27,11 @@ class Clearance:
     weight: float = option(0.8, ge=0.0, meaning="Cost of an episode spent in contact.")
     safe: float = option(0.3, gt=0.0, unit="m", meaning="Clearance from which on nothing is paid.")
 
+    @property
+    def clearance_range(self) -> float:
+        """Clearances up to this must be exact [m]."""
+        return self.safe
+
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the cost of the present clearance."""
