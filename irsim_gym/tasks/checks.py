@@ -74,6 +74,7 @@ def check_fit(
         fit = _substitute(place, item, bodies, merged.report) if item.needs_scan else item
         if fit is item or type(fit) not in given:
             fitting.append((place, fit))
+            given.append(type(fit))
     return fitting
 
 

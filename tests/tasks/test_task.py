@@ -35,7 +35,7 @@ def test_a_plain_file_gets_navigation() -> None:
     assert task.name == "navigation"
     assert task.agents == (0,)
     assert task.max_steps == 300
-    assert names(task.observations) == ["Scan", "Goal", "LastAction"]
+    assert names(task.observations) == ["Scan", "Goal", "LastAction", "FreeTravel", "GoalRecord", "Trail"]
     assert {REWARDS.name_of(type(reward)): reward.weight for reward in task.rewards} == {
         "progress": 4.0,
         "arrival": 2.0,
@@ -83,7 +83,7 @@ def test_sections_override_the_file_they_name() -> None:
         assert task.max_steps == 77
         assert task.observation_form == "dict"
         assert task.action.n_choices == 21
-        assert names(task.observations) == ["Scan", "Goal", "Velocity"]
+        assert names(task.observations) == ["Scan", "Goal", "FreeTravel", "GoalRecord", "Trail", "Velocity"]
         assert (task.observations[0].sectors, task.observations[0].zero) == (12, 0.3)
         assert [reward.weight for reward in task.rewards] == [4.0, 2.0, 5.0, 1.0, 0.8, 0.2]
         assert names(task.endings) == ["Arrived", "Collided"]
@@ -156,7 +156,8 @@ def test_who_cannot_learn() -> None:
 def test_a_learner_without_a_goal_is_refused_unless_nothing_needs_one() -> None:
     spec = scenario({"goal": None})
     assert messages(spec) == [
-        "robot_0: has no goal, and the task 'navigation' needs one (for 'goal', 'progress', 'arrival', 'arrived')"
+        "robot_0: has no goal, and the task 'navigation' needs one "
+        "(for 'goal', 'goal_record', 'progress', 'arrival', 'arrived')"
     ]
     assert load_task(spec, {"name": "blank", "observations": ["velocity"]}).rewards == ()
 
@@ -167,9 +168,11 @@ def test_a_distribution_gives_goals() -> None:
 
 def test_without_a_range_sensor_navigation_observes_bodies() -> None:
     episodes = play({"sensors": None}, BALL)
-    assert [name for name, _, _ in episodes.observation_terms] == ["nearest_bodies", "goal", "last_action"]
+    rest = ["goal", "last_action", "goal_record", "trail"]
+    assert [name for name, _, _ in episodes.observation_terms] == ["nearest_bodies", *rest]
     both = {"observations": ["nearest_bodies"]}
-    assert names(load_task(scenario({"sensors": None}), both).observations) == ["Goal", "LastAction", "NearestBodies"]
+    found = names(load_task(scenario({"sensors": None}), both).observations)
+    assert found == ["Goal", "LastAction", "GoalRecord", "Trail", "NearestBodies"]
     assert messages(scenario({"sensors": None}), {"name": "blank", "observations": ["scan"]}) == [
         "observations[0]: 'robot_0' has no range sensor (without_sensor: names a substitute)"
     ]
@@ -186,14 +189,16 @@ def test_learners_need_the_same_beams() -> None:
 def test_parts_lie_one_after_the_other() -> None:
     episodes = play(task={"observation_form": "dict"})
     sizes = [(name, len(low), len(high)) for name, low, high in episodes.observation_terms]
-    assert sizes == [("scan", 36, 36), ("goal", 4, 4), ("last_action", 2, 2)]
-    assert episodes.n_features == 42
-    assert episodes.view.observation.shape == (1, 1, 42)
-    assert episodes.view.observation[0, 0, 40:].tolist() == [-1, 0]
+    parts = {"scan": 36, "goal": 4, "last_action": 2, "free_travel": 32, "goal_record": 2, "trail": 12}
+    assert sizes == [(name, size, size) for name, size in parts.items()]
+    assert episodes.n_features == 88
+    assert episodes.view.observation.shape == (1, 1, 88)
+    assert episodes.view.observation[0, 0, 40:42].tolist() == [-1, 0]
 
 
 # --- mistakes
 
+OBSERVED = ("scan", "goal", "last_action", "free_travel", "goal_record", "trail")
 BAD_FILE = """\
 robot:
   kinematics: {name: diff}
@@ -255,8 +260,8 @@ def test_mistakes_in_the_file_built_upon_name_that_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("section", "message"),
     [
-        ({"observations": [{"name": "goal", "use": False}, {"name": "scan", "use": False},
-                           {"name": "last_action", "use": False}]}, "task.observations: at least one is required"),
+        ({"observations": [{"name": name, "use": False} for name in OBSERVED]},
+         "task.observations: at least one is required"),
         ({"endings": [{"name": "arrived", "use": False}]}, "rewards[1]: never paid: it needs the ending 'arrived'"),
         ({"name": "navigashun"}, "task.name: no task named 'navigashun' (did you mean 'navigation'?)"),
         ({"name": 3}, "task.name: must be the name or the file of a task, got 3"),
