@@ -88,7 +88,7 @@ def test_arrival_pays_once() -> None:
     drive(episodes, 1, 0)
     assert term(episodes, "arrival") == 0.0
     drive(episodes, 1, 0)
-    assert term(episodes, "arrival") == 2.0
+    assert term(episodes, "arrival") == 5.0
     assert episodes.view.infos["is_success"][0, 0]
     drive(episodes, 1, 0)
     assert episodes.view.reward_terms[0, 0].tolist() == [0.0] * 7
@@ -101,16 +101,16 @@ def test_collision_costs_in_the_step_in_which_it_begins() -> None:
     for _ in range(3):
         drive(episodes, 1, 0)
         paid.append(term(episodes, "collision"))
-    assert paid == [-5.0, 0.0, 0.0]
+    assert paid == [-4.0, 0.0, 0.0]
     episodes.begin(np.array([0]), np.array([0]))
     drive(episodes, 1, 0)
-    assert term(episodes, "collision") == -5.0
+    assert term(episodes, "collision") == -4.0
 
 
 def test_leaving_the_world_costs() -> None:
     episodes = play({"state": [10.15, 5, 0]})
     drive(episodes, 1, 0)
-    assert term(episodes, "left_world") == -5.0
+    assert term(episodes, "left_world") == -4.0
 
 
 def test_time_costs_two_over_a_full_episode() -> None:

@@ -38,9 +38,9 @@ def test_a_plain_file_gets_navigation() -> None:
     assert names(task.observations) == ["Scan", "Goal", "LastAction", "FreeTravel", "GoalRecord", "Trail"]
     assert {REWARDS.name_of(type(reward)): reward.weight for reward in task.rewards} == {
         "progress": 4.0,
-        "arrival": 2.0,
-        "collision": 5.0,
-        "left_world": 5.0,
+        "arrival": 5.0,
+        "collision": 4.0,
+        "left_world": 4.0,
         "time": 2.0,
         "clearance": 0.8,
         "smoothness": 0.2,
@@ -85,7 +85,7 @@ def test_sections_override_the_file_they_name() -> None:
         assert task.action.n_choices == 21
         assert names(task.observations) == ["Scan", "Goal", "FreeTravel", "GoalRecord", "Trail", "Velocity"]
         assert (task.observations[0].sectors, task.observations[0].zero) == (12, 0.3)
-        assert [reward.weight for reward in task.rewards] == [4.0, 2.0, 5.0, 1.0, 0.8, 0.2]
+        assert [reward.weight for reward in task.rewards] == [4.0, 5.0, 4.0, 1.0, 0.8, 0.2]
         assert names(task.endings) == ["Arrived", "Collided"]
 
 

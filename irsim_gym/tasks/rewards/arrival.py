@@ -23,7 +23,7 @@ class Arrival:
     needs_goal: ClassVar[bool] = True
     needs_ending: ClassVar[bool] = True
 
-    weight: float = option(2.0, ge=0.0, meaning="Bonus for success.")
+    weight: float = option(5.0, ge=0.0, meaning="Bonus for success.")
 
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

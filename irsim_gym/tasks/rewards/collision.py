@@ -27,7 +27,7 @@ class Collision:
     needs_goal: ClassVar[bool] = False
     needs_ending: ClassVar[bool] = False
 
-    weight: float = option(5.0, ge=0.0, meaning="Penalty for a collision.")
+    weight: float = option(4.0, ge=0.0, meaning="Penalty for a collision.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
         """Return the memory of who was touching something one step ago, ``(n_worlds, n_agents)``."""

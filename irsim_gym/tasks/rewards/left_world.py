@@ -23,7 +23,7 @@ class LeftWorldPenalty:
     needs_goal: ClassVar[bool] = False
     needs_ending: ClassVar[bool] = True
 
-    weight: float = option(5.0, ge=0.0, meaning="Penalty for leaving the world.")
+    weight: float = option(4.0, ge=0.0, meaning="Penalty for leaving the world.")
 
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
