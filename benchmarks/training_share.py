@@ -1,8 +1,10 @@
-"""How PPO's training time divides into simulator, policy and update."""
+"""How PPO's training time divides into simulator, task, policy and update."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
+from typing import Any
 
 import torch
 from stable_baselines3 import PPO
@@ -33,6 +35,23 @@ class TimedWorlds(VecEnvWrapper):
         return result
 
 
+class TimedSimulator:
+    """Sums up the CPU seconds that the simulator takes within a step: moving, sensing, clearances, new levels."""
+
+    def __init__(self, simulation: ig.Simulation) -> None:
+        self.seconds = 0.0
+        for name in ("advance", "begin", "clearance"):
+            setattr(simulation, name, self._timed(getattr(simulation, name)))
+
+    def _timed(self, method: Callable[..., None]) -> Callable[..., None]:
+        def timed(*arguments: Any, **options: Any) -> None:
+            begin = time.process_time()
+            method(*arguments, **options)
+            self.seconds += time.process_time() - begin
+
+        return timed
+
+
 class TimedRollouts(BaseCallback):
     """Sums up the CPU seconds of rollouts, simulator included."""
 
@@ -58,7 +77,8 @@ def measure(name: str, steps: int) -> dict[str, float]:
     warm = ig.sb3.make_vec_env(name, 2, seed=0)
     warm.reset()
     warm.step(warm.action_space.sample()[None].repeat(2, 0))
-    env = TimedWorlds(ig.sb3.make_vec_env(name, wanted.n_envs, seed=0))
+    worlds = ig.sb3.make_vec_env(name, wanted.n_envs, seed=0)
+    simulator, env = TimedSimulator(worlds.worlds.episodes.simulation), TimedWorlds(worlds)
     model = PPO("MlpPolicy", env, seed=0, device="cpu", **wanted.algorithm_arguments())
     rollouts, begin = TimedRollouts(), time.process_time()
     model.learn(steps, callback=rollouts)
@@ -67,8 +87,10 @@ def measure(name: str, steps: int) -> dict[str, float]:
         "worlds": env.num_envs,
         "steps": model.num_timesteps,
         "steps_per_cpu_s": model.num_timesteps / total,
-        "simulator_share": env.seconds / total,
+        "simulator_share": simulator.seconds / total,
+        "task_and_adapter_share": (env.seconds - simulator.seconds) / total,
         "policy_share": (rollouts.seconds - env.seconds) / total,
         "update_share": 1.0 - rollouts.seconds / total,
-        "simulator_us_per_step": 1e6 * env.seconds / model.num_timesteps,
+        "simulator_us_per_step": 1e6 * simulator.seconds / model.num_timesteps,
+        "environment_us_per_step": 1e6 * env.seconds / model.num_timesteps,
     }
