@@ -88,7 +88,9 @@ def dash_differential(
             if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[w % goal_threshold.shape[0], b]:
                 continue
             fastest = velocity_max[w % velocity_max.shape[0], b]
-            error = wrap(np.arctan2(dy, dx) - pose[w, b, 2])
+            error = np.arctan2(dy, dx) - pose[w, b, 2]
+            if np.abs(error) > np.pi:  # straight behind keeps its sign, as in IR-SIM
+                error = wrap(error)
             command[w, b, 0] = fastest[0] * np.cos(error)
             command[w, b, 1] = turn_rate(
                 error,

@@ -31,6 +31,11 @@ def check(goal_bodies: Ints, model: WorldModel, state: WorldState, shard: Shard)
     )
 
 
+def measure(goal_bodies: Ints, state: WorldState, shard: Shard) -> None:
+    """Write ``goal_distance`` alone, as at the start, where nobody arrives yet."""
+    measure_distance(shard.worlds, goal_bodies, state.pose, state.goal, state.goal_distance)
+
+
 def renew(goal_bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Give bodies that arrived and wander or loop their next goals."""
     renew_goals(
@@ -56,6 +61,16 @@ def goal_gap(pose: Floats, goal: Floats, with_heading: bool) -> float:
     dx, dy = goal[0] - pose[0], goal[1] - pose[1]
     turn = wrap(goal[2] - pose[2]) if with_heading and not np.isnan(goal[2]) else 0.0
     return float(np.sqrt(dx * dx + dy * dy + turn * turn))
+
+
+@kernel
+def measure_distance(worlds: Ints, goal_bodies: Ints, pose: Floats, goal: Floats, goal_distance: Floats) -> None:
+    """Write the distances to the goals."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(goal_bodies.shape[0]):
+            b = goal_bodies[k]
+            goal_distance[w, b] = goal_gap(pose[w, b], goal[w, b], False)
 
 
 @kernel

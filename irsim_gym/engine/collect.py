@@ -9,6 +9,8 @@ import numpy as np
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine.parts import Parts
+from irsim_gym.engine.ways import guard_ways
+from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import PlacementSpec, Scenario
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import LOOP, WorldModel
@@ -28,7 +30,8 @@ def collect_parts(
     bodies = list(enumerate(scenario.bodies))
     deciding = [(b, body.behavior) for b, body in bodies if body.behavior is not None and b not in agents]
     sensors = [(b, sensor) for b, body in bodies for sensor in body.sensors]
-    loops_alone = (model.goal_renewal == LOOP) & np.array([len(body.goal) <= 1 for _, body in bodies])
+    placed = [scenario.placements[body.entry].kind.gives_goal for _, body in bodies]
+    single = np.array([gives or len(body.goal) <= 1 for gives, (_, body) in zip(placed, bodies, strict=True)], np.bool_)
     return Parts(
         kinematics=group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]]),
         behaviors=group_members([member for member in deciding if model.movable[member[0]]]),
@@ -40,7 +43,8 @@ def collect_parts(
         goal_bodies=np.flatnonzero(model.has_goal),
         everyone=np.arange(len(bodies), dtype=np.int64),
         number_ranges=_number_ranges(scenario),
-        loop_returns=np.flatnonzero(loops_alone & model.has_goal),
+        loop_returns=np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal),
+        ways=guard_ways(scenario, model, agents, n_slots),
         names=tuple(body.name for _, body in bodies),
     )
 
@@ -64,12 +68,21 @@ def _sensors(members: Sequence[Member], outlines: Sequence[Outline], model: Worl
 
 
 def _placements(scenario: Scenario, model: WorldModel, n_slots: int) -> list[Group]:
-    """Return the entries in the order of placement: what is given, then random obstacles, then random robots."""
+    """Return the entries in the order of placement: what is given, then random obstacles, then random robots.
+
+    Raises:
+        ScenarioError: A distribution does not fit the world.
+    """
     groups = []
     for spec in sorted(scenario.placements, key=_turn):
         options = [spec.kind] * len(spec.members)
         group = Group(type(spec.kind), options, np.array(spec.members, np.int64))
-        group.kind.prepare(group, model, n_slots)
+        problem = group.kind.prepare(group, model, n_slots)
+        if problem is not None and spec.members:
+            body = scenario.bodies[spec.members[0]]
+            raise ScenarioError(
+                scenario.file or scenario.name, [Problem(body.line, f"{body.name}.distribution", problem)]
+            )
         groups.append(group)
     return groups
 

@@ -66,7 +66,8 @@ def compile(scenario: Scenario, n_worlds: int = 1, *, agents: Sequence[int] = ()
     for b, body in enumerate(scenario.bodies):
         _write_motion(b, body, model)
         model.driven[b] = body.behavior is not None or b in agents
-        _write_goals(b, body, scenario, model)
+        _write_goals(b, body, scenario, model, is_agent=b in agents)
+    model.stands[:] = ~(model.movable & model.driven)
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, tuple(agents), shards.n_slots)
     refuse_blocked_starts(scenario, parts, model, state)
@@ -121,11 +122,14 @@ def _write_motion(b: int, body: BodySpec, model: WorldModel) -> None:
         model.start[:, b] = body.state[:3]
 
 
-def _write_goals(b: int, body: BodySpec, scenario: Scenario, model: WorldModel) -> None:
-    """Write goals, and who has any: what can move and was given some, by its entry or by its distribution."""
-    behavior = body.behavior
+def _write_goals(b: int, body: BodySpec, scenario: Scenario, model: WorldModel, *, is_agent: bool) -> None:
+    """Write goals, and who has any: what can move and was given some, by its entry or by its distribution.
+
+    An agent's behaviour is overridden, so it neither wanders nor loops.
+    """
+    behavior = None if is_agent else body.behavior
     wanders = behavior is not None and behavior.wander
-    if wanders:
+    if behavior is not None and behavior.wander:
         model.wander_low[b], model.wander_high[b] = behavior.range_low, behavior.range_high
     model.waypoints[:, b, :, 2] = np.nan
     model.waypoints[:, b, : len(body.goal)] = np.array(body.goal).reshape(-1, 3)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.engine.ways import Ways
 from irsim_gym.world.group import Group
 
 
@@ -24,6 +25,8 @@ class Parts:
         everyone: All bodies.
         number_ranges: First body, fewest, most: entries with ``number_range``, shape ``(n, 3)``.
         loop_returns: Bodies that loop between one goal and their start.
+        ways: Agents whose way to the goal is checked when a level is drawn.
+        names: The bodies' names.
     """
 
     kinematics: list[Group]
@@ -37,4 +40,5 @@ class Parts:
     everyone: Ints
     number_ranges: Ints
     loop_returns: Ints
+    ways: Ways
     names: tuple[str, ...] = field(default=())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Words
-from irsim_gym.engine import arrival, contact, outlines
+from irsim_gym.engine import arrival, contact, outlines, ways
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
@@ -44,15 +44,14 @@ def begin(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, stre
         raise PlacementError(_failure(parts.names[failed[remaining.worlds[0]] - 1]))
     begin_moment(parts, model, state, shard)
     contact.find_static(parts.fixed, model, state, shard)
-    arrival.check(parts.goal_bodies, model, state, shard)
-    state.arrived[shard.worlds] = False
+    arrival.measure(parts.goal_bodies, state, shard)
     sense(parts, model, state, shard)
 
 
 def _failure(name: str) -> str:
     return (
-        f"no place found for '{name}' in {LEVEL_TRIES} draws of the level: the world is too full, or the bounds, "
-        f"min_distance, clearance or min_goal_distance of its distribution leave no room"
+        f"no place found for '{name}', or no way to its goal, in {LEVEL_TRIES} draws of the level: the world is too "
+        f"full, or the bounds, min_distance, clearance or min_goal_distance of its distribution leave no room"
     )
 
 
@@ -64,6 +63,7 @@ def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard,
     for group in parts.placements:
         group.kind.draw(group, model, state, shard, failed)
         outlines.place(group.members, model, state, shard)
+    ways.check(parts.ways, model, state, shard, failed)
 
 
 @kernel
@@ -94,6 +94,7 @@ def begin_moment(parts: Parts, model: WorldModel, state: WorldState, shard: Shar
         model.wander_low,
         model.wander_high,
         model.waypoint_count,
+        model.present,
         state.pose,
         state.random,
         model.start,
@@ -151,6 +152,7 @@ def write_first_goals(
     wander_low: Floats,
     wander_high: Floats,
     waypoint_count: Ints,
+    present: Flags,
     pose: Floats,
     random: Words,
     start: Floats,
@@ -159,7 +161,7 @@ def write_first_goals(
     waypoint_end: Ints,
     goal: Floats,
 ) -> None:
-    """Set each body's first goal; wanderers draw theirs, loopers with one goal will come back to their start."""
+    """Set each body's first goal (NaN for an absent body); wanderers draw theirs, loopers with one come back."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for b in range(start.shape[1]):
@@ -167,12 +169,14 @@ def write_first_goals(
                 start[w, b, axis] = pose[w, b, axis]
         for k in range(goal_bodies.shape[0]):
             b = goal_bodies[k]
-            waypoint_end[w, b] = waypoint_count[w, b]
+            waypoint[w, b], waypoint_end[w, b] = 0, waypoint_count[w, b]
+            if not present[w, b]:
+                goal[w, b, :] = np.nan
+                continue
             if goal_renewal[b] == WANDER:
                 waypoint_end[w, b] = 1
                 for axis in range(3):
                     waypoints[w, b, 0, axis] = uniform(random, w, wander_low[b, axis], wander_high[b, axis])
-            waypoint[w, b] = 0
             for axis in range(3):
                 goal[w, b, axis] = waypoints[w, b, 0, axis]
         for k in range(loop_returns.shape[0]):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 
 import numpy as np
 
@@ -39,13 +39,18 @@ class Shards:
         return [Shard(piece, slot) for slot, piece in enumerate(pieces)]
 
     def run(self, function: Callable[[Shard], None], worlds: Ints | None = None) -> None:
-        """Call ``function`` for each share of the given worlds (all by default); errors are passed on."""
+        """Call ``function`` for each share of the given worlds (all by default).
+
+        An error is passed on when all shares have come to their end.
+        """
         shards = self.all if worlds is None else self.cut(worlds)
         if len(shards) == 1:
             function(shards[0])
             return
-        for _ in self._threads().map(function, shards):
-            pass
+        running = [self._threads().submit(function, shard) for shard in shards]
+        wait(running)
+        for future in running:
+            future.result()
 
     def _threads(self) -> ThreadPoolExecutor:
         if self._pool is None or self._owner != os.getpid():

@@ -213,8 +213,9 @@ def read_options(options: Mapping[str, Any]) -> tuple[str | None, int | None]:
     split, level = options.get("split"), options.get("level")
     if split is not None:
         check_split(split)
-    if level is not None and (isinstance(level, bool) or not isinstance(level, int | np.integer) or level < 0):
-        raise ValueError(f"options['level'] must be an integer from 0 on, got {level!r}")
+    is_number = isinstance(level, int | np.integer) and not isinstance(level, bool)
+    if level is not None and not (is_number and 0 <= level < 2 * LEVELS):
+        raise ValueError(f"options['level'] must be an integer from 0 to {2 * LEVELS - 1}, got {level!r}")
     return split, None if level is None else int(level)
 
 

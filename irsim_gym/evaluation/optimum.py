@@ -33,6 +33,6 @@ class Optima:
         simulation, agent = episodes.simulation, int(episodes.simulation.agents[0])
         model, state = simulation.model, simulation.state
         radius = float(model.reach[world % len(model.reach), agent])
-        goals = model.waypoints[world, agent, : int(model.waypoint_count[world, agent]), :2]
+        goals = model.waypoints[world, agent, : int(state.waypoint_end[world, agent]), :2]
         stops = [model.start[world, agent, :2], *goals]
         return sum(free_path_length(model, state, world, radius, begin, end) for begin, end in pairwise(stops))

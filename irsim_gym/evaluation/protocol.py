@@ -136,4 +136,4 @@ def hit_kind(episodes: Episodes, body: int) -> str:
     model = episodes.simulation.model
     if model.role[body] == ROBOT:
         return HITS[2]
-    return HITS[1] if model.movable[body] else HITS[0]
+    return HITS[0] if model.stands[body] else HITS[1]

@@ -92,8 +92,8 @@ def _turn_rate(error: Floats, fastest: Floats, acceleration: Floats, step_time: 
 
 
 def _wrap(angle: Floats) -> Floats:
-    """Return angles in (-pi, pi]."""
-    return np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
+    """Return angles in [-pi, pi]; those that lie there already are returned unchanged."""
+    return np.where(np.abs(angle) <= np.pi, angle, np.pi - np.mod(np.pi - angle, 2.0 * np.pi))
 
 
 def _row(field: Floats, worlds: Ints, body: int) -> Floats:

@@ -47,7 +47,10 @@ class Linestring:
         """Return the segments; a random chain as a regular one with the most vertices it can have."""
         if self.vertices is not None and not self.random_shape:
             return Outline(segments=chain(np.array(self.vertices, np.float64), closed=False), solid=False)
-        return Outline(segments=chain(regular_vertices(self.num_vertices_range[1] - 1), closed=True), solid=False)
+        return Outline(
+            segments=chain(self.avg_radius_range[1] * regular_vertices(self.num_vertices_range[1] - 1), closed=True),
+            solid=False,
+        )
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:

@@ -48,7 +48,9 @@ class Polygon:
         if self.vertices is not None and not self.random_shape:
             corners = np.array(self.vertices, np.float64)
             return Outline(segments=chain(corners if signed_area(corners) > 0.0 else corners[::-1], closed=True))
-        return Outline(segments=chain(regular_vertices(self.num_vertices_range[1] - 1), closed=True))
+        return Outline(
+            segments=chain(self.avg_radius_range[1] * regular_vertices(self.num_vertices_range[1] - 1), closed=True)
+        )
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:

@@ -29,6 +29,9 @@ def outline_problems(options: Any) -> Iterator[tuple[str, str]]:
         yield "vertices", "is required unless random_shape is true"
     yield from unordered_ranges(options, "avg_radius_range", least=1e-3)
     yield from unordered_ranges(options, "irregularity_range", "spikeyness_range", least=0.0)
+    for key in ("irregularity_range", "spikeyness_range"):
+        if getattr(options, key)[1] > 1.0:
+            yield key, f"must lie between 0 and 1, got up to {getattr(options, key)[1]:g}"
     low, high = options.num_vertices_range
     if not 3 <= low < high <= MOST_VERTICES:
         message = f"must be [low, high] with 3 <= low < high <= {MOST_VERTICES} (high is excluded), got [{low}, {high}]"

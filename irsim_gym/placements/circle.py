@@ -21,6 +21,7 @@ class CirclePlacement:
     """Starts on a circle; each goal lies on the other side."""
 
     is_random: ClassVar[bool] = False
+    ensures_way: ClassVar[bool] = False
     gives_goal: ClassVar[bool] = True
 
     center: tuple[float, float] | tuple[float, float, float] | None = option(
@@ -31,17 +32,20 @@ class CirclePlacement:
     )
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Write the members' starts and goals."""
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
+        """Write the members' starts and goals; return what does not fit the world."""
         options = group.options[0]
         low, high = world_box(model, MARGIN)
         center = (low[:2] + high[:2]) / 2.0 if options.center is None else np.array(options.center[:2])
         radius = float(np.min(high[:2] - low[:2])) / 2.0 if options.radius is None else options.radius
+        if radius <= 0.0:
+            return f"needs a radius: half of the world's shorter side, less {MARGIN} m, is {radius:g} m"
         for k, b in enumerate(group.members):
             angle = 2.0 * np.pi * k / len(group.members)
             arm = radius * np.array([np.cos(angle), np.sin(angle)])
             model.start[:, b] = [*(center + arm), angle - np.pi]
             model.waypoints[:, b, 0] = [*(center - arm), angle - np.pi]
+        return None
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:

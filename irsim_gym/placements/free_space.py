@@ -1,8 +1,8 @@
 """What a random draw is tested for: spacing, room for start and goal, and a way between them.
 
 The kernels share bundles of arrays: ``shapes`` (present, solid, reach, and the outline tables of the model),
-``targets`` (has_goal, movable, goal_renewal, waypoints), ``scene`` (pose, segments, discs, placed) and ``grids``
-(blocks, and for a coarse and a fine grid: frame, cells and runs).
+``targets`` (has_goal, stands, goal_renewal, waypoints, waypoint_count), ``scene`` (pose, segments, discs, placed) and
+``grids`` (blocks, and for a coarse and a fine grid: frame, cells and runs).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
 from irsim_gym.jit import kernel
 from irsim_gym.paths.reachability import is_reachable
-from irsim_gym.world.model import WANDER
+from irsim_gym.world.model import KEEP_GOAL, WANDER
 
 
 @kernel
@@ -35,21 +35,22 @@ def is_start_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, s
     A body that will not move is clear of the placed bodies' goals too.
     """
     present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
-    has_goal, movable, goal_renewal, waypoints = targets
+    has_goal, stands, goal_renewal, waypoints, waypoint_count = targets
     pose, segments, discs, placed = scene
     row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
     own_segments, own_discs = segment_count[n_segments, b], disc_count[n_discs, b]
     for q in range(present.shape[1]):
         if q == b or not placed[w, q] or not present[w, q]:
             continue
-        if has_goal[q] and not movable[b] and goal_renewal[q] != WANDER:
-            goal = waypoints[w, q, 0]
-            gap = point_outline_distance(
-                goal[0], goal[1], segments[w], segment_start[b], own_segments,
-                discs[w], disc_start[b], own_discs, solid[b],
-            )  # fmt: skip
-            if gap < reach[row, q] + clearance:
-                return False
+        if has_goal[q] and stands[b] and goal_renewal[q] != WANDER:
+            for k in range(waypoint_count[w, q] if goal_renewal[q] == KEEP_GOAL else 1):
+                goal = waypoints[w, q, k]
+                gap = point_outline_distance(
+                    goal[0], goal[1], segments[w], segment_start[b], own_segments,
+                    discs[w], disc_start[b], own_discs, solid[b],
+                )  # fmt: skip
+                if gap < reach[row, q] + clearance:
+                    return False
         dx, dy = pose[w, q, 0] - pose[w, b, 0], pose[w, q, 1] - pose[w, b, 1]
         near = reach[row, b] + reach[row, q] + clearance
         if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
@@ -109,7 +110,7 @@ def is_closer(
 def is_goal_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, scene: Any) -> bool:
     """Return whether a disc around body b at its goal is clear of placed static bodies and of others' goals."""
     present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
-    has_goal, movable, goal_renewal, waypoints = targets
+    has_goal, stands, goal_renewal, waypoints, _ = targets
     pose, segments, discs, placed = scene
     row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
     x, y = waypoints[w, b, 0, 0], waypoints[w, b, 0, 1]
@@ -121,7 +122,7 @@ def is_goal_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, sc
             apart = reach[row, b] + reach[row, q]
             if dx * dx + dy * dy < apart * apart:
                 return False
-        if movable[q]:
+        if not stands[q]:
             continue
         dx, dy = pose[w, q, 0] - x, pose[w, q, 1] - y
         near = reach[row, b] + reach[row, q] + clearance
@@ -149,10 +150,10 @@ def has_way(w: int, b: int, shapes: Any, targets: Any, scene: Any, grids: Any) -
 
     What a coarse grid finds is a proof; only where it finds nothing the fine one is asked.
     """
-    present, movable, placed = shapes[0], targets[1], scene[3]
+    present, stands, placed = shapes[0], targets[1], scene[3]
     blocks, coarse, fine = grids
     for q in range(blocks.shape[0]):
-        blocks[q] = placed[w, q] and present[w, q] and not movable[q]
+        blocks[q] = q != b and placed[w, q] and present[w, q] and stands[q]
     return has_way_on(w, b, shapes, targets, scene, blocks, coarse) or has_way_on(
         w, b, shapes, targets, scene, blocks, fine
     )

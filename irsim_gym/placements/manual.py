@@ -19,11 +19,13 @@ class ManualPlacement:
     """Poses and goals as they stand in the file."""
 
     is_random: ClassVar[bool] = False
+    ensures_way: ClassVar[bool] = False
     gives_goal: ClassVar[bool] = False
 
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
         """Leave the starts that ``compile`` took from the file."""
+        return None
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:

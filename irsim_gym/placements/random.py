@@ -23,6 +23,7 @@ MARGIN = 0.5
 START_TRIES = 1000
 GOAL_TRIES = 100
 PATH_TRIES = 8
+MOST_CELLS = 1_000_000
 COARSE, FINE = 1.0, 0.5
 """Sides of cells, relative to the reach of the body that looks for a way."""
 
@@ -54,23 +55,33 @@ class RandomPlacement:
         if self.range_low is not None and self.range_high is not None:
             yield from crossed_bounds(self.range_low, self.range_high)
 
+    @property
+    def ensures_way(self) -> bool:
+        """True if no level is drawn without a way from start to goal."""
+        return self.reachable
+
     @staticmethod
-    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
-        """Settle the bounds, and make room for the grid on which ways are looked for."""
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
+        """Settle the bounds, and make room for the grid on which ways are looked for; return what does not fit."""
         options = group.options[0]
         low, high = world_box(model, MARGIN)
         low = low if options.range_low is None else np.array(options.range_low, np.float64)
         high = high if options.range_high is None else np.array(options.range_high, np.float64)
+        if np.any(low > high):
+            ends = [[round(float(value), 6) for value in bound] for bound in (low, high)]
+            return f"range_low {ends[0]} exceeds range_high {ends[1]}; what is not given is the world less {MARGIN} m"
         x0, y0, x1, y1 = model.bounds
         area = (min(x0, low[0]), min(y0, low[1]), max(x1, high[0]), max(y1, high[1]))
         group.arrays = {"low": low, "high": high, "blocks": np.zeros((n_slots, len(model.role)), np.bool_)}
         reach = float(np.min(model.reach[:, group.members]))
         whole = max(area[2] - area[0], area[3] - area[1])
+        least = float(np.sqrt((area[2] - area[0]) * (area[3] - area[1]) / MOST_CELLS))
         for name, share in (("coarse", COARSE), ("fine", FINE)):
-            grid = Grid.over(area, share * reach if options.reachable else whole)
+            grid = Grid.over(area, max(share * reach, least) if options.reachable else whole)
             group.arrays[f"{name}_frame"] = np.array([grid.origin_x, grid.origin_y, grid.cell])
             group.arrays[f"{name}_cells"] = np.stack([grid.blocked()] * n_slots)
             group.arrays[f"{name}_runs"] = np.stack([grid.runs()] * n_slots)
+        return None
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
@@ -86,7 +97,7 @@ class RandomPlacement:
             model.disc_count,
             model.local_discs,
         )
-        targets = (model.has_goal, model.movable, model.goal_renewal, model.waypoints)
+        targets = (model.has_goal, model.stands, model.goal_renewal, model.waypoints, model.waypoint_count)
         scene = (state.pose, state.segments, state.discs, state.placed)
         table, slot = group.arrays, shard.slot
         grids = (

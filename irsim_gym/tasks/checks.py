@@ -10,7 +10,7 @@ import numpy as np
 from irsim_gym.errors import Problem, UnknownNameError, suggestion
 from irsim_gym.families import ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.scenario.source import Place
-from irsim_gym.scenario.spec import BodySpec, Scenario
+from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.scenario.validation import Report
 from irsim_gym.tasks.layers import Merged
 from irsim_gym.tasks.outcome import Outcome
@@ -55,8 +55,8 @@ def check_fit(
 ) -> list[tuple[Place, Any]]:
     """Tell what the learners lack, and return the observations, with substitutes for sensors that are missing."""
     bodies = [scenario.bodies[b] for b in agents]
-    for body in bodies:
-        for message in _body_problems(body):
+    for b, body in zip(agents, bodies, strict=True):
+        for message in _body_problems(body, scenario.placements[body.entry], b):
             merged.outside.append((scenario.source.title, Problem(body.line, body.name, message)))
     if len({type(body.kinematics) for body in bodies}) > 1:
         merged.report.add(("agents",), "learners of one task need the same kinematics")
@@ -78,7 +78,11 @@ def check_fit(
     return fitting
 
 
-def _body_problems(body: BodySpec) -> list[str]:
+def _body_problems(body: BodySpec, placement: PlacementSpec, b: int) -> list[str]:
+    if placement.number_range is not None and b - placement.members[0] >= placement.number_range[0]:
+        return ["cannot learn: its number_range lets it be absent"]
+    if body.shape.is_random:
+        return ["cannot learn: its shape must be the same in all levels (random_shape)"]
     if body.static or body.kinematics is None:
         return ["cannot learn: it never moves"]
     if not np.isfinite([*body.vel_min, *body.vel_max]).all():
@@ -88,8 +92,7 @@ def _body_problems(body: BodySpec) -> list[str]:
 
 def _has_goal(scenario: Scenario, b: int) -> bool:
     body = scenario.bodies[b]
-    wanders = body.behavior is not None and body.behavior.wander
-    return bool(body.goal) or wanders or bool(scenario.placements[body.entry].kind.gives_goal)
+    return bool(body.goal) or bool(scenario.placements[body.entry].kind.gives_goal)
 
 
 def _term_name(term: Any) -> str:

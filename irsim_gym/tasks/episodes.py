@@ -26,7 +26,7 @@ class Episodes:
     """A task played in all worlds of a simulation; every world has its own episode.
 
     Nothing restarts by itself: ``begin`` and ``begin_next`` say where an episode begins. An agent whose episode has
-    ended stands still, is paid nothing more and keeps its flags until its world begins again.
+    ended is told to stand still, is paid nothing more and keeps its flags until its world begins again.
 
     Attributes:
         simulation: The worlds, compiled with ``agents=task.agents``.

@@ -30,6 +30,7 @@ class WorldModel(Arrays):
     role: Ints = column("body", np.int64, "", "ROBOT or OBSTACLE")
     movable: Flags = column("body", np.bool_, "", "False for a body that never moves")
     driven: Flags = column("body", np.bool_, "", "a behaviour or a learner commands the body")
+    stands: Flags = column("body", np.bool_, "", "stays where it starts: it cannot move, or nobody commands it")
     unobstructed: Flags = column("body", np.bool_, "", "ignored by collisions and sensors")
     solid: Flags = column("body", np.bool_, "", "the segments are closed boundaries of an area")
     arrive_mode: Ints = column("body", np.int64, "", "POSITION or STATE")

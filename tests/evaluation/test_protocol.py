@@ -74,6 +74,7 @@ def test_progress_is_told() -> None:
             {
                 "shape": {"name": "circle", "radius": 0.5},
                 "kinematics": {"name": "diff"},
+                "behavior": {"name": "dash"},
                 "state": [5, 2, 0],
             },
             "moving obstacle",

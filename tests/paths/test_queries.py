@@ -14,6 +14,7 @@ def worlds(*, per_world: frozenset[str]) -> tuple[WorldModel, WorldState]:
     model, state = WorldModel.allocate(sizes, per_world=per_world), WorldState.allocate(sizes)
     model.bounds[:] = [0.0, 0.0, 6.0, 6.0]
     model.movable[0] = True
+    model.stands[:] = ~model.movable
     model.present[:] = True
     model.present[1, 2] = False
     model.segment_start[:], model.segment_count[:] = [0, 0, 2], [0, 2, 0]

@@ -33,9 +33,9 @@ class GoalRecord:
     soon: float = option(2.0, gt=0.0, unit="s", meaning="Time since the record that reads 0.5.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return the memory: least goal distance [m] and time of it [s], ``(n_worlds, n_agents)``."""
+        """Return the memory: least goal distance [m], its time [s], both ``(n_worlds, n_agents)``, and the goal."""
         shape = (simulation.n_worlds, len(agents))
-        return {"nearest": np.zeros(shape), "since": np.zeros(shape)}
+        return {"nearest": np.zeros(shape), "since": np.zeros(shape), "target": np.zeros((*shape, 2))}
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds of the two elements."""
@@ -56,7 +56,9 @@ class GoalRecord:
             term.options.near,
             term.options.soon,
             state.time,
+            state.goal,
             state.goal_distance,
+            term.arrays["target"],
             term.arrays["nearest"],
             term.arrays["since"],
             episode.observation,
@@ -71,17 +73,21 @@ def write_record(
     near: float,
     soon: float,
     time: Floats,
+    goal: Floats,
     goal_distance: Floats,
+    target: Floats,
     nearest: Floats,
     since: Floats,
     out: Rays,
 ) -> None:
-    """Write how far and for how long the goal has been farther away than at the record."""
+    """Write how far and for how long the goal has been farther away than at the record; a new goal begins a new one."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            d = goal_distance[w, agents[a]]
-            if d < nearest[w, a]:
+            b = agents[a]
+            d, x, y = goal_distance[w, b], goal[w, b, 0], goal[w, b, 1]
+            if d < nearest[w, a] or x != target[w, a, 0] or y != target[w, a, 1]:
+                target[w, a, 0], target[w, a, 1] = x, y
                 nearest[w, a], since[w, a] = d, time[w]
             excess, elapsed = d - nearest[w, a], time[w] - since[w, a]
             out[w, a, column] = np.float32(excess / (excess + near))

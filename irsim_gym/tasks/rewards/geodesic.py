@@ -39,7 +39,7 @@ def note_fields(term: Term, model: WorldModel, state: WorldState, shard: Shard, 
         term.agents,
         afresh,
         model.present,
-        model.movable,
+        model.stands,
         model.unobstructed,
         model.reach,
         state.segments,
@@ -84,7 +84,7 @@ def draw_fields(
     agents: Ints,
     afresh: bool,
     present: Flags,
-    movable: Flags,
+    stands: Flags,
     unobstructed: Flags,
     reach: Floats,
     segments: Floats,
@@ -117,7 +117,7 @@ def draw_fields(
                 continue
             target[w, a, 0], target[w, a, 1] = goal_x, goal_y
             for b in range(blocks.shape[0]):
-                blocks[b] = present[w, b] and not movable[b] and not unobstructed[b] and b != own
+                blocks[b] = present[w, b] and stands[b] and not unobstructed[b] and b != own
             distance_field(
                 segments[w],
                 segment_start,

@@ -1,0 +1,144 @@
+"""No level without a way: agents whose placement does not see to it are looked after here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.jit import kernel
+from irsim_gym.paths.grid import Grid
+from irsim_gym.paths.reachability import is_reachable
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.world.group import Shard
+from irsim_gym.world.model import KEEP_GOAL, UNOBSTRUCTED, WorldModel
+from irsim_gym.world.state import WorldState
+
+MOST_CELLS = 1_000_000
+CELL_PER_REACH = 0.5
+
+
+@dataclass
+class Ways:
+    """Agents whose ways are checked when a level is drawn, and the grid for it.
+
+    Attributes:
+        agents: Bodies, shape ``(n,)``.
+        frame: Origin and cell of the grid [m], shape ``(3,)``.
+        blocks: Scratch, shape ``(n_slots, body)``.
+        cells: Scratch, shape ``(n_slots, rows, columns)``.
+        runs: Scratch, shape ``(n_slots, n_runs, 4)``.
+    """
+
+    agents: Ints
+    frame: Floats
+    blocks: Flags
+    cells: Bytes
+    runs: Ints
+
+
+def guard_ways(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n_slots: int) -> Ways:
+    """Return the guard: for round agents, where levels differ and the placement does not ensure a way itself."""
+    varied = [spec.kind.is_random for spec in scenario.placements]
+    stands = [bool(model.stands[list(spec.members)].any()) for spec in scenario.placements]
+    walls_vary = any(random and standing for random, standing in zip(varied, stands, strict=True))
+    guarded = []
+    for b in agents:
+        spec = scenario.placements[scenario.bodies[b].entry]
+        is_round = model.disc_count[0, b] == 1 and model.segment_count[0, b] == 0
+        if model.has_goal[b] and is_round and (walls_vary or spec.kind.is_random) and not spec.kind.ensures_way:
+            guarded.append(b)
+    if model.collision_mode[0] == UNOBSTRUCTED:
+        guarded = []
+    guarded = [b for b in guarded if not model.unobstructed[b]]
+    reach = min((float(model.reach[0, b]) for b in guarded), default=np.inf)
+    x0, y0, x1, y1 = (float(value) for value in model.bounds)
+    least = float(np.sqrt((x1 - x0) * (y1 - y0) / MOST_CELLS))
+    grid = Grid.over(model.bounds, max(CELL_PER_REACH * reach, least) if guarded else max(x1 - x0, y1 - y0))
+    return Ways(
+        agents=np.array(guarded, np.int64),
+        frame=np.array([grid.origin_x, grid.origin_y, grid.cell]),
+        blocks=np.zeros((n_slots, len(model.role)), np.bool_),
+        cells=np.stack([grid.blocked()] * n_slots),
+        runs=np.stack([grid.runs()] * n_slots),
+    )
+
+
+def check(ways: Ways, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+    """Set ``failed`` to body + 1 in worlds where an agent has no way from its start through its goals."""
+    if not len(ways.agents):
+        return
+    check_ways(
+        shard.worlds,
+        ways.agents,
+        model.present,
+        model.stands,
+        model.unobstructed,
+        model.goal_renewal,
+        model.waypoint_count,
+        model.waypoints,
+        model.solid,
+        model.reach,
+        (model.segment_start, model.segment_count, model.disc_start, model.disc_count),
+        (state.pose, state.segments, state.discs),
+        (ways.frame, ways.blocks[shard.slot], ways.cells[shard.slot], ways.runs[shard.slot]),
+        failed,
+    )
+
+
+@kernel
+def check_ways(
+    worlds: Ints,
+    agents: Ints,
+    present: Flags,
+    stands: Flags,
+    unobstructed: Flags,
+    goal_renewal: Ints,
+    waypoint_count: Ints,
+    waypoints: Floats,
+    solid: Flags,
+    reach: Floats,
+    tables: tuple[Ints, Ints, Ints, Ints],
+    scene: tuple[Floats, Floats, Floats],
+    grid: tuple[Floats, Flags, Bytes, Ints],
+    failed: Ints,
+) -> None:
+    """Look for a way past all bodies that stand, from the start to the first goal and from each goal to the next."""
+    segment_start, segment_count, disc_start, disc_count = tables
+    pose, segments, discs = scene
+    frame, blocks, cells, runs = grid
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(agents.shape[0]):
+            own = agents[k]
+            if failed[w] > 0 or goal_renewal[own] != KEEP_GOAL:
+                continue
+            for b in range(blocks.shape[0]):
+                blocks[b] = present[w, b] and stands[b] and not unobstructed[b]
+            x, y = pose[w, own, 0], pose[w, own, 1]
+            for g in range(waypoint_count[w, own]):
+                goal_x, goal_y = waypoints[w, own, g, 0], waypoints[w, own, g, 1]
+                if not is_reachable(
+                    segments[w],
+                    segment_start,
+                    segment_count[w % segment_count.shape[0]],
+                    discs[w],
+                    disc_start,
+                    disc_count[w % disc_count.shape[0]],
+                    solid,
+                    blocks,
+                    reach[w % reach.shape[0], own],
+                    x,
+                    y,
+                    goal_x,
+                    goal_y,
+                    frame[0],
+                    frame[1],
+                    frame[2],
+                    cells,
+                    runs,
+                ):
+                    failed[w] = own + 1
+                    break
+                x, y = goal_x, goal_y

@@ -1,0 +1,127 @@
+"""Levels that can be solved: what stands is in the way, agents follow no behaviour, and nothing outlives a level."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+import irsim_gym as ig
+from irsim_gym.errors import PlacementError, ScenarioError
+from irsim_gym.tasks import Episodes, load_task
+
+DIFF: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}}
+RANDOM = {"name": "random", "min_distance": 0, "reachable": True}
+
+
+def begun(data: dict[str, Any], n_worlds: int = 100, agents: tuple[int, ...] = (0,)) -> ig.Simulation:
+    sim = ig.compile(ig.load_scenario(data), n_worlds, agents=agents)
+    sim.reset()
+    return sim
+
+
+def discs(count: int, radius: float = 0.8, **keys: Any) -> dict[str, Any]:
+    shape = {"name": "circle", "radius": radius}
+    return {"number": count, "shape": shape, "distribution": {"name": "random", "min_distance": 0}, **keys}
+
+
+def gaps(sim: ig.Simulation, points: np.ndarray) -> np.ndarray:
+    """Return the distance of each world's point from the nearest standing disc."""
+    stands = np.flatnonzero(sim.model.stands)
+    centres, radii = sim.state.pose[:, stands, :2], sim.state.discs[:, stands, 2]
+    return (np.linalg.norm(centres - points[:, None], axis=2) - radii).min(axis=1)
+
+
+def test_bodies_that_nobody_drives_stand_in_the_way() -> None:
+    parked = {**DIFF, "number": 8, "distribution": RANDOM}
+    sim = begun(
+        {"robot": [{**DIFF, "distribution": RANDOM}, parked], "obstacle": discs(6, kinematics={"name": "diff"})}
+    )
+    assert sim.model.stands.tolist() == [False] + [True] * 14
+    assert gaps(sim, sim.state.goal[:, 0, :2]).min() >= 0.2
+
+
+@pytest.mark.parametrize("behavior", [{"name": "dash", "wander": True}, {"name": "dash", "loop": True}])
+def test_an_agents_behavior_is_overridden(behavior: dict[str, Any]) -> None:
+    sim = begun({"robot": {**DIFF, "distribution": RANDOM, "behavior": behavior}, "obstacle": discs(8)})
+    assert gaps(sim, sim.state.goal[:, 0, :2]).min() >= 0.2
+    assert (sim.state.waypoint_end[:, 0] == 1).all()
+    assert sim.model.waypoint_count[0, 0] == 1
+
+
+def test_all_given_goals_stay_free_and_can_be_reached() -> None:
+    robot = {**DIFF, "state": [1, 1, 0], "goal": [[[9, 1, 0], [9, 9, 0]]]}
+    sim = begun({"robot": robot, "obstacle": discs(10)})
+    for goal in sim.model.waypoints[0, 0, :2, :2]:
+        assert gaps(sim, np.broadcast_to(goal, (100, 2))).min() >= 0.2
+    for w in range(100):
+        free = shapely.box(0, 0, 10, 10).difference(
+            shapely.union_all([shapely.Point(*disc[:2]).buffer(disc[2] + 0.2) for disc in sim.state.discs[w, 1:]])
+        )
+        assert any(
+            all(part.contains(shapely.Point(point)) for point in ((1, 1), (9, 1), (9, 9)))
+            for part in shapely.get_parts(free)
+        )
+
+
+def test_a_level_that_no_draw_can_make_passable_is_an_error() -> None:
+    wall = {"shape": {"name": "linestring", "vertices": [[5, 0], [5, 10]]}}
+    robot = {**DIFF, "state": [1, 1, 0], "goal": [9, 1, 0]}
+    with pytest.raises(PlacementError, match="no way to its goal"):
+        begun({"robot": robot, "obstacle": [wall, discs(2)]}, n_worlds=1)
+
+
+def test_absent_bodies_leave_nothing_behind() -> None:
+    obstacle = {**DIFF, "number_range": [0, 4], "distribution": RANDOM, "behavior": {"name": "dash"}}
+    data = {"world": {"name": "yard"}, "robot": {**DIFF, "distribution": RANDOM}, "obstacle": obstacle}
+    used = begun(data, n_worlds=1)
+    for level in range(20):
+        used.reset(seed=level)
+        fresh = ig.compile(used.scenario, 1, agents=(0,))
+        fresh.reset(seed=level)
+        np.testing.assert_array_equal(used.state.goal, fresh.state.goal)
+        np.testing.assert_array_equal(used.state.pose, fresh.state.pose)
+
+
+def test_the_first_step_drops_a_goal_not_the_reset() -> None:
+    sim = begun({"robot": {**DIFF, "state": [1, 5, 0], "goal": [[[1, 5, 0], [9, 5, 0]]]}}, n_worlds=1)
+    assert sim.state.waypoint[0, 0] == 0
+    sim.step([0.0, 0.0])
+    assert sim.state.waypoint[0, 0] == 1
+
+
+def test_bounds_that_do_not_fit_the_world_are_told_with_their_line() -> None:
+    robot = {**DIFF, "distribution": {"name": "random", "range_low": [12, 0, 0]}}
+    with pytest.raises(ScenarioError, match=r"range_low \[12.0, 0.0, 0.0\] exceeds range_high \[9.5, 9.5"):
+        begun({"robot": robot})
+
+
+@pytest.mark.parametrize(
+    ("robot", "message"),
+    [
+        ({"number_range": [0, 1], "distribution": RANDOM}, "its number_range lets it be absent"),
+        ({"shape": {"name": "circle", "random_shape": True}, "goal": [5, 5]}, "must be the same in all levels"),
+        ({"behavior": {"name": "dash", "wander": True}}, "has no goal"),
+    ],
+)
+def test_robots_that_cannot_learn(robot: dict[str, Any], message: str) -> None:
+    with pytest.raises(ScenarioError, match=message):
+        load_task(ig.load_scenario({"robot": {**DIFF, **robot}}))
+
+
+def test_a_new_goal_begins_a_new_record() -> None:
+    scenario = ig.load_scenario({"robot": {**DIFF, "state": [1, 5, 0], "goal": [[[2, 5, 0], [9, 5, 0]]]}})
+    task = load_task(scenario, {"name": "blank", "observations": ["goal_record"]})
+    episodes = Episodes(ig.compile(scenario, agents=(0,)), task)
+    episodes.begin(np.array([0]), np.array([0]))
+    for _ in range(30):
+        episodes.step(np.array([[[1.0, 0.0]]]))
+        assert episodes.view.observation[0, 0].tolist() == [0, 0]
+
+
+def test_crossing_irregularity_is_refused() -> None:
+    shape = {"name": "polygon", "random_shape": True, "irregularity_range": [0, 3]}
+    with pytest.raises(ScenarioError, match="must lie between 0 and 1, got up to 3"):
+        ig.load_scenario({"obstacle": {"shape": shape}})
