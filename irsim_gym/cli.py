@@ -42,15 +42,17 @@ def list_shipped() -> None:
 
 @app.command()
 def check(files: Annotated[list[str], typer.Argument(help="Scenario files or shipped names.")]) -> None:
-    """Check scenario files and their tasks; print every problem with its line."""
+    """Check scenario files and their tasks, and draw a level of each; print every problem with its line."""
     from irsim_gym.scenario import load_scenario
     from irsim_gym.tasks import load_task
+    from irsim_gym.training.commands import begin_level
 
     failed = False
     for file in files:
         try:
             scenario = load_scenario(file)
             task = load_task(scenario) if scenario.robots else None
+            begin_level(scenario)
         except (IrsimGymError, OSError) as error:
             print(error, file=sys.stderr)
             failed = True
@@ -80,7 +82,7 @@ def train(
     seed: Seed = 0,
     steps: Steps = None,
     task: Task = None,
-    out: Annotated[Path | None, typer.Option(help="Folder of the run [default: runs/SCENARIO-ALGORITHM-SEED].")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder of the run (default: runs/SCENARIO-ALGORITHM-SEED).")] = None,
     hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in place of the shipped one.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
     dev_levels: Annotated[int, typer.Option(min=0, help="dev levels per checkpoint afterwards; 0 scores none.")] = 1000,
@@ -111,7 +113,7 @@ def evaluate(
 def record(
     scenario: Scenario,
     policies: Annotated[list[str], typer.Argument(help="Runs' folders, policy.zip files, random, dash.")],
-    level: Annotated[list[int] | None, typer.Option(help="A level; may be repeated. [default: 0]")] = None,
+    level: Annotated[list[int] | None, typer.Option(help="A level; may be repeated. (default: 0)")] = None,
     split: Split = "test",
     task: Task = None,
     out: Annotated[Path, typer.Option(help="Film to write, .mp4 or .gif.")] = Path("runs/film.mp4"),
@@ -157,7 +159,7 @@ def draw(
     level: Annotated[int, typer.Option(min=0, help="Which level.")] = 0,
     split: Split = "dev",
     task: Task = None,
-    out: Annotated[Path | None, typer.Option(help="PNG file [default: SCENARIO.png].")] = None,
+    out: Annotated[Path | None, typer.Option(help="PNG file (default: SCENARIO.png).")] = None,
 ) -> None:
     """Draw the start of a level."""
     from irsim_gym.training.commands import draw_level
@@ -167,7 +169,7 @@ def draw(
 
 @app.command()
 def warmup(
-    scenarios: Annotated[list[str] | None, typer.Argument(help="Scenarios [default: all that are shipped].")] = None,
+    scenarios: Annotated[list[str] | None, typer.Argument(help="Scenarios (default: all that are shipped).")] = None,
 ) -> None:
     """Compile the kernels of scenarios, so that later commands start at once."""
     from irsim_gym.training.commands import compile_scenarios

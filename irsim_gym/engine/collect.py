@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Ints
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.ways import guard_ways
 from irsim_gym.errors import Problem, ScenarioError
-from irsim_gym.scenario.spec import PlacementSpec, Scenario
+from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import LOOP, WorldModel
 from irsim_gym.world.outline import Outline
@@ -46,7 +46,12 @@ def collect_parts(
         loop_returns=np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal),
         ways=guard_ways(scenario, model, agents, n_slots),
         names=tuple(body.name for _, body in bodies),
+        places=tuple(_place(scenario, body) for _, body in bodies),
     )
+
+
+def _place(scenario: Scenario, body: BodySpec) -> str:
+    return f"'{body.name}' ({scenario.file}:{body.line})" if scenario.file else f"'{body.name}'"
 
 
 def group_members(members: Sequence[Member], key: Callable[[Any], Any] = type) -> list[Group]:

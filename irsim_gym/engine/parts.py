@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine.ways import Ways
@@ -27,6 +27,7 @@ class Parts:
         loop_returns: Bodies that loop between one goal and their start.
         ways: Agents whose way to the goal is checked when a level is drawn.
         names: The bodies' names.
+        places: Name, file and line of each body, for messages.
     """
 
     kinematics: list[Group]
@@ -41,4 +42,5 @@ class Parts:
     number_ranges: Ints
     loop_returns: Ints
     ways: Ways
-    names: tuple[str, ...] = field(default=())
+    names: tuple[str, ...]
+    places: tuple[str, ...]

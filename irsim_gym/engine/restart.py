@@ -41,17 +41,17 @@ def begin(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, stre
             break
         remaining = Shard(worlds, shard.slot)
     else:
-        raise PlacementError(_failure(parts.names[failed[remaining.worlds[0]] - 1]))
+        raise PlacementError(_failure(parts.places[failed[remaining.worlds[0]] - 1]))
     begin_moment(parts, model, state, shard)
     contact.find_static(parts.fixed, model, state, shard)
     arrival.measure(parts.goal_bodies, state, shard)
     sense(parts, model, state, shard)
 
 
-def _failure(name: str) -> str:
+def _failure(place: str) -> str:
     return (
-        f"no place found for '{name}', or no way to its goal, in {LEVEL_TRIES} draws of the level: the world is too "
-        f"full, or the bounds, min_distance, clearance or min_goal_distance of its distribution leave no room"
+        f"no place found for {place}, or no way to its goal, in {LEVEL_TRIES} draws of the level: the world is "
+        f"too full, or the bounds, min_distance, clearance or min_goal_distance of its distribution leave no room for its size"
     )
 
 

@@ -176,7 +176,8 @@ class Worlds:
             from irsim_gym.render import Renderer
 
             simulation = self.simulation
-            self._renderer = Renderer(self.scenario, simulation.model, simulation.state, simulation.sensors)
+            parts = simulation.model, simulation.state, simulation.sensors
+            self._renderer = Renderer(self.scenario, *parts, learners=simulation.agents.tolist())
         return self._renderer.frame(w, self._status(w))
 
     def _status(self, w: int) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
 from irsim_gym.arraytypes import Bytes
@@ -27,6 +27,7 @@ class Renderer:
         model: The simulation's constants.
         state: Its present state.
         sensors: Its sensor groups.
+        learners: Bodies whose goals and trajectories are drawn unless the scenario says otherwise.
         size: Width and height of the frames in pixels, made even; None for ``figure_pixels`` where the
             scenario sets it, else for what the world's proportions ask for (600 x 600 for a square).
     """
@@ -38,10 +39,11 @@ class Renderer:
         state: WorldState,
         sensors: Sequence[Group] = (),
         *,
+        learners: Collection[int] = (),
         size: tuple[int, int] | None = None,
     ) -> None:
         plot = scenario.world.plot
-        self._reader = SceneReader(scenario, model, state, sensors)
+        self._reader = SceneReader(scenario, model, state, sensors, learners)
         self._axis, self._show_title = not plot.no_axis, bool(plot.show_title)
         self._layout = lay_out(
             model.bounds, size or chosen(plot, "figure_pixels"), axis=self._axis, title=self._show_title

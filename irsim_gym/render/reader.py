@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,13 +31,21 @@ class SceneReader:
         model: Its constants.
         state: Its present state.
         sensors: Its sensor groups; those with ``ranges`` and ``angles`` are drawn.
+        learners: Bodies whose goals and trajectories are drawn unless the scenario says otherwise.
     """
 
-    def __init__(self, scenario: Scenario, model: WorldModel, state: WorldState, sensors: Sequence[Group]) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        model: WorldModel,
+        state: WorldState,
+        sensors: Sequence[Group],
+        learners: Collection[int] = (),
+    ) -> None:
         self._model, self._state = model, state
         self._scans = [group for group in sensors if {"ranges", "angles"} <= group.arrays.keys()]
         self._names = [body.name for body in scenario.bodies]
-        self._styles = [body_style(body) for body in scenario.bodies]
+        self._styles = [body_style(body, learner=b in learners) for b, body in enumerate(scenario.bodies)]
         order = sorted(range(len(self._styles)), key=lambda body: self._styles[body].order)
         self._fixed_bodies = [body for body in order if not model.movable[body]]
         self._moving_bodies = [body for body in order if model.movable[body]]

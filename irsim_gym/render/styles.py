@@ -97,8 +97,8 @@ class ScanStyle:
     alpha: float = 0.3
 
 
-def body_style(body: Any) -> BodyStyle:
-    """Return how a body of the scenario (``BodySpec``) is drawn."""
+def body_style(body: Any, *, learner: bool = False) -> BodyStyle:
+    """Return how a body of the scenario (``BodySpec``) is drawn; a learner shows its goal and trajectory unasked."""
     options = partial(chosen, body.plot)
     robot, moves = body.role == "robot", not body.static
     colour = options("obj_color", _body_colour(body, robot, moves))
@@ -112,14 +112,14 @@ def body_style(body: Any) -> BodyStyle:
         wall_width=options("obj_linewidth", 2.2),
         line_style=_line_style(options("obj_linestyle", "-")),
         order=float(options("obj_zorder", 3 if robot else 1)),
-        show_goal=options("show_goal", False),
+        show_goal=options("show_goal", learner),
         goal_colour=options("goal_color", colour),
         goal_alpha=options("goal_alpha", 1.0),
         show_arrow=options("show_arrow", moves),
         arrow=arrow,
         arrow_colour=options("arrow_color", theme.HEADING),
         arrow_alpha=options("arrow_alpha", 0.95),
-        show_trajectory=options("show_trajectory", False),
+        show_trajectory=options("show_trajectory", learner),
         trajectory_colour=options("traj_color", colour),
         trajectory_style=_line_style(options("traj_style", "-")),
         trajectory_width=options("traj_width", None),

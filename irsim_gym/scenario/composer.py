@@ -80,7 +80,7 @@ def compose(text: str) -> Document:
 
 def _syntax(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
     """Return line and message of a syntax error, in words for the person who wrote the file."""
-    mark = error.problem_mark or error.context_mark
+    mark = error.context_mark or error.problem_mark
     rows = text.splitlines()
     line = min(mark.line + 1, len(rows)) if mark is not None else 0
     row = rows[line - 1] if 0 < line <= len(rows) else ""

@@ -57,7 +57,7 @@ class ObjectPlot:
     obj_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the body.")
     obj_linewidth: float = option(1.0, ge=0.0, unit="point", meaning="Width of the outline.")
 
-    show_goal: bool = option(False, meaning="Draw the goal.")
+    show_goal: bool | None = option(None, meaning="Draw the goal; by default that of a learner alone.")
     goal_color: str | None = option(None, meaning="Colour of the goal.")
     goal_alpha: float = option(0.5, ge=0.0, le=1.0, meaning="Opacity of the goal.")
     goal_zorder: int = option(1, meaning="Layer of the goal.", planned=True)
@@ -81,7 +81,9 @@ class ObjectPlot:
     arrow_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the arrow.")
     arrow_zorder: int = option(3, meaning="Layer of the arrow.", planned=True)
 
-    show_trajectory: bool = option(False, meaning="Draw the path driven so far.")
+    show_trajectory: bool | None = option(
+        None, meaning="Draw the path driven so far; by default that of a learner alone."
+    )
     traj_color: str | None = option(None, meaning="Colour of the path.")
     traj_style: LineStyle = option("-", meaning="Line style of the path.")
     traj_width: float | None = option(None, gt=0.0, unit="m", meaning="Width of the path; by default the body's width.")

@@ -139,7 +139,7 @@ def check_terms(terms: Terms, audit: bool, report: Report) -> None:
     if not audit:
         return
     running = sum(reward.weight for _, reward in terms["rewards"] if reward.role == "running")
-    for place, ending in terms["endings"]:
+    for _, ending in terms["endings"]:
         if ending.outcome == Outcome.SUCCESS or running == 0.0:
             continue
         penalty = sum(
@@ -149,9 +149,9 @@ def check_terms(terms: Terms, audit: bool, report: Report) -> None:
         )
         if penalty <= running:
             report.add(
-                place,
-                f"an episode that ends so costs {penalty:g}, one that goes on can cost {running:g} "
-                f"(time, closeness, ...): raise the penalty or lower the running costs, or say 'audit: false'",
+                ("rewards",),
+                f"an episode that ends as '{_ending_for(ending.outcome)}' costs {penalty:g}, one that goes on can cost "
+                f"{running:g} (time, closeness, ...): raise the penalty, lower the running costs, or say 'audit: false'",
             )
 
 

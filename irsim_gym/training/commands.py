@@ -10,12 +10,16 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from irsim_gym.engine import Simulation, compile
 from irsim_gym.envs import sb3
-from irsim_gym.envs.worlds import Worlds
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.tables import print_table, summary_table
 from irsim_gym.scenario.library import SUFFIXES, scenario_names
+from irsim_gym.scenario.load import load_scenario
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.tasks import load_task
+from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.hyperparameters import load_hyperparameters
 from irsim_gym.training.run import Run, Settings, default_folder, environment_id, scenario_name
@@ -123,18 +127,43 @@ def run_rollout(scenario: str, policy: str, levels: int, split: str, task: str |
 
 
 def draw_level(scenario: str, level: int, split: str, task: str | None, out: Path | None) -> Path:
-    """Draw the start of a level into a PNG file and return it."""
+    """Draw the start of a level into a PNG file and return it; nobody has to learn in it.
+
+    Raises:
+        IrsimGymError: The file is to have another ending.
+    """
     from matplotlib.image import imsave
 
-    worlds = Worlds(scenario_name(scenario), task=task, render_mode="rgb_array")
-    worlds.begin([0], [None], [{"split": split, "level": level}], int)
-    path = out or Path(f"{worlds.scenario.name}.png")
+    from irsim_gym.render import Renderer
+
+    if out is not None and out.suffix != ".png":
+        raise IrsimGymError(f"pictures are PNG files, got '{out}'")
+    simulation = begin_level(load_scenario(scenario_name(scenario)), level, split, task)
+    path = out or Path(f"{simulation.scenario.name}.png")
     path.parent.mkdir(parents=True, exist_ok=True)
-    frame = worlds.frame(0)
-    assert frame is not None, "worlds with a render mode give frames"
-    imsave(path, frame, format="png")
-    worlds.close()
+    parts = simulation.model, simulation.state, simulation.sensors
+    renderer = Renderer(simulation.scenario, *parts, learners=simulation.agents.tolist())
+    imsave(path, renderer.frame(0), format="png")
+    renderer.close()
     return path
+
+
+def begin_level(scenario: Scenario, level: int = 0, split: str = "train", task: str | None = None) -> Simulation:
+    """Return one world at the start of a level, with the learners of its task; with none where nobody can learn.
+
+    Raises:
+        IrsimGymError: The level cannot be drawn, or the named task does not fit.
+    """
+    try:
+        agents = load_task(scenario, task).agents
+    except ScenarioError:
+        if task is not None:
+            raise
+        agents = ()
+    check_split(split)
+    simulation = compile(scenario, agents=agents)
+    simulation.reset(seed=level, split=split)
+    return simulation
 
 
 def compile_scenarios(scenarios: Sequence[str]) -> None:

@@ -57,7 +57,8 @@ def record_film(
     policies = [load_policy(source) for source in sources]
     episodes = make_episodes(scenario, task=task, n_worlds=len(policies))
     simulation = episodes.simulation
-    renderer = Renderer(simulation.scenario, simulation.model, simulation.state, simulation.sensors)
+    parts = simulation.model, simulation.state, simulation.sensors
+    renderer = Renderer(simulation.scenario, *parts, learners=simulation.agents.tolist())
     captions = policy_names(sources) if names is None else names
     film = EpisodeFilm(captions, fps=1.0 / float(simulation.model.step_time[0]))
     screen = console or Console(stderr=True)
