@@ -50,8 +50,9 @@ def begin(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, stre
 
 def _failure(place: str) -> str:
     return (
-        f"no place found for {place}, or no way to its goal, in {LEVEL_TRIES} draws of the level: the world is "
-        f"too full, or the bounds, min_distance, clearance or min_goal_distance of its distribution leave no room for its size"
+        f"no place found for {place}, or no way to its goal, in {LEVEL_TRIES} draws of the level: "
+        "the world is too full, or the bounds, min_distance, clearance or min_goal_distance of its distribution "
+        "leave no room for its size"
     )
 
 

@@ -1,8 +1,17 @@
-"""What a scenario file says."""
+"""What a scenario file says.
 
-from irsim_gym.scenario.load import load_scenario
-from irsim_gym.scenario.source import MissingFileError
-from irsim_gym.scenario.spec import BodySpec, GuiSpec, PlacementSpec, Scenario, WorldSpec
+The names are loaded when they are first used: listing the shipped files needs no validation library.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from irsim_gym.scenario.load import load_scenario
+    from irsim_gym.scenario.source import MissingFileError
+    from irsim_gym.scenario.spec import BodySpec, GuiSpec, PlacementSpec, Scenario, WorldSpec
 
 __all__ = [
     "BodySpec",
@@ -13,3 +22,11 @@ __all__ = [
     "WorldSpec",
     "load_scenario",
 ]
+
+_HOMES = {"load_scenario": "load", "MissingFileError": "source"}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module 'irsim_gym.scenario' has no attribute {name!r}")
+    return getattr(import_module(f"irsim_gym.scenario.{_HOMES.get(name, 'spec')}"), name)

@@ -151,7 +151,7 @@ def check_terms(terms: Terms, audit: bool, report: Report) -> None:
             report.add(
                 ("rewards",),
                 f"an episode that ends as '{_ending_for(ending.outcome)}' costs {penalty:g}, one that goes on can cost "
-                f"{running:g} (time, closeness, ...): raise the penalty, lower the running costs, or say 'audit: false'",
+                f"{running:g} (time, closeness, ...): raise that, lower this, or say 'audit: false'",
             )
 
 
