@@ -22,7 +22,10 @@ Scenario = Annotated[str, typer.Argument(help="Shipped name, environment id, or 
 Task = Annotated[str | None, typer.Option(help="Shipped task or a file, in place of the scenario's own.")]
 Levels = Annotated[int, typer.Option(min=1, help="Number of levels.")]
 Split = Annotated[str, typer.Option(help="train, dev or test.")]
-Steps = Annotated[int | None, typer.Option(min=1, help="Training steps over all worlds, in place of the file's.")]
+Steps = Annotated[
+    int | None,
+    typer.Option(min=1, help="Training steps over all worlds, in place of the file's; rounded up to whole rollouts."),
+]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of networks, exploration and training levels.")]
 Reference = Annotated[str, typer.Option(help="random, dash, a run's folder or a policy.zip.")]
 

@@ -44,9 +44,16 @@ def settings_to_resume(run: Run, asked: Settings, steps: int | None) -> Settings
         IrsimGymError: The run in the folder is for something else.
     """
     begun = run.settings()
-    same = [getattr(begun, name) == getattr(asked, name) for name in ("scenario", "algorithm", "seed", "task")]
-    if not all(same) or steps not in (None, begun.hyperparameters.n_timesteps):
-        raise IrsimGymError(f"{run.folder} holds a run with other settings ({run.config}); name another by --out")
+    names = ("scenario", "algorithm", "seed", "task")
+    pairs = {name: (getattr(begun, name), getattr(asked, name)) for name in names}
+    if steps is not None:
+        pairs["steps"] = (begun.hyperparameters.n_timesteps, steps)
+    other = [f"{name} {old} (asked for: {new})" for name, (old, new) in pairs.items() if old != new]
+    if other:
+        found = ", ".join(other)
+        raise IrsimGymError(
+            f"{run.folder} holds a run with {found}: its schedule cannot change midway; name another folder by --out"
+        )
     return begun
 
 

@@ -79,7 +79,7 @@ def test_train_resume_evaluate_and_record(
     assert "end:" in capsys.readouterr().out
     assert run(monkeypatch, *train, "--resume") == 0
     assert run(monkeypatch, *train, "--resume", "--seed", 1, "--out", folder) == 1
-    assert "other settings" in capsys.readouterr().err
+    assert "holds a run with" in capsys.readouterr().err
     assert run(monkeypatch, "evaluate", "empty_goal", folder, "--levels", 5, "--out", "evaluation") == 0
     lines = Path("evaluation/episodes.csv").read_text().splitlines()
     assert len(lines) == 1 + 3 * 5
