@@ -43,6 +43,8 @@ def begin(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, stre
     else:
         raise PlacementError(_failure(parts.places[failed[remaining.worlds[0]] - 1]))
     begin_moment(parts, model, state, shard)
+    for group in parts.kinematics:
+        group.kind.begin(group, model, state, shard)
     contact.find_static(parts.fixed, model, state, shard)
     arrival.measure(parts.goal_bodies, state, shard)
     sense(parts, model, state, shard)

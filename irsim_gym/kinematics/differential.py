@@ -43,6 +43,23 @@ class Differential:
             state.twist,
         )
 
+    @staticmethod
+    def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' twists at the start of an episode, from their poses and initial velocities."""
+        twist_differential(shard.worlds, group.members, state.pose, state.velocity, state.twist)
+
+
+@kernel
+def twist_differential(worlds: Ints, members: Ints, pose: Floats, velocity: Floats, twist: Floats) -> None:
+    """Write velocities in the world frame."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            twist[w, b, 0] = velocity[w, b, 0] * np.cos(pose[w, b, 2])
+            twist[w, b, 1] = velocity[w, b, 0] * np.sin(pose[w, b, 2])
+            twist[w, b, 2] = velocity[w, b, 1]
+
 
 @kernel
 def move_differential(

@@ -64,6 +64,11 @@ def test_command_is_clipped_and_heading_wraps() -> None:
     assert sim.state.pose[0, 0, :2] == pytest.approx([5 + 0.1 * np.cos(3.1), 5 + 0.1 * np.sin(3.1)])
 
 
+def test_initial_velocity_is_the_twist_at_the_start() -> None:
+    sim = simulation({**DIFF, "state": [5, 5, np.pi / 6], "velocity": [1, 0.5]}, agents=(0,))
+    assert sim.state.twist[0, 0] == pytest.approx([np.sqrt(3) / 2, 0.5, 0.5])
+
+
 def test_upper_limit_wins_over_an_empty_window() -> None:
     robot = {**DIFF, "state": [5, 5, 0], "velocity": [1, 0], "vel_max": [0.3, 1], "acce": [1, 1]}
     sim = simulation(robot, agents=(0,))

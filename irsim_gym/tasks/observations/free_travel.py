@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, get_args
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.observations.scan import Code, encode
+from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, shared_sensors
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
@@ -41,18 +41,12 @@ class FreeTravel:
 
     def check(self) -> list[tuple[str, str]]:
         """Return what is wrong with options that are right one by one: key and message."""
-        if self.code == "inverse" and self.zero * self.near > 0.5:
-            return [("zero", f"must be <= 0.5 / near = {0.5 / self.near:g}, got {self.zero:g}")]
-        return []
+        return code_problems(self)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
         """Return the live ranges, who has which, the beams in the body frame, the directions and the discs' radii."""
-        found = [simulation.scan(int(b)) for b in agents]
-        groups = [item[0] for item in found if item is not None]
-        if len(groups) < len(found) or any(group is not groups[0] for group in groups):
-            raise ValueError("observation 'free_travel': all learners need range sensors with the same beams")
-        members = np.array([item[1] for item in found if item is not None], np.int64)
-        table, mounts = groups[0].arrays, [groups[0].options[k] for k in members]
+        group, members = shared_sensors(simulation, agents, "free_travel")
+        table, mounts = group.arrays, [group.options[k] for k in members]
         turned = np.array([table["angles"] + mount.offset[2] for mount in mounts])
         ahead = 2.0 * np.pi * np.arange(self.directions) / self.directions - np.pi
         return {
@@ -73,9 +67,7 @@ class FreeTravel:
         far = float(term.arrays["far"].max())
         low, high = np.full(self.directions, far, np.float32), np.zeros(self.directions, np.float32)
         for values in (low, high):
-            encode(
-                values, get_args(Code).index(self.code), np.float32(self.near), np.float32(self.zero), np.float32(far)
-            )
+            encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), np.float32(far))
         return low, high
 
     @staticmethod
@@ -101,7 +93,7 @@ class FreeTravel:
             shard.worlds,
             term.column,
             table["ahead_x"].shape[0],
-            get_args(Code).index(options.code),
+            code_number(options.code),
             options.near,
             options.zero,
             table["far"],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +11,11 @@ from irsim_gym.arraytypes import Floats, Ints, Rays, Words
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, shared_sensors
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
-
-Code = Literal["inverse", "linear"]
-INVERSE, LINEAR = 0, 1
 
 
 @kind
@@ -41,20 +39,14 @@ class Scan:
 
     def check(self) -> list[tuple[str, str]]:
         """Return what is wrong with options that are right one by one: key and message."""
-        if self.code == "inverse" and self.zero * self.near > 0.5:
-            return [("zero", f"must be <= 0.5 / near = {0.5 / self.near:g}, got {self.zero:g}")]
-        return []
+        return code_problems(self)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
         """Return the live ranges, who has which, the sectors' beams and the agents' own extents."""
-        found = [simulation.scan(int(b)) for b in agents]
-        groups = [item[0] for item in found if item is not None]
-        if len(groups) < len(found) or any(group is not groups[0] for group in groups):
-            raise ValueError("observation 'scan': all learners need range sensors with the same beams")
-        members = np.array([item[1] for item in found if item is not None], np.int64)
-        table = groups[0].arrays
+        group, members = shared_sensors(simulation, agents, "scan")
+        table = group.arrays
         first, last = sector_beams(table["angles"], self.sectors)
-        far = np.array([groups[0].options[k].range_max for k in members], np.float32)
+        far = np.array([group.options[k].range_max for k in members], np.float32)
         return {
             "ranges": table["ranges"],
             "members": members,
@@ -72,7 +64,7 @@ class Scan:
         low, high = np.maximum(low, np.float32(0.0)), np.zeros_like(low)
         for a in range(len(far)):
             for values in (low[a], high[a]):
-                encode(values, _code(self), np.float32(self.near), np.float32(self.zero), far[a])
+                encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), far[a])
         return low.min(axis=0), high.max(axis=0)
 
     @staticmethod
@@ -83,7 +75,7 @@ class Scan:
             shard.worlds,
             table["members"],
             term.column,
-            _code(options),
+            code_number(options.code),
             options.near,
             options.zero,
             table["far"],
@@ -93,10 +85,6 @@ class Scan:
             table["ranges"],
             episode.observation,
         )
-
-
-def _code(options: Scan) -> int:
-    return get_args(Code).index(options.code)
 
 
 def sector_beams(angles: Floats, sectors: int) -> tuple[Ints, Ints]:
@@ -169,16 +157,3 @@ def pool(
                     least = depth if depth < least else least
                 row[s] = least if least > np.float32(0.0) else np.float32(0.0)
             encode(row, code, near_32, zero_32, far[a])
-
-
-@kernel
-def encode(row: Rays, code: int, near: np.float32, zero: np.float32, far: np.float32) -> None:
-    """Replace depths [m] by their codes, in place; float32, and falling with the depth to the last bit."""
-    one = np.float32(1.0)
-    if code == INVERSE:
-        largest = one / near - zero
-        for s in range(row.shape[0]):
-            row[s] = (one / (row[s] + near) - zero) / largest
-    else:
-        for s in range(row.shape[0]):
-            row[s] = one - row[s] / far

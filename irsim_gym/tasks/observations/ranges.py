@@ -1,0 +1,53 @@
+"""What observations made from a range sensor share: whose sensor it is, and how a depth becomes a number."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.engine import Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.world.group import Group
+
+Code = Literal["inverse", "linear"]
+INVERSE, LINEAR = 0, 1
+
+
+def code_number(code: str) -> int:
+    """Return the number by which kernels know a code."""
+    return get_args(Code).index(code)
+
+
+def code_problems(options: Any) -> list[tuple[str, str]]:
+    """Return what is wrong with ``code``, ``near`` and ``zero`` together: key and message."""
+    if options.code == "inverse" and options.zero * options.near > 0.5:
+        return [("zero", f"must be <= 0.5 / near = {0.5 / options.near:g}, got {options.zero:g}")]
+    return []
+
+
+def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Group, Ints]:
+    """Return the group of the agents' range sensors and each agent's member of it.
+
+    Raises:
+        ValueError: An agent has none, or one with other beams.
+    """
+    found = [simulation.scan(int(b)) for b in agents]
+    groups = [item[0] for item in found if item is not None]
+    if len(groups) < len(found) or any(group is not groups[0] for group in groups):
+        raise ValueError(f"observation '{name}': all learners need range sensors with the same beams")
+    return groups[0], np.array([item[1] for item in found if item is not None], np.int64)
+
+
+@kernel
+def encode(row: Rays, code: int, near: np.float32, zero: np.float32, far: np.float32) -> None:
+    """Replace depths [m] by their codes, in place; float32, and falling with the depth to the last bit."""
+    one = np.float32(1.0)
+    if code == INVERSE:
+        largest = one / near - zero
+        for s in range(row.shape[0]):
+            row[s] = (one / (row[s] + near) - zero) / largest
+    else:
+        for s in range(row.shape[0]):
+            row[s] = one - row[s] / far
