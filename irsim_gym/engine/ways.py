@@ -15,7 +15,6 @@ from irsim_gym.world.group import Shard
 from irsim_gym.world.model import KEEP_GOAL, UNOBSTRUCTED, WorldModel
 from irsim_gym.world.state import WorldState
 
-MOST_CELLS = 1_000_000
 CELL_PER_REACH = 0.5
 
 
@@ -54,8 +53,7 @@ def guard_ways(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n
     guarded = [b for b in guarded if not model.unobstructed[b]]
     reach = min((float(model.reach[0, b]) for b in guarded), default=np.inf)
     x0, y0, x1, y1 = (float(value) for value in model.bounds)
-    least = float(np.sqrt((x1 - x0) * (y1 - y0) / MOST_CELLS))
-    grid = Grid.over(model.bounds, max(CELL_PER_REACH * reach, least) if guarded else max(x1 - x0, y1 - y0))
+    grid = Grid.over(model.bounds, CELL_PER_REACH * reach if guarded else max(x1 - x0, y1 - y0))
     return Ways(
         agents=np.array(guarded, np.int64),
         frame=np.array([grid.origin_x, grid.origin_y, grid.cell]),

@@ -23,6 +23,7 @@ from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.jit import kernel
 
 FREE, BLOCKED = np.uint8(0), np.uint8(1)
+MOST_CELLS = 1_000_000
 MARGIN = 1e-9
 """Added to the radius of cells [m], so that rounding never frees one."""
 
@@ -47,8 +48,12 @@ class Grid:
 
     @classmethod
     def over(cls, bounds: Sequence[float] | Floats, cell: float) -> Self:
-        """Return the grid over x_min, y_min, x_max, y_max [m]; what no whole cell fills is shared by both sides."""
+        """Return the grid over x_min, y_min, x_max, y_max [m]; what no whole cell fills is shared by both sides.
+
+        Cells are larger than asked for where there would be more than ``MOST_CELLS`` of them.
+        """
         x_min, y_min, x_max, y_max = (float(value) for value in bounds)
+        cell = max(cell, float(np.sqrt((x_max - x_min) * (y_max - y_min) / MOST_CELLS)))
         columns = max(1, round((x_max - x_min) / cell))
         rows = max(1, round((y_max - y_min) / cell))
         origin_x = 0.5 * (x_min + x_max - columns * cell)

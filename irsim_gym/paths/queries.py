@@ -15,7 +15,6 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 FINE, COARSE = 0.05, 0.1
-MOST_CELLS = 1_000_000
 
 Point = Sequence[float] | Floats
 Outlines = tuple[Floats, Ints, Ints, Floats, Ints, Ints, Flags, Flags]
@@ -49,7 +48,7 @@ def free_path(
         blocks: Which bodies are in the way, shape ``(body,)``; as ``standing_bodies`` if not given.
         cell: Side of the cells [m] in which ways around things are sought.
     """
-    grid, outlines = _grid(model, cell), _outlines(model, state, world, blocks)
+    grid, outlines = Grid.over(model.bounds, cell), _outlines(model, state, world, blocks)
     path = grid.path()
     ends = float(start[0]), float(start[1]), float(goal[0]), float(goal[1])
     place = grid.origin_x, grid.origin_y, grid.cell
@@ -86,16 +85,10 @@ def has_free_path(
     cell: float = COARSE,
 ) -> bool:
     """Return whether ``is_reachable`` finds a way; arguments as for ``free_path``."""
-    grid, outlines = _grid(model, cell), _outlines(model, state, world, blocks)
+    grid, outlines = Grid.over(model.bounds, cell), _outlines(model, state, world, blocks)
     ends = float(start[0]), float(start[1]), float(goal[0]), float(goal[1])
     place = grid.origin_x, grid.origin_y, grid.cell
     return bool(is_reachable(*outlines, float(radius), *ends, *place, grid.blocked(), grid.runs()))
-
-
-def _grid(model: WorldModel, cell: float) -> Grid:
-    """Return a grid over the world, with larger cells [m] where the world is so large that there would be too many."""
-    x_min, y_min, x_max, y_max = model.bounds
-    return Grid.over(model.bounds, max(cell, float(np.sqrt((x_max - x_min) * (y_max - y_min) / MOST_CELLS))))
 
 
 def _outlines(model: WorldModel, state: WorldState, world: int, blocks: Flags | None) -> Outlines:

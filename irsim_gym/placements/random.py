@@ -23,7 +23,6 @@ MARGIN = 0.5
 START_TRIES = 1000
 GOAL_TRIES = 100
 PATH_TRIES = 8
-MOST_CELLS = 1_000_000
 COARSE, FINE = 1.0, 0.5
 """Sides of cells, relative to the reach of the body that looks for a way."""
 
@@ -75,9 +74,8 @@ class RandomPlacement:
         group.arrays = {"low": low, "high": high, "blocks": np.zeros((n_slots, len(model.role)), np.bool_)}
         reach = float(np.min(model.reach[:, group.members]))
         whole = max(area[2] - area[0], area[3] - area[1])
-        least = float(np.sqrt((area[2] - area[0]) * (area[3] - area[1]) / MOST_CELLS))
         for name, share in (("coarse", COARSE), ("fine", FINE)):
-            grid = Grid.over(area, max(share * reach, least) if options.reachable else whole)
+            grid = Grid.over(area, share * reach if options.reachable else whole)
             group.arrays[f"{name}_frame"] = np.array([grid.origin_x, grid.origin_y, grid.cell])
             group.arrays[f"{name}_cells"] = np.stack([grid.blocked()] * n_slots)
             group.arrays[f"{name}_runs"] = np.stack([grid.runs()] * n_slots)

@@ -87,16 +87,9 @@ class FreeTravel:
             table["far"],
             table["sight"],
             table["ranges"],
-            episode.observation,
-        )
-        encode_rows(
-            shard.worlds,
-            term.column,
-            table["ahead_x"].shape[0],
             code_number(options.code),
             options.near,
             options.zero,
-            table["far"],
             episode.observation,
         )
 
@@ -115,9 +108,12 @@ def measure(
     far: Rays,
     sight: Rays,
     ranges: Rays,
+    code: int,
+    near: float,
+    zero: float,
     out: Rays,
 ) -> None:
-    """Write the free way in each direction [m].
+    """Write the free way in each direction, encoded.
 
     Args:
         worlds: The worlds to treat.
@@ -132,8 +128,12 @@ def measure(
         far: Longest way of each agent [m], ``(n_agents,)``.
         sight: Greatest range of each agent's sensor [m], ``(n_agents,)``.
         ranges: Readings [m], ``(n_worlds, n_members, n_beams)``.
+        code: INVERSE or LINEAR.
+        near: See ``FreeTravel`` [m].
+        zero: See ``FreeTravel`` [1/m].
         out: Written, ``(n_worlds, n_agents, n_features)``.
     """
+    near_32, zero_32 = np.float32(near), np.float32(zero)
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(members.shape[0]):
@@ -147,6 +147,7 @@ def measure(
                     x = mount[a, 0] + scan[k] * beams_x[a, k]
                     y = mount[a, 1] + scan[k] * beams_y[a, k]
                     shorten(x, y, radius[a] * radius[a], far[a], ahead_x, ahead_y, row)
+            encode(row, code, near_32, zero_32, far[a])
 
 
 @kernel(contract=True)
@@ -163,14 +164,3 @@ def shorten(
         way = way if way > nothing else nothing
         way = way if (room > nothing) & (along > nothing) else far
         row[j] = way if way < row[j] else row[j]
-
-
-@kernel
-def encode_rows(
-    worlds: Ints, column: int, width: int, code: int, near: float, zero: float, far: Rays, out: Rays
-) -> None:
-    """Replace ways [m] by their codes, in place."""
-    for i in range(worlds.shape[0]):
-        for a in range(out.shape[1]):
-            row = out[worlds[i], a, column : column + width]
-            encode(row, code, np.float32(near), np.float32(zero), far[a])
