@@ -21,6 +21,7 @@ class Dash:
     """Drive straight at the goal, turning towards it on the way."""
 
     kinematics: ClassVar[tuple[str, ...]] = ("diff",)
+    reads_neighbors: ClassVar[bool] = False
 
     wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
     loop: bool = option(False, meaning="Begin again with the first goal after the last.")
@@ -40,6 +41,10 @@ class Dash:
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
         yield from crossed_bounds(self.range_low, self.range_high)
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Need no memory."""
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:

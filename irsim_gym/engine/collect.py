@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.engine.measures import measure
 from irsim_gym.engine.parts import Parts
+from irsim_gym.engine.turns import take_turns
 from irsim_gym.engine.ways import guard_ways
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
@@ -28,20 +30,34 @@ def collect_parts(
 ) -> Parts:
     """Return the groups and lists of a scenario whose constants are written already."""
     bodies = list(enumerate(scenario.bodies))
-    deciding = [(b, body.behavior) for b, body in bodies if body.behavior is not None and b not in agents]
+    group_behaviors = _group_behaviors(scenario, model, agents, n_slots)
+    led = {int(b) for group in group_behaviors for b in group.members}
+    deciding = [(b, body.behavior) for b, body in bodies if body.behavior is not None and b not in (*agents, *led)]
+    behaviors = group_members([member for member in deciding if model.movable[member[0]]])
+    for group in behaviors:
+        group.kind.prepare(group, model, n_slots)
+    kinematics = group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]])
+    external = scenario.world.step_mode == "external"
+    everyone = np.arange(len(bodies), dtype=np.int64)
+    movers = np.flatnonzero(model.movable)
+    in_order = scenario.world.update == "sequential"
     sensors = [(b, sensor) for b, body in bodies for sensor in body.sensors]
     placed = [scenario.placements[body.entry].kind.gives_goal for _, body in bodies]
     single = np.array([gives or len(body.goal) <= 1 for gives, (_, body) in zip(placed, bodies, strict=True)], np.bool_)
     return Parts(
-        kinematics=group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]]),
-        behaviors=group_members([member for member in deciding if model.movable[member[0]]]),
+        kinematics=kinematics,
+        behaviors=behaviors,
+        group_behaviors=[] if external else group_behaviors,
+        turns=[] if external else take_turns(movers, behaviors, kinematics, in_order=in_order),
+        external=external,
         footprints=group_members([(b, body.shape) for b, body in bodies if body.shape.is_random]),
         placements=_placements(scenario, model, n_slots),
         sensors=_sensors(sensors, outlines, model, n_slots),
-        movers=np.flatnonzero(model.movable),
-        fixed=np.flatnonzero(~model.movable),
+        movers=everyone if external else movers,
+        fixed=everyone[:0] if external else np.flatnonzero(~model.movable),
         goal_bodies=np.flatnonzero(model.has_goal),
-        everyone=np.arange(len(bodies), dtype=np.int64),
+        everyone=everyone,
+        measured=_measure(scenario, outlines, model, [*behaviors, *group_behaviors]),
         number_ranges=_number_ranges(scenario),
         loop_returns=np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal),
         ways=guard_ways(scenario, model, agents, n_slots),
@@ -63,6 +79,37 @@ def group_members(members: Sequence[Member], key: Callable[[Any], Any] = type) -
         Group(type(same[0][1]), [options for _, options in same], np.array([b for b, _ in same], np.int64))
         for same in found.values()
     ]
+
+
+def _group_behaviors(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n_slots: int) -> list[Group]:
+    """Return the groups that decide together, by group number; the first member says how.
+
+    ``arrays["decides"]`` marks the members whose commands they write; the others are only seen by them.
+    """
+    groups = []
+    for number in sorted({body.group for body in scenario.bodies}):
+        members = [b for b, body in enumerate(scenario.bodies) if body.group == number]
+        options = scenario.bodies[members[0]].group_behavior
+        if options is None:
+            continue
+        group = Group(type(options), [options] * len(members), np.array(members, np.int64))
+        group.arrays["decides"] = model.movable[members] & ~np.isin(members, agents)
+        group.kind.prepare(group, model, n_slots)
+        groups.append(group)
+    return groups
+
+
+def _measure(scenario: Scenario, outlines: Sequence[Outline], model: WorldModel, deciding: Sequence[Group]) -> Ints:
+    """Write radius and centroid of all bodies if anything asks for them; return those that are drawn anew."""
+    sees = any(body.fov is not None for body in scenario.bodies)
+    if not sees and not any(group.kind.reads_neighbors for group in deciding):
+        return np.zeros(0, np.int64)
+    everyone = np.arange(len(outlines), dtype=np.int64)
+    measure(np.arange(len(model.present), dtype=np.int64), everyone, model)
+    for b, outline in enumerate(outlines):
+        if outline.centroid is not None:
+            model.centroid[:, b] = outline.centroid
+    return everyone[[body.shape.is_random for body in scenario.bodies]]
 
 
 def _sensors(members: Sequence[Member], outlines: Sequence[Outline], model: WorldModel, n_slots: int) -> list[Group]:

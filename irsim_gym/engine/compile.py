@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from irsim_gym.engine import buckets
 from irsim_gym.engine.checks import refuse_blocked_starts
 from irsim_gym.engine.collect import collect_parts
 from irsim_gym.engine.shards import Shards
@@ -14,6 +15,7 @@ from irsim_gym.scenario.spec import BodySpec, Scenario
 from irsim_gym.world.model import (
     KEEP_GOAL,
     LOOP,
+    NO_DRIVE,
     OBSTACLE,
     POSITION,
     ROBOT,
@@ -33,7 +35,9 @@ COLLISION_MODES = {
     "unobstructed_obstacles": UNOBSTRUCTED_OBSTACLES,
 }
 ARRIVE_MODES = {"position": POSITION, "state": STATE}
-RANDOM_OUTLINE = frozenset({"local_segments", "local_discs", "segment_count", "disc_count", "reach"})
+RANDOM_OUTLINE = frozenset(
+    {"local_segments", "local_discs", "segment_count", "disc_count", "reach", "radius", "centroid"}
+)
 
 
 def compile(scenario: Scenario, n_worlds: int = 1, *, agents: Sequence[int] = (), num_threads: int = 1) -> Simulation:
@@ -56,6 +60,9 @@ def compile(scenario: Scenario, n_worlds: int = 1, *, agents: Sequence[int] = ()
         "body": len(scenario.bodies),
         "segment": sum(len(outline.segments) for outline in outlines),
         "disc": sum(len(outline.discs) for outline in outlines),
+        "bucket": buckets.n_buckets(len(scenario.bodies)),
+        "map_column": 1,
+        "map_row": 1,
         "waypoint": 1 + max((len(body.goal) for body in scenario.bodies), default=1),
     }
     is_random = any(body.shape.is_random for body in scenario.bodies)
@@ -65,9 +72,10 @@ def compile(scenario: Scenario, n_worlds: int = 1, *, agents: Sequence[int] = ()
     _write_outlines(outlines, model)
     for b, body in enumerate(scenario.bodies):
         _write_motion(b, body, model)
-        model.driven[b] = body.behavior is not None or b in agents
+        model.driven[b] = body.behavior is not None or body.group_behavior is not None or b in agents
         _write_goals(b, body, scenario, model, is_agent=b in agents)
     model.stands[:] = ~(model.movable & model.driven)
+    buckets.lay_out(model, np.array([body.shape.is_random for body in scenario.bodies], np.bool_))
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, tuple(agents), shards.n_slots)
     refuse_blocked_starts(scenario, parts, model, state)
@@ -82,6 +90,7 @@ def _write_world(scenario: Scenario, model: WorldModel) -> None:
     model.collision_mode[0] = COLLISION_MODES[world.collision_mode]
     model.present[:] = True
     model.static_partner[:] = -1
+    model.map_frame[4] = -1
 
 
 def _write_outlines(outlines: Sequence[Outline], model: WorldModel) -> None:
@@ -105,6 +114,9 @@ def _reach(outline: Outline) -> float:
 
 def _write_motion(b: int, body: BodySpec, model: WorldModel) -> None:
     model.role[b] = ROBOT if body.role == "robot" else OBSTACLE
+    model.drive[b] = getattr(body.kinematics, "drive", NO_DRIVE)
+    model.wheelbase[b] = _wheelbase(body)
+    model.initial_steering[b] = body.steering
     model.movable[b] = body.kinematics is not None and not body.static
     model.unobstructed[b] = body.unobstructed
     model.arrive_mode[b] = ARRIVE_MODES[body.arrive_mode]
@@ -120,6 +132,12 @@ def _write_motion(b: int, body: BodySpec, model: WorldModel) -> None:
     model.initial_velocity[b, : len(body.velocity)] = body.velocity
     if body.state is not None:
         model.start[:, b] = body.state[:3]
+
+
+def _wheelbase(body: BodySpec) -> float:
+    """Return the axle distance [m] that the drive gives, else the shape; NaN without one."""
+    given = (getattr(body.kinematics, "wheelbase", None), getattr(body.shape, "wheelbase", None))
+    return next((float(value) for value in given if value is not None), np.nan)
 
 
 def _write_goals(b: int, body: BodySpec, scenario: Scenario, model: WorldModel, *, is_agent: bool) -> None:

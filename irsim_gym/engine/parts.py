@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.engine.turns import Turn
 from irsim_gym.engine.ways import Ways
 from irsim_gym.world.group import Group
 
@@ -16,6 +17,9 @@ class Parts:
     Attributes:
         kinematics: Bodies that move, by drive.
         behaviors: Bodies that decide for themselves, by behaviour.
+        group_behaviors: Groups whose members decide together, from the state at the beginning of the step.
+        turns: Who decides and moves when.
+        external: Nothing moves but by the caller's hand (``step_mode: external``).
         footprints: Bodies whose outline is drawn anew for each level, by shape.
         placements: Entries of the file, in the order in which they are placed.
         sensors: Sensors, by kind and beams.
@@ -23,6 +27,7 @@ class Parts:
         fixed: Bodies that cannot.
         goal_bodies: Bodies with a goal.
         everyone: All bodies.
+        measured: Bodies whose radius and centroid change with their outline, and are asked for.
         number_ranges: First body, fewest, most: entries with ``number_range``, shape ``(n, 3)``.
         loop_returns: Bodies that loop between one goal and their start.
         ways: Agents whose way to the goal is checked when a level is drawn.
@@ -32,6 +37,9 @@ class Parts:
 
     kinematics: list[Group]
     behaviors: list[Group]
+    group_behaviors: list[Group]
+    turns: list[Turn]
+    external: bool
     footprints: list[Group]
     placements: list[Group]
     sensors: list[Group]
@@ -39,6 +47,7 @@ class Parts:
     fixed: Ints
     goal_bodies: Ints
     everyone: Ints
+    measured: Ints
     number_ranges: Ints
     loop_returns: Ints
     ways: Ways

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Words
-from irsim_gym.engine import arrival, contact, outlines, ways
+from irsim_gym.engine import arrival, buckets, contact, measures, outlines, ways
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
@@ -42,6 +42,10 @@ def begin(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, stre
         remaining = Shard(worlds, shard.slot)
     else:
         raise PlacementError(_failure(parts.places[failed[remaining.worlds[0]] - 1]))
+    if len(parts.measured):
+        measures.measure(shard.worlds, parts.measured, model)
+    buckets.empty(model, state, shard)
+    buckets.refresh(parts.everyone, model, state, shard)
     begin_moment(parts, model, state, shard)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)
@@ -109,11 +113,14 @@ def begin_moment(parts: Parts, model: WorldModel, state: WorldState, shard: Shar
     clear_moment(
         shard.worlds,
         model.initial_velocity,
+        model.initial_steering,
         state.time,
         state.step,
         state.command,
         state.velocity,
         state.twist,
+        state.steering,
+        state.plan,
         state.arrived,
         state.collided,
         state.stopped,
@@ -125,11 +132,14 @@ def begin_moment(parts: Parts, model: WorldModel, state: WorldState, shard: Shar
 def clear_moment(
     worlds: Ints,
     initial_velocity: Floats,
+    initial_steering: Floats,
     time: Floats,
     step: Ints,
     command: Floats,
     velocity: Floats,
     twist: Floats,
+    steering: Floats,
+    plan: Floats,
     arrived: Flags,
     collided: Flags,
     stopped: Flags,
@@ -140,6 +150,8 @@ def clear_moment(
         w = worlds[i]
         time[w], step[w] = 0.0, 0
         for b in range(hit.shape[1]):
+            steering[w, b] = initial_steering[b]
+            plan[w, b, 0], plan[w, b, 1] = 0.0, 0.0
             arrived[w, b], collided[w, b], stopped[w, b], hit[w, b] = False, False, False, -1
             for axis in range(3):
                 command[w, b, axis], twist[w, b, axis] = 0.0, 0.0

@@ -11,7 +11,7 @@ from irsim_gym.geometry.angles import wrap, wrap_from
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import DIFFERENTIAL, WorldModel
 from irsim_gym.world.state import WorldState
 
 
@@ -21,6 +21,7 @@ class Differential:
 
     command_names: ClassVar[tuple[str, ...]] = ("linear", "angular")
     state_size: ClassVar[int] = 3
+    drive: ClassVar[int] = DIFFERENTIAL
 
     noise: bool = option(False, meaning="Add motion noise.", planned=True)
     alpha: tuple[float, float, float, float] = option(

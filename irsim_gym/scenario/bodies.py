@@ -84,6 +84,7 @@ def _pattern(entry: Entry, i: int, index: int, group: int, report: Report) -> Bo
         group_behavior=values["group_behavior"],
         sensors=values["sensors"] or (),
         state=None if getattr(entry.placement, "gives_goal", False) and not is_given else _pose(values["state"]),
+        steering=_padded(values["state"], 4, 0.0)[3],
         goal=values["goal"],
         velocity=_padded(values["velocity"], size, 0.0),
         vel_min=_padded(values["vel_min"] or (), size, -1.0),

@@ -157,6 +157,7 @@ class BodySpec:
         group_behavior: Instance of a registered group behaviour, or None.
         sensors: Instances of registered sensors.
         state: Start pose (x, y, heading) [m, m, rad]; None when the distribution draws it.
+        steering: Steering angle at the start [rad].
         goal: Waypoints (x, y, heading) [m, m, rad] in order; NaN for a heading that is not given; empty for no goal.
         velocity: Velocity at the start, in the drive's coordinates [m/s or rad/s].
         vel_min: Least velocities [m/s or rad/s].
@@ -186,6 +187,7 @@ class BodySpec:
     group_behavior: Any
     sensors: tuple[Any, ...]
     state: Waypoint | None
+    steering: float
     goal: tuple[Waypoint, ...]
     velocity: tuple[float, ...]
     vel_min: tuple[float, ...]

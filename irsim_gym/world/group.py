@@ -48,6 +48,11 @@ class Group:
         if self.params is None:
             self.params = records(self.options)
 
+    def select(self, chosen: Ints) -> Group:
+        """Return a group of some of the members, by their numbers in this one; it shares the arrays."""
+        options = [self.options[k] for k in chosen]
+        return Group(self.kind, options, self.members[chosen], self.params[chosen], self.arrays)
+
 
 def records(options: Sequence[Any]) -> Any:
     """Return the numeric fields of dataclass instances as an array of records that kernels read by name.

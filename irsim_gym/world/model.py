@@ -6,13 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
 from irsim_gym.world.arrays import Arrays, column
 
 ROBOT, OBSTACLE = 0, 1
 POSITION, STATE = 0, 1
 STOP, UNOBSTRUCTED, UNOBSTRUCTED_OBSTACLES = 0, 1, 2
 KEEP_GOAL, WANDER, LOOP = 0, 1, 2
+NO_DRIVE, DIFFERENTIAL, OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR, ACKERMANN = -1, 0, 1, 2, 3, 4
+"""How a body's command reads. OMNI_WORLD takes velocities in the world frame, OMNI_BODY in the body frame."""
 
 
 @dataclass
@@ -29,6 +31,8 @@ class WorldModel(Arrays):
     collision_mode: Ints = column("1", np.int64, "", "STOP, UNOBSTRUCTED or UNOBSTRUCTED_OBSTACLES")
     role: Ints = column("body", np.int64, "", "ROBOT or OBSTACLE")
     movable: Flags = column("body", np.bool_, "", "False for a body that never moves")
+    drive: Ints = column("body", np.int64, "", "DIFFERENTIAL to ACKERMANN; NO_DRIVE for any other, and without one")
+    wheelbase: Floats = column("body", np.float64, "m", "axle distance; NaN without one")
     driven: Flags = column("body", np.bool_, "", "a behaviour or a learner commands the body")
     stands: Flags = column("body", np.bool_, "", "stays where it starts: it cannot move, or nobody commands it")
     unobstructed: Flags = column("body", np.bool_, "", "ignored by collisions and sensors")
@@ -51,7 +55,14 @@ class WorldModel(Arrays):
     disc_count: Ints = column("world* body", np.int64, "", "number of the body's discs")
     local_discs: Floats = column("world* disc 3", np.float64, "m", "x, y, radius in the body frame")
     reach: Floats = column("world* body", np.float64, "m", "radius about the body's origin that holds its footprint")
+    radius: Floats = column("world* body", np.float64, "m", "radius of the least circle around the footprint")
+    centroid: Floats = column("world* body 2", np.float64, "m", "centre of the footprint's area, in the body frame")
+    map_frame: Floats = column("5", np.float64, "m", "occupancy map: x, y, cell width, cell height, body (-1: no map)")
+    map_squares: Bytes = column("4 map_column map_row", np.uint8, "", "free square by quadrant, cells; 0: occupied")
+    bucket_frame: Floats = column("5", np.float64, "m", "buckets of bodies: x, y, side, columns, rows (0: none)")
+    bucketed: Flags = column("body", np.bool_, "", "small enough to be found through the buckets")
     present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
+    initial_steering: Floats = column("body", np.float64, "rad", "steering angle at the start")
     initial_velocity: Floats = column("body 3", np.float64, "m/s or rad/s", "velocity at the start")
     start: Floats = column("world body 3", np.float64, "m, m, rad", "pose at the start")
     waypoints: Floats = column("world body waypoint 3", np.float64, "m, m, rad", "goals in order; NaN heading: any")

@@ -17,11 +17,13 @@ class Outline:
         segments: x0, y0, x1, y1 of each segment [m], shape ``(n_segments, 4)``.
         discs: x, y, radius of each disc [m], shape ``(n_discs, 3)``.
         solid: The segments are the closed boundary of an area, not a curve.
+        centroid: Centre of the area [m], where parts that overlap would count twice; else it is worked out.
     """
 
     segments: Floats = field(default_factory=lambda: np.zeros((0, 4)))
     discs: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     solid: bool = True
+    centroid: tuple[float, float] | None = None
 
 
 def chain(vertices: Floats, *, closed: bool) -> Floats:

@@ -18,9 +18,13 @@ class WorldState(Arrays):
     step: Ints = column("world", np.int64, "", "steps since the start")
     random: Words = column("world", np.uint64, "", "state of the world's random stream")
     pose: Floats = column("world body 3", np.float64, "m, m, rad", "x, y, heading")
+    steering: Floats = column("world body", np.float64, "rad", "front wheel angle of an Ackermann drive")
     command: Floats = column("world body 3", np.float64, "m/s or rad/s", "what is asked of the drive")
     velocity: Floats = column("world body 3", np.float64, "m/s or rad/s", "what is executed, drive coordinates")
     twist: Floats = column("world body 3", np.float64, "m/s, m/s, rad/s", "velocity in the world frame")
+    plan: Floats = column(
+        "world body 2", np.float64, "m/s, m/s", "world-frame velocity that it last chose in its group"
+    )
     segments: Floats = column("world segment 4", np.float64, "m", "outline: x0, y0, x1, y1 in the world frame")
     discs: Floats = column("world disc 3", np.float64, "m", "outline: x, y, radius in the world frame")
     goal: Floats = column("world body 3", np.float64, "m, m, rad", "the goal that is next")
@@ -31,4 +35,7 @@ class WorldState(Arrays):
     collided: Flags = column("world body", np.bool_, "", "touches another body")
     stopped: Flags = column("world body", np.bool_, "", "held in place by a collision")
     hit: Ints = column("world body", np.int64, "", "the body it touches (lowest id), -1 for none")
+    bucket: Ints = column("world body", np.int64, "", "the bucket that the body is in, -1 for none")
+    bucket_first: Ints = column("world bucket", np.int64, "", "first body of each bucket, -1 for none")
+    bucket_next: Ints = column("world body", np.int64, "", "next body of the same bucket, -1 for none")
     placed: Flags = column("world body", np.bool_, "", "has its start; False only while a level is drawn")

@@ -1,0 +1,103 @@
+"""The buckets in which near bodies are found (``geometry/buckets.py``), kept up to date as bodies move."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.geometry.buckets import square_of
+from irsim_gym.jit import kernel
+from irsim_gym.world.group import Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+FEWEST_BODIES = 64
+"""With fewer, looking at all of them is as fast."""
+
+
+def lay_out(model: WorldModel, is_random: Flags) -> None:
+    """Settle the squares of a world with many bodies, and which bodies are small enough for them."""
+    n_bodies = len(model.role)
+    if n_bodies < FEWEST_BODIES:
+        return
+    x0, y0, x1, y1 = model.bounds
+    side = float(np.sqrt((x1 - x0) * (y1 - y0) / n_bodies))
+    rows = min(max(1, int((y1 - y0) / side)), n_bodies)
+    columns = min(max(1, int((x1 - x0) / side)), n_bodies // rows)
+    model.bucket_frame[:] = [x0, y0, side, columns, rows]
+    model.bucketed[:] = ~is_random & (model.reach.max(axis=0) <= side)
+
+
+def n_buckets(n_bodies: int) -> int:
+    """Return an upper bound of the number of buckets that ``lay_out`` makes."""
+    return 1 if n_bodies < FEWEST_BODIES else n_bodies + 1
+
+
+def empty(model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Take all bodies out of the buckets."""
+    if model.bucket_frame[3] > 0.0:
+        state.bucket[shard.worlds] = -1
+        state.bucket_first[shard.worlds] = -1
+        state.bucket_next[shard.worlds] = -1
+
+
+def refresh(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Put bodies into the buckets where they are now."""
+    if model.bucket_frame[3] > 0.0:
+        sort_bodies(
+            shard.worlds,
+            bodies,
+            model.bucket_frame,
+            model.bucketed,
+            model.present,
+            state.pose,
+            state.bucket,
+            state.bucket_first,
+            state.bucket_next,
+        )
+
+
+@kernel
+def sort_bodies(
+    worlds: Ints,
+    bodies: Ints,
+    frame: Floats,
+    bucketed: Flags,
+    present: Flags,
+    pose: Floats,
+    bucket: Ints,
+    first: Ints,
+    following: Ints,
+) -> None:
+    """Move each body whose square has changed from its old list to the head of its new one."""
+    columns, rows = int(frame[3]), int(frame[4])
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(bodies.shape[0]):
+            b = bodies[k]
+            place = columns * rows
+            if bucketed[b]:
+                column = square_of(pose[w, b, 0], frame[0], frame[2], columns)
+                place = square_of(pose[w, b, 1], frame[1], frame[2], rows) * columns + column
+            if not present[w, b]:
+                place = -1
+            if place == bucket[w, b]:
+                continue
+            if bucket[w, b] >= 0:
+                unlink(b, bucket[w, b], first[w], following[w])
+            bucket[w, b] = place
+            if place >= 0:
+                following[w, b] = first[w, place]
+                first[w, place] = b
+
+
+@kernel
+def unlink(b: int, place: int, first: Ints, following: Ints) -> None:
+    """Take body b out of a bucket's list."""
+    if first[place] == b:
+        first[place] = following[b]
+        return
+    earlier = first[place]
+    while following[earlier] != b:
+        earlier = following[earlier]
+    following[earlier] = following[b]

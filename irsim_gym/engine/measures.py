@@ -1,0 +1,58 @@
+"""Radius and centroid of footprints, for those who look at a body as a disc."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.geometry.measures import CORNERS, centre_of_mass, corner_points, least_circle
+from irsim_gym.jit import kernel
+from irsim_gym.world.model import WorldModel
+
+
+def measure(worlds: Ints, bodies: Ints, model: WorldModel) -> None:
+    """Write ``model.radius`` and ``model.centroid`` of bodies from their outlines."""
+    rows = worlds if len(model.radius) > 1 else worlds[:1]
+    measure_bodies(
+        rows,
+        bodies,
+        model.solid,
+        model.segment_start,
+        model.segment_count,
+        model.local_segments,
+        model.disc_start,
+        model.disc_count,
+        model.local_discs,
+        model.radius,
+        model.centroid,
+    )
+
+
+@kernel
+def measure_bodies(
+    worlds: Ints,
+    bodies: Ints,
+    solid: Flags,
+    segment_start: Ints,
+    segment_count: Ints,
+    local_segments: Floats,
+    disc_start: Ints,
+    disc_count: Ints,
+    local_discs: Floats,
+    radius: Floats,
+    centroid: Floats,
+) -> None:
+    """Write the radius of the least circle around each footprint, and the centre of its area."""
+    points = np.empty((2 * local_segments.shape[1] + CORNERS * local_discs.shape[1], 2))
+    for i in range(worlds.shape[0]):
+        row = worlds[i] % radius.shape[0]
+        for k in range(bodies.shape[0]):
+            b = bodies[k]
+            start, disc = segment_start[b], disc_start[b]
+            own = local_segments[row % local_segments.shape[0], start : start + segment_count[row, b]]
+            rounds = local_discs[row % local_discs.shape[0], disc : disc + disc_count[row, b]]
+            centroid[row, b, 0], centroid[row, b, 1] = centre_of_mass(own, rounds, solid[b])
+            if own.shape[0] == 0 and rounds.shape[0] == 1:
+                radius[row, b] = rounds[0, 2]
+            else:
+                radius[row, b] = least_circle(points, corner_points(own, rounds, points))[2]

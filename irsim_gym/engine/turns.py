@@ -1,0 +1,61 @@
+"""Who moves when: bodies whose behaviour looks at others move one after another, as in IR-SIM."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym.arraytypes import Ints
+from irsim_gym.world.group import Group
+
+
+@dataclass
+class Turn:
+    """Bodies that decide together and then move together.
+
+    Attributes:
+        behaviors: Those that decide for themselves, by behaviour.
+        movers: Those that can move.
+        kinematics: The same, by drive.
+    """
+
+    behaviors: list[Group]
+    movers: Ints
+    kinematics: list[Group]
+
+
+def take_turns(movers: Ints, behaviors: Sequence[Group], kinematics: Sequence[Group], *, in_order: bool) -> list[Turn]:
+    """Return the turns of a step.
+
+    A behaviour that reads its neighbours has to see the bodies before it already moved, and those behind it not yet.
+    So a turn begins with each such body and goes on to the next one; in a scenario without any there is one turn.
+
+    Args:
+        movers: Bodies that can move, ascending.
+        behaviors: Groups of bodies that decide.
+        kinematics: Groups of bodies that move.
+        in_order: False for one turn in any case.
+    """
+    readers = [group.members for group in behaviors if group.kind.reads_neighbors] if in_order else []
+    if not readers:
+        return [Turn(list(behaviors), movers, list(kinematics))]
+    firsts = np.sort(np.concatenate(readers))
+    turn_of_mover = np.searchsorted(firsts, movers, side="right")
+    decided = [_split(group, firsts) for group in behaviors]
+    moved = [_split(group, firsts) for group in kinematics]
+    return [
+        Turn(
+            [parts[turn] for parts in decided if turn in parts],
+            movers[turn_of_mover == turn],
+            [parts[turn] for parts in moved if turn in parts],
+        )
+        for turn in np.unique(turn_of_mover).tolist()
+    ]
+
+
+def _split(group: Group, firsts: Ints) -> dict[int, Group]:
+    """Return the members of a group by turn."""
+    turns = np.searchsorted(firsts, group.members, side="right")
+    return {turn: group.select(np.flatnonzero(turns == turn)) for turn in np.unique(turns).tolist()}

@@ -1,0 +1,62 @@
+"""Buckets: which bodies may be near a point, without looking at all of them.
+
+A square grid lies over the world; each bucket holds a linked list of the bodies whose origin lies in its square. What
+lies outside of the grid is put into the nearest square at its border, so nothing is ever missed. Bodies that are too
+large to be found by their origin are in one more bucket, behind the last square, and are always found.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.jit import kernel
+
+
+@kernel
+def square_of(value: float, low: float, side: float, count: int) -> int:
+    """Return the index of the square that a coordinate [m] lies in; those outside count to the border."""
+    place = np.floor((value - low) / side)
+    return int(min(max(place, 0.0), count - 1.0))
+
+
+@kernel
+def find_nearby(x: float, y: float, radius: float, frame: Floats, first: Ints, following: Ints, found: Ints) -> int:
+    """Write the numbers of the bodies that may lie near a point, ascending; return how many there are.
+
+    All bodies whose origin is within ``radius`` are among them, and all that are too large for the buckets; others
+    may be. Without buckets they are simply all bodies.
+
+    Args:
+        x: The point [m].
+        y: The point [m].
+        radius: Distance [m]; add ``frame[2]`` to find bodies that reach into it.
+        frame: ``model.bucket_frame``: x, y, side [m], columns, rows.
+        first: First body of each bucket, -1 for none, shape ``(bucket,)``.
+        following: Next body of the same bucket, -1 for none, shape ``(body,)``.
+        found: Written, shape ``(body,)``.
+    """
+    columns, rows = int(frame[3]), int(frame[4])
+    if columns == 0:
+        for b in range(following.shape[0]):
+            found[b] = b
+        return int(following.shape[0])
+    count = 0
+    b = first[columns * rows]
+    while b >= 0:
+        found[count] = b
+        count += 1
+        b = following[b]
+    low = square_of(x - radius, frame[0], frame[2], columns)
+    high = square_of(x + radius, frame[0], frame[2], columns)
+    bottom = square_of(y - radius, frame[1], frame[2], rows)
+    top = square_of(y + radius, frame[1], frame[2], rows)
+    for row in range(bottom, top + 1):
+        for column in range(low, high + 1):
+            b = first[row * columns + column]
+            while b >= 0:
+                found[count] = b
+                count += 1
+                b = following[b]
+    found[:count].sort()
+    return count
