@@ -1,12 +1,13 @@
 """What a learner's numbers mean: kinds of actions, and how an action becomes a command.
 
 Inside, an action always lies in [-1, 1], one number for each component of the command, and is mapped affinely to the
-body's velocity limits: -1 is ``vel_min``, +1 is ``vel_max``.
+body's velocity limits: -1 is ``vel_min``, +1 is ``vel_max``. A drive whose commands are velocities in the world frame
+(``omni``) then gets them turned by its heading, because all that a learner observes is relative to it.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +23,14 @@ from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
+FRAME = option("body", meaning="Frame of an omni drive's action: its own, or that of its commands (the world's).")
+
 
 @kind
 class VelocityAction:
     """Continuous: one number in [-1, 1] for each component of the command; numbers outside are cut to it."""
+
+    frame: Literal["body", "command"] = FRAME
 
     @property
     def n_choices(self) -> int:
@@ -43,23 +48,30 @@ class DiscreteAction:
     """A grid of commands, evenly spaced between the limits, ends included.
 
     Choice ``i * angular + j`` is the i-th of ``linear`` values of the command's first component (from ``vel_min``
-    up) with the j-th of ``angular`` values of its second one (from ``vel_min``, right turns first, up). With an
-    odd number of values and symmetric limits the middle one is 0.
+    up) with the j-th of ``angular`` values of its last one (from ``vel_min``, right turns first, up). With an
+    odd number of values and symmetric limits the middle one is 0. A drive with three components has ``lateral`` values
+    of the one in between: choice ``(i * lateral + l) * angular + j``.
     """
 
     linear: int = option(3, ge=1, le=1000, meaning="Number of values of the first component; 1: the greatest alone.")
-    angular: int = option(5, ge=1, le=1000, meaning="Number of values of the second component; 1: its middle alone.")
+    lateral: int = option(
+        1, ge=1, le=1000, meaning="Number of values of the second of three components; 1: its middle alone."
+    )
+    angular: int = option(5, ge=1, le=1000, meaning="Number of values of the last component; 1: its middle alone.")
+    frame: Literal["body", "command"] = FRAME
 
     @property
     def n_choices(self) -> int:
         """Number of points of the grid."""
-        return self.linear * self.angular
+        return self.linear * self.lateral * self.angular
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return the action, in [-1, 1], of every choice, shape ``(n_choices, 2)``."""
+        """Return the action, in [-1, 1], of every choice, shape ``(n_choices, n_components)``."""
+        size = len(simulation.scenario.bodies[int(agents[0])].kinematics.command_names)
         first = np.linspace(-1.0, 1.0, self.linear) if self.linear > 1 else np.ones(1)
-        second = np.linspace(-1.0, 1.0, self.angular) if self.angular > 1 else np.zeros(1)
-        return {"grid": np.stack([np.repeat(first, self.angular), np.tile(second, self.linear)], axis=1)}
+        between, last = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in (self.lateral, self.angular))
+        axes = (first, last) if size == 2 else (first, between, last)
+        return {"grid": np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)}
 
     @staticmethod
     def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
@@ -146,6 +158,26 @@ def command(
                 low, high = slowest[b, c], fastest[b, c]
                 wanted = 0.5 * (low + high) + action[w, a, c] * (0.5 * (high - low))
                 commanded[w, b, c] = wanted if outcome[w, a] == RUNNING else 0.0
+
+
+@kernel
+def turn_commands(worlds: Ints, agents: Ints, pose: Floats, commanded: Floats) -> None:
+    """Turn the commands of omnidirectional agents from the body frame into the world frame.
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Bodies whose commands are velocities in the world frame, ``(n,)``.
+        pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
+        commanded: Rewritten, ``(n_worlds, n_bodies, 3)`` [m/s].
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            cosine, sine = np.cos(pose[w, b, 2]), np.sin(pose[w, b, 2])
+            ahead, left = commanded[w, b, 0], commanded[w, b, 1]
+            commanded[w, b, 0] = cosine * ahead - sine * left
+            commanded[w, b, 1] = sine * ahead + cosine * left
 
 
 @kernel

@@ -78,6 +78,14 @@ def check_fit(
     return fitting
 
 
+def check_action(scenario: Scenario, agents: Sequence[int], action: Any, report: Report) -> None:
+    """Tell choices of a component that the learners' drive does not have."""
+    drive = scenario.bodies[agents[0]].kinematics
+    if drive is not None and len(drive.command_names) < 3 and getattr(action, "lateral", 1) > 1:
+        names = ", ".join(drive.command_names)
+        report.add(("action", "lateral"), f"must be 1 for a drive with {len(drive.command_names)} components ({names})")
+
+
 def _body_problems(body: BodySpec, placement: PlacementSpec, b: int) -> list[str]:
     if placement.number_range is not None and b - placement.members[0] >= placement.number_range[0]:
         return ["cannot learn: its number_range lets it be absent"]

@@ -20,6 +20,7 @@ from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.task import Task
 from irsim_gym.tasks.term import HasArrays, MindsClearance, Remembers, Term
 from irsim_gym.tasks.transition import transition_of
+from irsim_gym.world.model import OMNI_WORLD
 
 
 class Episodes:
@@ -44,6 +45,8 @@ class Episodes:
         self.task = task
         self._agents = np.array(task.agents, np.int64)
         self._size = len(simulation.scenario.bodies[task.agents[0]].kinematics.command_names)
+        is_turned = simulation.model.drive[self._agents] == OMNI_WORLD
+        self._turned = self._agents[is_turned & (getattr(task.action, "frame", "command") == "body")]
         self._action = self._bind(ACTIONS, [task.action])[0]
         self._observations = self._bind(OBSERVATIONS, task.observations)
         self._rewards = self._bind(REWARDS, task.rewards)
@@ -233,6 +236,8 @@ class Episodes:
             state.action,
             self.simulation.state.command,
         )
+        if len(self._turned):
+            actions.turn_commands(shard.worlds, self._turned, self.simulation.state.pose, self.simulation.state.command)
 
     def _keep_books(self, shard: Shard) -> None:
         world, state = self.simulation.state, self.state

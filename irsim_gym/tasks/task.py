@@ -16,7 +16,7 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.scenario.source import Place, Source, read_file, read_mapping
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.scenario.validation import Report, build, build_named
-from irsim_gym.tasks.checks import check_fit, check_terms, choose_agents
+from irsim_gym.tasks.checks import check_action, check_fit, check_terms, choose_agents
 from irsim_gym.tasks.layers import Layer, merge
 
 DEFAULT = "navigation"
@@ -96,6 +96,7 @@ def load_task(
         agents = choose_agents(scenario, options.agents, team, merged)
         if agents:
             terms["observations"] = check_fit(scenario, agents, name, terms, merged)
+            check_action(scenario, agents, action, report)
         if is_sound:
             check_terms(terms, options.audit, report)
     merged.refuse(_title(scenario))

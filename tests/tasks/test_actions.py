@@ -43,7 +43,7 @@ def test_discrete_choices_run_over_the_grid() -> None:
 
 
 def test_grids_of_one_value() -> None:
-    grid = DiscreteAction(linear=1, angular=1).arrays(None, np.zeros(1, np.int64))["grid"]  # type: ignore[arg-type]
+    grid = DiscreteAction(linear=1, angular=1).arrays(play().simulation, np.zeros(1, np.int64))["grid"]
     assert grid.tolist() == [[1.0, 0.0]]
 
 

@@ -12,13 +12,16 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import OMNI_WORLD, WorldModel
 from irsim_gym.world.state import WorldState
 
 
 @kind
 class Velocity:
-    """The velocity executed in the latest step, each component over the larger of its two limits."""
+    """The velocity executed in the latest step, each component over the larger of its two limits.
+
+    For an ``omni`` drive it is the velocity in the body frame, over the length of the two largest limits.
+    """
 
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
@@ -33,6 +36,8 @@ class Velocity:
             scale = np.where(largest > 0.0, largest, 1.0)
             low[c] = min(0.0, np.min(slowest / scale))
             high[c] = max(0.0, np.max(fastest / scale))
+        if np.any(model.drive[term.agents] == OMNI_WORLD):
+            low[:2], high[:2] = -1.0, 1.0
         return low, high
 
     @staticmethod
@@ -43,9 +48,11 @@ class Velocity:
             term.agents,
             term.column,
             term.action_size,
+            model.drive,
             model.velocity_min,
             model.velocity_max,
             state.stopped,
+            state.pose,
             state.velocity,
             episode.observation,
         )
@@ -57,9 +64,11 @@ def write_velocity(
     agents: Ints,
     column: int,
     size: int,
+    drive: Ints,
     velocity_min: Floats,
     velocity_max: Floats,
     stopped: Flags,
+    pose: Floats,
     velocity: Floats,
     out: Rays,
 ) -> None:
@@ -69,6 +78,9 @@ def write_velocity(
         slowest, fastest = velocity_min[w % velocity_min.shape[0]], velocity_max[w % velocity_max.shape[0]]
         for a in range(agents.shape[0]):
             b = agents[a]
+            if drive[b] == OMNI_WORLD:
+                write_turned(pose[w, b, 2], velocity[w, b], slowest[b], fastest[b], stopped[w, b], out[w, a, column:])
+                continue
             for c in range(size):
                 low, high = slowest[b, c], fastest[b, c]
                 largest = max(np.abs(low), np.abs(high))
@@ -76,3 +88,17 @@ def write_velocity(
                 if largest > 0.0 and not stopped[w, b]:
                     scaled = min(max(velocity[w, b, c] / largest, min(low / largest, 0.0)), max(high / largest, 0.0))
                 out[w, a, column + c] = np.float32(scaled)
+
+
+@kernel
+def write_turned(
+    heading: float, velocity: Floats, slowest: Floats, fastest: Floats, is_stopped: bool, out: Rays
+) -> None:
+    """Write a world-frame velocity in the body frame, over the length of the largest limits; 0 when stopped."""
+    x, y = max(np.abs(slowest[0]), np.abs(fastest[0])), max(np.abs(slowest[1]), np.abs(fastest[1]))
+    largest = np.sqrt(x * x + y * y)
+    share = 0.0 if is_stopped or largest == 0.0 else 1.0 / largest
+    cosine, sine = np.cos(heading), np.sin(heading)
+    ahead, left = cosine * velocity[0] + sine * velocity[1], cosine * velocity[1] - sine * velocity[0]
+    out[0] = np.float32(min(max(share * ahead, -1.0), 1.0))
+    out[1] = np.float32(min(max(share * left, -1.0), 1.0))
