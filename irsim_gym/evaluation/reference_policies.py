@@ -1,16 +1,21 @@
-"""What every trained policy is compared with: acting at random, and driving straight at the goal."""
+"""What every trained policy is compared with: acting at random, and the behaviours of the language."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from irsim_gym import families
 from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.engine import Shard
+from irsim_gym.engine.measures import measure
 from irsim_gym.errors import UnknownNameError, suggestion
+from irsim_gym.families import BEHAVIORS, KINEMATICS
 from irsim_gym.tasks import Episodes
+from irsim_gym.world.group import Group
+from irsim_gym.world.model import OMNI_WORLD
 
 DRAWS = 64
-ANGLE_TOLERANCE = 0.1
 
 
 class RandomPolicy:
@@ -50,50 +55,58 @@ class RandomPolicy:
         return row
 
 
-class DashPolicy:
-    """Drives straight at the goal, as the behaviour ``dash`` does: a baseline that sees no obstacle.
+class BehaviorPolicy:
+    """Commands the learner as a registered behaviour does: a baseline that has nothing to learn.
 
-    A differential drive goes v_max cos(e) forward, where e is the goal's bearing, and turns at full rate, or at what
-    its angular acceleration can still brake. The command is then put into the task's actions.
+    A learner whose scenario gives it that behaviour already has it with the options that stand there.
+
+    Args:
+        name: The behaviour's name in YAML.
     """
 
+    def __init__(self, name: str) -> None:
+        families.load()
+        self.kind = BEHAVIORS.entry(name).kind
+        self.name = name
+        self._episodes: Episodes | None = None
+        self._group: Group | None = None
+
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
-        """Do nothing: the policy has no memory."""
+        """Look at the drive, and at the sizes of the bodies.
+
+        Raises:
+            ValueError: The behaviour cannot command the learner's drive.
+        """
+        simulation = episodes.simulation
+        if self._episodes is not episodes:
+            self._group = self._bind(episodes)
+            self._episodes = episodes
+        if self.kind.reads_neighbors:
+            measure(worlds, simulation.parts.everyone, simulation.model)
+
+    def _bind(self, episodes: Episodes) -> Group:
+        simulation = episodes.simulation
+        body = simulation.scenario.bodies[int(simulation.agents[0])]
+        drive = KINEMATICS.name_of(type(body.kinematics))
+        if drive not in self.kind.kinematics:
+            raise ValueError(f"'{self.name}' cannot drive kinematics '{drive}' of '{body.name}'")
+        options = body.behavior if isinstance(body.behavior, self.kind) else self.kind()
+        group = Group(self.kind, [options], simulation.agents[:1])
+        self.kind.prepare(group, simulation.model, simulation.shards.n_slots)
+        return group
 
     def act(self, episodes: Episodes, worlds: Ints) -> NDArray[np.float64] | Ints:
         """Return the actions of worlds."""
-        return to_actions(episodes, worlds, dash_command(episodes, worlds))
+        return to_actions(episodes, worlds, self.command(episodes, worlds))
 
-
-def dash_command(episodes: Episodes, worlds: Ints) -> Floats:
-    """Return the velocities that ``dash`` asks for, ``(n, 2)`` [m/s, rad/s], within the robot's limits."""
-    simulation = episodes.simulation
-    model, state, body = simulation.model, simulation.state, int(simulation.agents[0])
-    low, high = (_row(limit, worlds, body)[:, :2] for limit in (model.velocity_min, model.velocity_max))
-    acceleration = _row(model.acceleration_limit, worlds, body)[:, 1]
-    pose = state.pose[worlds, body]
-    offset = state.goal[worlds, body, :2] - pose[:, :2]
-    error = _wrap(np.arctan2(offset[:, 1], offset[:, 0]) - pose[:, 2])
-    turn = _turn_rate(error, np.abs(high[:, 1]), acceleration, float(model.step_time[0]))
-    command = np.stack([high[:, 0] * np.cos(error), turn], axis=1)
-    arrived = np.hypot(offset[:, 0], offset[:, 1]) < _row(model.goal_threshold, worlds, body)
-    command[arrived] = 0.0
-    return np.asarray(np.clip(command, low, high))
-
-
-def _turn_rate(error: Floats, fastest: Floats, acceleration: Floats, step_time: float) -> Floats:
-    """Return the turn rates [rad/s] towards bearings ``error`` [rad]."""
-    excess = np.maximum(np.abs(error) - ANGLE_TOLERANCE, 0.0)
-    limited = np.isfinite(acceleration) & (acceleration > 0.0)
-    braking = np.where(limited, acceleration, 0.0)
-    reach = np.sqrt((braking * step_time) ** 2 + 2.0 * braking * excess) - braking * step_time
-    rate = np.where(limited, np.minimum(fastest, reach), fastest)
-    return np.where(np.abs(error) < ANGLE_TOLERANCE, 0.0, np.where(error > 0.0, rate, -rate))
-
-
-def _wrap(angle: Floats) -> Floats:
-    """Return angles in [-pi, pi]; those that lie there already are returned unchanged."""
-    return np.where(np.abs(angle) <= np.pi, angle, np.pi - np.mod(np.pi - angle, 2.0 * np.pi))
+    def command(self, episodes: Episodes, worlds: Ints) -> Floats:
+        """Return the velocities that the behaviour asks for, ``(n, n_components)`` [m/s, rad/s], within the limits."""
+        assert self._group is not None
+        model, state = episodes.simulation.model, episodes.simulation.state
+        size, body = len(episodes.action_low), int(episodes.simulation.agents[0])
+        self.kind.decide(self._group, model, state, Shard(np.ascontiguousarray(worlds)))
+        low, high = (_row(limit, worlds, body)[:, :size] for limit in (model.velocity_min, model.velocity_max))
+        return np.asarray(np.clip(state.command[worlds, body, :size], low, high))
 
 
 def _row(field: Floats, worlds: Ints, body: int) -> Floats:
@@ -101,10 +114,12 @@ def _row(field: Floats, worlds: Ints, body: int) -> Floats:
     return np.asarray(field[worlds % field.shape[0], body])
 
 
-REFERENCES: dict[str, type[RandomPolicy] | type[DashPolicy]] = {"random": RandomPolicy, "dash": DashPolicy}
+REFERENCES = ("random", "dash", "rvo")
+ALWAYS_SHOWN = ("random", "dash")
+"""Those that stand beside every evaluated policy; the others see more of the world than a learner does."""
 
 
-def reference_policy(name: str) -> RandomPolicy | DashPolicy:
+def reference_policy(name: str) -> RandomPolicy | BehaviorPolicy:
     """Make a reference policy.
 
     Raises:
@@ -112,18 +127,28 @@ def reference_policy(name: str) -> RandomPolicy | DashPolicy:
     """
     if name not in REFERENCES:
         raise UnknownNameError(f"no reference policy named '{name}'{suggestion(name, REFERENCES)}")
-    return REFERENCES[name]()
+    return RandomPolicy() if name == "random" else BehaviorPolicy(name)
 
 
 def to_actions(episodes: Episodes, worlds: Ints, command: Floats) -> NDArray[np.float64] | Ints:
-    """Return the actions that ask for commands ``(n, 2)``: exact in [-1, 1], or the nearest of a task's choices."""
+    """Return the actions that ask for commands ``(n, n_components)``: exact in [-1, 1], or the nearest choices."""
     model, body = episodes.simulation.model, int(episodes.simulation.agents[0])
-    low, high = (_row(limit, worlds, body)[:, :2] for limit in (model.velocity_min, model.velocity_max))
+    size = len(episodes.action_low)
+    if model.drive[body] == OMNI_WORLD and episodes.task.action.frame == "body":
+        command = _into_body_frame(command, episodes.simulation.state.pose[worlds, body, 2])
+    low, high = (_row(limit, worlds, body)[:, :size] for limit in (model.velocity_min, model.velocity_max))
     half = np.maximum(0.5 * (high - low), 1e-12)
     action: Floats = np.clip((command - 0.5 * (low + high)) / half, -1.0, 1.0)
     if episodes.action_kind == "continuous":
         return action
     options = episodes.task.action
-    forward = np.rint(0.5 * (action[:, 0] + 1.0) * (options.linear - 1)).astype(np.int64)
-    turn = np.rint(0.5 * (action[:, 1] + 1.0) * (options.angular - 1)).astype(np.int64)
-    return np.asarray(forward * options.angular + turn)
+    counts = (options.linear, options.angular) if size == 2 else (options.linear, options.lateral, options.angular)
+    steps = [np.rint(0.5 * (action[:, c] + 1.0) * (count - 1)).astype(np.int64) for c, count in enumerate(counts)]
+    return np.asarray(np.ravel_multi_index(steps, counts), np.int64)
+
+
+def _into_body_frame(velocity: Floats, heading: Floats) -> Floats:
+    """Return velocities ``(n, 2)`` [m/s] of the world frame in that of bodies with these headings [rad]."""
+    cosine, sine = np.cos(heading), np.sin(heading)
+    ahead = cosine * velocity[:, 0] + sine * velocity[:, 1]
+    return np.stack([ahead, cosine * velocity[:, 1] - sine * velocity[:, 0]], axis=1)

@@ -12,7 +12,7 @@ from rich.progress import Progress
 from irsim_gym.evaluation.metrics import EpisodeRow, Summary, summarize
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.protocol import Policy, evaluate
-from irsim_gym.evaluation.reference_policies import REFERENCES
+from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN
 from irsim_gym.evaluation.tables import summary_table, table_text, write_episodes, write_json, write_text
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.policies import load_policy, policy_names
@@ -75,7 +75,7 @@ def evaluate_policies(
     labels = policy_names(sources) if names is None else names
     chosen = {label: load_policy(source) for label, source in zip(labels, sources, strict=True)}
     if references:
-        chosen.update({name: load_policy(name) for name in REFERENCES if name not in chosen})
+        chosen.update({name: load_policy(name) for name in ALWAYS_SHOWN if name not in chosen})
     rows = _drive(episodes, chosen, levels, split, console or Console(stderr=True))
     found = Evaluation(episodes.simulation.scenario.name, split, rows, [summarize(name, rows[name]) for name in rows])
     if folder is not None:

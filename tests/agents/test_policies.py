@@ -11,7 +11,7 @@ from irsim_gym.envs import sb3
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.protocol import evaluate
-from irsim_gym.evaluation.reference_policies import DashPolicy
+from irsim_gym.evaluation.reference_policies import BehaviorPolicy
 from irsim_gym.scenario.library import find
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.policies import SavedPolicy, load_policy, policy_names
@@ -53,7 +53,7 @@ def test_it_acts_as_the_algorithm_predicts(tmp_path: Path) -> None:
 
 
 def test_sources() -> None:
-    assert isinstance(load_policy("dash"), DashPolicy)
+    assert isinstance(load_policy("dash"), BehaviorPolicy)
     assert policy_names(["runs/a", "runs/b/policy.zip", "best.zip", "dash"]) == ["a", "b", "best", "dash"]
     assert policy_names(["x/policy.zip", "dash", "y/x"]) == ["x-1", "dash", "x-2"]
 

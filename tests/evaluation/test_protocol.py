@@ -31,6 +31,7 @@ def test_every_row_equals_the_level_played_alone() -> None:
     here = np.array([0])
     for row, level in zip(rows, [7, 3, 11], strict=True):
         alone.begin(here, np.array([level]), "test")
+        policy.begin(alone, here, np.array([level]))
         path, before, steps = 0.0, alone.simulation.state.pose[0, 0].copy(), 0
         while alone.view.infos["outcome"][0, 0] == Outcome.RUNNING:
             alone.step(policy.act(alone, here)[:, None])

@@ -5,10 +5,16 @@ import pytest
 
 from irsim_gym.engine import compile
 from irsim_gym.envs.worlds import Worlds
-from irsim_gym.evaluation.reference_policies import RandomPolicy, dash_command, reference_policy, to_actions
+from irsim_gym.evaluation.reference_policies import BehaviorPolicy, RandomPolicy, reference_policy, to_actions
 from irsim_gym.scenario import load_scenario
 
 HERE = np.array([0])
+
+
+def dash_command(episodes: Any) -> Any:
+    policy = BehaviorPolicy("dash")
+    policy.begin(episodes, HERE, HERE)
+    return policy.command(episodes, HERE)
 
 
 def scenario(**robot: Any) -> dict[str, Any]:
@@ -35,6 +41,7 @@ def test_dash_drives_as_the_behaviour_does(state: list[float], acceleration: lis
     native.reset()
     episodes, policy = Worlds(data).episodes, reference_policy("dash")
     episodes.begin(HERE, HERE)
+    policy.begin(episodes, HERE, HERE)
     for _ in range(60):
         native.step()
         episodes.step(np.asarray(policy.act(episodes, HERE), np.float64)[:, None])
@@ -49,14 +56,14 @@ def test_command_by_hand() -> None:
     episodes = Worlds(scenario(state=[0, 0, 0], goal=[3, 3, 0])).episodes
     episodes.begin(HERE, HERE)
     # The goal is pi/4 to the left: v = cos(pi/4), full turn.
-    np.testing.assert_allclose(dash_command(episodes, HERE), [[np.sqrt(0.5), 1.5]])
+    np.testing.assert_allclose(dash_command(episodes), [[np.sqrt(0.5), 1.5]])
 
 
 def test_turn_that_can_still_be_braked_by_hand() -> None:
     episodes = Worlds(scenario(state=[0, 0, 0], goal=[3, 3, 0], acce=[np.inf, 1.0])).episodes
     episodes.begin(HERE, HERE)
     # -0.1 + sqrt(0.01 + 2 (pi/4 - 0.1)) = 1.0750
-    assert dash_command(episodes, HERE)[0, 1] == pytest.approx(-0.1 + np.sqrt(0.01 + 2.0 * (np.pi / 4.0 - 0.1)))
+    assert dash_command(episodes)[0, 1] == pytest.approx(-0.1 + np.sqrt(0.01 + 2.0 * (np.pi / 4.0 - 0.1)))
 
 
 def test_discrete_actions_are_the_nearest_choices() -> None:
