@@ -2,95 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
-from matplotlib.collections import LineCollection, PathCollection
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.text import Text
-from matplotlib.transforms import ScaledTranslation
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.render import shapes, theme
-from irsim_gym.render.scene import BodyView, GoalView, ScanView, TrailView
-from irsim_gym.render.styles import BodyStyle
-
-Colour = tuple[float, float, float, float]
+from irsim_gym.render.patches import Colour, empty_collection, paint
+from irsim_gym.render.scene import FieldView, GoalView, LabelView, ScanView, TrailView
 
 FAINTEST = 0.12
 POLE = Path([(0.0, 0.0), (0.0, 2.0)])
 PENNANT = Path([(0.0, 2.0), (1.25, 1.55), (0.0, 1.1), (0.0, 2.0)], closed=True)
-
-
-class Bodies:
-    """Footprints, their edges and the marks of their headings.
-
-    Args:
-        axes: Where they are drawn.
-        shadows: Draw a soft shadow below them; for bodies that are drawn once, since it costs.
-    """
-
-    def __init__(self, axes: Axes, *, shadows: bool = False) -> None:
-        self._shadows = (
-            [_shadow(axes, pixels, alpha) for pixels, alpha in ((2.2, 0.05), (1.2, 0.07))] if shadows else []
-        )
-        self._footprints = _paths(axes)
-        self._headings = _paths(axes)
-
-    def update(self, views: Sequence[BodyView]) -> None:
-        """Show these bodies, the first one lowest."""
-        paths = [shapes.outline_path(view) for view in views]
-        filled = [shapes.is_filled(view) for view in views]
-        for shadow in self._shadows:
-            shadow.set_paths([path for path, is_filled in zip(paths, filled, strict=True) if is_filled])
-        styles = [view.style for view in views]
-        fills = [_fill(style) if is_filled else (0.0,) * 4 for style, is_filled in zip(styles, filled, strict=True)]
-        edges = [_edge(style, is_filled) for style, is_filled in zip(styles, filled, strict=True)]
-        self._footprints.set_paths(paths)
-        _paint(self._footprints, fills, edges)
-        self._footprints.set_linewidths(
-            [
-                style.line_width if is_filled else style.wall_width
-                for style, is_filled in zip(styles, filled, strict=True)
-            ]
-        )
-        self._footprints.set_linestyles([style.line_style for style in styles] or ["solid"])
-        marked = [view for view in views if len(view.heading)]
-        self._headings.set_paths([Path(np.vstack([view.heading, view.heading[:1]]), closed=True) for view in marked])
-        colours = [to_rgba(view.style.arrow_colour, view.style.arrow_alpha * view.style.alpha) for view in marked]
-        _paint(self._headings, colours, [(0.0,) * 4] * len(colours))
-
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw what the last update gave."""
-        for shadow in self._shadows:
-            shadow.draw(renderer)
-        self._footprints.draw(renderer)
-        self._headings.draw(renderer)
-
-
-class Impacts:
-    """A red edge around bodies that collide."""
-
-    def __init__(self, axes: Axes) -> None:
-        self._edges = _paths(axes)
-        self._edges.set_linewidths([5.0, 1.8])
-
-    def update(self, views: Sequence[BodyView]) -> None:
-        """Show these bodies as colliding."""
-        paths = [shapes.outline_path(view) for view in views]
-        self._edges.set_paths([path for path in paths for _ in range(2)])
-        colours = [to_rgba(theme.IMPACT, 0.25), to_rgba(theme.IMPACT, 1.0)]
-        _paint(self._edges, [(0.0,) * 4], colours)
-
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw what the last update gave."""
-        self._edges.draw(renderer)
 
 
 class Trails:
@@ -130,7 +62,7 @@ class Goals:
     """For each goal the circle of its tolerance, a flag, and dots for the goals after it."""
 
     def __init__(self, axes: Axes) -> None:
-        self._circles = _paths(axes)
+        self._circles = empty_collection(axes)
         self._circles.set_linewidths([1.1])
         self._later = Line2D([], [], linestyle="none", marker="o", animated=True)
         self._flags = [
@@ -148,7 +80,7 @@ class Goals:
         self._views = views
         self._circles.set_paths([shapes.circle_path(view.x, view.y, view.tolerance) for view in views])
         colours = [to_rgba(view.style.goal_colour, view.style.goal_alpha) for view in views]
-        _paint(
+        paint(
             self._circles,
             [_faded(colour, 0.30 if view.arrived else 0.14) for colour, view in zip(colours, views, strict=True)],
             [_faded(colour, 0.9) for colour in colours],
@@ -167,6 +99,28 @@ class Goals:
                 line.set_data([view.x], [view.y])
                 line.set_color(colour)
                 line.draw(renderer)
+
+
+class Fields:
+    """Fields of view: sectors of a disc, or a whole one."""
+
+    def __init__(self, axes: Axes) -> None:
+        self._sectors = empty_collection(axes)
+        self._sectors.set_linewidths([0.9])
+
+    def update(self, views: Sequence[FieldView]) -> None:
+        """Show these fields of view."""
+        self._sectors.set_paths([shapes.sector_path(view) for view in views])
+        styles = [view.style for view in views]
+        paint(
+            self._sectors,
+            [to_rgba(style.field_colour, style.field_alpha) for style in styles],
+            [to_rgba(style.field_edge_colour, style.field_alpha) for style in styles],
+        )
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw what the last update gave."""
+        self._sectors.draw(renderer)
 
 
 class Scans:
@@ -220,60 +174,20 @@ class Labels:
     def __init__(self, axes: Axes) -> None:
         self._text = Text(family=theme.FONT, ha="center", va="bottom", parse_math=False, usetex=False, animated=True)
         axes.add_artist(self._text)
-        self._items: list[tuple[float, float, str, BodyStyle]] = []
+        self._views: Sequence[LabelView] = ()
 
-    def update(self, bodies: Iterable[BodyView], goals: Iterable[GoalView]) -> None:
-        """Show the labels of these bodies and goals."""
-        self._items = [(*view.anchor, view.style.label, view.style) for view in bodies if view.style.label]
-        self._items += [
-            (view.x, view.y - view.tolerance, view.style.goal_label, view.style)
-            for view in goals
-            if view.style.goal_label
-        ]
+    def update(self, views: Sequence[LabelView]) -> None:
+        """Show these labels."""
+        self._views = views
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw what the last update gave."""
-        for x, y, words, style in self._items:
-            self._text.set(position=(x, y), text=words, color=style.label_colour, alpha=style.label_alpha)
+        for view in self._views:
+            style = view.style
+            self._text.set(position=(view.x, view.y), text=view.text, color=style.label_colour, alpha=style.label_alpha)
             self._text.set_fontsize(style.label_size)
             self._text.draw(renderer)
 
 
-def _fill(style: BodyStyle) -> Colour:
-    return to_rgba(style.colour, style.alpha)
-
-
-def _edge(style: BodyStyle, is_filled: bool) -> Colour:
-    """Return the colour of the edge: a line's own, or a darker shade of the fill."""
-    if style.edge_colour is not None:
-        return to_rgba(style.edge_colour, style.alpha)
-    red, green, blue, alpha = to_rgba(style.colour, style.alpha)
-    return (0.68 * red, 0.68 * green, 0.68 * blue, alpha) if is_filled else (red, green, blue, alpha)
-
-
 def _faded(colour: Colour, share: float) -> Colour:
     return *colour[:3], colour[3] * share
-
-
-def _paths(axes: Axes) -> Any:
-    """Add an empty collection of paths in world coordinates, which no full draw of the figure shows."""
-    collection: Any = PathCollection([], transform=axes.transData, animated=True)
-    collection.set(capstyle="round", joinstyle="round")
-    # With two entries a lone path is not drawn as if it were a marker, which is slower.
-    collection.set_antialiased([True, True])
-    axes.add_collection(collection, autolim=False)
-    return collection
-
-
-def _shadow(axes: Axes, pixels: float, alpha: float) -> Any:
-    collection = _paths(axes)
-    shift = pixels / 72.0
-    collection.set_transform(axes.transData + ScaledTranslation(shift, -shift, axes.figure.dpi_scale_trans))
-    _paint(collection, [to_rgba(theme.SHADOW, alpha)], [to_rgba(theme.SHADOW, 0.4 * alpha)])
-    collection.set_linewidths([1.5])
-    return collection
-
-
-def _paint(collection: Any, fills: Sequence[Colour], edges: Sequence[Colour]) -> None:
-    collection.set_facecolors(fills or [(0.0,) * 4])
-    collection.set_edgecolors(edges or [(0.0,) * 4])

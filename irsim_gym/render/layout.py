@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,8 @@ REFERENCE_SIDE = 600.0
 PADDING = 9.0
 LEFT, RIGHT, TOP, BOTTOM = 42.0, 34.0, 42.0, 34.0
 BARE = 12.0
+LOOSE = (0.125, 0.1, 0.12, 0.11)
+"""Shares of a frame left free on the left, right, top and bottom when the layout is not tight."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +52,21 @@ class Layout:
         row = self.height - (self.bottom + (y - self.limits[1]) * self.scale)
         return column, row
 
+    def centred(self, x: float, y: float) -> Layout:
+        """Return the layout of a frame that shows as much of the world, with the point x, y [m] in its middle."""
+        x_min, y_min, x_max, y_max = self.limits
+        right, top = x - 0.5 * (x_min + x_max), y - 0.5 * (y_min + y_max)
+        return replace(self, limits=(x_min + right, y_min + top, x_max + right, y_max + top))
 
-def lay_out(bounds: Floats, size: tuple[int, int] | None = None, *, axis: bool = True, title: bool = True) -> Layout:
+
+def lay_out(
+    bounds: Floats,
+    size: tuple[int, int] | None = None,
+    *,
+    axis: bool = True,
+    title: bool = True,
+    tight: bool = True,
+) -> Layout:
     """Place a world rectangle on a frame.
 
     Args:
@@ -60,12 +75,18 @@ def lay_out(bounds: Floats, size: tuple[int, int] | None = None, *, axis: bool =
             proportions ask for: 600 x 600 when it is square.
         axis: Leave room for ticks.
         title: Leave room for the status line.
+        tight: Leave no more room than that.
     """
     x_min, y_min, x_max, y_max = (float(value) for value in bounds)
     span_x, span_y = max(x_max - x_min, 1e-9), max(y_max - y_min, 1e-9)
     width, height = _natural_size(span_x, span_y, axis, title) if size is None else _even(size)
+    if size is None and not tight:
+        width, height = _even((width / (1.0 - LOOSE[0] - LOOSE[1]), height / (1.0 - LOOSE[2] - LOOSE[3])))
     enlargement = float(np.clip(np.sqrt(width * height) / REFERENCE_SIDE, 0.4, 4.0)) if size is not None else 1.0
     left, right, top, bottom = (enlargement * margin for margin in _margins(axis, title))
+    if not tight:
+        sides = zip((left, right, top, bottom), LOOSE, (width, width, height, height), strict=True)
+        left, right, top, bottom = (max(margin, share * side) for margin, share, side in sides)
     room_x, room_y = max(width - left - right, 16.0), max(height - top - bottom, 16.0)
     padding = PADDING * enlargement
     scale = max(min((room_x - 2 * padding) / span_x, (room_y - 2 * padding) / span_y), 1e-9)

@@ -46,13 +46,17 @@ class Renderer:
         self._reader = SceneReader(scenario, model, state, sensors, learners)
         self._axis, self._show_title = not plot.no_axis, bool(plot.show_title)
         self._layout = lay_out(
-            model.bounds, size or chosen(plot, "figure_pixels"), axis=self._axis, title=self._show_title
+            model.bounds,
+            size or chosen(plot, "figure_pixels"),
+            axis=self._axis,
+            title=self._show_title,
+            tight=plot.tight,
         )
         self._stage: Stage | None = None
 
     @property
     def layout(self) -> Layout:
-        """Where the world is on a frame."""
+        """Where the world is on a frame; with a viewpoint, on one that shows the whole world."""
         return self._layout
 
     def scene(self, world: int = 0, status: str = "") -> Scene:

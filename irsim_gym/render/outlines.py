@@ -64,6 +64,45 @@ def wedge(segments: Floats, discs: Floats) -> Floats:
     return np.asarray(WEDGE * half + center, np.float64)
 
 
+def windscreen(segments: Floats, discs: Floats) -> Floats:
+    """Return the corners of a car's windscreen, seen from above, in the body frame [m], shape ``(4, 2)``."""
+    extent = box(segments, discs)
+    if extent is None:
+        return NOTHING
+    x_min, y_min, x_max, y_max = extent
+    length, middle, half = x_max - x_min, 0.5 * (y_min + y_max), 0.5 * (y_max - y_min)
+    back, front = x_min + 0.56 * length, x_min + 0.74 * length
+    return np.array(
+        [
+            [back, middle - 0.58 * half],
+            [front, middle - 0.76 * half],
+            [front, middle + 0.76 * half],
+            [back, middle + 0.58 * half],
+        ]
+    )
+
+
+def replaced(shape: str, segments: Floats, discs: Floats) -> tuple[Floats, Floats]:
+    """Return a footprint's segments and discs, drawn as another shape: a circle or a rectangle around it.
+
+    Any other shape leaves the footprint as it is.
+    """
+    extent = box(segments, discs)
+    if extent is None or shape not in ("circle", "rectangle"):
+        return segments, discs
+    x_min, y_min, x_max, y_max = extent
+    if shape == "rectangle":
+        corners = np.array([[x_min, y_min], [x_max, y_min], [x_max, y_max], [x_min, y_max]])
+        return np.hstack([corners, np.roll(corners, -1, axis=0)]), np.zeros((0, 3))
+    center = np.array([0.5 * (x_min + x_max), 0.5 * (y_min + y_max)])
+    corners = np.vstack([segments[:, :2], segments[:, 2:]])
+    radius = max(
+        np.linalg.norm(corners - center, axis=1).max(initial=0.0),
+        (np.linalg.norm(discs[:, :2] - center, axis=1) + discs[:, 2]).max(initial=0.0),
+    )
+    return np.zeros((0, 4)), np.array([[*center, radius]])
+
+
 def arrow(length: float, width: float) -> Floats:
     """Return the corners of an arrow from the body's origin straight ahead, in the body frame, shape ``(7, 2)``."""
     neck, shaft, half = 0.55 * length, 0.14 * width, 0.5 * width

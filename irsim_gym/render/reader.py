@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.render.outlines import NOTHING, arrow, box, chains, placed, wedge
-from irsim_gym.render.scene import BodyView, GoalView, ScanView, Scene, TrailView
-from irsim_gym.render.styles import BodyStyle, body_style, scan_style
+from irsim_gym.render.outlines import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
+from irsim_gym.render.scene import BodyView, FieldView, GoalView, LabelView, MapView, ScanView, Scene, TrailView
+from irsim_gym.render.styles import BodyStyle, body_style, field_of_view, is_omni, map_style, scan_style
 from irsim_gym.render.trails import Trails
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import ROBOT, WorldModel
+from irsim_gym.world.model import ACKERMANN, ROBOT, WorldModel
 from irsim_gym.world.state import WorldState
 
 if TYPE_CHECKING:
@@ -51,6 +51,10 @@ class SceneReader:
         self._moving_bodies = [body for body in order if model.movable[body]]
         self._robots = [body for body in order if model.role[body] == ROBOT]
         self._title = scenario.world.plot.title or scenario.name
+        self._viewpoint = scenario.world.plot.viewpoint
+        self._turns_with_motion = [is_omni(body) for body in scenario.bodies]
+        self._fields = {b: field_of_view(body) for b, body in enumerate(scenario.bodies) if self._styles[b].show_field}
+        self._map: MapView | None = None
         self._fixed: dict[int, tuple[bytes, tuple[BodyView, ...]]] = {}
         tracked = [body for body in self._moving_bodies if _leaves_trail(self._styles[body])]
         self._trails = Trails(np.array(tracked, np.int64))
@@ -61,6 +65,7 @@ class SceneReader:
         self._trails.record(world, int(state.step[world]), model.start[world], state.pose[world])
         fixed = self._fixed_views(world)
         moving = tuple(self._body_view(world, body) for body in self._moving_bodies if model.present[world, body])
+        goals = self._goals(world)
         return Scene(
             world=world,
             bounds=model.bounds.copy(),
@@ -70,10 +75,14 @@ class SceneReader:
             fixed=fixed,
             moving=moving,
             struck=self._struck(world, fixed + moving),
-            goals=self._goals(world),
+            goals=goals,
             scans=self._scan_views(world),
             trails=self._trail_views(world),
             ghosts=self._ghosts(world),
+            fields=self._field_views(world),
+            labels=_labels(fixed + moving, goals),
+            map=self._map_view(),
+            center=self._center(world),
         )
 
     def clear(self, world: int | None = None) -> None:
@@ -129,14 +138,16 @@ class SceneReader:
         )
 
     def _heading(self, world: int, body: int, segment_rows: slice, disc_rows: slice) -> Floats:
-        model, style = self._model, self._styles[body]
+        model, style, pose = self._model, self._styles[body], self._state.pose[world, body]
+        if self._turns_with_motion[body] and self._state.twist[world, body, :2].any():
+            x, y = self._state.twist[world, body, :2]
+            pose = np.array([pose[0], pose[1], np.arctan2(y, x)])
         if style.arrow is not None:
-            corners = arrow(*style.arrow)
-        else:
-            segments = model.local_segments[world % len(model.local_segments), segment_rows]
-            discs = model.local_discs[world % len(model.local_discs), disc_rows]
-            corners = wedge(segments, discs)
-        return placed(corners, self._state.pose[world, body])
+            return placed(arrow(*style.arrow), pose)
+        segments = model.local_segments[world % len(model.local_segments), segment_rows]
+        discs = model.local_discs[world % len(model.local_discs), disc_rows]
+        is_car = model.drive[body] == ACKERMANN and len(segments) > 0
+        return placed(windscreen(segments, discs) if is_car else wedge(segments, discs), pose)
 
     def _struck(self, world: int, views: tuple[BodyView, ...]) -> tuple[BodyView, ...]:
         state = self._state
@@ -189,6 +200,31 @@ class SceneReader:
             style=scan_style(options),
         )
 
+    def _field_views(self, world: int) -> tuple[FieldView, ...]:
+        views = []
+        for body, field in self._fields.items():
+            if field is not None and self._model.present[world, body]:
+                x, y, heading = (float(value) for value in self._state.pose[world, body])
+                views.append(FieldView(x, y, heading, *field, self._styles[body]))
+        return tuple(views)
+
+    def _map_view(self) -> MapView | None:
+        """Return the occupancy map; it is the same in all worlds and at all times."""
+        x, y, width, height, body = (float(value) for value in self._model.map_frame)
+        if self._map is None and body >= 0:
+            occupied = self._model.map_squares[0] == 0
+            extent = (x, y, x + width * occupied.shape[0], y + height * occupied.shape[1])
+            styles = self._styles
+            self._map = MapView(extent, occupied, *map_style(styles[int(body)] if body < len(styles) else None))
+        return self._map
+
+    def _center(self, world: int) -> tuple[float, float] | None:
+        """Return the point that stays in the middle of the picture."""
+        if not isinstance(self._viewpoint, str):
+            return self._viewpoint
+        x, y, _ = self._state.pose[world, self._names.index(self._viewpoint)]
+        return float(x), float(y)
+
     def _trail_views(self, world: int) -> tuple[TrailView, ...]:
         views = []
         for index, body in enumerate(self._trails.bodies):
@@ -204,20 +240,22 @@ class SceneReader:
             style = self._styles[body]
             if style.ghost is not None and self._model.present[world, body]:
                 poses = self._trails.poses(world, index, every=style.ghost_every, length=style.ghost_length)
-                views += [self._ghost(world, body, pose, style.ghost) for pose in poses]
+                views += [self._ghost(world, body, pose, style.ghost, style.ghost_shape or "") for pose in poses]
         return tuple(views)
 
-    def _ghost(self, world: int, body: int, pose: Floats, style: BodyStyle) -> BodyView:
-        """Return the body as it stood at a pose."""
+    def _ghost(self, world: int, body: int, pose: Floats, style: BodyStyle, shape: str) -> BodyView:
+        """Return the body as it stood at a pose, or a simpler shape around it."""
         model, (segment_rows, disc_rows) = self._model, self._rows(world, body)
         segments = model.local_segments[world % len(model.local_segments), segment_rows]
         discs = model.local_discs[world % len(model.local_discs), disc_rows]
+        if shape:
+            segments, discs = replaced(shape, segments, discs)
         return BodyView(
             body=body,
             name=self._names[body],
             lines=tuple(placed(line, pose) for line in chains(segments)),
             discs=np.hstack([placed(discs[:, :2], pose), discs[:, 2:]]),
-            solid=bool(model.solid[body]),
+            solid=shape != "linestring" and (bool(shape) or bool(model.solid[body])),
             heading=NOTHING,
             anchor=(float(pose[0]), float(pose[1])),
             style=style,
@@ -235,3 +273,14 @@ def _anchor(pose: Floats, style: BodyStyle, segments: Floats, discs: Floats) -> 
         return x + style.label_offset[0], y + style.label_offset[1]
     extent = box(segments, discs)
     return (x, y) if extent is None else (0.5 * (extent[0] + extent[2]), extent[3] + 0.08)
+
+
+def _labels(bodies: Sequence[BodyView], goals: Sequence[GoalView]) -> tuple[LabelView, ...]:
+    """Return the texts beside bodies and below goals."""
+    beside = [LabelView(*view.anchor, view.style.label, view.style) for view in bodies if view.style.label]
+    below = [
+        LabelView(view.x, view.y - view.tolerance, view.style.goal_label, view.style)
+        for view in goals
+        if view.style.goal_label
+    ]
+    return tuple(beside + below)

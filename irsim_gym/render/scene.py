@@ -91,6 +91,61 @@ class TrailView:
 
 
 @dataclass(frozen=True, eq=False)
+class FieldView:
+    """What a body could see.
+
+    Attributes:
+        x: Abscissa of its apex [m].
+        y: Its ordinate [m].
+        heading: Direction of its middle [rad].
+        span: Its width [rad].
+        radius: Its depth [m].
+        style: How its body looks.
+    """
+
+    x: float
+    y: float
+    heading: float
+    span: float
+    radius: float
+    style: BodyStyle
+
+
+@dataclass(frozen=True, eq=False)
+class LabelView:
+    """A text.
+
+    Attributes:
+        x: Abscissa of its middle [m].
+        y: Ordinate of its foot [m].
+        text: The words.
+        style: How its body looks.
+    """
+
+    x: float
+    y: float
+    text: str
+    style: BodyStyle
+
+
+@dataclass(frozen=True, eq=False)
+class MapView:
+    """The occupancy map.
+
+    Attributes:
+        extent: Its rectangle [m]: x_min, y_min, x_max, y_max.
+        occupied: Which cells are, shape ``(n_columns, n_rows)``, from the lower left corner.
+        colour: Colour of occupied cells.
+        alpha: Their opacity.
+    """
+
+    extent: tuple[float, float, float, float]
+    occupied: Flags
+    colour: str
+    alpha: float
+
+
+@dataclass(frozen=True, eq=False)
 class Scene:
     """One world at one moment.
 
@@ -107,6 +162,10 @@ class Scene:
         scans: Scans that are shown.
         trails: Trajectories that are shown.
         ghosts: Outlines that bodies have left behind.
+        fields: Fields of view that are shown.
+        labels: Texts beside bodies and goals.
+        map: The occupancy map, or None. The same object as long as it has not changed.
+        center: Point that stays in the middle of the picture [m], or None.
     """
 
     world: int
@@ -121,3 +180,7 @@ class Scene:
     scans: tuple[ScanView, ...]
     trails: tuple[TrailView, ...]
     ghosts: tuple[BodyView, ...]
+    fields: tuple[FieldView, ...] = ()
+    labels: tuple[LabelView, ...] = ()
+    map: MapView | None = None
+    center: tuple[float, float] | None = None

@@ -8,9 +8,11 @@ import numpy as np
 from matplotlib.path import Path
 
 from irsim_gym.arraytypes import Flags, Floats
-from irsim_gym.render.scene import BodyView, ScanView
+from irsim_gym.render.scene import BodyView, FieldView, ScanView
 
 FADE_STEPS = 28
+FULL_TURN = 2.0 * np.pi - 0.01
+ARC_STEP = 0.05
 MOST_BEAMS = 100
 CIRCLE_VERTICES: Floats = np.asarray(Path.unit_circle().vertices, np.float64)
 CIRCLE_CODES = Path.unit_circle().codes
@@ -38,6 +40,15 @@ def is_filled(view: BodyView) -> bool:
 def circle_path(x: float, y: float, radius: float) -> Path:
     """Return a circle."""
     return Path(CIRCLE_VERTICES * radius + np.array([x, y]), CIRCLE_CODES)
+
+
+def sector_path(view: FieldView) -> Path:
+    """Return a field of view: a sector, or a circle when it is a full turn wide."""
+    if view.span >= FULL_TURN:
+        return circle_path(view.x, view.y, view.radius)
+    angles = view.heading + np.linspace(-0.5, 0.5, max(int(view.span / ARC_STEP), 2) + 1) * view.span
+    arc = view.radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    return Path(np.vstack([np.zeros((1, 2)), arc, np.zeros((1, 2))]) + np.array([view.x, view.y]), closed=True)
 
 
 def beam_path(view: ScanView) -> Path:

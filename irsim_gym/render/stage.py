@@ -1,26 +1,27 @@
-"""The figure: world frame, ticks, title and status line around the area where the artists play."""
+"""The figure: everything that is drawn, in the order in which it covers each other."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import artists, theme
-from irsim_gym.render.layout import Layout, tick_positions
-from irsim_gym.render.scene import BodyView, Scene
+from irsim_gym.render.body_artists import Bodies, Headings, Impacts, MapImage
+from irsim_gym.render.card import TEXT, Ticks, add_frame, make_axes
+from irsim_gym.render.layout import Layout
+from irsim_gym.render.scene import BodyView, LabelView, Scene
+from irsim_gym.render.styles import GROUND, TOP
 
 DOTS_PER_INCH = 100.0
 POINTS_PER_INCH = 72.0
 REMEMBERED_BACKDROPS = 8
-TEXT = {"family": theme.FONT, "parse_math": False, "usetex": False}
 
 
 class Stage:
@@ -39,44 +40,37 @@ class Stage:
         dpi = DOTS_PER_INCH * layout.enlargement
         self._figure = Figure(figsize=(layout.width / dpi, layout.height / dpi), dpi=dpi, facecolor=theme.PAPER)
         self._canvas: Any = FigureCanvasAgg(self._figure)
-        axes = _axes(self._figure, layout, axis)
-        self._fixed = artists.Bodies(axes, shadows=True)
+        self._axes = axes = make_axes(self._figure, layout, axis)
+        self._ticks = Ticks(self._figure, axes) if axis else None
+        self._map = MapImage(axes, layout.scale)
+        self._fixed = Bodies(axes, shadows=True)
         self._scans = artists.Scans(axes)
-        self._ghosts = artists.Bodies(axes)
+        self._fields = artists.Fields(axes)
+        self._ghosts = Bodies(axes)
         self._goals = artists.Goals(axes)
         self._trails = artists.Trails(axes, layout.scale, dpi / POINTS_PER_INCH)
-        self._moving = artists.Bodies(axes)
+        self._moving = Bodies(axes)
+        self._headings = Headings(axes)
         self._hits = artists.Hits(axes)
-        self._impacts = artists.Impacts(axes)
+        self._impacts = Impacts(axes)
         self._labels = artists.Labels(axes)
-        # The order in which they cover each other.
-        self._parts = (
-            self._scans,
-            self._ghosts,
-            self._goals,
-            self._trails,
-            self._moving,
-            self._hits,
-            self._impacts,
-            self._labels,
-        )
-        self._outcome = _frame(axes, layout, linewidth=2.2, animated=True)
+        self._outcome = add_frame(axes, layout, linewidth=2.2, animated=True)
         self._head = _Head(self._figure, layout, title) if show_title else None
-        self._backdrops: dict[int, tuple[tuple[BodyView, ...], Any]] = {}
+        self._layout, self._limits = layout, (0.0, 0.0, 0.0, 0.0)
+        self._backdrops: dict[int, tuple[tuple[Any, ...], Any]] = {}
 
     def draw(self, scene: Scene) -> Bytes:
         """Return a picture of the scene, shape ``(height, width, 3)``, in memory of its own."""
-        self._canvas.restore_region(self._backdrop(scene))
+        self._look(scene)
+        live = self._live(scene)
+        floor = min((order for order, *_ in live), default=TOP)
+        fixed = [view for view in scene.fixed if view.style.order <= floor]
+        self._canvas.restore_region(self._backdrop(scene, fixed, floor))
+        raised = [view for view in scene.fixed if view.style.order > floor]
+        live += [(order, 0, self._fixed, views) for order, views in by_layer(raised, lambda view: view.style.order)]
         renderer = self._canvas.get_renderer()
-        self._scans.update(scene.scans)
-        self._ghosts.update(scene.ghosts)
-        self._goals.update(scene.goals)
-        self._trails.update(scene.trails)
-        self._moving.update(scene.moving)
-        self._hits.update(scene.scans)
-        self._impacts.update(scene.struck)
-        self._labels.update(scene.fixed + scene.moving, scene.goals)
-        for part in self._parts:
+        for _, _, part, views in sorted(live, key=lambda item: item[:2]):
+            part.update(views)
             part.draw(renderer)
         if theme.ends_episode(scene.status):
             colour = theme.status_colour(scene.status)
@@ -90,18 +84,70 @@ class Stage:
         """Return how many artists the figure holds."""
         return len(self._figure.findobj())
 
-    def _backdrop(self, scene: Scene) -> Any:
-        """Return the canvas with all that does not move in the scene's world."""
+    def _live(self, scene: Scene) -> list[tuple[float, int, Any, list[Any]]]:
+        """Return what is drawn anew: layer, rank within the layer, artist, views."""
+        bodies = scene.fixed + scene.moving
+        parts: tuple[tuple[Any, Sequence[Any], Callable[[Any], float]], ...] = (
+            (self._scans, scene.scans, lambda view: GROUND),
+            (self._fields, scene.fields, lambda view: view.style.field_order),
+            (self._ghosts, scene.ghosts, lambda view: view.style.order),
+            (self._goals, scene.goals, lambda view: view.style.goal_order),
+            (self._trails, scene.trails, lambda view: view.style.trajectory_order),
+            (self._moving, scene.moving, lambda view: view.style.order),
+            (self._headings, [view for view in bodies if len(view.heading)], _heading_order),
+            (self._hits, scene.scans, lambda view: TOP),
+            (self._impacts, scene.struck, lambda view: TOP),
+            (self._labels, self._visible(scene), lambda view: view.style.label_order),
+        )
+        return [
+            (order, rank, part, chosen)
+            for rank, (part, views, layer) in enumerate(parts, start=1)
+            for order, chosen in by_layer(views, layer)
+        ]
+
+    def _visible(self, scene: Scene) -> list[LabelView]:
+        """Return the labels that stand in the part of the world that is shown."""
+        x_min, y_min, x_max, y_max = self._limits
+        return [view for view in scene.labels if x_min <= view.x <= x_max and y_min <= view.y <= y_max]
+
+    def _look(self, scene: Scene) -> None:
+        """Show the part of the world around the scene's centre."""
+        layout = self._layout if scene.center is None else self._layout.centred(*scene.center)
+        if layout.limits == self._limits:
+            return
+        x_min, y_min, x_max, y_max = self._limits = layout.limits
+        self._axes.set(xlim=(x_min, x_max), ylim=(y_min, y_max))
+        if self._ticks is not None:
+            self._ticks.update(layout)
+
+    def _backdrop(self, scene: Scene, fixed: Sequence[BodyView], floor: float) -> Any:
+        """Return the canvas with all that does not move in the scene's world and that nothing lies below."""
         known = self._backdrops.pop(scene.world, None)
-        if known is None or known[0] is not scene.fixed:
+        key = (scene.fixed, scene.map, floor, self._limits)
+        if known is None or known[0][0] is not scene.fixed or known[0][1:] != key[1:]:
             self._canvas.draw()
-            self._fixed.update(scene.fixed)
-            self._fixed.draw(self._canvas.get_renderer())
-            known = scene.fixed, self._canvas.copy_from_bbox(self._figure.bbox)
+            renderer = self._canvas.get_renderer()
+            if scene.map is not None:
+                self._map.draw(renderer, scene.map)
+            self._fixed.update(fixed)
+            self._fixed.draw(renderer)
+            known = key, self._canvas.copy_from_bbox(self._figure.bbox)
             if len(self._backdrops) >= REMEMBERED_BACKDROPS:
                 self._backdrops.pop(next(iter(self._backdrops)))
         self._backdrops[scene.world] = known
         return known[1]
+
+
+def by_layer(views: Sequence[Any], layer: Callable[[Any], float]) -> Iterator[tuple[float, list[Any]]]:
+    """Yield the views of each layer; within a layer they keep their order."""
+    layers: dict[float, list[Any]] = {}
+    for view in views:
+        layers.setdefault(layer(view), []).append(view)
+    yield from layers.items()
+
+
+def _heading_order(view: BodyView) -> float:
+    return view.style.order if view.style.arrow_order is None else view.style.arrow_order
 
 
 class _Head:
@@ -126,64 +172,6 @@ class _Head:
         ):
             text.set(text=words, color=colour)
             text.draw(renderer)
-
-
-def _axes(figure: Figure, layout: Layout, axis: bool) -> Axes:
-    """Add the drawing area: a white card with the world's frame, a faint grid and ticks in metres."""
-    place = (
-        layout.left / layout.width,
-        layout.bottom / layout.height,
-        layout.plot_width / layout.width,
-        layout.plot_height / layout.height,
-    )
-    axes = figure.add_axes(place)
-    x_min, y_min, x_max, y_max = layout.limits
-    axes.set(xlim=(x_min, x_max), ylim=(y_min, y_max), xticks=[], yticks=[], facecolor=theme.PAPER)
-    axes.set_axis_off()
-    _frame(axes, layout, facecolor=theme.CARD, edgecolor=theme.RULE if axis else theme.CARD, linewidth=0.8)
-    if axis:
-        _ticks(figure, axes, layout)
-    return axes
-
-
-def _frame(axes: Axes, layout: Layout, **look: Any) -> Rectangle:
-    """Add a rectangle as large as the world."""
-    x_min, y_min, x_max, y_max = layout.bounds
-    rectangle = Rectangle((x_min, y_min), x_max - x_min, y_max - y_min, **look)
-    axes.add_patch(rectangle)
-    return rectangle
-
-
-def _ticks(figure: Figure, axes: Axes, layout: Layout) -> None:
-    """Write the coordinates beside the drawing area and draw the grid; the last number bears the unit."""
-    x_min, y_min, x_max, y_max = layout.bounds
-    common: dict[str, Any] = {
-        "family": theme.FONT,
-        "fontsize": 7.5,
-        "color": theme.INK_LIGHT,
-        "parse_math": False,
-        "usetex": False,
-    }
-    columns = tick_positions(x_min, x_max, layout.plot_width / layout.enlargement)
-    rows = tick_positions(y_min, y_max, layout.plot_height / layout.enlargement)
-    low, low_row = layout.column_row(x_min, y_min)
-    gap = 6.0 * layout.enlargement
-    for x in columns:
-        axes.plot([x, x], [y_min, y_max], color=theme.GRID, linewidth=0.7)
-        column, _ = layout.column_row(x, y_min)
-        words = _number(x) + (" m" if x == columns[-1] else "")
-        place = column / layout.width, 1.0 - (low_row + gap) / layout.height
-        figure.text(*place, words, ha="center", va="top", **common)
-    for y in rows:
-        axes.plot([x_min, x_max], [y, y], color=theme.GRID, linewidth=0.7)
-        _, row = layout.column_row(x_min, y)
-        figure.text(
-            (low - gap) / layout.width, 1.0 - row / layout.height, _number(y), ha="right", va="center", **common
-        )
-
-
-def _number(value: float) -> str:
-    return f"{round(value, 9) + 0.0:g}".replace("-", "\N{MINUS SIGN}")
 
 
 def _without_alpha(rgba: Bytes) -> Bytes:

@@ -29,6 +29,8 @@ class Body:
     goal: tuple[float, float] | None = None
     color: str = "k"
     plot: ObjectPlot = field(default_factory=ObjectPlot)
+    fov: float | None = None
+    fov_radius: float | None = None
 
 
 @dataclass
@@ -91,6 +93,9 @@ def make_world(
         "segment": sum(len(body.outline.segments) for body in bodies),
         "disc": sum(len(body.outline.discs) for body in bodies),
         "waypoint": 1,
+        "bucket": 1,
+        "map_column": 1,
+        "map_row": 1,
     }
     model, state = WorldModel.allocate(sizes), WorldState.allocate(sizes)
     model.bounds[:], model.step_time[:] = bounds, 0.1
@@ -110,6 +115,7 @@ def make_world(
         state.goal[:, b, :2] = body.goal or (0.0, 0.0)
         model.waypoint_count[:, b] = body.goal is not None
     state.hit[:] = -1
+    model.map_frame[4] = -1
     world = World(_scenario(bodies, plot or WorldPlot()), model, state, [])
     for b, body in enumerate(bodies):
         world.move(b, *body.pose)
@@ -126,6 +132,10 @@ def _scenario(bodies: list[Body], plot: WorldPlot) -> Any:
             static=not body.movable,
             color=body.color,
             plot=body.plot,
+            kinematics=None,
+            sensors=(),
+            fov=body.fov,
+            fov_radius=body.fov_radius,
         )
         for b, body in enumerate(bodies)
     ]

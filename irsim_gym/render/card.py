@@ -1,0 +1,80 @@
+"""The drawing area: a white card with the world's frame, a faint grid and ticks in metres."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from irsim_gym.render import theme
+from irsim_gym.render.layout import Layout, tick_positions
+
+TEXT: dict[str, Any] = {"family": theme.FONT, "parse_math": False, "usetex": False}
+TICK: dict[str, Any] = {**TEXT, "fontsize": 7.5, "color": theme.INK_LIGHT}
+
+
+def make_axes(figure: Figure, layout: Layout, axis: bool) -> Axes:
+    """Add the drawing area to a figure, without ticks."""
+    place = (
+        layout.left / layout.width,
+        layout.bottom / layout.height,
+        layout.plot_width / layout.width,
+        layout.plot_height / layout.height,
+    )
+    axes = figure.add_axes(place)
+    axes.set(xticks=[], yticks=[], facecolor=theme.PAPER)
+    axes.set_axis_off()
+    add_frame(axes, layout, facecolor=theme.CARD, edgecolor=theme.RULE if axis else theme.CARD, linewidth=0.8)
+    return axes
+
+
+def add_frame(axes: Axes, layout: Layout, **look: Any) -> Rectangle:
+    """Add a rectangle as large as the world."""
+    x_min, y_min, x_max, y_max = layout.bounds
+    rectangle = Rectangle((x_min, y_min), x_max - x_min, y_max - y_min, **look)
+    axes.add_patch(rectangle)
+    return rectangle
+
+
+class Ticks:
+    """Coordinates beside the drawing area and the grid; the last number bears the unit."""
+
+    def __init__(self, figure: Figure, axes: Axes) -> None:
+        self._figure, self._axes = figure, axes
+        self._shown: list[Any] = []
+
+    def update(self, layout: Layout) -> None:
+        """Show the ticks of the part of the world that a layout shows."""
+        for artist in self._shown:
+            artist.remove()
+        x_min, y_min, x_max, y_max = layout.bounds
+        left, below, right, above = layout.limits
+        low, high = (max(x_min, left), max(y_min, below)), (min(x_max, right), min(y_max, above))
+        self._shown = []
+        if low[0] <= high[0] and low[1] <= high[1]:
+            self._columns(layout, low, high)
+            self._rows(layout, low, high)
+
+    def _columns(self, layout: Layout, low: tuple[float, float], high: tuple[float, float]) -> None:
+        columns = tick_positions(low[0], high[0], layout.plot_width / layout.enlargement)
+        gap = 6.0 * layout.enlargement
+        for x in columns:
+            self._shown += self._axes.plot([x, x], [low[1], high[1]], color=theme.GRID, linewidth=0.7)
+            column, row = layout.column_row(x, low[1])
+            words = _number(x) + (" m" if x == columns[-1] else "")
+            place = column / layout.width, 1.0 - (row + gap) / layout.height
+            self._shown.append(self._figure.text(*place, words, ha="center", va="top", **TICK))
+
+    def _rows(self, layout: Layout, low: tuple[float, float], high: tuple[float, float]) -> None:
+        gap = 6.0 * layout.enlargement
+        for y in tick_positions(low[1], high[1], layout.plot_height / layout.enlargement):
+            self._shown += self._axes.plot([low[0], high[0]], [y, y], color=theme.GRID, linewidth=0.7)
+            column, row = layout.column_row(low[0], y)
+            place = (column - gap) / layout.width, 1.0 - row / layout.height
+            self._shown.append(self._figure.text(*place, _number(y), ha="right", va="center", **TICK))
+
+
+def _number(value: float) -> str:
+    return f"{round(value, 9) + 0.0:g}".replace("-", "\N{MINUS SIGN}")
