@@ -77,7 +77,7 @@ class Headings:
 
 
 class MapImage:
-    """The occupied cells of a map, with sharp edges as long as a cell is larger than a pixel."""
+    """The occupied cells of a map. Where several share a pixel, an occupied one wins, so that no wall is lost."""
 
     def __init__(self, axes: Axes, pixels_per_metre: float) -> None:
         self._axes, self._scale = axes, pixels_per_metre
@@ -91,21 +91,19 @@ class MapImage:
         self._image.draw(renderer)
 
     def _show(self, view: MapView) -> None:
-        columns, rows = view.occupied.shape
         x_min, y_min, x_max, y_max = view.extent
-        cell = self._scale * min((x_max - x_min) / columns, (y_max - y_min) / rows)
+        columns, rows = view.occupied.shape
+        wide = max(int(columns / ((x_max - x_min) * self._scale)), 1)
+        high = max(int(rows / ((y_max - y_min) * self._scale)), 1)
+        padded = np.pad(view.occupied, ((0, -columns % wide), (0, -rows % high)))
+        cells = padded.reshape(len(padded) // wide, wide, -1, high).any(axis=(1, 3))
+        cell_x, cell_y = (x_max - x_min) / columns * wide, (y_max - y_min) / rows * high
+        extent = (x_min, x_min + cell_x * cells.shape[0], y_min, y_min + cell_y * cells.shape[1])
         if self._image is not None:
             self._image.remove()
         colours = ListedColormap([(0.0, 0.0, 0.0, 0.0), to_rgba(view.colour, view.alpha)])
-        self._image = AxesImage(
-            self._axes,
-            cmap=colours,
-            interpolation="nearest" if cell >= 1.0 else "hanning",
-            interpolation_stage="rgba",
-            origin="lower",
-            extent=(x_min, x_max, y_min, y_max),
-        )
-        self._image.set(data=view.occupied.T.astype(np.uint8), clim=(0, 1), animated=True)
+        self._image = AxesImage(self._axes, cmap=colours, interpolation="nearest", origin="lower", extent=extent)
+        self._image.set(data=cells.T.astype(np.uint8), clim=(0, 1), animated=True)
         self._axes.add_artist(self._image)
         self._shown = view
 

@@ -10,6 +10,7 @@ from typing import Any
 from irsim_gym.families import BEHAVIORS, FOOTPRINTS, GROUP_BEHAVIORS, KINEMATICS, PLACEMENTS, SENSORS
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.colors import color_problem
+from irsim_gym.scenario.images import image_problem
 from irsim_gym.scenario.messages import CONTACT_KEYS, show
 from irsim_gym.scenario.options import defaults
 from irsim_gym.scenario.plot_spec import ObjectPlot
@@ -125,6 +126,8 @@ def _reader(key: str, role: str, plot: Mapping[str, Any]) -> Callable[[Any, Plac
         return lambda value, place, report: _read_role(value, role, place, report)
     if key == "color":
         return _read_color
+    if key == "description":
+        return _read_description
     return lambda value, place, report: read_field(FIELDS[key], value, place, report)
 
 
@@ -195,3 +198,11 @@ def _read_color(value: Any, place: Place, report: Report) -> Any:
     if problem:
         report.add(place, problem)
     return BAD if problem else color
+
+
+def _read_description(value: Any, place: Place, report: Report) -> Any:
+    image = read_field(FIELDS["description"], value, place, report)
+    problem = "" if image is BAD else image_problem(image, report.source.file)
+    if problem:
+        report.add(place, problem)
+    return BAD if problem else image

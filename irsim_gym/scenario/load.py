@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym import families
-from irsim_gym.errors import ScenarioError
+from irsim_gym.errors import ScenarioError, suggestion
 from irsim_gym.scenario import library
 from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of
 from irsim_gym.scenario.entries import read_entry
@@ -53,6 +53,7 @@ def read_scenario(source: Source) -> Scenario:
     gui = build(GuiSpec, sections.get("gui"), (*roots.get("gui", ()), "gui"), report)
     task = _task(sections.get("task"), (*roots.get("task", ()), "task"), report)
     bodies, placements = _bodies(sections, roots, report)
+    _check_viewpoint(world, bodies, (*roots.get("world", ()), "world", "plot", "viewpoint"), report)
     if report.problems:
         raise ScenarioError(source.title, list(report.problems))
     assert world is not None
@@ -74,6 +75,14 @@ def _world(data: Any, place: Place, source: Source, report: Report) -> WorldSpec
     elif data is None and source.file:
         data = {"name": Path(source.file).name.split(".")[0] or "world"}
     return build(WorldSpec, data, place, report, contact=CONTACT_KEYS["world"])
+
+
+def _check_viewpoint(world: WorldSpec | None, bodies: tuple[BodySpec, ...], place: Place, report: Report) -> None:
+    """Tell a viewpoint that names nobody; only once the bodies themselves are right."""
+    name = world.plot.viewpoint if world is not None else None
+    names = [body.name for body in bodies]
+    if isinstance(name, str) and name not in names and not report.problems:
+        report.add(place, f"no body named {show(name)}{suggestion(name[:40], names)}")
 
 
 def _task(data: Any, place: Place, report: Report) -> Mapping[str, Any]:

@@ -24,9 +24,7 @@ class SavedFigure:
     """How figures are written to files."""
 
     dpi: int = option(100, ge=1, le=2400, unit="1/inch", meaning="Resolution of saved figures.")
-    bbox_inches: Literal["tight", "standard"] = option(
-        "tight", meaning="Cut a saved figure to what is drawn, or not.", planned=True
-    )
+    bbox_inches: Literal["tight", "standard"] = option("tight", meaning="Cut a saved figure to what is drawn, or not.")
     format: Literal["png", "pdf", "svg", "jpg", "jpeg", "eps", "ps", "tif", "tiff", "webp"] = option(
         "png", meaning="File format of saved figures without a suffix."
     )
@@ -41,9 +39,9 @@ class WorldPlot:
     show_title: bool = option(True, meaning="Show a title.")
     title: str | None = option(None, meaning="Text of the title; by default time and status.")
     no_axis: bool = option(False, meaning="Leave the axes out.")
-    tight: bool = option(True, meaning="Use a tight layout.", planned=True)
+    tight: bool = option(True, meaning="Leave no more room around the world than ticks and title need.")
     viewpoint: str | tuple[float, float] | None = option(
-        None, unit="m", meaning="Name of a body, or a point, that stays in the middle of the picture.", planned=True
+        None, unit="m", meaning="Name of a body, or a point, that stays in the middle of the picture."
     )
 
 
@@ -52,7 +50,10 @@ class ObjectPlot:
     """Drawing options of a body. Colours that are not given are the body's own."""
 
     obj_linestyle: LineStyle = option("-", meaning="Line style of the outline.")
-    obj_zorder: int | None = option(None, meaning="Layer of the body; by default 3 for robots, 1 for obstacles.")
+    obj_zorder: int | None = option(
+        None,
+        meaning="Layer of the body; higher numbers lie on top. By default 3 for robots, 1 for obstacles.",
+    )
     obj_color: str | None = option(None, meaning="Colour of the body.")
     obj_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the body.")
     obj_linewidth: float = option(1.0, ge=0.0, unit="point", meaning="Width of the outline.")
@@ -60,56 +61,62 @@ class ObjectPlot:
     show_goal: bool | None = option(None, meaning="Draw the goal; by default that of a learner alone.")
     goal_color: str | None = option(None, meaning="Colour of the goal.")
     goal_alpha: float = option(0.5, ge=0.0, le=1.0, meaning="Opacity of the goal.")
-    goal_zorder: int = option(1, meaning="Layer of the goal.", planned=True)
+    goal_zorder: int = option(1, meaning="Layer of the goal; at its default above fixed bodies and below moving ones.")
 
     show_text: bool = option(False, meaning="Write the body's short name beside it.")
     show_goal_text: bool = option(False, meaning="Write the body's short name beside its goal.")
     text_color: str = option("k", meaning="Colour of the text.")
     text_size: float = option(10.0, gt=0.0, unit="point", meaning="Size of the text.")
     text_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the text.")
-    text_zorder: int = option(2, meaning="Layer of the text.", planned=True)
+    text_zorder: int = option(2, meaning="Layer of the text; at its default above everything.")
     text_position: tuple[float, float] | None = option(
-        None, unit="m", meaning="Place of the text beside the body; by default (-r - 0.1, r + 0.1) for a radius r."
+        None, unit="m", meaning="Place of the text beside the body; by default above the body."
     )
 
     show_arrow: bool | None = option(
-        None, meaning="Draw the velocity arrow; by default for bodies that move and have a heading of their own."
+        None,
+        meaning="Mark where the body heads: a car's windscreen, an arrow where arrow_length or arrow_width is given; "
+        "by default for bodies that move and can turn.",
     )
     arrow_color: str = option("#F0E442", meaning="Colour of the arrow.")
     arrow_length: float = option(0.4, ge=0.0, unit="m", meaning="Length of the arrow.")
     arrow_width: float = option(0.6, ge=0.0, unit="m", meaning="Width of the arrow.")
     arrow_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the arrow.")
-    arrow_zorder: int = option(3, meaning="Layer of the arrow.", planned=True)
+    arrow_zorder: int = option(3, meaning="Layer of the arrow; at its default that of the body.")
 
     show_trajectory: bool | None = option(
         None, meaning="Draw the path driven so far; by default that of a learner alone."
     )
     traj_color: str | None = option(None, meaning="Colour of the path.")
     traj_style: LineStyle = option("-", meaning="Line style of the path.")
-    traj_width: float | None = option(None, gt=0.0, unit="m", meaning="Width of the path; by default the body's width.")
+    traj_width: float | None = option(
+        None, gt=0.0, unit="m", meaning="Width of the path; by default that of a thin line."
+    )
     traj_alpha: float = option(0.5, ge=0.0, le=1.0, meaning="Opacity of the path.")
-    traj_zorder: int = option(0, meaning="Layer of the path.", planned=True)
+    traj_zorder: int = option(0, meaning="Layer of the path; at its default above fixed bodies and below moving ones.")
     keep_traj_length: int = option(0, ge=0, unit="step", meaning="Steps of the path that are kept; 0 keeps all.")
 
     show_trail: bool = option(False, meaning="Leave outlines of the body behind.")
     trail_freq: int = option(2, ge=1, unit="step", meaning="Steps between two outlines of the trail.")
     trail_type: Literal["circle", "rectangle", "polygon", "linestring", "compound"] | None = option(
-        None, meaning="Shape of the trail's outlines; by default the body's.", planned=True
+        None, meaning="Shape of the trail's outlines; by default the body's. 'circle' and 'rectangle' enclose it."
     )
     trail_edgecolor: str | None = option(None, meaning="Edge colour of the trail.")
     trail_linewidth: float = option(0.8, ge=0.0, unit="point", meaning="Edge width of the trail.")
     trail_alpha: float = option(0.7, ge=0.0, le=1.0, meaning="Opacity of the trail.")
     trail_fill: bool = option(False, meaning="Fill the trail's outlines.")
     trail_color: str | None = option(None, meaning="Fill colour of the trail.")
-    trail_zorder: int = option(0, meaning="Layer of the trail.", planned=True)
+    trail_zorder: int = option(
+        0, meaning="Layer of the trail; at its default above fixed bodies and below moving ones."
+    )
     keep_trail_length: int = option(0, ge=0, meaning="Outlines of the trail that are kept; 0 keeps all.")
 
     show_sensor: bool = option(True, meaning="Draw the sensors.")
-    show_fov: bool = option(False, meaning="Draw the field of view.", planned=True)
+    show_fov: bool = option(False, meaning="Draw the field of view (fov and fov_radius, else the lidar's).")
     fov_color: str = option("#56B4E9", meaning="Colour of the field of view.")
     fov_edge_color: str = option("#0072B2", meaning="Edge colour of the field of view.")
     fov_alpha: float = option(0.5, ge=0.0, le=1.0, meaning="Opacity of the field of view.")
-    fov_zorder: int = option(1, meaning="Layer of the field of view.")
+    fov_zorder: int = option(1, meaning="Layer of the field of view; at its default above fixed bodies.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of each colour that is none."""

@@ -102,7 +102,12 @@ class BodyOptions:
     goal_threshold: float = option(0.1, ge=0.0, unit="m", meaning="The goal is reached when it is nearer than this.")
     sensors: Any = option(None, meaning="List of sensors.")
     arrive_mode: Literal["position", "state"] = option("position", meaning="What must match the goal on arrival.")
-    description: str | None = option(None, min_length=1, meaning="Image that the body is drawn with.", planned=True)
+    description: str | None = option(
+        None,
+        min_length=1,
+        meaning="Image of the body: a documented name, a file beside the scenario, or an absolute path; "
+        "it is checked, and for the time being the outline is drawn.",
+    )
     group: int | None = option(None, ge=0, meaning="Number of the group; by default one per entry.")
     group_name: str | None = option(None, min_length=1, meaning="Name of the group; by default role_group.")
     unobstructed: bool = option(False, meaning="Collisions and sensors ignore the body.")

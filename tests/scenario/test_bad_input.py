@@ -57,6 +57,10 @@ WORLD = {
         "world:\n  plot: {viewpoint: 3}",
         "2 world.plot.viewpoint: must be text or a list of 2 numbers, got 3",
     ),
+    "viewpoint of nobody": (
+        "world:\n  plot: {viewpoint: robot_1}\nrobot: {}",
+        "2 world.plot.viewpoint: no body named 'robot_1' (did you mean 'robot_0'?)",
+    ),
     "gui": ("gui:\n  keybord: {}", "2 gui.keybord: unknown key (did you mean 'keyboard'?)"),
     "key speed": ("gui:\n  keyboard: {key_lv_max: -1}", "2 gui.keyboard.key_lv_max: must be >= 0, got -1"),
     "backend": ("gui: {keyboard: {backend: qt}}", "1 gui.keyboard.backend: must be 'pynput' or 'mpl', got 'qt'"),
@@ -267,6 +271,15 @@ ENTRIES = {
     "second colour": (
         "robot:\n  number: 2\n  color:\n    - red\n    - gren",
         "5 robot.color[1]: no colour named 'gren' (did you mean 'green'?)",
+    ),
+    "image": (
+        "robot: {description: car_blu.png}",
+        "1 robot.description: no image 'car_blu.png' (did you mean 'car_blue.png'?)",
+    ),
+    "image far from any": (
+        "robot: {description: tank.svg}",
+        "1 robot.description: no image 'tank.svg'; known: car_green.png, car_blue.png, car_red.png, diff_robot0.png, "
+        "diff_robot1.png, or a file beside the scenario",
     ),
     "plot": ("robot: {plot: {show_gaol: true}}", "1 robot.plot.show_gaol: unknown key (did you mean 'show_goal'?)"),
     "plot colour": ("robot: {plot: {traj_color: '#12'}}", "1 robot.plot.traj_color: no colour named '#12'"),

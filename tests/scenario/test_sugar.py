@@ -230,6 +230,13 @@ def test_plot_for_all_bodies_is_overridden_by_their_own(load: Load) -> None:
     assert [(body.plot.show_text, body.plot.show_trail) for body in bodies] == [(True, False), (False, True)]
 
 
+def test_images_are_documented_names_or_files(load: Load, tmp_path: Path) -> None:
+    assert load("robot: {description: diff_robot1.png}").bodies[0].description == "diff_robot1.png"
+    (tmp_path / "mine.png").write_bytes(b"")
+    bodies = load(f"robot: {{number: 2, description: [mine.png, {tmp_path / 'mine.png'}]}}").bodies
+    assert [body.description for body in bodies] == ["mine.png", str(tmp_path / "mine.png")]
+
+
 def test_task_and_custom(load: Load) -> None:
     scenario = load("task: navigation\ncustom: {anything: [1, {a: b}]}")
     assert scenario.task == {"name": "navigation"}
