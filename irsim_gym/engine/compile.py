@@ -40,7 +40,14 @@ RANDOM_OUTLINE = frozenset(
 )
 
 
-def compile(scenario: Scenario, n_worlds: int = 1, *, agents: Sequence[int] = (), num_threads: int = 1) -> Simulation:
+def compile(
+    scenario: Scenario,
+    n_worlds: int = 1,
+    *,
+    agents: Sequence[int] = (),
+    num_threads: int = 1,
+    check_starts: bool = True,
+) -> Simulation:
     """Turn a scenario into arrays for ``n_worlds`` worlds.
 
     Args:
@@ -48,6 +55,7 @@ def compile(scenario: Scenario, n_worlds: int = 1, *, agents: Sequence[int] = ()
         n_worlds: Number of worlds that are stepped together.
         agents: Bodies whose behaviour is overridden: their commands come from outside.
         num_threads: Worlds are shared out over that many threads.
+        check_starts: Refuse robots whose given start lies in an obstacle.
 
     Raises:
         ScenarioError: A robot's given start lies in an obstacle.
@@ -78,7 +86,8 @@ def compile(scenario: Scenario, n_worlds: int = 1, *, agents: Sequence[int] = ()
     buckets.lay_out(model, np.array([body.shape.is_random for body in scenario.bodies], np.bool_))
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, tuple(agents), shards.n_slots)
-    refuse_blocked_starts(scenario, parts, model, state)
+    if check_starts:
+        refuse_blocked_starts(scenario, parts, model, state)
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards)
 
 

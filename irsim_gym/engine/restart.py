@@ -44,6 +44,20 @@ def begin(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, stre
         raise PlacementError(_failure(parts.places[failed[remaining.worlds[0]] - 1]))
     if len(parts.measured):
         measures.measure(shard.worlds, parts.measured, model)
+    model.level_random[shard.worlds] = state.random[shard.worlds]
+    start(parts, model, state, shard)
+
+
+def begin_again(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Begin the level that each of the shard's worlds has, from ``model.start``, with the same random numbers."""
+    state.random[shard.worlds] = model.level_random[shard.worlds]
+    state.pose[shard.worlds] = model.start[shard.worlds]
+    outlines.place(parts.everyone, model, state, shard)
+    start(parts, model, state, shard)
+
+
+def start(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Begin the episode where the bodies stand: clocks, flags, goals and first readings."""
     buckets.empty(model, state, shard)
     buckets.refresh(parts.everyone, model, state, shard)
     begin_moment(parts, model, state, shard)

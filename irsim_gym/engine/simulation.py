@@ -9,10 +9,10 @@ import numpy as np
 
 from irsim_gym import rng
 from irsim_gym.arraytypes import Floats, Ints, Words
-from irsim_gym.engine import contact, restart
+from irsim_gym.engine import buckets, contact, outlines, restart
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.shards import Shards
-from irsim_gym.engine.step import advance
+from irsim_gym.engine.step import Orders, advance, refresh
 from irsim_gym.errors import UnknownNameError, suggestion
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.world.group import Group, Shard
@@ -96,20 +96,79 @@ class Simulation:
             limit = distance
         contact.clearance(bodies, limit, self.model, self.state, shard, distance)
 
-    def reset(self, seed: int = 0, split: str = "train") -> None:
-        """Begin level ``seed + w`` of a split in each world ``w``."""
+    def reset(self, seed: int = 0, split: str = "train", episode: int = 0) -> None:
+        """Begin an episode in all worlds.
+
+        Args:
+            seed: World ``w`` begins level ``seed + w`` of the split.
+            split: ``"train"``, ``"dev"`` or ``"test"``.
+            episode: Which one of the chain of levels that begins with that level.
+        """
         base = rng.stream_base(self.scenario.name, split)
-        streams = np.array([rng.level_stream(base, seed + w) for w in range(self.n_worlds)], np.uint64)
+        levels = [seed + w for w in range(self.n_worlds)]
+        if episode > 0:
+            levels = [int(rng.later_level(level, episode)) for level in levels]
+        streams = np.array([rng.level_stream(base, level) for level in levels], np.uint64)
         self.run(lambda shard: self.begin(shard, streams))
 
-    def step(self, commands: Sequence[float] | Floats | None = None) -> None:
+    def reset_to_start(self) -> None:
+        """Begin the level that each world has once more; the same commands give the same episode."""
+        self.run(lambda shard: restart.begin_again(self.parts, self.model, self.state, shard))
+
+    def step(self, commands: Sequence[float] | Floats | None = None, bodies: Ints | None = None) -> None:
         """Advance all worlds by one step.
 
         Args:
             commands: Commands of the agents, broadcast to ``(n_worlds, n_agents, n)`` in drive coordinates
                 [m/s, rad/s]; by default those in ``state.command`` stay.
+            bodies: Whom the commands are for in place of the agents, shape ``(n_bodies,)``: in this step alone
+                they override what those bodies decide.
         """
-        if commands is not None:
-            given = np.asarray(commands, np.float64)
-            self.state.command[:, self.agents, : given.shape[-1]] = given
+        if commands is None:
+            self.run(self.advance)
+            return
+        given = np.asarray(commands, np.float64)
+        if bodies is not None:
+            self._step_with(bodies, given)
+            return
+        self.state.command[:, self.agents, : given.shape[-1]] = given
         self.run(self.advance)
+
+    def _step_with(self, bodies: Ints, given: Floats) -> None:
+        model, state = self.model, self.state
+        orders = Orders(bodies, np.zeros((self.n_worlds, len(bodies), 3)))
+        orders.commands[..., : given.shape[-1]] = given
+        driven, kept = model.driven[bodies], state.command[:, bodies]
+        model.driven[bodies] = True
+        try:
+            self.run(lambda shard: advance(self.parts, model, state, shard, orders))
+        finally:
+            model.driven[bodies], state.command[:, bodies] = driven, kept
+
+    def place(self, bodies: Ints) -> None:
+        """Let bodies stand where ``state.pose`` says, moving as ``state.velocity`` says.
+
+        Outlines, twists and the contacts of bodies that never move follow at once; flags and readings follow with
+        the next step, or with ``refresh``.
+        """
+        self.run(lambda shard: self._place(bodies, shard))
+
+    def _place(self, bodies: Ints, shard: Shard) -> None:
+        parts, model, state = self.parts, self.model, self.state
+        outlines.place(bodies, model, state, shard)
+        buckets.refresh(bodies, model, state, shard)
+        for group in parts.kinematics:
+            group.kind.begin(group, model, state, shard)
+        if np.isin(bodies, parts.fixed).any():
+            collided, hit = state.collided[shard.worlds], state.hit[shard.worlds]
+            contact.find_static(parts.fixed, model, state, shard)
+            state.collided[shard.worlds], state.hit[shard.worlds] = collided, hit
+
+    def refresh(self) -> None:
+        """Bring outlines, flags and readings up to date with poses that were written from outside."""
+        self.run(lambda shard: refresh(self.parts, self.model, self.state, shard))
+
+    def uniform(self, low: Sequence[float], high: Sequence[float], world: int = 0) -> Floats:
+        """Draw numbers from a world's random stream, each from its interval ``[low, high)``."""
+        drawn = [rng.uniform(self.state.random, world, a, b) for a, b in zip(low, high, strict=True)]
+        return np.array(drawn, np.float64)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine import arrival, buckets, contact, limits, outlines
 from irsim_gym.engine.parts import Parts
@@ -11,7 +13,24 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 
-def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+@dataclass(frozen=True)
+class Orders:
+    """Commands from outside that take the place of what bodies decide, for one step.
+
+    Attributes:
+        bodies: Whom they are for, shape ``(n_bodies,)``.
+        commands: In drive coordinates [m/s or rad/s], shape ``(n_worlds, n_bodies, 3)``.
+    """
+
+    bodies: Ints
+    commands: Floats
+
+    def give(self, state: WorldState, shard: Shard) -> None:
+        """Write them over the decisions."""
+        state.command[shard.worlds[:, None], self.bodies] = self.commands[shard.worlds]
+
+
+def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, orders: Orders | None = None) -> None:
     """Advance the shard's worlds by one step_time. This order is the specification."""
     arrival.renew(parts.goal_bodies, model, state, shard)
     for group in parts.group_behaviors:
@@ -19,6 +38,8 @@ def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) ->
     for turn in parts.turns:
         for group in turn.behaviors:
             group.kind.decide(group, model, state, shard)
+        if orders is not None:
+            orders.give(state, shard)
         limits.apply(turn.movers, model, state, shard)
         for group in turn.kinematics:
             group.kind.move(group, model, state, shard)
@@ -31,6 +52,16 @@ def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) ->
     arrival.check(parts.goal_bodies, model, state, shard)
     sense(parts, model, state, shard)
     tick(shard.worlds, model.step_time, state.step, state.time)
+
+
+def refresh(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Look at the worlds again without moving anything, after poses were written from outside."""
+    outlines.place(parts.everyone, model, state, shard)
+    buckets.refresh(parts.everyone, model, state, shard)
+    contact.find_static(parts.fixed, model, state, shard)
+    contact.find(parts.movers, model, state, shard)
+    arrival.check(parts.goal_bodies, model, state, shard)
+    sense(parts, model, state, shard)
 
 
 def sense(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:

@@ -68,8 +68,6 @@ def _world(data: Any, place: Place, source: Source, report: Report) -> WorldSpec
         if data.get("collision_mode") == "contact":
             report.add((*place, "collision_mode"), CONTACT_MESSAGE)
             data = {key: value for key, value in data.items() if key != "collision_mode"}
-        if data.get("status") == "Pause":
-            report.add((*place, "status"), "'Pause' is not supported yet")
         if data.get("name") is None and source.file:
             data = {**data, "name": Path(source.file).name.split(".")[0] or "world"}
     elif data is None and source.file:

@@ -39,23 +39,27 @@ class WorldSpec:
     )
     sample_time: float = option(0.1, gt=0.0, unit="s", meaning="Time between frames, rounded to whole steps.")
     offset: tuple[Coordinate, Coordinate] = option((0.0, 0.0), unit="m", meaning="Lower left corner of the world.")
-    control_mode: Literal["auto", "keyboard"] = option("auto", meaning="Who drives.", planned=True)
+    control_mode: Literal["auto", "keyboard"] = option(
+        "auto", meaning="Who drives in irsim_gym.load; without a keyboard the behaviours do. Learners do not see it."
+    )
     collision_mode: Literal["stop", "unobstructed", "unobstructed_obstacles"] = option(
         "stop", meaning="Who stops at a collision: all, nobody, or robots only."
     )
     status: Literal["None", "Running", "Arrived", "Collision", "Pause"] = option(
-        "None", meaning="Status text at the beginning."
+        "None", meaning="Status text at the beginning; Pause: irsim_gym.load begins paused. Learners do not see it."
     )
     obstacle_map: Any = option(None, meaning="Obstacles from an image or a generator.", planned=True)
     mdownsample: int = option(1, ge=1, meaning="Keep every n-th cell of the map.", planned=True)
     plot: WorldPlot = option(defaults(WorldPlot), meaning="Drawing options of the world.")
-    step_mode: Literal["internal", "external"] = option("internal", meaning="Who moves the bodies.", planned=True)
+    step_mode: Literal["internal", "external"] = option(
+        "internal", meaning="Who moves the bodies: the step, or the caller by set_state (external; not for learners)."
+    )
     fog_map: bool = option(False, meaning="Keep a map of what was explored.", planned=True)
     fog_map_resolution: float | None = option(
         None, gt=0.0, unit="m", meaning="Cell size of the map of what was explored.", planned=True
     )
     update: Literal["sequential", "simultaneous"] = option(
-        "sequential", meaning="Bodies see earlier ones already moved, or all as they stood.", planned=True
+        "sequential", meaning="Bodies see earlier ones already moved, or all as they stood."
     )
 
 

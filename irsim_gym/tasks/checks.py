@@ -32,6 +32,10 @@ def choose_agents(scenario: Scenario, given: str | Sequence[str], team: bool, me
         problem = Problem(0, "robot", "there is no robot, so nobody can learn")
         merged.outside.append((scenario.source.title, problem))
         return ()
+    if scenario.world.step_mode == "external":
+        message = "nothing moves by itself, so nobody can learn; irsim_gym.load runs such a world by hand"
+        merged.outside.append((scenario.source.title, scenario.problem(("world", "step_mode"), message)))
+        return ()
     if not given:
         return robots if team else robots[:1]
     if given == "all":

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Words
 from irsim_gym.world.arrays import Arrays, column
 
 ROBOT, OBSTACLE = 0, 1
@@ -62,6 +62,7 @@ class WorldModel(Arrays):
     bucket_frame: Floats = column("5", np.float64, "m", "buckets of bodies: x, y, side, columns, rows (0: none)")
     bucketed: Flags = column("body", np.bool_, "", "small enough to be found through the buckets")
     present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
+    level_random: Words = column("world", np.uint64, "", "state of the random stream when the level was drawn")
     initial_steering: Floats = column("body", np.float64, "rad", "steering angle at the start")
     initial_velocity: Floats = column("body 3", np.float64, "m/s or rad/s", "velocity at the start")
     start: Floats = column("world body 3", np.float64, "m, m, rad", "pose at the start")

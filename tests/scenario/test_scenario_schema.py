@@ -138,7 +138,7 @@ def test_accepts(text: str, schema: dict[str, Any], tmp_path: Any) -> None:
         "wrld: {}",
         "world: {width: -1}",
         "world: {width: wide}",
-        "world: {control_mode: keyboard}",
+        "world: {control_mode: mouse}",
         "robot: {kinematics: {name: dif}}",
         "robot: {kinematics: {name: omni}}",
         "robot: {kinematics: {nme: diff}}",

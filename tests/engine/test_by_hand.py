@@ -1,0 +1,95 @@
+"""Commands that override behaviours for one step, and poses written from outside."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import irsim_gym as ig
+from irsim_gym.errors import ScenarioError
+
+DIFF: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}}
+DASH = {**DIFF, "state": [1, 1, 0], "goal": [9, 1, 0], "behavior": {"name": "dash"}}
+IDLE = {**DIFF, "state": [1, 5, 0], "vel_min": [0.2, -1]}
+
+
+def simulation(n_worlds: int = 1, **sections: Any) -> Any:
+    sim = ig.compile(ig.load_scenario({"robot": [DASH, IDLE], **sections}), n_worlds)
+    sim.reset(seed=0)
+    return sim
+
+
+def test_orders_override_a_behaviour_for_one_step_and_are_clipped() -> None:
+    sim = simulation(n_worlds=2)
+    sim.step([[0.5, 7.0]], bodies=np.array([0]))
+    assert sim.state.velocity[:, 0, :2].tolist() == [[0.5, 1.0]] * 2
+    for world in range(2):
+        assert sim.state.pose[world, 0].tolist() == pytest.approx([1.05, 1.0, 0.1])
+    sim.step()
+    assert sim.state.velocity[0, 0, 0] == pytest.approx(np.cos(0.1), abs=1e-9)  # dash drives again: the goal is at -0.1
+
+
+def test_a_body_that_nobody_drives_stands_again_after_an_order() -> None:
+    sim = simulation()
+    sim.step([[0.0, 0.0]], bodies=np.array([1]))
+    assert sim.state.velocity[0, 1, 0] == 0.2  # a zero command is clipped as well, as in IR-SIM
+    sim.step()
+    assert sim.state.velocity[0, 1].tolist() == [0.0, 0.0, 0.0]
+    assert sim.state.pose[0, 1].tolist() == pytest.approx([1.02, 5.0, 0.0])
+
+
+def test_reset_to_start_repeats_the_level() -> None:
+    scenario = {"robot": [{**DASH, "distribution": {"name": "random"}, "behavior": {"name": "dash", "wander": True}}]}
+    sim = ig.compile(ig.load_scenario(scenario))
+    sim.reset(seed=3)
+    first = sim.state.pose.copy(), sim.state.goal.copy(), sim.state.random.copy()
+    for _ in range(5):
+        sim.step()
+    sim.reset_to_start()
+    assert sim.state.step[0] == 0
+    for field, before in zip((sim.state.pose, sim.state.goal, sim.state.random), first, strict=True):
+        assert np.array_equal(field, before)
+    sim.reset(seed=3, episode=1)
+    assert not np.array_equal(sim.state.pose, first[0])
+
+
+def test_what_follows_a_pose_written_from_outside() -> None:
+    wall = {"shape": {"name": "rectangle", "length": 1, "width": 1}, "state": [5, 5, 0]}
+    sim = simulation(obstacle=[wall, wall], robot=DASH)
+    assert sim.state.discs[0, 0].tolist() == pytest.approx([1, 1, 0.2])
+    sim.state.pose[0, 0] = [4.4, 5.0, np.pi / 2]
+    sim.state.velocity[0, 0] = [1.0, 0.5, 0.0]
+    sim.place(np.array([0]))
+    assert sim.state.discs[0, 0].tolist() == pytest.approx([4.4, 5, 0.2])
+    assert sim.state.twist[0, 0].tolist() == pytest.approx([0, 1, 0.5])
+    assert not sim.state.collided[0, 0]
+    sim.refresh()
+    assert sim.state.collided[0].tolist() == [True, True, True]
+    sim.state.pose[0, 2] = [9.0, 9.0, 0.0]  # the second wall leaves the first, which never moves by itself
+    sim.place(np.array([2]))
+    sim.refresh()
+    assert sim.state.collided[0].tolist() == [True, True, False]
+
+
+def test_starts_in_walls_may_be_allowed() -> None:
+    wall = {"shape": {"name": "rectangle", "length": 1, "width": 1}, "state": [1, 1, 0]}
+    scenario = ig.load_scenario({"robot": DASH, "obstacle": wall})
+    with pytest.raises(ScenarioError, match="must begin clear"):
+        ig.compile(scenario)
+    ig.compile(scenario, check_starts=False)
+
+
+def test_nobody_learns_where_nothing_moves() -> None:
+    with pytest.raises(ScenarioError, match=r"world\.step_mode: nothing moves by itself"):
+        ig.make({"world": {"step_mode": "external"}, "robot": DASH})
+
+
+def test_numbers_from_a_worlds_stream() -> None:
+    sim = simulation()
+    before = sim.state.random.copy()
+    drawn = sim.uniform([0.0, 5.0], [1.0, 6.0])
+    assert 0 <= drawn[0] < 1
+    assert 5 <= drawn[1] < 6
+    assert sim.state.random[0] != before[0]
