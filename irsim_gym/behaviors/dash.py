@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.geometry.angles import wrap
+from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, WorldModel
 from irsim_gym.world.state import WorldState
 
 
@@ -20,7 +21,7 @@ from irsim_gym.world.state import WorldState
 class Dash:
     """Drive straight at the goal, turning towards it on the way."""
 
-    kinematics: ClassVar[tuple[str, ...]] = ("diff",)
+    kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 
     wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
@@ -48,8 +49,8 @@ class Dash:
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
-        """Write the members' commands."""
-        dash_differential(
+        """Write the members' commands; all members of a group have one drive."""
+        KERNELS[int(model.drive[group.members[0]])](
             shard.worlds,
             group.members,
             group.params,
@@ -83,7 +84,6 @@ def dash_differential(
     ``e`` is the goal's bearing; behind the robot the speed is negative. With a limited angular acceleration the
     turn rate is held down to what can still be braked before the goal is ahead.
     """
-    dt = step_time[0]
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
@@ -93,28 +93,169 @@ def dash_differential(
             if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[w % goal_threshold.shape[0], b]:
                 continue
             fastest = velocity_max[w % velocity_max.shape[0], b]
-            error = np.arctan2(dy, dx) - pose[w, b, 2]
-            if np.abs(error) > np.pi:  # straight behind keeps its sign, as in IR-SIM
-                error = wrap(error)
+            error = wrap_below(np.arctan2(dy, dx) - pose[w, b, 2])
             command[w, b, 0] = fastest[0] * np.cos(error)
-            command[w, b, 1] = turn_rate(
-                error,
-                params[k].angle_tolerance,
-                np.abs(fastest[1]),
-                acceleration_limit[w % acceleration_limit.shape[0], b, 1],
-                dt,
-            )
+            if np.abs(error) >= params[k].angle_tolerance:
+                command[w, b, 1] = turn_rate(
+                    error,
+                    params[k].angle_tolerance,
+                    np.abs(fastest[1]),
+                    acceleration_limit[w % acceleration_limit.shape[0], b, 1],
+                    step_time[0],
+                )
+
+
+@kernel
+def dash_omni(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    step_time: Floats,
+    goal_threshold: Floats,
+    velocity_max: Floats,
+    acceleration_limit: Floats,
+    pose: Floats,
+    goal: Floats,
+    has_goal: Flags,
+    command: Floats,
+) -> None:
+    """Write an omnidirectional drive's command in the body frame: each component at its share of its own limit.
+
+    With unequal limits the way is not straight. There is no slowing down.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
+            dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
+            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[w % goal_threshold.shape[0], b]:
+                continue
+            fastest = velocity_max[w % velocity_max.shape[0], b]
+            error = wrap_below(np.arctan2(dy, dx) - pose[w, b, 2])
+            command[w, b, 0], command[w, b, 1] = fastest[0] * np.cos(error), fastest[1] * np.sin(error)
+
+
+@kernel
+def dash_omni_world(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    step_time: Floats,
+    goal_threshold: Floats,
+    velocity_max: Floats,
+    acceleration_limit: Floats,
+    pose: Floats,
+    goal: Floats,
+    has_goal: Flags,
+    command: Floats,
+) -> None:
+    """Write an omnidirectional drive's command in the world frame, as ``dash_omni`` does at heading 0."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
+            dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
+            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[w % goal_threshold.shape[0], b]:
+                continue
+            fastest = velocity_max[w % velocity_max.shape[0], b]
+            direction = np.arctan2(dy, dx)
+            command[w, b, 0], command[w, b, 1] = fastest[0] * np.cos(direction), fastest[1] * np.sin(direction)
+
+
+@kernel
+def dash_omni_angular(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    step_time: Floats,
+    goal_threshold: Floats,
+    velocity_max: Floats,
+    acceleration_limit: Floats,
+    pose: Floats,
+    goal: Floats,
+    has_goal: Flags,
+    command: Floats,
+) -> None:
+    """Write the command of an omnidirectional drive that turns: towards the goal, and there to the goal's heading."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
+            if not has_goal[b]:
+                continue
+            dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
+            fastest = velocity_max[w % velocity_max.shape[0], b]
+            target = goal[w, b, 2]
+            if np.sqrt(dx * dx + dy * dy) > goal_threshold[w % goal_threshold.shape[0], b]:
+                target = np.arctan2(dy, dx)
+                error = wrap_below(target - pose[w, b, 2])
+                command[w, b, 0], command[w, b, 1] = fastest[0] * np.cos(error), fastest[1] * np.sin(error)
+            if np.isnan(target):
+                continue
+            error = wrap_below(target - pose[w, b, 2])
+            if np.abs(error) > params[k].angle_tolerance:
+                command[w, b, 2] = turn_rate(
+                    error,
+                    params[k].angle_tolerance,
+                    np.abs(fastest[2]),
+                    acceleration_limit[w % acceleration_limit.shape[0], b, 2],
+                    step_time[0],
+                )
+
+
+@kernel
+def dash_ackermann(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    step_time: Floats,
+    goal_threshold: Floats,
+    velocity_max: Floats,
+    acceleration_limit: Floats,
+    pose: Floats,
+    goal: Floats,
+    has_goal: Flags,
+    command: Floats,
+) -> None:
+    """Write a car's command: full speed, and the goal's bearing as steering angle (or as yaw rate per second).
+
+    It never slows down or reverses, so it circles around a goal that is nearer than it can turn.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
+            dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
+            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[w % goal_threshold.shape[0], b]:
+                continue
+            fastest = velocity_max[w % velocity_max.shape[0], b]
+            error = wrap_below(np.arctan2(dy, dx) - pose[w, b, 2])
+            command[w, b, 0] = fastest[0]
+            if np.abs(error) >= params[k].angle_tolerance:
+                command[w, b, 1] = min(max(error, -fastest[1]), fastest[1])
 
 
 @kernel
 def turn_rate(error: float, tolerance: float, fastest: float, acceleration: float, dt: float) -> float:
     """Return the turn rate towards a bearing ``error`` [rad]: full speed, or what can be braked in time [rad/s]."""
-    size = np.abs(error)
-    if size < tolerance:
-        return 0.0
     rate = fastest
     if np.isfinite(acceleration) and acceleration > 0.0:
         braking = acceleration * dt
-        reach = np.sqrt(braking * braking + 2.0 * acceleration * (size - tolerance)) - braking
+        reach = np.sqrt(braking * braking + 2.0 * acceleration * (np.abs(error) - tolerance)) - braking
         rate = min(fastest, reach)
     return rate if error > 0.0 else -rate
+
+
+KERNELS: Mapping[int, Callable[..., None]] = MappingProxyType(
+    {
+        DIFFERENTIAL: dash_differential,
+        OMNI_WORLD: dash_omni_world,
+        OMNI_BODY: dash_omni,
+        OMNI_ANGULAR: dash_omni_angular,
+        ACKERMANN: dash_ackermann,
+    }
+)

@@ -33,10 +33,12 @@ def collect_parts(
     group_behaviors = _group_behaviors(scenario, model, agents, n_slots)
     led = {int(b) for group in group_behaviors for b in group.members}
     deciding = [(b, body.behavior) for b, body in bodies if body.behavior is not None and b not in (*agents, *led)]
-    behaviors = group_members([member for member in deciding if model.movable[member[0]]])
+    behaviors = _behaviors([member for member in deciding if model.movable[member[0]]], model)
     for group in behaviors:
         group.kind.prepare(group, model, n_slots)
     kinematics = group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]])
+    for group in kinematics:
+        group.kind.prepare(group, model, n_slots)
     external = scenario.world.step_mode == "external"
     everyone = np.arange(len(bodies), dtype=np.int64)
     movers = np.flatnonzero(model.movable)
@@ -79,6 +81,13 @@ def group_members(members: Sequence[Member], key: Callable[[Any], Any] = type) -
         Group(type(same[0][1]), [options for _, options in same], np.array([b for b, _ in same], np.int64))
         for same in found.values()
     ]
+
+
+def _behaviors(members: Sequence[Member], model: WorldModel) -> list[Group]:
+    """Return the groups of bodies that decide for themselves: those of one behaviour and one drive together."""
+    drives = sorted({int(model.drive[b]) for b, _ in members})
+    by_drive = [[member for member in members if model.drive[member[0]] == drive] for drive in drives]
+    return [group for same in by_drive for group in group_members(same)]
 
 
 def _group_behaviors(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n_slots: int) -> list[Group]:

@@ -22,6 +22,14 @@ def wrap(angle: float) -> float:
 
 
 @kernel
+def wrap_below(angle: float) -> float:
+    """Return the angle [rad] in [-pi, pi), as IR-SIM wraps: half a turn reads -pi; one inside is returned unchanged."""
+    if -np.pi <= angle < np.pi:
+        return angle
+    return float((angle + np.pi) % TURN - np.pi)
+
+
+@kernel
 def wrap_from(angle: float, low: float) -> float:
     """Return the angle [rad] in [low, low + 2 pi]: full turns are added or subtracted only outside of it.
 

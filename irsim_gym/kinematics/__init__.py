@@ -7,6 +7,6 @@ from irsim_gym.kinematics.omni import Omni
 from irsim_gym.kinematics.omni_angular import OmniAngular
 
 KINEMATICS.register("diff", Differential)
-KINEMATICS.register("omni", Omni, planned=True)
-KINEMATICS.register("omni_angular", OmniAngular, planned=True)
-KINEMATICS.register("acker", Ackermann, planned=True)
+KINEMATICS.register("omni", Omni)
+KINEMATICS.register("omni_angular", OmniAngular)
+KINEMATICS.register("acker", Ackermann)

@@ -1,20 +1,154 @@
-"""Ackermann steering: a car. Its options are known; it does not run yet."""
+"""Ackermann steering: a car."""
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from collections.abc import Iterator
+from typing import Any, ClassVar, Literal
 
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.geometry.angles import wrap_below, wrap_from
+from irsim_gym.jit import kernel
+from irsim_gym.kinematics import noise
+from irsim_gym.kinematics.noise import Variances
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import ACKERMANN, WorldModel
+from irsim_gym.world.state import WorldState
 
 
 @kind
 class Ackermann:
-    """A car, steered at its front axle; command: speed [m/s] and steering angle [rad] or yaw rate [rad/s]."""
+    """A car, steered at its front axle; its position is the middle of the rear axle.
+
+    Mode ``steer``: the command is speed v [m/s] and steering angle [rad]. The car turns at v tan(steering) / wheelbase
+    with the angle of the step before, as in IR-SIM; the commanded angle takes effect from the next step on.
+
+    Mode ``angular``: the command is speed v [m/s] and yaw rate w [rad/s]. The limits of the second component
+    (``vel_min``, ``vel_max``, ``acce``) bind the yaw rate; the car turns at just that rate, and the steering angle is
+    the one that does it, atan(w wheelbase / v), less than a right angle to either side. A car at rest (v = 0) cannot
+    turn: it keeps heading and steering angle.
+    """
 
     command_names: ClassVar[tuple[str, ...]] = ("linear", "steer")
     state_size: ClassVar[int] = 4
+    drive: ClassVar[int] = ACKERMANN
+    needs_wheelbase: ClassVar[bool] = True
 
     mode: Literal["steer", "angular"] = option("steer", meaning="Second component: steering angle, or yaw rate.")
     wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; by default the shape's.")
     noise: bool = option(False, meaning="Add motion noise.")
-    alpha: tuple[float, float, float, float] = option((0.03, 0.0, 0.0, 0.03), meaning="Variances of the motion noise.")
+    alpha: tuple[float, float, float, float] = option(
+        (0.03, 0.0, 0.0, 0.03),
+        meaning="Motion noise: variances of the first component per square of the first and the second, then of the "
+        "second one.",
+    )
+
+    @property
+    def variances(self) -> Variances:
+        """What the motion noise of the components depends on."""
+        return noise.growing(self.alpha)
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from noise.negative_variances(self.alpha)
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Make the tables of the motion noise."""
+        noise.prepare(group, model)
+
+    @staticmethod
+    def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' twists at the start of an episode, from their poses and initial velocities."""
+        twist_ackermann(
+            shard.worlds,
+            group.members,
+            group.params,
+            model.wheelbase,
+            state.pose,
+            state.velocity,
+            state.steering,
+            state.twist,
+        )
+
+    @staticmethod
+    def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
+        executed = noise.executed(group, model, state, shard)
+        move_ackermann(
+            shard.worlds,
+            group.members,
+            group.params,
+            model.step_time,
+            model.wheelbase,
+            model.heading_low,
+            model.wraps_heading,
+            state.stopped,
+            executed,
+            state.pose,
+            state.steering,
+        )
+        Ackermann.begin(group, model, state, shard)
+
+
+@kernel
+def twist_ackermann(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    wheelbase: Floats,
+    pose: Floats,
+    velocity: Floats,
+    steering: Floats,
+    twist: Floats,
+) -> None:
+    """Write velocities in the world frame; the yaw rate is that of the present steering angle."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            speed = velocity[w, b, 0]
+            twist[w, b, 0] = speed * np.cos(pose[w, b, 2])
+            twist[w, b, 1] = speed * np.sin(pose[w, b, 2])
+            twist[w, b, 2] = speed * np.tan(steering[w, b]) / wheelbase[b]
+            if params[k].mode == 1:
+                twist[w, b, 2] = velocity[w, b, 1] if speed != 0.0 else 0.0
+
+
+@kernel
+def move_ackermann(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    step_time: Floats,
+    wheelbase: Floats,
+    heading_low: Floats,
+    wraps_heading: Flags,
+    stopped: Flags,
+    executed: Floats,
+    pose: Floats,
+    steering: Floats,
+) -> None:
+    """Write poses and steering angles of the members that are free to move, from what they execute."""
+    dt = step_time[0]
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            if stopped[w, b]:
+                continue
+            heading, speed, second = pose[w, b, 2], executed[w, b, 0], executed[w, b, 1]
+            pose[w, b, 0] += speed * np.cos(heading) * dt
+            pose[w, b, 1] += speed * np.sin(heading) * dt
+            if params[k].mode == 0:
+                rate = speed * np.tan(steering[w, b]) / wheelbase[b]
+                steering[w, b] = second
+            elif speed != 0.0:
+                rate = second
+                steering[w, b] = np.arctan(second * wheelbase[b] / speed)
+            else:
+                rate = 0.0
+            heading = wrap_below(heading + rate * dt)
+            pose[w, b, 2] = wrap_from(heading, heading_low[b]) if wraps_heading[b] else heading

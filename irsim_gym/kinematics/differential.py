@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.geometry.angles import wrap, wrap_from
+from irsim_gym.geometry.angles import wrap_below, wrap_from
 from irsim_gym.jit import kernel
+from irsim_gym.kinematics import noise
+from irsim_gym.kinematics.noise import Variances
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import DIFFERENTIAL, WorldModel
@@ -23,31 +26,47 @@ class Differential:
     state_size: ClassVar[int] = 3
     drive: ClassVar[int] = DIFFERENTIAL
 
-    noise: bool = option(False, meaning="Add motion noise.", planned=True)
+    noise: bool = option(False, meaning="Add motion noise.")
     alpha: tuple[float, float, float, float] = option(
-        (0.03, 0.0, 0.0, 0.03), meaning="Variances of the motion noise.", planned=True
+        (0.03, 0.0, 0.0, 0.03),
+        meaning="Motion noise: variances of v per v^2 and w^2, then of w per v^2 and w^2.",
     )
 
+    @property
+    def variances(self) -> Variances:
+        """What the motion noise of the components depends on."""
+        return noise.growing(self.alpha)
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from noise.negative_variances(self.alpha)
+
     @staticmethod
-    def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
-        """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
-        move_differential(
-            shard.worlds,
-            group.members,
-            model.step_time,
-            model.movable,
-            model.heading_low,
-            model.wraps_heading,
-            state.stopped,
-            state.velocity,
-            state.pose,
-            state.twist,
-        )
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Make the tables of the motion noise."""
+        noise.prepare(group, model)
 
     @staticmethod
     def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' twists at the start of an episode, from their poses and initial velocities."""
         twist_differential(shard.worlds, group.members, state.pose, state.velocity, state.twist)
+
+    @staticmethod
+    def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
+        executed = noise.executed(group, model, state, shard)
+        move_differential(
+            shard.worlds,
+            group.members,
+            model.step_time,
+            model.heading_low,
+            model.wraps_heading,
+            state.stopped,
+            executed,
+            state.velocity,
+            state.pose,
+            state.twist,
+        )
 
 
 @kernel
@@ -67,27 +86,29 @@ def move_differential(
     worlds: Ints,
     members: Ints,
     step_time: Floats,
-    movable: Flags,
     heading_low: Floats,
     wraps_heading: Flags,
     stopped: Flags,
+    executed: Floats,
     velocity: Floats,
     pose: Floats,
     twist: Floats,
 ) -> None:
-    """Write pose and twist of the members that are free to move."""
+    """Write the poses of the members that are free to move, from what they execute, and all twists.
+
+    A twist has the heading after the move and the velocity that was asked for, without noise.
+    """
     dt = step_time[0]
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            heading = pose[w, b, 2]
-            vx = velocity[w, b, 0] * np.cos(heading)
-            vy = velocity[w, b, 0] * np.sin(heading)
-            twist[w, b, 0], twist[w, b, 1], twist[w, b, 2] = vx, vy, velocity[w, b, 1]
-            if stopped[w, b] or not movable[b]:
-                continue
-            pose[w, b, 0] += vx * dt
-            pose[w, b, 1] += vy * dt
-            heading = wrap(heading + velocity[w, b, 1] * dt)
-            pose[w, b, 2] = wrap_from(heading, heading_low[b]) if wraps_heading[b] else heading
+            if not stopped[w, b]:
+                heading = pose[w, b, 2]
+                pose[w, b, 0] += executed[w, b, 0] * np.cos(heading) * dt
+                pose[w, b, 1] += executed[w, b, 0] * np.sin(heading) * dt
+                heading = wrap_below(heading + executed[w, b, 1] * dt)
+                pose[w, b, 2] = wrap_from(heading, heading_low[b]) if wraps_heading[b] else heading
+            twist[w, b, 0] = velocity[w, b, 0] * np.cos(pose[w, b, 2])
+            twist[w, b, 1] = velocity[w, b, 0] * np.sin(pose[w, b, 2])
+            twist[w, b, 2] = velocity[w, b, 1]

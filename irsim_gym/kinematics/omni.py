@@ -1,10 +1,21 @@
-"""Omnidirectional drive without rotation. Its options are known; it does not run yet."""
+"""Omnidirectional drive without rotation."""
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from collections.abc import Iterator
+from typing import Any, ClassVar, Literal
 
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.geometry.angles import wrap_from
+from irsim_gym.jit import kernel
+from irsim_gym.kinematics import noise
+from irsim_gym.kinematics.noise import Variances
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD, WorldModel
+from irsim_gym.world.state import WorldState
 
 
 @kind
@@ -15,7 +26,101 @@ class Omni:
     state_size: ClassVar[int] = 3
 
     frame: Literal["world", "body"] = option("world", meaning="Frame of the command: the world's, or forward and left.")
-    noise: bool = option(False, meaning="Add motion noise.")
+    noise: bool = option(False, meaning="Add motion noise, also at rest.")
     alpha: tuple[float, ...] = option(
-        (0.03, 0.03), min_length=2, max_length=4, meaning="Variances of the motion noise along the two axes."
+        (0.03, 0.03),
+        min_length=2,
+        max_length=4,
+        unit="m2/s2",
+        meaning="Variances of the motion noise of the two components; of four numbers the first and the last.",
     )
+
+    @property
+    def drive(self) -> int:
+        """How the command reads."""
+        return OMNI_WORLD if self.frame == "world" else OMNI_BODY
+
+    @property
+    def variances(self) -> Variances:
+        """What the motion noise of the components depends on."""
+        return noise.constant((self.alpha[0], self.alpha[-1]))
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from noise.negative_variances(self.alpha)
+        if len(self.alpha) == 3:
+            yield "alpha", "must be 2 numbers, or 4 of which the first and the last count, got 3"
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Make the tables of the motion noise."""
+        noise.prepare(group, model)
+
+    @staticmethod
+    def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' twists at the start of an episode, from their poses and initial velocities."""
+        twist_omni(shard.worlds, group.members, group.params, state.pose, state.velocity, state.twist)
+
+    @staticmethod
+    def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Advance the members' positions by one step."""
+        executed = noise.executed(group, model, state, shard)
+        move_omni(
+            shard.worlds,
+            group.members,
+            group.params,
+            model.step_time,
+            model.heading_low,
+            model.wraps_heading,
+            state.stopped,
+            executed,
+            state.velocity,
+            state.pose,
+            state.twist,
+        )
+
+
+@kernel
+def twist_omni(worlds: Ints, members: Ints, params: Any, pose: Floats, velocity: Floats, twist: Floats) -> None:
+    """Write velocities in the world frame."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            turn = pose[w, b, 2] if params[k].frame == 1 else 0.0
+            cosine, sine = np.cos(turn), np.sin(turn)
+            twist[w, b, 0] = cosine * velocity[w, b, 0] - sine * velocity[w, b, 1]
+            twist[w, b, 1] = sine * velocity[w, b, 0] + cosine * velocity[w, b, 1]
+            twist[w, b, 2] = 0.0
+
+
+@kernel
+def move_omni(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    step_time: Floats,
+    heading_low: Floats,
+    wraps_heading: Flags,
+    stopped: Flags,
+    executed: Floats,
+    velocity: Floats,
+    pose: Floats,
+    twist: Floats,
+) -> None:
+    """Write the positions of the members that are free to move, from what they execute, and all twists."""
+    dt = step_time[0]
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            turn = pose[w, b, 2] if params[k].frame == 1 else 0.0
+            cosine, sine = np.cos(turn), np.sin(turn)
+            if not stopped[w, b]:
+                pose[w, b, 0] += (cosine * executed[w, b, 0] - sine * executed[w, b, 1]) * dt
+                pose[w, b, 1] += (sine * executed[w, b, 0] + cosine * executed[w, b, 1]) * dt
+                if wraps_heading[b]:
+                    pose[w, b, 2] = wrap_from(pose[w, b, 2], heading_low[b])
+            twist[w, b, 0] = cosine * velocity[w, b, 0] - sine * velocity[w, b, 1]
+            twist[w, b, 1] = sine * velocity[w, b, 0] + cosine * velocity[w, b, 1]
+            twist[w, b, 2] = 0.0

@@ -1,10 +1,21 @@
-"""Omnidirectional drive with rotation. Its options are known; it does not run yet."""
+"""Omnidirectional drive with rotation."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import ClassVar
 
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.geometry.angles import wrap_below, wrap_from
+from irsim_gym.jit import kernel
+from irsim_gym.kinematics import noise
+from irsim_gym.kinematics.noise import Variances
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import OMNI_ANGULAR, WorldModel
+from irsim_gym.world.state import WorldState
 
 
 @kind
@@ -13,8 +24,92 @@ class OmniAngular:
 
     command_names: ClassVar[tuple[str, ...]] = ("forward", "left", "angular")
     state_size: ClassVar[int] = 3
+    drive: ClassVar[int] = OMNI_ANGULAR
 
-    noise: bool = option(False, meaning="Add motion noise.")
+    noise: bool = option(False, meaning="Add motion noise, also at rest.")
     alpha: tuple[float, float, float] = option(
-        (0.03, 0.03, 0.03), meaning="Variances of the motion noise of the three components."
+        (0.03, 0.03, 0.03),
+        unit="m2/s2, m2/s2, rad2/s2",
+        meaning="Variances of the motion noise of the three components.",
     )
+
+    @property
+    def variances(self) -> Variances:
+        """What the motion noise of the components depends on."""
+        return noise.constant(self.alpha)
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from noise.negative_variances(self.alpha)
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Make the tables of the motion noise."""
+        noise.prepare(group, model)
+
+    @staticmethod
+    def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' twists at the start of an episode, from their poses and initial velocities."""
+        twist_omni_angular(shard.worlds, group.members, state.pose, state.velocity, state.twist)
+
+    @staticmethod
+    def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
+        executed = noise.executed(group, model, state, shard)
+        move_omni_angular(
+            shard.worlds,
+            group.members,
+            model.step_time,
+            model.heading_low,
+            model.wraps_heading,
+            state.stopped,
+            executed,
+            state.velocity,
+            state.pose,
+            state.twist,
+        )
+
+
+@kernel
+def twist_omni_angular(worlds: Ints, members: Ints, pose: Floats, velocity: Floats, twist: Floats) -> None:
+    """Write velocities in the world frame."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            cosine, sine = np.cos(pose[w, b, 2]), np.sin(pose[w, b, 2])
+            twist[w, b, 0] = cosine * velocity[w, b, 0] - sine * velocity[w, b, 1]
+            twist[w, b, 1] = sine * velocity[w, b, 0] + cosine * velocity[w, b, 1]
+            twist[w, b, 2] = velocity[w, b, 2]
+
+
+@kernel
+def move_omni_angular(
+    worlds: Ints,
+    members: Ints,
+    step_time: Floats,
+    heading_low: Floats,
+    wraps_heading: Flags,
+    stopped: Flags,
+    executed: Floats,
+    velocity: Floats,
+    pose: Floats,
+    twist: Floats,
+) -> None:
+    """Write the poses of the members that are free to move, from what they execute, and all twists."""
+    dt = step_time[0]
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            if not stopped[w, b]:
+                heading = pose[w, b, 2]
+                cosine, sine = np.cos(heading), np.sin(heading)
+                pose[w, b, 0] += (cosine * executed[w, b, 0] - sine * executed[w, b, 1]) * dt
+                pose[w, b, 1] += (sine * executed[w, b, 0] + cosine * executed[w, b, 1]) * dt
+                heading = wrap_below(heading + executed[w, b, 2] * dt)
+                pose[w, b, 2] = wrap_from(heading, heading_low[b]) if wraps_heading[b] else heading
+            cosine, sine = np.cos(pose[w, b, 2]), np.sin(pose[w, b, 2])
+            twist[w, b, 0] = cosine * velocity[w, b, 0] - sine * velocity[w, b, 1]
+            twist[w, b, 1] = sine * velocity[w, b, 0] + cosine * velocity[w, b, 1]
+            twist[w, b, 2] = velocity[w, b, 2]

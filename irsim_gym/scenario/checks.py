@@ -31,6 +31,7 @@ def check_body(values: Values, places: Places, report: Report) -> bool:
         check_dimensions: ("kinematics", "state_dim", "vel_dim", "vel_min", "vel_max", "acce", "velocity"),
         check_limits: ("kinematics", "vel_min", "vel_max"),
         check_angle_range: ("angle_range",),
+        check_wheelbase: ("kinematics", "shape", "static"),
     }
     good = all(value is not BAD for value in values.values())
     for check, keys in needs.items():
@@ -106,3 +107,15 @@ def check_angle_range(values: Values, places: Places, report: Report) -> bool:
         report.add(places["angle_range"], message)
         return False
     return True
+
+
+def check_wheelbase(values: Values, places: Places, report: Report) -> bool:
+    """Tell a drive that needs a distance of its axles where neither it nor the shape gives one."""
+    drive, shape = values["kinematics"], values["shape"]
+    if values["static"] or not getattr(drive, "needs_wheelbase", False):
+        return True
+    if drive.wheelbase is not None or getattr(shape, "wheelbase", None) is not None:
+        return True
+    message = f"is required for '{KINEMATICS.name_of(type(drive))}', here or in the shape: the distance of the axles"
+    report.add((*places["kinematics"], "wheelbase"), message)
+    return False

@@ -20,7 +20,7 @@ GIVEN = {
     "linestring": {"vertices": [[0, 0], [0.5, 0.2], [0.5, 0.8]]},
 }
 OWNERS = {
-    "kinematics": {"pose", "twist"},
+    "kinematics": {"pose", "twist", "steering", "random"},
     "behavior": {"command"},
     "sensor": set(),
 }
@@ -36,6 +36,12 @@ def simulation(data: dict[str, Any], n_worlds: int, num_threads: int = 1) -> ig.
     return sim
 
 
+def drive(name: str) -> dict[str, Any]:
+    """Return the drive with what it needs."""
+    needs_wheelbase = getattr(families.KINEMATICS.entry(name).kind, "needs_wheelbase", False)
+    return {"name": name, "wheelbase": 0.5} if needs_wheelbase else {"name": name}
+
+
 def scene(family: str, name: str) -> dict[str, Any]:
     """Return a small world in which one kind of a family is at work."""
     if family == "shape":
@@ -49,9 +55,13 @@ def scene(family: str, name: str) -> dict[str, Any]:
         )
     robot = {**ROBOT, "state": [2, 2, 0.4], "goal": [7, 8, 0]}
     if family == "kinematics":
-        return {"robot": {**robot, "kinematics": {"name": name}, "behavior": {"name": "dash"}}}
+        drives = [drive(name), {**drive(name), "noise": True}]
+        return {"robot": [{**robot, "kinematics": item, "behavior": {"name": "dash"}} for item in drives]}
     if family == "behavior":
-        return {"robot": {**robot, "behavior": {"name": name}}}
+        kind = families.BEHAVIORS.entry(name).kind
+        drives = [drive(item) for item in getattr(kind, "kinematics", families.KINEMATICS.names())]
+        robots = [{**robot, "state": [2, 2 + i, 0.4], "kinematics": item} for i, item in enumerate(drives)]
+        return {"robot": [{**item, "behavior": {"name": name}} for item in robots]}
     disc = {"shape": {"name": "circle", "radius": 0.5}, "state": [5, 4, 0]}
     return {"robot": {**robot, "behavior": {"name": "dash"}, "sensors": [{"name": name}]}, "obstacle": disc}
 

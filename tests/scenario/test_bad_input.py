@@ -11,6 +11,7 @@ from irsim_gym.errors import ScenarioError
 from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.validation import MAX_PROBLEMS
 
+NAMES = "'diff', 'omni', 'omni_angular' or 'acker'"
 WORLD = {
     "unknown section": ("wrold: {}", "1 wrold: unknown key (did you mean 'world'?)"),
     "unknown key": ("world:\n  step_tme: 0.1", "2 world.step_tme: unknown key (did you mean 'step_time'?)"),
@@ -124,13 +125,16 @@ ENTRIES = {
     ),
     "drive without name": (
         "robot:\n  kinematics: {noise: false}",
-        "2 robot.kinematics.name: is required: 'diff'",
+        f"2 robot.kinematics.name: is required: {NAMES}",
     ),
     "drive as text": (
         "robot:\n  kinematics: diff",
         "2 robot.kinematics: must be a mapping such as {name: diff}, got 'diff'",
     ),
-    "name of a wrong type": ("robot:\n  kinematics: {name: 3}", "2 robot.kinematics.name: must be 'diff', got 3"),
+    "name of a wrong type": (
+        "robot:\n  kinematics: {name: 3}",
+        f"2 robot.kinematics.name: must be {NAMES}, got 3",
+    ),
     "unknown option": (
         "robot:\n  kinematics: {name: diff, nois: true}",
         "2 robot.kinematics.nois: unknown key (did you mean 'noise'?)",
@@ -145,7 +149,7 @@ ENTRIES = {
     ),
     "behaviour without drive": (
         "obstacle:\n  - shape: {name: circle}\n    behavior: {name: dash}",
-        "3 obstacle[0].behavior: needs a drive: add kinematics ('diff'), or static: true",
+        f"3 obstacle[0].behavior: needs a drive: add kinematics ({NAMES}), or static: true",
     ),
     "wander bounds": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {name: dash, range_low: [11, 0, 0]}",
@@ -328,18 +332,36 @@ ENTRIES = {
         "3 robot[1].name: the name 'robot_1' is given to several bodies (first in line 2)",
     ),
 }
+DRIVES = {
+    "option of a drive": (
+        "robot:\n  kinematics: {name: acker, mode: ster, wheelbase: 1}",
+        "2 robot.kinematics.mode: must be 'steer' or 'angular', got 'ster' (did you mean 'steer'?)",
+    ),
+    "car without axles": (
+        "robot:\n  - state: [1, 1]\n    kinematics: {name: acker}",
+        "3 robot[0].kinematics.wheelbase: is required for 'acker', here or in the shape: the distance of the axles",
+    ),
+    "three variances for two velocities": (
+        "robot: {kinematics: {name: omni, alpha: [0.1, 0.1, 0.1]}}",
+        "1 robot.kinematics.alpha: must be 2 numbers, or 4 of which the first and the last count, got 3",
+    ),
+    "two variances for three velocities": (
+        "robot: {kinematics: {name: omni_angular, alpha: [0.1, 0.1]}}",
+        "1 robot.kinematics.alpha: must be a list of 3 numbers, got [0.1, 0.1]",
+    ),
+    "negative variance": (
+        "robot: {kinematics: {name: diff, noise: true, alpha: [0.03, 0, -1, 0.03]}}",
+        "1 robot.kinematics.alpha: variances must not be negative, got [0.03, 0, -1, 0.03]",
+    ),
+    "limits of another drive": (
+        "robot:\n  kinematics: {name: omni_angular}\n  vel_max: [1, 1]\n  state_dim: 4\n  vel_dim: 2",
+        "3 robot.vel_max: must have 3 numbers (forward, left, angular) for 'omni_angular', got [1, 1]",
+        "4 robot.state_dim: must be 3 for 'omni_angular', got 4",
+        "5 robot.vel_dim: must be 3 for 'omni_angular', got 2",
+    ),
+}
 DRIVE = "robot:\n  kinematics: {name: diff}\n"
 PLANNED = {
-    "drives": (
-        "robot:\n  - kinematics: {name: omni}\n  - kinematics: {name: acker, mode: angular}",
-        "2 robot[0].kinematics.name: kinematics 'omni' is not supported yet; supported: diff",
-        "3 robot[1].kinematics.name: kinematics 'acker' is not supported yet; supported: diff",
-    ),
-    "planned and wrong": (
-        "robot:\n  kinematics: {name: acker, mode: ster}",
-        "2 robot.kinematics.mode: must be 'steer' or 'angular', got 'ster' (did you mean 'steer'?)",
-        "2 robot.kinematics.name: kinematics 'acker' is not supported yet; supported: diff",
-    ),
     "rvo": (
         DRIVE + "  behavior: {name: rvo, vxmax: 1.5, vymax: 1.5, acce: 1.0, factor: 1.0, mode: hrvo}",
         "3 robot.behavior.name: behavior 'rvo' is not supported yet; supported: dash",
@@ -351,10 +373,6 @@ PLANNED = {
     "orca": (
         DRIVE + "  group_behavior: {name: orca, neighborDist: 15}",
         "3 robot.group_behavior.name: group behavior 'orca' is not supported yet",
-    ),
-    "noise of the drive": (
-        "robot: {kinematics: {name: diff, noise: true}}",
-        "1 robot.kinematics.noise: true is not supported yet",
     ),
     "compound": (
         "obstacle: {shape: {name: compound, parts: [{name: circle, pose: [1, 0, 0]}]}}",
@@ -396,7 +414,7 @@ PLANNED = {
 }
 CASES = {
     f"{group}: {name}": case
-    for group, cases in (("world", WORLD), ("entry", ENTRIES), ("planned", PLANNED))
+    for group, cases in (("world", WORLD), ("entry", ENTRIES), ("drive", DRIVES), ("planned", PLANNED))
     for name, case in cases.items()
 }
 

@@ -1,0 +1,54 @@
+"""From a velocity in the world frame to the command of a drive."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.geometry.angles import wrap_below
+from irsim_gym.jit import kernel
+from irsim_gym.world.model import DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
+
+
+@kernel
+def to_command(
+    drive: int,
+    heading: float,
+    vx: float,
+    vy: float,
+    guarantee_time: float,
+    tolerance: float,
+    slow: float,
+    turn_limit: float,
+    command: Floats,
+) -> None:
+    """Write the command that makes a drive follow a velocity; zero for a drive that cannot (Ackermann, none).
+
+    Omnidirectional drives execute the velocity as it is and do not turn. A differential drive turns towards its
+    direction within ``guarantee_time`` and drives forward with what of it lies ahead, as IR-SIM's does.
+
+    Args:
+        drive: How the command reads, see ``world.model``.
+        heading: Direction of the body's x axis [rad].
+        vx: Velocity in the world frame [m/s].
+        vy: Velocity in the world frame [m/s].
+        guarantee_time: Time in which a differential drive wants to face the velocity [s].
+        tolerance: It does not turn for less than this [rad].
+        slow: It stands still for velocities up to this [m/s].
+        turn_limit: Its greatest turn rate [rad/s].
+        command: Written, shape ``(3,)``; components that the drive does not have are 0.
+    """
+    command[0], command[1], command[2] = 0.0, 0.0, 0.0
+    if drive == OMNI_WORLD:
+        command[0], command[1] = vx, vy
+    elif drive in (OMNI_BODY, OMNI_ANGULAR):
+        cosine, sine = np.cos(heading), np.sin(heading)
+        command[0], command[1] = cosine * vx + sine * vy, cosine * vy - sine * vx
+    elif drive == DIFFERENTIAL:
+        speed = np.sqrt(vx * vx + vy * vy)
+        if speed <= slow:
+            return
+        error = wrap_below(heading - np.arctan2(vy, vx))
+        command[0] = max(speed * np.cos(error), 0.0)
+        if np.abs(error) >= tolerance:
+            command[1] = max(min(-error / guarantee_time, turn_limit), -turn_limit)

@@ -1,0 +1,109 @@
+"""Motion noise: what a drive executes differs from its command by normal deviations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.jit import kernel
+from irsim_gym.rng import normal
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+Variances = tuple[tuple[float, float, float], ...]
+
+
+def growing(alpha: Sequence[float]) -> Variances:
+    """Return the variances of a drive whose two components deviate the more the faster it moves.
+
+    The first component's is ``alpha[0] v^2 + alpha[1] w^2``, the second one's ``alpha[2] v^2 + alpha[3] w^2``, so
+    that a drive at rest stays there (Thrun, Burgard & Fox, "Probabilistic Robotics", 2005, section 5.3.3).
+    """
+    return (0.0, alpha[0], alpha[1]), (0.0, alpha[2], alpha[3])
+
+
+def constant(alpha: Sequence[float]) -> Variances:
+    """Return the variances of a drive whose components deviate by the same at any speed, even at rest."""
+    return tuple((variance, 0.0, 0.0) for variance in alpha)
+
+
+def negative_variances(alpha: Sequence[float]) -> Iterator[tuple[str, str]]:
+    """Yield a problem if a variance is negative."""
+    if any(variance < 0.0 for variance in alpha):
+        shown = ", ".join(f"{variance:g}" for variance in alpha)
+        yield "alpha", f"variances must not be negative, got [{shown}]"
+
+
+def prepare(group: Group, model: WorldModel) -> None:
+    """Make the tables of a group in which a member has noise; without one there are none, and nothing is drawn."""
+    if not any(options.noise for options in group.options):
+        return
+    n_bodies = len(model.movable)
+    group.arrays["variance"] = np.zeros((n_bodies, 3, 3))
+    group.arrays["executed"] = np.zeros((len(model.present), n_bodies, 3))
+    for b, options in zip(group.members, group.options, strict=True):
+        if options.noise:
+            rows = options.variances
+            group.arrays["variance"][b, : len(rows)] = rows
+
+
+def executed(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> Floats:
+    """Return the velocities that the members execute in this step, shape ``(n_worlds, n_bodies, 3)``.
+
+    Without noise they are ``state.velocity`` itself, which stays as commanded in any case.
+    """
+    if "variance" not in group.arrays:
+        return state.velocity
+    found: Floats = group.arrays["executed"]
+    add_noise(
+        shard.worlds,
+        group.members,
+        group.arrays["variance"],
+        model.present,
+        state.stopped,
+        state.velocity,
+        state.random,
+        found,
+    )
+    return found
+
+
+@kernel
+def add_noise(
+    worlds: Ints,
+    members: Ints,
+    variance: Floats,
+    present: Flags,
+    stopped: Flags,
+    velocity: Floats,
+    random: Words,
+    executed: Floats,
+) -> None:
+    """Write velocities with normal deviations, drawn from each world's stream: member by member, in component order.
+
+    Args:
+        worlds: Worlds that are treated.
+        members: Bodies that are treated.
+        variance: Of each component: constant, per square of the first and of the second component,
+            shape ``(n_bodies, 3, 3)``. Nothing is drawn for a row of zeros.
+        present: The body exists, shape ``(n_worlds, n_bodies)``.
+        stopped: It is held in place, shape ``(n_worlds, n_bodies)``.
+        velocity: Commanded, shape ``(n_worlds, n_bodies, 3)``.
+        random: Streams of the worlds, advanced.
+        executed: Written, shape ``(n_worlds, n_bodies, 3)``.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            first, second = velocity[w, b, 0], velocity[w, b, 1]
+            is_free = present[w, b] and not stopped[w, b]
+            for axis in range(3):
+                base, by_first, by_second = variance[b, axis, 0], variance[b, axis, 1], variance[b, axis, 2]
+                executed[w, b, axis] = velocity[w, b, axis]
+                if is_free and base + by_first + by_second > 0.0:
+                    deviation = np.sqrt(base + by_first * first * first + by_second * second * second)
+                    executed[w, b, axis] += normal(random, w, 0.0, deviation)
