@@ -110,8 +110,7 @@ def _group_behaviors(scenario: Scenario, model: WorldModel, agents: tuple[int, .
 
 def _measure(scenario: Scenario, outlines: Sequence[Outline], model: WorldModel, deciding: Sequence[Group]) -> Ints:
     """Write radius and centroid of all bodies if anything asks for them; return those that are drawn anew."""
-    sees = any(body.fov is not None for body in scenario.bodies)
-    if not sees and not any(group.kind.reads_neighbors for group in deciding):
+    if not any(group.kind.reads_neighbors for group in deciding):
         return np.zeros(0, np.int64)
     everyone = np.arange(len(outlines), dtype=np.int64)
     measure(np.arange(len(model.present), dtype=np.int64), everyone, model)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -61,17 +62,62 @@ class Simulation:
             raise UnknownNameError(f"no body named '{name}' in '{self.scenario.name}'{suggestion(name, names)}")
         return names.index(name)
 
-    def sensor(self, body: int, reading: str) -> tuple[Group, int] | None:
-        """Return the group and the member number of a body's first sensor with some reading, None without one."""
+    def sensor(self, body: int, reading: str, index: int = 0) -> tuple[Group, int] | None:
+        """Return the group and the member number of one of a body's sensors with some reading, None without it.
+
+        Args:
+            body: The body.
+            reading: What the sensor reads, such as ``"ranges"``.
+            index: Which of these sensors, in the order of the file.
+        """
+        wanted = [options for options in self.scenario.bodies[body].sensors if options.reading == reading]
+        if not 0 <= index < len(wanted):
+            return None
         for group in self.parts.sensors:
-            found = np.flatnonzero(group.members == body)
-            if group.kind.reading == reading and len(found):
-                return group, int(found[0])
+            for k in map(int, np.flatnonzero(group.members == body)):
+                if group.options[k] is wanted[index]:
+                    return group, k
         return None
 
-    def scan(self, body: int) -> tuple[Group, int] | None:
-        """Return the group and the member number of a body's first range sensor, None without one."""
-        return self.sensor(body, "ranges")
+    def scan(self, body: int, index: int = 0) -> tuple[Group, int] | None:
+        """Return the group and the member number of one of a body's range sensors, None without it."""
+        return self.sensor(body, "ranges", index)
+
+    def scan_report(self, world: int, body: int, index: int = 0) -> dict[str, Any]:
+        """Return a copy of a scan as IR-SIM reports it: angles, ``ranges``, ``valid``, velocities.
+
+        Args:
+            world: The world.
+            body: The body.
+            index: Which of its range sensors, in the order of the file.
+
+        Raises:
+            UnknownNameError: The body has no such sensor.
+        """
+        group, member = self._range_sensor(body, index)
+        report: dict[str, Any] = group.kind.report(group, member, world)
+        return report
+
+    def points(self, world: int, body: int, index: int = 0) -> Floats | None:
+        """Return the points of a scan in the sensor's own frame [m], shape ``(2, n_points)``; None without any.
+
+        Args:
+            world: The world.
+            body: The body.
+            index: Which of its range sensors, in the order of the file.
+
+        Raises:
+            UnknownNameError: The body has no such sensor.
+        """
+        group, member = self._range_sensor(body, index)
+        points: Floats | None = group.kind.points(group, member, world)
+        return points
+
+    def _range_sensor(self, body: int, index: int) -> tuple[Group, int]:
+        found = self.scan(body, index)
+        if found is None:
+            raise UnknownNameError(f"'{self.parts.names[body]}' has no range sensor number {index}")
+        return found
 
     def run(self, function: Callable[[Shard], None], worlds: Ints | None = None) -> None:
         """Call ``function`` with shares of the given worlds (all by default), on threads if there are several."""

@@ -73,6 +73,7 @@ def _pattern(entry: Entry, i: int, index: int, group: int, report: Report) -> Bo
     role: Any = entry.raw.role
     own_group = group if values["group"] is None else values["group"]
     is_given = bool(entry.values.get("state"))
+    fov, fov_radius = checks.field_of_view(values["fov"], values["fov_radius"], values["sensors"] or ())
     return BodySpec(
         name="",
         role=role,
@@ -99,8 +100,8 @@ def _pattern(entry: Entry, i: int, index: int, group: int, report: Report) -> Bo
         group_name=values["group_name"] or f"{role}_{own_group}",
         color="",
         description=values["description"],
-        fov=values["fov"],
-        fov_radius=values["fov_radius"],
+        fov=fov,
+        fov_radius=fov_radius,
         plot=values["plot"],
     )
 

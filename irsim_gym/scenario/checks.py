@@ -32,6 +32,7 @@ def check_body(values: Values, places: Places, report: Report) -> bool:
         check_limits: ("kinematics", "vel_min", "vel_max"),
         check_angle_range: ("angle_range",),
         check_wheelbase: ("kinematics", "shape", "static"),
+        check_view: ("sensors", "fov", "fov_radius"),
     }
     good = all(value is not BAD for value in values.values())
     for check, keys in needs.items():
@@ -119,3 +120,22 @@ def check_wheelbase(values: Values, places: Places, report: Report) -> bool:
     message = f"is required for '{KINEMATICS.name_of(type(drive))}', here or in the shape: the distance of the axles"
     report.add((*places["kinematics"], "wheelbase"), message)
     return False
+
+
+def check_view(values: Values, places: Places, report: Report) -> bool:
+    """Tell a field of view of which a part is neither given nor that of a range sensor."""
+    fov, radius = field_of_view(values["fov"], values["fov_radius"], values["sensors"] or ())
+    if (fov is None) == (radius is None):
+        return True
+    given, missing = ("fov", "fov_radius") if radius is None else ("fov_radius", "fov")
+    report.add(places[given], f"needs {missing} too, or a lidar to take it from")
+    return False
+
+
+def field_of_view(fov: float | None, radius: float | None, sensors: Sequence[Any]) -> tuple[float | None, float | None]:
+    """Return width [rad] and depth [m] of a field of view; what is None is that of the first range sensor."""
+    lidar = next((sensor for sensor in sensors if getattr(sensor, "reading", "") == "ranges"), None)
+    if lidar is not None:
+        fov = lidar.angle_range if fov is None else fov
+        radius = lidar.range_max if radius is None else radius
+    return None if fov is None else min(fov, FULL_TURN), radius

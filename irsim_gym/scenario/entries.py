@@ -152,9 +152,17 @@ def _read_sensors(value: Any, place: Place, report: Report) -> Any:
         for item, where in zip(items, paths, strict=True)
     ]
     for sensor, where in zip(made, paths, strict=True):
-        if problem := color_problem(getattr(sensor, "color", None)):
-            report.add((*where, "color"), problem)
+        _check_colors(sensor, where, report)
+        _check_colors(getattr(sensor, "plot", None), (*where, "plot"), report)
     return BAD if any(sensor is None for sensor in made) else tuple(made)
+
+
+def _check_colors(options: Any, place: Place, report: Report) -> None:
+    """Tell colours that do not exist, in whatever option names one."""
+    for key in getattr(options, "__pydantic_fields__", {}):
+        color = getattr(options, key) if key.endswith("color") else None
+        if isinstance(color, str) and (problem := color_problem(color)):
+            report.add((*place, key), problem)
 
 
 def _read_goal(value: Any, place: Place, report: Report) -> Any:

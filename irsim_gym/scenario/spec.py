@@ -118,8 +118,12 @@ class BodyOptions:
     plot: ObjectPlot = option(defaults(ObjectPlot), meaning="Drawing options of the body.")
     state_dim: int | None = option(None, ge=1, meaning="Number of state variables; checked against the drive.")
     vel_dim: int | None = option(None, ge=1, meaning="Number of velocities; checked against the drive.")
-    fov: float | None = option(None, gt=0.0, unit="rad", meaning="Width of the field of view.", planned=True)
-    fov_radius: float | None = option(None, gt=0.0, unit="m", meaning="Depth of the field of view.", planned=True)
+    fov: float | None = option(
+        None, gt=0.0, unit="rad", meaning="Width of the field of view, at most 2 pi; by default that of the lidar."
+    )
+    fov_radius: float | None = option(
+        None, gt=0.0, unit="m", meaning="Depth of the field of view; by default that of the lidar."
+    )
 
 
 @kind
@@ -181,8 +185,8 @@ class BodySpec:
         group_name: Name of its group.
         color: Colour.
         description: Image that it is drawn with, or None.
-        fov: Width of the field of view [rad], or None.
-        fov_radius: Depth of the field of view [m], or None.
+        fov: Width of the field of view [rad], of its first range sensor if not given; None without either.
+        fov_radius: Depth of the field of view [m], likewise.
         plot: Drawing options.
     """
 

@@ -1,29 +1,120 @@
-"""fmcw_lidar2d: a scan of ranges and radial velocities. Its options are known; it does not run yet."""
+"""fmcw_lidar2d: a planar scan of ranges and radial velocities."""
 
 from __future__ import annotations
 
-import math
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, ClassVar
 
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.sensors import hits, reports, scanning
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import Outline
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class FmcwPlot:
+    """How a scanner of radial velocities is drawn; what is not given is taken from the sensor's own options."""
+
+    alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of the drawn beams.")
+    color: str | None = option(None, min_length=1, meaning="Colour of the drawn beams.")
+    velocity_color: bool | None = option(None, meaning="Colour the beams by their radial velocity.")
+    velocity_color_max: float | None = option(None, gt=0.0, unit="m/s", meaning="Speed of the full colour.")
+    velocity_linewidth: float | None = option(None, ge=0.0, meaning="Line width of valid beams.")
+    no_hit_linewidth: float | None = option(None, ge=0.0, meaning="Line width of other beams.")
+    no_hit_alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of other beams.")
+    show_velocity_markers: bool | None = option(None, meaning="Mark the points that are hit.")
+    velocity_marker_size: float | None = option(None, ge=0.0, meaning="Size of these marks.")
+    velocity_marker_edge_color: str | None = option(None, min_length=1, meaning="Edge colour of these marks.")
+    velocity_marker_edge_width: float | None = option(None, ge=0.0, meaning="Edge width of these marks.")
+    zero_velocity_color: str | None = option(None, min_length=1, meaning="Colour of what keeps its distance.")
+    positive_velocity_color: str | None = option(None, min_length=1, meaning="Colour of what goes away.")
+    negative_velocity_color: str | None = option(None, min_length=1, meaning="Colour of what comes nearer.")
+    no_hit_color: str | None = option(None, min_length=1, meaning="Colour of other beams.")
 
 
 @kind
 class FmcwLidar2D:
-    """A scanner that measures, along each beam, the range and the speed at which it changes."""
+    """A scanner that measures along each beam the range and the speed at which it grows.
+
+    A positive radial velocity goes away from the sensor. It is relative to the sensor's own motion, or with
+    ``motion_compensate`` to the ground.
+    """
+
+    reading: ClassVar[str] = "ranges"
 
     number: int = option(100, ge=1, le=100_000, meaning="Number of beams.")
-    angle_range: float = option(math.pi, ge=0.0, unit="rad", meaning="Angle between first and last beam; at most 2 pi.")
-    range_min: float = option(0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this.")
+    angle_range: float = option(np.pi, ge=0.0, unit="rad", meaning="Angle between first and last beam; at most 2 pi.")
+    range_min: float = option(0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this, and are not valid.")
     range_max: float = option(10.0, gt=0.0, unit="m", meaning="Farther things are not seen; a free beam reports this.")
     scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; reported only.")
-    noise: bool = option(False, meaning="Add noise to the ranges.")
+    noise: bool = option(False, meaning="Add noise to ranges and directions; a beam that meets nothing stays free.")
     std: float = option(0.2, ge=0.0, unit="m", meaning="Standard deviation of the range noise.")
-    angle_std: float = option(0.02, ge=0.0, unit="rad", meaning="Standard deviation of the beams' directions.")
+    angle_std: float = option(
+        0.02, ge=0.0, unit="rad", meaning="With noise: deviation of the directions; reported angles stay as they were."
+    )
+    velocity_noise_std: float = option(
+        0.0, ge=0.0, unit="m/s", meaning="Standard deviation of the velocities' noise, with or without noise."
+    )
+    motion_compensate: bool = option(False, meaning="Take the sensor's own motion out of the velocities.")
     offset: tuple[float, float, float] = option(
         (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Mount pose in the body frame."
     )
     alpha: float = option(0.3, ge=0.0, le=1.0, meaning="Opacity of the drawn beams.")
-    color: str = option("#CC3311", meaning="Colour of the drawn beams.")
-    motion_compensate: bool = option(False, meaning="Take the sensor's own motion out of the speeds.")
-    plot: Any = option(None, meaning="Drawing options of the sensor.")
+    color: str = option("#CC3311", min_length=1, meaning="Colour of the drawn beams.")
+    plot: FmcwPlot | None = option(None, meaning="Drawing options of the sensor.")
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from scanning.range_problems(self)
+
+    def group_key(self) -> tuple[Any, ...]:
+        """Return what members of one group have in common: the beams, and whether they are noisy."""
+        return self.number, scanning.sweep(self), self.noise
+
+    def angles(self) -> Floats:
+        """Return the beams' directions in the sensor frame [rad], shape ``(n_beams,)``; a single beam looks ahead."""
+        return scanning.beam_angles(self)
+
+    @staticmethod
+    def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: int) -> None:
+        """Allocate what ``scanning.prepare`` says, and ``radial_velocity`` [m/s], shaped as ``ranges``."""
+        scanning.prepare(group, outlines, model, n_slots)
+        hits.prepare(group, n_slots)
+        group.arrays["radial_velocity"] = np.zeros(group.arrays["ranges"].shape)
+
+    @staticmethod
+    def sense(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' ranges and radial velocities."""
+        scanning.scan(group, model, state, shard)
+        table = group.arrays
+        hits.write_radial_velocity(
+            shard.worlds,
+            group.members,
+            group.params,
+            table["cast_angles"],
+            state.pose,
+            state.twist,
+            table["ranges"],
+            table["hit"],
+            state.random,
+            table["radial_velocity"],
+        )
+
+    @staticmethod
+    def report(group: Group, member: int, world: int) -> dict[str, Any]:
+        """Return a copy of the scan under IR-SIM's names; ``radial_velocity`` [m/s] has shape ``(n_beams,)``."""
+        return {
+            **reports.scan_report(group, member, world),
+            "radial_velocity": group.arrays["radial_velocity"][world, member].copy(),
+            "valid": reports.is_valid(group, member, world),
+        }
+
+    @staticmethod
+    def points(group: Group, member: int, world: int) -> Floats | None:
+        """Return the points that the beams hit, see ``reports.scan_points``."""
+        return reports.scan_points(group, member, world)

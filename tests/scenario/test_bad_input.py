@@ -308,6 +308,33 @@ ENTRIES = {
         "robot:\n  sensors: [{color: rd}]",
         "2 robot.sensors[0].color: no colour named 'rd' (did you mean 'red'?)",
     ),
+    "spread of the sensor's noise": (
+        "robot:\n  sensors:\n    - {noise: true, std: -0.1}\n    - {noise: true, angle_std: -1}",
+        "3 robot.sensors[0].std: must be >= 0, got -0.1",
+        "4 robot.sensors[1].angle_std: must be >= 0, got -1",
+    ),
+    "sensor drawing": (
+        "robot:\n  sensors:\n    - {plot: {colour: red}}\n    - {plot: {color: rd}}",
+        "3 robot.sensors[0].plot.colour: unknown key (did you mean 'color'?)",
+        "4 robot.sensors[1].plot.color: no colour named 'rd' (did you mean 'red'?)",
+    ),
+    "fmcw band": (
+        "robot:\n  sensors: [{name: fmcw_lidar2d, range_min: 7, range_max: 3}]",
+        "2 robot.sensors[0].range_min: must not exceed range_max, got 7 and 3",
+    ),
+    "field of view without depth": (
+        "robot:\n  fov: pi/2",
+        "2 robot.fov: needs fov_radius too, or a lidar to take it from",
+    ),
+    "depth of view without width": (
+        "robot:\n  fov_radius: 5",
+        "2 robot.fov_radius: needs fov too, or a lidar to take it from",
+    ),
+    "no field of view": (
+        "robot:\n  fov: 0\n  fov_radius: -1",
+        "2 robot.fov: must be > 0, got 0",
+        "3 robot.fov_radius: must be > 0, got -1",
+    ),
     "everything at once": (
         "robot:\n  - kinematics: {name: dif}\n    angle_range: [0, 1]\n    name: a\nobstacle: {name: a, group: x}",
         "2 robot[0].kinematics.name: no kinematics named 'dif' (did you mean 'diff'?)",
@@ -378,23 +405,6 @@ PLANNED = {
         "obstacle: {shape: {name: compound, parts: [{name: circle, pose: [1, 0, 0]}]}}",
         "1 obstacle.shape.name: shape 'compound' is not supported yet; "
         "supported: circle, rectangle, polygon, linestring",
-    ),
-    "fmcw": (
-        "robot: {sensors: [{name: fmcw_lidar2d}]}",
-        "1 robot.sensors[0].name: sensor 'fmcw_lidar2d' is not supported yet; supported: lidar2d",
-    ),
-    "noise of the sensor": (
-        "robot: {sensors: [{name: lidar2d, noise: true}]}",
-        "1 robot.sensors[0].noise: true is not supported yet",
-    ),
-    "velocity of the sensor": (
-        "robot: {sensors: [{has_velocity: true}]}",
-        "1 robot.sensors[0].has_velocity: true is not supported yet",
-    ),
-    "field of view": (
-        "robot:\n  fov: pi/2\n  fov_radius: 5",
-        "2 robot.fov: 1.5708 is not supported yet",
-        "3 robot.fov_radius: 5 is not supported yet",
     ),
     "map": ("world: {obstacle_map: cave.png}", "1 world.obstacle_map: 'cave.png' is not supported yet"),
     "perlin": ("world: {obstacle_map: {name: perlin}}", "1 world.obstacle_map: is not supported yet"),

@@ -59,7 +59,10 @@ LANGUAGE: dict[str, str] = {
     "sensor lidar2d": (
         "range_min range_max angle_range number scan_time noise std angle_std offset alpha color has_velocity"
     ),
-    "sensor fmcw_lidar2d": "range_min range_max angle_range number motion_compensate",
+    "sensor fmcw_lidar2d": (
+        "range_min range_max angle_range number scan_time noise std angle_std offset alpha color motion_compensate "
+        "velocity_noise_std"
+    ),
     "gui.keyboard": "backend global_hook key_lv_max key_ang_max key_lv key_ang key_id",
     "gui.mouse": "zoom_factor",
     "plot": (
@@ -176,7 +179,6 @@ def test_defaults_in_the_tables() -> None:
     assert {key: rows[key].default for key in DEFAULTS} == DEFAULTS
     radius = rows["shape circle", "radius"]
     assert (radius.default, radius.unit, radius.allowed) == ("0.2", "m", "a number, > 0")
-    assert rows["sensor lidar2d", "noise"].is_planned
 
 
 def test_every_option_has_a_meaning() -> None:

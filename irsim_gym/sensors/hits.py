@@ -1,0 +1,178 @@
+"""What the beams hit, and how fast that moves. Only scans that report velocities ask for it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints, Rays, Words
+from irsim_gym.jit import kernel
+from irsim_gym.rng import normal
+from irsim_gym.sensors.casting import cast_disc, cast_segment, mount_pose
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+SAME = 1e-4
+"""A range this much shorter [m, and as a share of it] than the way to the nearest body ends at the map."""
+
+
+def prepare(group: Group, n_slots: int) -> None:
+    """Allocate ``hit``: the body that each beam hits, -1 for none, shape ``(n_worlds, n_members, n_beams)``."""
+    table = group.arrays
+    table["hit"] = np.full(table["ranges"].shape, -1, np.int64)
+    table["nearest"] = np.zeros((n_slots, table["beams_x"].shape[1]), np.float32)
+
+
+def find(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Write which body each beam hits, from ranges without noise."""
+    table = group.arrays
+    find_hits(
+        shard.worlds,
+        group.members,
+        table["cast_params"],
+        table["beams_x"],
+        table["beams_y"],
+        state.pose,
+        model.present,
+        model.unobstructed,
+        model.reach,
+        model.map_frame,
+        model.segment_start,
+        model.segment_count,
+        state.segments,
+        model.disc_start,
+        model.disc_count,
+        state.discs,
+        table["ranges"],
+        table["inverse"][shard.slot],
+        table["nearest"][shard.slot],
+        table["hit"],
+    )
+
+
+@kernel
+def find_hits(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    beams_x: Rays,
+    beams_y: Rays,
+    pose: Floats,
+    present: Flags,
+    unobstructed: Flags,
+    reach: Floats,
+    map_frame: Floats,
+    segment_start: Ints,
+    segment_count: Ints,
+    segments: Floats,
+    disc_start: Ints,
+    disc_count: Ints,
+    discs: Floats,
+    ranges: Rays,
+    inverse: Rays,
+    nearest: Rays,
+    hit: Ints,
+) -> None:
+    """Cast against one body after the other and note for each beam which came nearest."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        reaches = reach[w % reach.shape[0]]
+        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        for k in range(members.shape[0]):
+            own, far = members[k], params[k].range_max
+            row = (w * members.shape[0] + k) % beams_x.shape[0]
+            along_x, along_y = beams_x[row], beams_y[row]
+            x, y, heading = mount_pose(pose[w, own], params[k].offset)
+            cosine, sine = np.cos(heading), np.sin(heading)
+            nearest[:] = np.float32(0.0)
+            hit[w, k, :] = -1
+            for b in range(present.shape[1]):
+                dx, dy, near = pose[w, b, 0] - x, pose[w, b, 1] - y, far + reaches[b]
+                if b == own or unobstructed[b] or not present[w, b] or dx * dx + dy * dy > near * near:
+                    continue
+                inverse[:] = np.float32(0.0)
+                for d in range(disc_start[b], disc_start[b] + n_discs[b]):
+                    cx, cy, radius = discs[w, d, 0] - x, discs[w, d, 1] - y, discs[w, d, 2]
+                    cast_disc(cx, cy, radius, cosine, sine, along_x, along_y, inverse)
+                for s in range(segment_start[b], segment_start[b] + n_segments[b]):
+                    ax, ay = segments[w, s, 0] - x, segments[w, s, 1] - y
+                    bx, by = segments[w, s, 2] - x, segments[w, s, 3] - y
+                    cast_segment(ax, ay, bx, by, cosine, sine, along_x, along_y, inverse)
+                note_nearer(b, inverse, nearest, hit[w, k])
+            settle(np.float32(far), int(map_frame[4]), ranges[w, k], nearest, hit[w, k])
+
+
+@kernel
+def note_nearer(b: int, inverse: Rays, nearest: Rays, hit: Ints) -> None:
+    """Note body b for the beams that it stops before all others."""
+    for j in range(hit.shape[0]):
+        if inverse[j] > nearest[j]:
+            nearest[j], hit[j] = inverse[j], b
+
+
+@kernel
+def settle(far: np.float32, map_body: int, ranges: Rays, nearest: Rays, hit: Ints) -> None:
+    """Take back what was noted for free beams, and name the map where it ends a beam before any body does."""
+    for j in range(hit.shape[0]):
+        if ranges[j] >= far:
+            hit[j] = -1
+        elif map_body >= 0 and nearest[j] * (ranges[j] * (1.0 + SAME) + SAME) < 1.0:
+            hit[j] = map_body
+
+
+@kernel
+def write_velocity(worlds: Ints, twist: Floats, hit: Ints, velocity: Floats) -> None:
+    """Write the world-frame velocity [m/s] of what each beam hits, 0 for free beams.
+
+    Args:
+        worlds: The worlds to treat.
+        twist: Velocities of the bodies [m/s, m/s, rad/s], shape ``(n_worlds, n_bodies, 3)``.
+        hit: Body that each beam hits, shape ``(n_worlds, n_members, n_beams)``.
+        velocity: Written, shape ``(n_worlds, n_members, 2, n_beams)``.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(hit.shape[1]):
+            for j in range(hit.shape[2]):
+                b = hit[w, k, j]
+                for axis in range(2):
+                    velocity[w, k, axis, j] = twist[w, b, axis] if b >= 0 else 0.0
+
+
+@kernel
+def write_radial_velocity(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    cast_angles: Floats,
+    pose: Floats,
+    twist: Floats,
+    ranges: Rays,
+    hit: Ints,
+    random: Words,
+    radial_velocity: Floats,
+) -> None:
+    """Write how fast the range of each valid beam grows [m/s], 0 for the others.
+
+    The sensor's own velocity is that of its body's origin; what its turning adds at an offset is left out, as in
+    IR-SIM. With ``motion_compensate`` the sensor counts as standing still.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            own, row = members[k], (w * members.shape[0] + k) % cast_angles.shape[0]
+            shortest, farthest = np.float32(params[k].range_min), np.float32(params[k].range_max)
+            share = 0.0 if params[k].motion_compensate else 1.0
+            heading = pose[w, own, 2] + params[k].offset[2]
+            for j in range(hit.shape[2]):
+                error = 0.0
+                if params[k].velocity_noise_std > 0.0:
+                    error = normal(random, w, 0.0, params[k].velocity_noise_std)
+                radial_velocity[w, k, j] = 0.0
+                b = hit[w, k, j]
+                if b >= 0 and shortest < ranges[w, k, j] < farthest:
+                    vx, vy = twist[w, b, 0] - share * twist[w, own, 0], twist[w, b, 1] - share * twist[w, own, 1]
+                    angle = heading + cast_angles[row, j]
+                    radial_velocity[w, k, j] = vx * np.cos(angle) + vy * np.sin(angle) + error

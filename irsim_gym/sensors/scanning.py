@@ -1,0 +1,133 @@
+"""What all range sensors share: their beams, their readings, and the order in which a scan is taken."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Rays
+from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.sensors import hits, noise
+from irsim_gym.sensors.casting import cast_bodies, cast_outline
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import Outline
+from irsim_gym.world.state import WorldState
+
+LANES = 16
+FULL_TURN = 2.0 * np.pi
+
+
+def range_problems(options: Any) -> Iterator[tuple[str, str]]:
+    """Yield key and message of what cannot be in a range sensor's options."""
+    if options.range_min > options.range_max:
+        yield "range_min", f"must not exceed range_max, got {options.range_min:g} and {options.range_max:g}"
+
+
+def sweep(options: Any) -> float:
+    """Return the angle between first and last beam [rad]: ``angle_range``, at most a full turn."""
+    return float(min(options.angle_range, FULL_TURN))
+
+
+def beam_angles(options: Any) -> Floats:
+    """Return the beams' directions in the sensor frame [rad], shape ``(n_beams,)``; a single beam looks ahead."""
+    half = 0.5 * sweep(options)
+    return np.linspace(-half, half, options.number) if options.number > 1 else np.zeros(1)
+
+
+def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: int) -> None:
+    """Allocate the readings and tables of a group of range sensors.
+
+    ``ranges`` [m] has shape ``(n_worlds, n_members, n_beams)``, ``angles`` [rad] the nominal directions in the sensor
+    frame ``(n_beams,)``. ``cast_angles`` ``(n_rows, n_beams)`` and the unit vectors ``beams_x``, ``beams_y`` ``(n_rows,
+    n_padded)`` are the directions in which beams are cast: one row for all, or with noise one for each world and
+    member, ``w * n_members + k``. ``cast_params`` are the members' options as the casting sees them.
+
+    Args:
+        group: The members.
+        outlines: Each member's own outline, for ``footprint``: the distance [m] from the sensor to it along
+            each beam, shape ``(n_members, n_beams)``, 0 where the sensor stands outside.
+        model: The constants, allocated.
+        n_slots: Number of shards, each with a scratch row of its own.
+    """
+    angles = beam_angles(group.options[0])
+    padded = -(-len(angles) // LANES) * LANES
+    n_worlds, n_members = len(model.present), len(group.members)
+    is_noisy = group.options[0].noise
+    n_rows = n_worlds * n_members if is_noisy else 1
+    directions = np.concatenate([angles, np.zeros(padded - len(angles))])
+    far = np.array([option.range_max for option in group.options], np.float32)
+    group.arrays = {
+        "angles": angles,
+        "cast_angles": np.tile(angles, (n_rows, 1)),
+        "beams_x": np.tile(np.cos(directions).astype(np.float32), (n_rows, 1)),
+        "beams_y": np.tile(np.sin(directions).astype(np.float32), (n_rows, 1)),
+        "cast_params": group.params,
+        "seen": np.zeros((n_slots, model.local_segments.shape[1], 4), np.float32),
+        "inverse": np.zeros((n_slots, padded), np.float32),
+        "ranges": np.tile(far[None, :, None], (n_worlds, 1, len(angles))),
+        "footprint": np.zeros((n_members, len(angles)), np.float32),
+    }
+    if is_noisy:
+        noise.prepare(group)
+    for k, outline in enumerate(outlines):
+        group.arrays["footprint"][k] = own_extent(group, k, outline)
+
+
+def own_extent(group: Group, k: int, outline: Outline) -> Rays:
+    """Return the distance [m] from member k's sensor to its own outline along each beam, shape ``(n_beams,)``."""
+    x, y, turn = group.options[k].offset
+    beams_x, beams_y = group.arrays["beams_x"][0], group.arrays["beams_y"][0]
+    inverse = np.zeros_like(beams_x)
+    if inside(outline, x, y):
+        cast_outline(x, y, np.cos(turn), np.sin(turn), outline.segments, outline.discs, beams_x, beams_y, inverse)
+    extent: Rays = np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0.0)
+    return extent[: len(group.arrays["angles"])]
+
+
+def inside(outline: Outline, x: float, y: float) -> bool:
+    """Return whether a point of the body frame lies within the outline's area."""
+    offsets = outline.discs[:, :2] - [x, y]
+    if bool(np.any(np.sum(offsets * offsets, axis=1) <= outline.discs[:, 2] * outline.discs[:, 2])):
+        return True
+    return outline.solid and bool(contains_point(outline.segments, 0, len(outline.segments), x, y))
+
+
+def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Write the members' ranges, and what is hit where that is asked for (``hits.prepare``)."""
+    is_noisy = group.options[0].noise
+    if is_noisy:
+        noise.turn_beams(group, state, shard)
+    scan_bodies(group, model, state, shard)
+    if "hit" in group.arrays:
+        hits.find(group, model, state, shard)
+    if is_noisy:
+        noise.blur_ranges(group, state, shard)
+
+
+def scan_bodies(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Write the ranges to the nearest outline."""
+    table = group.arrays
+    cast_bodies(
+        shard.worlds,
+        group.members,
+        table["cast_params"],
+        table["beams_x"],
+        table["beams_y"],
+        state.pose,
+        model.present,
+        model.unobstructed,
+        model.solid,
+        model.reach,
+        model.segment_start,
+        model.segment_count,
+        state.segments,
+        model.disc_start,
+        model.disc_count,
+        state.discs,
+        table["seen"][shard.slot],
+        table["inverse"][shard.slot],
+        table["ranges"],
+    )
