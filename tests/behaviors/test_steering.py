@@ -13,7 +13,7 @@ from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_BO
 def converted(drive: int, heading: float, vx: float, vy: float, *constants: float) -> list[float]:
     command = np.full(3, 9.0)
     to_command(drive, heading, vx, vy, *(constants or (0.2, 0.1, 0.02, 1.5)), command)
-    return command.tolist()
+    return list(command)
 
 
 def test_differential_drives_are_steered_as_in_ir_sim() -> None:
