@@ -36,11 +36,13 @@ def measure(goal_bodies: Ints, state: WorldState, shard: Shard) -> None:
     measure_distance(shard.worlds, goal_bodies, state.pose, state.goal, state.goal_distance)
 
 
-def renew(goal_bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def renew(goal_bodies: Ints, loop_returns: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Give bodies that arrived and wander or loop their next goals."""
     renew_goals(
         shard.worlds,
         goal_bodies,
+        loop_returns,
+        model.arrive_mode,
         model.goal_renewal,
         model.wander_low,
         model.wander_high,
@@ -106,6 +108,8 @@ def check_arrival(
 def renew_goals(
     worlds: Ints,
     goal_bodies: Ints,
+    loop_returns: Ints,
+    arrive_mode: Ints,
     goal_renewal: Ints,
     wander_low: Floats,
     wander_high: Floats,
@@ -118,7 +122,10 @@ def renew_goals(
     goal: Floats,
     arrived: Flags,
 ) -> None:
-    """Draw a wandering body's next goal; send a looping one through its goals again."""
+    """Draw a wandering body's next goal; send a looping one through its goals again.
+
+    On the way between one goal and the start headings do not matter, unless they do on arrival.
+    """
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(goal_bodies.shape[0]):
@@ -136,3 +143,7 @@ def renew_goals(
             waypoint[w, b] = 0
             goal[w, b] = waypoints[w, b, 0]
             arrived[w, b] = False
+        for k in range(loop_returns.shape[0]):
+            b = loop_returns[k]
+            if arrive_mode[b] != STATE and waypoint_end[w, b] > 1:
+                goal[w, b, 2] = np.nan

@@ -12,7 +12,7 @@ from irsim_gym.errors import PlacementError
 from irsim_gym.jit import kernel
 from irsim_gym.rng import integer, uniform
 from irsim_gym.world.group import Shard
-from irsim_gym.world.model import WANDER, WorldModel
+from irsim_gym.world.model import STATE, WANDER, WorldModel
 from irsim_gym.world.state import WorldState
 
 LEVEL_TRIES = 100
@@ -111,6 +111,7 @@ def begin_moment(parts: Parts, model: WorldModel, state: WorldState, shard: Shar
         shard.worlds,
         parts.goal_bodies,
         parts.loop_returns,
+        model.arrive_mode,
         model.goal_renewal,
         model.wander_low,
         model.wander_high,
@@ -177,6 +178,7 @@ def write_first_goals(
     worlds: Ints,
     goal_bodies: Ints,
     loop_returns: Ints,
+    arrive_mode: Ints,
     goal_renewal: Ints,
     wander_low: Floats,
     wander_high: Floats,
@@ -211,5 +213,5 @@ def write_first_goals(
         for k in range(loop_returns.shape[0]):
             b = loop_returns[k]
             waypoint_end[w, b] = 1
-            for axis in range(2):
+            for axis in range(3 if arrive_mode[b] == STATE else 2):
                 waypoints[w, b, 1, axis] = start[w, b, axis]

@@ -32,7 +32,7 @@ class Orders:
 
 def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, orders: Orders | None = None) -> None:
     """Advance the shard's worlds by one step_time. This order is the specification."""
-    arrival.renew(parts.goal_bodies, model, state, shard)
+    arrival.renew(parts.goal_bodies, parts.loop_returns, model, state, shard)
     for group in parts.group_behaviors:
         group.kind.decide(group, model, state, shard)
     for turn in parts.turns:
