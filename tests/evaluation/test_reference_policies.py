@@ -90,3 +90,37 @@ def test_random_actions_follow_from_the_level() -> None:
     other.begin(episodes, np.array([1]), np.array([9]))
     alone.begin(episodes, np.array([1]), np.array([9]))
     assert (other.act(episodes, np.array([1])) != alone.act(episodes, np.array([1]))).all()
+
+
+DRIVES = {
+    "omni": {"kinematics": {"name": "omni"}, "vel_min": [-1, -1], "vel_max": [1, 1]},
+    "omni in its own frame": {
+        "kinematics": {"name": "omni", "frame": "body"},
+        "vel_min": [-1, -1],
+        "vel_max": [1, 1],
+    },
+    "omni_angular": {"kinematics": {"name": "omni_angular"}, "vel_min": [-1, -1, -1], "vel_max": [1, 1, 1]},
+    "acker": {"kinematics": {"name": "acker", "wheelbase": 0.3}, "vel_min": [-1, -0.6], "vel_max": [1, 0.6]},
+}
+
+
+@pytest.mark.parametrize("robot", DRIVES.values(), ids=DRIVES.keys())
+def test_dash_reaches_the_goal_with_every_drive_as_the_behaviour_does(robot: dict[str, Any]) -> None:
+    data = scenario(**{**robot, "state": [2, 2, 0.9]})
+    native = compile(load_scenario(data))
+    native.reset()
+    episodes, policy = Worlds(data).episodes, reference_policy("dash")
+    episodes.begin(HERE, HERE)
+    policy.begin(episodes, HERE, HERE)
+    while not episodes.view.terminated[0, 0] and episodes.view.infos["steps"][0, 0] < 200:
+        native.step()
+        episodes.step(np.asarray(policy.act(episodes, HERE), np.float64)[:, None])
+        np.testing.assert_allclose(episodes.simulation.state.pose[0, 0], native.state.pose[0, 0], atol=1e-9)
+    assert episodes.view.infos["is_success"][0, 0]
+
+
+def test_a_behaviour_that_cannot_drive_the_learner_is_refused() -> None:
+    data = scenario(**DRIVES["acker"])
+    episodes, policy = Worlds(data).episodes, reference_policy("rvo")
+    with pytest.raises(ValueError, match="'rvo' cannot drive kinematics 'acker'"):
+        policy.begin(episodes, HERE, HERE)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from task_tools import drive, play
 
+from irsim_gym.errors import ScenarioError
 from irsim_gym.tasks.actions import DiscreteAction
 
 DISCRETE = {"name": "navigation", "action": {"name": "discrete", "linear": 3, "angular": 5}}
@@ -75,3 +76,47 @@ def test_wrong_shapes_and_types_are_refused() -> None:
         episodes.step(np.zeros((1, 1, 2), complex))
     with pytest.raises(ValueError, match="whole numbers"):
         play(task=DISCRETE).step(np.zeros((1, 1)))
+
+
+OMNI = {
+    "kinematics": {"name": "omni"},
+    "state": [2, 5, np.pi / 2],
+    "vel_min": [-1, -1],
+    "vel_max": [1, 1],
+}
+
+
+@pytest.mark.parametrize(("frame", "command"), [("body", (0.5, 1.0)), ("command", (1.0, -0.5))])
+def test_an_omni_robot_is_driven_in_its_own_frame_unless_asked_otherwise(
+    frame: str, command: tuple[float, float]
+) -> None:
+    # The robot faces +y: ahead 1 and 0.5 to the right are 1 in y and 0.5 in x.
+    episodes = play(OMNI, task={"name": "navigation", "action": {"name": "velocity", "frame": frame}})
+    drive(episodes, 1.0, -0.5)
+    assert episodes.simulation.state.command[0, 0, :2] == pytest.approx(command, abs=1e-15)
+
+
+def test_choices_of_three_components() -> None:
+    robot = {"kinematics": {"name": "omni_angular"}, "vel_min": [-1, -1, -2], "vel_max": [1, 1, 2]}
+    task = {"name": "navigation", "action": {"name": "discrete", "linear": 3, "lateral": 2, "angular": 3}}
+    episodes = play(robot, task=task)
+    assert episodes.n_discrete == 18
+    for choice, command in {0: (-1, -1, -2), 5: (-1, 1, 2), 10: (0, 1, 0), 17: (1, 1, 2)}.items():
+        episodes.step(np.array([[choice]]))
+        assert episodes.simulation.state.command[0, 0].tolist() == list(command)
+
+
+def test_a_component_that_the_drive_lacks_has_no_choices() -> None:
+    task = {"name": "navigation", "action": {"name": "discrete", "lateral": 3}}
+    with pytest.raises(ScenarioError, match=r"action\.lateral: must be 1 for a drive with 2 components"):
+        play(task=task)
+
+
+def test_an_omni_robot_observes_its_velocity_in_its_own_frame() -> None:
+    task = {"name": "navigation", "observations": [{"name": "velocity"}], "observation_form": "dict"}
+    episodes = play(OMNI, task=task)
+    drive(episodes, 1.0, -0.5)
+    names = [name for name, _, _ in episodes.observation_terms]
+    start = sum(len(low) for _, low, _ in episodes.observation_terms[: names.index("velocity")])
+    seen = episodes.view.observation[0, 0, start : start + 2]
+    np.testing.assert_allclose(seen, np.array([1.0, -0.5]) / np.sqrt(2.0), atol=1e-6)
