@@ -7,7 +7,7 @@ from irsim_gym.behaviors.social_force import SocialForce, SocialForceGroup
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 
 BEHAVIORS.register("dash", Dash)
-BEHAVIORS.register("rvo", Rvo, planned=True)
+BEHAVIORS.register("rvo", Rvo)
 BEHAVIORS.register("sfm", SocialForce, planned=True)
 GROUP_BEHAVIORS.register("orca", OrcaGroup, planned=True)
 GROUP_BEHAVIORS.register("sfm", SocialForceGroup, planned=True)

@@ -1,12 +1,36 @@
-"""Sampled reciprocal velocity obstacles. Its options are known; it does not run yet."""
+"""RVO: the sampled velocity nearest to the wanted one that leads to no collision (van den Berg et al. 2008)."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.behaviors.steering import to_command
+from irsim_gym.behaviors.surroundings import MARGIN, Scene, look_around, most_map_walls, scene_of, wall_bodies
+from irsim_gym.behaviors.velocity_obstacles import (
+    PITCH,
+    disc_cones,
+    lay_samples,
+    least_penalty,
+    nearest_free,
+    order_samples,
+    side_cones,
+)
+from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import crossed_bounds, kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import DIFFERENTIAL, WorldModel
+from irsim_gym.world.state import WorldState
+
+ARRIVED = 0.1
+"""Nearer to the goal than this [m] no velocity is wanted."""
+
+TURN_TIME, TURN_TOLERANCE, SLOW, TURN_LIMIT = 0.2, 0.1, 0.02, 1.5
+"""How a differential drive follows the chosen velocity [s, rad, m/s, rad/s]."""
 
 
 @kind
@@ -14,6 +38,7 @@ class Rvo:
     """Pick the sampled velocity nearest to the preferred one that leads to no collision."""
 
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
+    reads_neighbors: ClassVar[bool] = True
 
     wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
     loop: bool = option(False, meaning="Begin again with the first goal after the last.")
@@ -24,13 +49,198 @@ class Rvo:
     range_high: tuple[float, float, float] = option(
         (10.0, 10.0, math.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
     )
-    vxmax: float = option(1.5, ge=0.0, unit="m/s", meaning="Greatest sampled velocity in x.")
-    vymax: float = option(1.5, ge=0.0, unit="m/s", meaning="Greatest sampled velocity in y.")
-    acce: float = option(1.0, gt=0.0, unit="m/s", meaning="Greatest change of each sampled velocity in a step.")
+    vxmax: float = option(1.5, ge=0.0, le=100.0, unit="m/s", meaning="Greatest sampled velocity in x.")
+    vymax: float = option(1.5, ge=0.0, le=100.0, unit="m/s", meaning="Greatest sampled velocity in y.")
+    acce: float = option(
+        1.0,
+        gt=0.0,
+        unit="m/s",
+        meaning="Greatest change of each sampled velocity in a step.",
+        consequence="The samples lie 0.05 m/s apart: below 0.025 a single one is left, the lowest.",
+    )
     factor: float = option(1.0, ge=0.0, meaning="Weight of the time to collision where every sample collides.")
     mode: Literal["rvo", "hrvo", "vo"] = option("rvo", meaning="How the cone of forbidden velocities is placed.")
-    neighbor_threshold: float = option(3.0, ge=0.0, unit="m", meaning="Bodies farther away than this are not seen.")
+    neighbor_threshold: float = option(
+        3.0,
+        ge=0.0,
+        unit="m",
+        meaning="Bodies farther away than this are not seen: a moving one or a disc by its centre, a standing one with "
+        "sides by its outline. Walls of linestrings are seen from anywhere.",
+    )
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
         yield from crossed_bounds(self.range_low, self.range_high)
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Reserve scratch memory for what one body sees and tries."""
+        n_rounds = len(model.role) + model.local_discs.shape[1]
+        n_sides = model.local_segments.shape[1]
+        n_sides += max(most_map_walls(model, options.neighbor_threshold) for options in group.options)
+        n_samples = _most_samples(group.params)
+        group.arrays["lines"] = wall_bodies(model)
+        group.arrays["nearby"] = np.zeros((n_slots, len(model.role)), np.int64)
+        group.arrays["rounds"] = np.zeros((n_slots, n_rounds, 6))
+        group.arrays["sides"] = np.zeros((n_slots, n_sides, 4))
+        group.arrays["cones"] = np.zeros((n_slots, n_rounds + n_sides, 6))
+        group.arrays["samples"] = np.zeros((n_slots, 2, n_samples))
+        group.arrays["order"] = np.zeros((n_slots, 2, n_samples), np.int64)
+
+    @staticmethod
+    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' commands."""
+        slot, arrays = shard.slot, group.arrays
+        decide_rvo(
+            shard.worlds,
+            group.members,
+            group.params,
+            scene_of(model, state),
+            model.drive,
+            model.velocity_max,
+            model.has_goal,
+            state.goal,
+            arrays["lines"],
+            arrays["nearby"][slot],
+            arrays["rounds"][slot],
+            arrays["sides"][slot],
+            arrays["cones"][slot],
+            arrays["samples"][slot],
+            arrays["order"][slot],
+            state.command,
+        )
+
+
+def _most_samples(params: Any) -> int:
+    """Return an upper bound of the number of velocities that any member tries along an axis."""
+    widest = np.minimum(params["acce"], np.maximum(params["vxmax"], params["vymax"])).max()
+    return int(2.0 * widest / PITCH) + 3
+
+
+@kernel
+def decide_rvo(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    scene: Scene,
+    drive: Ints,
+    velocity_max: Floats,
+    has_goal: Flags,
+    goal: Floats,
+    lines: Ints,
+    nearby: Ints,
+    rounds: Floats,
+    sides: Floats,
+    cones: Floats,
+    samples: Floats,
+    order: Ints,
+    command: Floats,
+) -> None:
+    """Write the commands of bodies that avoid what they see."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b, options = members[k], params[k]
+            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
+            if not has_goal[b] or not scene.present[w, b]:
+                continue
+            n_rounds, n_sides = look_around(
+                scene, w, b, options.target_roles, options.neighbor_threshold, lines, nearby, rounds, sides
+            )
+            pose, fastest = scene.pose[w, b], velocity_max[w % velocity_max.shape[0], b]
+            wanted_x, wanted_y = wanted_velocity(pose[0], pose[1], goal[w, b], drive[b], fastest)
+            vx, vy = choose_velocity(
+                pose[0],
+                pose[1],
+                scene.twist[w, b],
+                scene.radius[w % scene.radius.shape[0], b] + MARGIN,
+                wanted_x,
+                wanted_y,
+                options,
+                rounds,
+                n_rounds,
+                sides,
+                n_sides,
+                cones,
+                samples,
+                order,
+            )
+            alone = n_rounds == 0 and n_sides == 0
+            steer(drive[b], pose[2], vx, vy, alone, wanted_x, wanted_y, command[w, b])
+
+
+@kernel
+def wanted_velocity(x: float, y: float, goal: Floats, drive: int, fastest: Floats) -> tuple[float, float]:
+    """Return the velocity straight to the goal [m/s], 0 where it is reached.
+
+    An omnidirectional drive has a speed for each axis of the world.
+    """
+    dx, dy = goal[0] - x, goal[1] - y
+    if np.sqrt(dx * dx + dy * dy) <= ARRIVED:
+        return 0.0, 0.0
+    angle = (np.arctan2(dy, dx) + np.pi) % (2.0 * np.pi) - np.pi  # with IR-SIM's rounding, which settles ties
+    speed_y = fastest[0] if drive == DIFFERENTIAL else fastest[1]
+    return fastest[0] * np.cos(angle), speed_y * np.sin(angle)
+
+
+@kernel
+def choose_velocity(
+    x: float,
+    y: float,
+    velocity: Floats,
+    r: float,
+    wanted_x: float,
+    wanted_y: float,
+    options: Any,
+    rounds: Floats,
+    n_rounds: int,
+    sides: Floats,
+    n_sides: int,
+    cones: Floats,
+    samples: Floats,
+    order: Ints,
+) -> tuple[float, float]:
+    """Return the best of the sampled velocities [m/s]: outside of all cones, or with the least penalty."""
+    vx, vy = velocity[0], velocity[1]
+    n_x = lay_samples(vx, options["acce"], options.vxmax, samples[0])
+    n_y = lay_samples(vy, options["acce"], options.vymax, samples[1])
+    order_samples(samples[0], n_x, wanted_x, order[0])
+    order_samples(samples[1], n_y, wanted_y, order[1])
+    n_cones = disc_cones(options.mode, x, y, vx, vy, r, rounds, n_rounds, cones)
+    n_cones = side_cones(x, y, r, sides, n_sides, cones, n_cones)
+    best = nearest_free(cones, n_cones, samples, n_x, n_y, wanted_x, wanted_y, order)
+    if best < 0:
+        best = least_penalty(
+            x,
+            y,
+            vx,
+            vy,
+            r,
+            rounds,
+            n_rounds,
+            sides,
+            n_sides,
+            options.factor,
+            samples,
+            n_x,
+            n_y,
+            wanted_x,
+            wanted_y,
+            order,
+        )
+    return samples[0, best // n_y], samples[1, best % n_y]
+
+
+@kernel
+def steer(
+    drive: int, heading: float, vx: float, vy: float, alone: bool, wanted_x: float, wanted_y: float, command: Floats
+) -> None:
+    """Write the command that follows the chosen velocity.
+
+    A differential drive that would stand although nothing is near has its goal behind it, where no sampled velocity
+    leads: it turns on the spot.
+    """
+    to_command(drive, heading, vx, vy, TURN_TIME, TURN_TOLERANCE, SLOW, TURN_LIMIT, command)
+    if drive == DIFFERENTIAL and alone and command[0] == 0.0 and command[1] == 0.0:
+        to_command(drive, heading, wanted_x, wanted_y, TURN_TIME, TURN_TOLERANCE, SLOW, TURN_LIMIT, command)
+        command[0] = 0.0

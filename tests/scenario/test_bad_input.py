@@ -145,7 +145,7 @@ ENTRIES = {
     ),
     "behaviour without name": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {wander: true}",
-        "3 robot.behavior.name: is required: 'dash'",
+        "3 robot.behavior.name: is required: 'dash' or 'rvo'",
     ),
     "behaviour without drive": (
         "obstacle:\n  - shape: {name: circle}\n    behavior: {name: dash}",
@@ -389,13 +389,9 @@ DRIVES = {
 }
 DRIVE = "robot:\n  kinematics: {name: diff}\n"
 PLANNED = {
-    "rvo": (
-        DRIVE + "  behavior: {name: rvo, vxmax: 1.5, vymax: 1.5, acce: 1.0, factor: 1.0, mode: hrvo}",
-        "3 robot.behavior.name: behavior 'rvo' is not supported yet; supported: dash",
-    ),
     "sfm": (
         DRIVE + "  behavior: {name: sfm}",
-        "3 robot.behavior.name: behavior 'sfm' is not supported yet; supported: dash",
+        "3 robot.behavior.name: behavior 'sfm' is not supported yet; supported: dash, rvo",
     ),
     "orca": (
         DRIVE + "  group_behavior: {name: orca, neighborDist: 15}",

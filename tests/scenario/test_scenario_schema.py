@@ -83,7 +83,7 @@ DEFAULTS = {
     ("sensor lidar2d", "angle_range"): "3.14159",
     ("sensor lidar2d", "number"): "100",
     ("sensor lidar2d", "angle_std"): "0.02",
-    ("behavior rvo (not supported yet)", "neighbor_threshold"): "3",
+    ("behavior rvo", "neighbor_threshold"): "3",
     ("gui.keyboard", "backend"): "'pynput'",
     ("plot", "arrow_zorder"): "3",
     ("plot", "trail_linewidth"): "0.8",

@@ -1,0 +1,237 @@
+"""What a body sees of the others: discs that move, walls that stand, and the walls of an occupancy map."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.geometry.buckets import find_nearby
+from irsim_gym.geometry.overlap import point_outline_distance
+from irsim_gym.jit import kernel
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+MARGIN = 0.1
+"""Added to the radius of every disc [m], as in IR-SIM."""
+
+ALL_ROLES = 0
+"""``target_roles: all``; the role r alone is r + 1."""
+
+
+class Scene(NamedTuple):
+    """The arrays of all worlds that anyone reads who looks around; see ``WorldModel`` and ``WorldState``."""
+
+    role: Ints
+    unobstructed: Flags
+    movable: Flags
+    solid: Flags
+    present: Flags
+    radius: Floats
+    centroid: Floats
+    reach: Floats
+    segment_start: Ints
+    segment_count: Ints
+    disc_start: Ints
+    disc_count: Ints
+    map_frame: Floats
+    map_squares: Bytes
+    bucket_frame: Floats
+    bucket_first: Ints
+    bucket_next: Ints
+    segments: Floats
+    discs: Floats
+    pose: Floats
+    twist: Floats
+
+
+def scene_of(model: WorldModel, state: WorldState) -> Scene:
+    """Return what anyone reads who looks around."""
+    return Scene(*(getattr(model if hasattr(model, name) else state, name) for name in Scene._fields))
+
+
+def wall_bodies(model: WorldModel) -> Ints:
+    """Return the bodies that are chains of segments without area."""
+    return np.flatnonzero(~model.solid & (model.segment_count.max(axis=0) > 0))
+
+
+def most_map_walls(model: WorldModel, threshold: float) -> int:
+    """Return an upper bound of the number of map walls within ``threshold`` [m] of a point."""
+    if model.map_frame[4] < 0:
+        return 0
+    cells = [
+        min(float(count), 2.0 * threshold / side + 2.0)
+        for count, side in zip(model.map_squares.shape[1:], model.map_frame[2:4], strict=True)
+    ]
+    return int(2.0 * (cells[0] + 1.0) * (cells[1] + 1.0)) + 1
+
+
+@kernel
+def is_seen(scene: Scene, w: int, b: int, q: int, target_roles: int) -> bool:
+    """Return whether body b pays heed to body q: another one that is there, is an obstruction and has the role."""
+    if q == b or scene.unobstructed[q] or not scene.present[w, q]:
+        return False
+    return bool(target_roles == ALL_ROLES or scene.role[q] == target_roles - 1)
+
+
+@kernel
+def parts_of(scene: Scene, w: int, q: int) -> tuple[int, int, int, int]:
+    """Return a body's first segment, their number, its first disc, their number."""
+    n_segments = scene.segment_count[w % scene.segment_count.shape[0], q]
+    n_discs = scene.disc_count[w % scene.disc_count.shape[0], q]
+    return scene.segment_start[q], n_segments, scene.disc_start[q], n_discs
+
+
+@kernel
+def centroid_of(scene: Scene, w: int, q: int) -> tuple[float, float]:
+    """Return the centre of a body's area in the world frame [m]."""
+    pose = scene.pose[w, q]
+    x, y = scene.centroid[w % scene.centroid.shape[0], q]
+    if x == 0.0 and y == 0.0:
+        return pose[0], pose[1]
+    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+    return pose[0] + (cosine * x - sine * y), pose[1] + (sine * x + cosine * y)
+
+
+@kernel
+def look_around(
+    scene: Scene,
+    w: int,
+    b: int,
+    target_roles: int,
+    sight: float,
+    lines: Ints,
+    nearby: Ints,
+    rounds: Floats,
+    sides: Floats,
+) -> tuple[int, int]:
+    """Write the discs and the segments that a body avoids; return how many of each.
+
+    A body is the disc around its centroid, seen when that is nearer than ``sight`` [m]. One that stands and has sides
+    is its outline, seen when any of that is nearer. A chain of segments is always seen, the walls of a map when near.
+
+    Args:
+        scene: What there is.
+        w: The world.
+        b: The body that looks.
+        target_roles: ALL_ROLES, or the role that it sees plus 1.
+        sight: How far it sees [m].
+        lines: Bodies that are chains of segments.
+        nearby: Scratch, shape ``(body,)``.
+        rounds: Written: x, y, vx, vy, radius with MARGIN [m, m/s], shape ``(n, 5)`` or wider.
+        sides: Written: x0, y0, x1, y1 [m], shape ``(n, 4)``.
+    """
+    x, y, frame = scene.pose[w, b, 0], scene.pose[w, b, 1], scene.bucket_frame
+    n_nearby = find_nearby(x, y, sight + frame[2], frame, scene.bucket_first[w], scene.bucket_next[w], nearby)
+    n_rounds, n_sides = 0, 0
+    for k in range(n_nearby):
+        q = nearby[k]
+        s, n, d, m = parts_of(scene, w, q)
+        if n + m == 0 or (n > 0 and not scene.solid[q]) or not is_seen(scene, w, b, q, target_roles):
+            continue
+        if not scene.movable[q] and (n > 0 or m > 1):
+            if outline_distance_to(scene, w, q, x, y, sight) < sight:
+                n_sides = copy_sides(scene.segments[w], s, n, sides, n_sides)
+                n_rounds = copy_discs(scene.discs[w], d, m, rounds, n_rounds)
+            continue
+        cx, cy = centroid_of(scene, w, q)
+        if (x - cx) * (x - cx) + (y - cy) * (y - cy) < sight * sight:
+            rounds[n_rounds, 0], rounds[n_rounds, 1] = cx, cy
+            rounds[n_rounds, 2], rounds[n_rounds, 3] = scene.twist[w, q, 0], scene.twist[w, q, 1]
+            rounds[n_rounds, 4] = scene.radius[w % scene.radius.shape[0], q] + MARGIN
+            n_rounds += 1
+    for k in range(lines.shape[0]):
+        q = lines[k]
+        if is_seen(scene, w, b, q, target_roles):
+            s, n, d, m = parts_of(scene, w, q)
+            n_sides = copy_sides(scene.segments[w], s, n, sides, n_sides)
+    chart = int(scene.map_frame[4])
+    if chart >= 0 and is_seen(scene, w, b, chart, target_roles):
+        n_sides = map_walls(x, y, sight, scene.map_frame, scene.map_squares, sides, n_sides)
+    return n_rounds, n_sides
+
+
+@kernel
+def outline_distance_to(scene: Scene, w: int, q: int, x: float, y: float, limit: float) -> float:
+    """Return the distance of a point from a body [m], 0 inside; inf where that is certainly not below the limit."""
+    dx, dy = scene.pose[w, q, 0] - x, scene.pose[w, q, 1] - y
+    far = limit + scene.reach[w % scene.reach.shape[0], q]
+    if dx * dx + dy * dy >= far * far:
+        return np.inf
+    s, n, d, m = parts_of(scene, w, q)
+    return float(point_outline_distance(x, y, scene.segments[w], s, n, scene.discs[w], d, m, scene.solid[q]))
+
+
+@kernel
+def copy_discs(discs: Floats, start: int, count: int, rounds: Floats, n_rounds: int) -> int:
+    """Append discs that stand to ``rounds``; return how many those are now."""
+    for d in range(start, start + count):
+        rounds[n_rounds, 0], rounds[n_rounds, 1] = discs[d, 0], discs[d, 1]
+        rounds[n_rounds, 2], rounds[n_rounds, 3] = 0.0, 0.0
+        rounds[n_rounds, 4] = discs[d, 2] + MARGIN
+        n_rounds += 1
+    return n_rounds
+
+
+@kernel
+def copy_sides(segments: Floats, start: int, count: int, sides: Floats, n_sides: int) -> int:
+    """Append segments to ``sides``; return how many those are now."""
+    for s in range(start, start + count):
+        for column in range(4):
+            sides[n_sides, column] = segments[s, column]
+        n_sides += 1
+    return n_sides
+
+
+@kernel
+def map_walls(x: float, y: float, threshold: float, frame: Floats, squares: Bytes, sides: Floats, n_sides: int) -> int:
+    """Append the borders between occupied and free cells near a point to ``sides``; return how many those are now.
+
+    Borders in a line are one segment. What lies outside of the map is free.
+
+    Args:
+        x: The point [m].
+        y: The point [m].
+        threshold: Borders of cells that are nearer than this [m].
+        frame: ``model.map_frame``.
+        squares: ``model.map_squares``.
+        sides: Written, x0, y0, x1, y1 [m], shape ``(n, 4)``.
+        n_sides: Number of rows in use.
+    """
+    for axis in range(2):
+        low, across = (frame[1], frame[0]) if axis == 0 else (frame[0], frame[1])
+        pitch, width = (frame[3], frame[2]) if axis == 0 else (frame[2], frame[3])
+        height, place = (y, x) if axis == 0 else (x, y)
+        lines, cells = squares.shape[2 - axis], squares.shape[1 + axis]
+        first = int(max(np.ceil((height - threshold - low) / pitch), 0.0))
+        last = int(min(np.floor((height + threshold - low) / pitch), float(lines)))
+        for line in range(first, last + 1):
+            level = low + line * pitch
+            half = np.sqrt(max(threshold * threshold - (level - height) * (level - height), 0.0))
+            begin = int(max(np.floor((place - half - across) / width), 0.0))
+            end = int(min(np.floor((place + half - across) / width), cells - 1.0))
+            start, going = begin, 0
+            for cell in range(begin, end + 2):
+                border = 0
+                if cell <= end:
+                    border = int(is_occupied(squares, axis, cell, line)) - int(
+                        is_occupied(squares, axis, cell, line - 1)
+                    )
+                if border == going:
+                    continue
+                if going != 0:
+                    along0, along1 = across + start * width, across + cell * width
+                    sides[n_sides, axis], sides[n_sides, 1 - axis] = along0, level
+                    sides[n_sides, 2 + axis], sides[n_sides, 3 - axis] = along1, level
+                    n_sides += 1
+                start, going = cell, border
+    return n_sides
+
+
+@kernel
+def is_occupied(squares: Bytes, axis: int, cell: int, line: int) -> bool:
+    """Return whether a cell is occupied, given by its place along a row (axis 0) or column (axis 1) and the line's."""
+    if line < 0 or line >= squares.shape[2 - axis]:
+        return False
+    return bool((squares[0, cell, line] if axis == 0 else squares[0, line, cell]) == 0)
