@@ -1,0 +1,87 @@
+"""Where irsim_gym differs from ir-sim 2.12.0 on purpose, by name: tests that rely on a difference name it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Decision:
+    """A difference on purpose.
+
+    Attributes:
+        theirs: What ir-sim 2.12.0 does.
+        ours: What irsim_gym does.
+        why: The reason.
+        source: The documentation's statement or the defect of ir-sim that it answers.
+    """
+
+    theirs: str
+    ours: str
+    why: str
+    source: str
+
+
+DECISIONS = {
+    "exact_disc": Decision(
+        "a circle is a polygon of 64 corners",
+        "a circle is a disc: it may touch one step earlier, and ranges to it are up to 0.0012 r shorter",
+        "the outline is exact, and cheaper to test",
+        "circles are 64-gons",
+    ),
+    "missing_goal": Decision(
+        "a missing goal is [1, 9, 0]",
+        "no goal: the body never arrives and dash stands still",
+        "the documentation says None",
+        "D4",
+    ),
+    "missing_state": Decision("a missing state is [1, 1, 0]", "it is [0, 0, 0]", "the documentation says so", "D5"),
+    "missing_shape": Decision(
+        "a missing shape is a circle of radius 1",
+        "it is a circle of radius 0.2",
+        "the documentation says {name: circle}",
+        "D20",
+    ),
+    "fixed_bodies_do_not_arrive": Decision(
+        "static bodies have goals and arrive at them",
+        "only what can move has a goal",
+        "a wall at (1, 9) did not arrive",
+        "D4",
+    ),
+    "omni_frame": Decision(
+        "omni takes forward and lateral velocity in the body frame",
+        "omni takes [vx, vy] in the world frame; `frame: body` gives the other",
+        "the documentation says 'along the x and y axes'",
+        "D6",
+    ),
+    "yaw_rate": Decision(
+        "the second input of acker's mode angular is a steering rate",
+        "it is the yaw rate",
+        "the documentation says 'linear and angular velocity'",
+        "D8",
+    ),
+    "unobstructed_is_symmetric": Decision(
+        "an unobstructed body is hidden from others, but is itself stopped by them, and behaviours avoid it",
+        "it touches nobody, and nobody avoids it",
+        "the documentation says 'ignoring collisions with other objects'",
+        "D10",
+    ),
+    "blocked_start": Decision(
+        "a robot may start inside an obstacle and is stuck at once",
+        "a given start inside a static obstacle is refused with its line",
+        "such a run is over before it begins",
+        "defect 23",
+    ),
+    "random_streams": Decision(
+        "one generator per environment, drawn from by all objects in turn",
+        "each world has its own stream",
+        "the same seed gives the same episode alone and in a batch",
+        "decision 6",
+    ),
+    "role_groups": Decision(
+        "a section that is a mapping puts its objects into group 0, robots and obstacles alike",
+        "each entry is a group, robots and obstacles never share one",
+        "who avoids whom should not depend on how a section is written",
+        "D22",
+    ),
+}
