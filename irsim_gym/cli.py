@@ -45,8 +45,12 @@ def list_shipped() -> None:
 
 @app.command()
 def check(files: Annotated[list[str], typer.Argument(help="Scenario files or shipped names.")]) -> None:
-    """Check scenario files and their tasks, and draw a level of each; print every problem with its line."""
+    """Check scenario files and their tasks, and draw a level of each; print every problem with its line.
+
+    Below a file that is fine stand notes on values that are allowed but seldom meant.
+    """
     from irsim_gym.scenario import load_scenario
+    from irsim_gym.scenario.notes import notes
     from irsim_gym.tasks import load_task
     from irsim_gym.training.commands import begin_level
 
@@ -64,8 +68,25 @@ def check(files: Annotated[list[str], typer.Argument(help="Scenario files or shi
         learned = f"task '{task.name}'" if task is not None else "no robot to learn"
         obstacles = len(scenario.bodies) - robots
         print(f"{file}: fine (robots: {robots}, obstacles: {obstacles}, {learned})")
+        for note in notes(scenario):
+            print(f"  {file}:{note.line}   {note.path}: {note.message}")
     if failed:
         raise typer.Exit(1)
+
+
+@app.command()
+def options(
+    page: Annotated[
+        Path | None, typer.Argument(help="Markdown file whose tables are made anew (default: print).")
+    ] = None,
+) -> None:
+    """Write the reference of all options, or make the tables of a page such as configs/README.md anew."""
+    from irsim_gym.scenario.tables import markdown, rewritten
+
+    if page is None:
+        print(markdown())
+    else:
+        page.write_text(rewritten(page.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 @app.command()

@@ -20,7 +20,8 @@ def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, s
         ScenarioError: With the line of every such robot.
     """
     given = np.array(
-        [not scenario.placements[body.entry].kind.is_random and not body.shape.is_random for body in scenario.bodies]
+        [not scenario.placements[body.entry].kind.is_random and not body.shape.is_random for body in scenario.bodies],
+        np.bool_,
     )
     robots = np.flatnonzero(given & model.movable & (model.role == ROBOT))
     walls = given & ~model.movable

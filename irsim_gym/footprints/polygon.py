@@ -26,6 +26,7 @@ class Polygon:
     random_shape: bool = option(False, meaning="Draw the outline at each reset.")
     is_convex: bool = option(False, meaning="A random outline is convex (the hull of what is drawn).")
     wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; does not move the outline.")
+    number: int = random_outline.NUMBER
     center_range: tuple[float, float, float, float] = random_outline.CENTER_RANGE
     avg_radius_range: tuple[float, float] = random_outline.RADIUS_RANGE
     irregularity_range: tuple[float, float] = random_outline.IRREGULARITY_RANGE

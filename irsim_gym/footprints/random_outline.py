@@ -19,6 +19,7 @@ CENTER_RANGE = option((0.0, 0.0, 0.0, 0.0), unit="m", meaning="Bounds of a rando
 RADIUS_RANGE = option((0.1, 1.0), unit="m", meaning="Bounds of the mean distance of vertices from the centre.")
 IRREGULARITY_RANGE = option((0.0, 1.0), meaning="Bounds of the irregularity of the angles between vertices, 0 to 1.")
 SPIKEYNESS_RANGE = option((0.0, 1.0), meaning="Bounds of the relative deviation of the vertices' distances, 0 to 1.")
+NUMBER = option(1, meaning="Outlines in one body: always 1; the entry's own number makes several bodies.")
 NUM_VERTICES_RANGE = option((4, 10), meaning="Bounds of the number of vertices, the upper one excluded.")
 MOST_VERTICES = 1000
 
@@ -27,6 +28,8 @@ def outline_problems(options: Any) -> Iterator[tuple[str, str]]:
     """Yield key and message of what cannot be in the options of a polygon or linestring."""
     if options.vertices is None and not options.random_shape:
         yield "vertices", "is required unless random_shape is true"
+    if options.number != 1:
+        yield "number", f"a body has one outline: write number: {options.number} beside shape, not in it"
     yield from unordered_ranges(options, "avg_radius_range", least=1e-3)
     yield from unordered_ranges(options, "irregularity_range", "spikeyness_range", least=0.0)
     for key in ("irregularity_range", "spikeyness_range"):

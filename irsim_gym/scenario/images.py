@@ -26,8 +26,8 @@ def image_problem(name: str, scenario_file: str) -> str:
     except (OSError, ValueError):  # too long a name, or one with a null character
         is_there = False
     if not is_there:
-        near = suggestion(name[:40], DOCUMENTED)
-        return f"no image {show(name)}{near or '; known: ' + ', '.join(DOCUMENTED)}, or a file beside the scenario"
+        known = f"; known: {', '.join(DOCUMENTED)}, or a file beside the scenario"
+        return f"no image {show(name)}{suggestion(name[:40], DOCUMENTED) or known}"
     if file.suffix.lower() not in SUFFIXES:
         return f"must be an image ({', '.join(SUFFIXES)}), got {show(name)}"
     return ""

@@ -8,11 +8,26 @@ from dataclasses import dataclass
 from typing import Any
 
 from irsim_gym import families
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.scenario.messages import describe, show
 from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure, WorldPlot
 from irsim_gym.scenario.spec import BodyOptions, KeyboardSpec, MouseSpec, WorldSpec
 from irsim_gym.scenario.validation import is_planned, option_fields
 
+MARKER = "<!-- Below: made by irsim-gym options, from the declarations. Do not edit. -->"
+SPECS: dict[str, type[Any]] = {
+    "world": WorldSpec,
+    "world.plot": WorldPlot,
+    "world.plot.saved_figure": SavedFigure,
+    "robot, obstacle": BodyOptions,
+    "plot": ObjectPlot,
+    "gui.keyboard": KeyboardSpec,
+    "gui.mouse": MouseSpec,
+}
+SUMMARIES = {
+    "robot, obstacle": "The keys of an entry.",
+    "plot": "Drawing options: in an entry for its bodies, at the top of the file for all.",
+}
 _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
 
@@ -65,32 +80,49 @@ def _default(value: Any) -> str:
 
 def option_tables() -> Iterator[tuple[str, tuple[OptionRow, ...]]]:
     """Yield a title and the options of each section, and of each registered kind."""
-    families.load()
-    specs = {
-        "world": WorldSpec,
-        "world.plot": WorldPlot,
-        "world.plot.saved_figure": SavedFigure,
-        "robot, obstacle": BodyOptions,
-        "plot": ObjectPlot,
-        "gui.keyboard": KeyboardSpec,
-        "gui.mouse": MouseSpec,
-    }
-    for title, cls in specs.items():
+    for title, cls in _sections():
         yield title, option_rows(cls)
+
+
+def _sections() -> Iterator[tuple[str, type[Any]]]:
+    """Yield a title and the declaring class of each section, and of each registered kind."""
+    families.load()
+    yield from SPECS.items()
     for registry in families.every():
         for entry in registry:
             remark = " (not supported yet)" if entry.planned else ""
-            yield f"{registry.family} {entry.name}{remark}", option_rows(entry.kind)
+            yield f"{registry.family} {entry.name}{remark}", entry.kind
 
 
 def markdown() -> str:
     """Return all tables as Markdown."""
-    parts = []
-    for title, rows in option_tables():
-        lines = [f"## {title}", "", "| key | default | unit | allowed | meaning |", "|---|---|---|---|---|"]
-        for row in rows:
-            meaning = " ".join(part for part in (row.meaning, row.consequence) if part)
-            meaning += " Not supported yet." if row.is_planned else ""
-            lines.append("| " + " | ".join((f"`{row.key}`", row.default, row.unit, row.allowed, meaning)) + " |")
-        parts.append("\n".join(lines) + "\n")
-    return "\n".join(parts)
+    return "\n".join(_table(title, cls) for title, cls in _sections())
+
+
+def _table(title: str, cls: type[Any]) -> str:
+    summary = " ".join((cls.__doc__ or "").strip().split("\n\n")[0].split())
+    rows = option_rows(cls)
+    lines = [f"### {title}", "", SUMMARIES.get(title, summary), ""]
+    if not rows:
+        return "\n".join([*lines, "No options.", ""])
+    lines += ["| key | default | unit | allowed | meaning | a bad value |", "|---|---|---|---|---|---|"]
+    lines += [_cells(row) for row in rows]
+    return "\n".join([*lines, ""])
+
+
+def _cells(row: OptionRow) -> str:
+    meaning = row.meaning + (" Not supported yet." if row.is_planned else "")
+    cells = (f"`{row.key}`", row.default, row.unit, row.allowed, meaning, row.consequence)
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def rewritten(page: str) -> str:
+    """Return a page with its tables made anew: what follows the marker is replaced, what stands before it is kept.
+
+    Raises:
+        IrsimGymError: The page has no marker.
+    """
+    head, marker, _ = page.partition(MARKER)
+    if not marker:
+        raise IrsimGymError(f"the page has no line '{MARKER}', below which the tables would stand")
+    return f"{head}{MARKER}\n\n{markdown()}"

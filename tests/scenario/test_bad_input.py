@@ -207,6 +207,10 @@ ENTRIES = {
         "1 obstacle.shape.num_vertices_range: must be [low, high] with 3 <= low < high <= 1000 (high is excluded), "
         "got [4, 1000000]",
     ),
+    "number of outlines": (
+        "obstacle:\n  shape:\n    name: polygon\n    random_shape: true\n    number: 3",
+        "5 obstacle.shape.number: a body has one outline: write number: 3 beside shape, not in it",
+    ),
     "state": ("robot: {state: here}", "1 robot.state: must be a list of numbers, got 'here'"),
     "empty state": ("robot: {state: []}", "1 robot.state: must have at least 1 values, got 0"),
     "state with nan": ("robot:\n  state: [1, 2, .nan]", "2 robot.state[2]: must be finite, got nan"),

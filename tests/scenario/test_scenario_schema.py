@@ -39,11 +39,11 @@ LANGUAGE: dict[str, str] = {
     "shape circle": "radius center random_shape radius_range wheelbase",
     "shape rectangle": "length width wheelbase",
     "shape polygon": (
-        "vertices random_shape is_convex center_range avg_radius_range irregularity_range spikeyness_range "
+        "vertices random_shape is_convex number center_range avg_radius_range irregularity_range spikeyness_range "
         "num_vertices_range wheelbase"
     ),
     "shape linestring": (
-        "vertices random_shape is_convex center_range avg_radius_range irregularity_range spikeyness_range "
+        "vertices random_shape is_convex number center_range avg_radius_range irregularity_range spikeyness_range "
         "num_vertices_range wheelbase"
     ),
     "shape compound": "parts",
