@@ -27,29 +27,52 @@ class WorldSpec:
     """The section ``world``."""
 
     name: str = option("world", min_length=1, max_length=200, meaning="Name of the world; by default the file's name.")
-    width: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in x.")
-    height: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in y.")
+    width: float = option(
+        10.0,
+        gt=0.0,
+        le=1e5,
+        unit="m",
+        meaning="Size of the world in x.",
+        consequence="Only pictures, maps, default placements and left_world use it: bodies may leave the world.",
+    )
+    height: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in y.", consequence="As width.")
     step_time: float = option(
         0.1,
         gt=0.0,
         le=100.0,
         unit="s",
         meaning="Duration of a step.",
-        consequence="Coarse steps pass through thin walls.",
+        consequence="Large: bodies jump through thin walls and over small goals. Small: runs take longer.",
     )
-    sample_time: float = option(0.1, gt=0.0, unit="s", meaning="Time between frames, rounded to whole steps.")
-    offset: tuple[Coordinate, Coordinate] = option((0.0, 0.0), unit="m", meaning="Lower left corner of the world.")
+    sample_time: float = option(
+        0.1,
+        gt=0.0,
+        unit="s",
+        meaning="Time between frames, rounded to whole steps.",
+        consequence="Shorter than step_time: every step is a frame.",
+    )
+    offset: tuple[Coordinate, Coordinate] = option(
+        (0.0, 0.0), unit="m", meaning="Lower left corner of the world.", consequence="Given poses do not move with it."
+    )
     control_mode: Literal["auto", "keyboard"] = option(
         "auto", meaning="Who drives in irsim_gym.load; without a keyboard the behaviours do. Learners do not see it."
     )
     collision_mode: Literal["stop", "unobstructed", "unobstructed_obstacles"] = option(
-        "stop", meaning="Who stops at a collision: all, nobody, or robots only."
+        "stop",
+        meaning="Who stops at a collision: all, nobody, or robots only.",
+        consequence="With stop, bodies that touch stand still for good unless one of them is taken away.",
     )
     status: Literal["None", "Running", "Arrived", "Collision", "Pause"] = option(
         "None", meaning="Status text at the beginning; Pause: irsim_gym.load begins paused. Learners do not see it."
     )
     obstacle_map: Any = option(None, meaning="Obstacles from an image or a generator.", planned=True)
-    mdownsample: int = option(1, ge=1, meaning="Keep every n-th cell of the map.", planned=True)
+    mdownsample: int = option(
+        1,
+        ge=1,
+        meaning="Keep every n-th cell of the map.",
+        consequence="Large: thin walls vanish, since cells between are left out.",
+        planned=True,
+    )
     plot: WorldPlot = option(defaults(WorldPlot), meaning="Drawing options of the world.")
     step_mode: Literal["internal", "external"] = option(
         "internal", meaning="Who moves the bodies: the step, or the caller by set_state (external; not for learners)."
@@ -67,7 +90,13 @@ class WorldSpec:
 class BodyOptions:
     """The keys of an entry of ``robot`` or ``obstacle``."""
 
-    number: int = option(1, ge=0, le=MAX_BODIES, meaning="Number of bodies that the entry makes.")
+    number: int = option(
+        1,
+        ge=0,
+        le=MAX_BODIES,
+        meaning="Number of bodies that the entry makes.",
+        consequence="More than find room at random: an error that names the body.",
+    )
     number_range: tuple[int, int] | None = option(
         None, meaning="Each level draws how many bodies there are: least and most; instead of number."
     )
@@ -78,13 +107,20 @@ class BodyOptions:
     kinematics: Any = option(None, meaning="The drive; a body without one never moves.")
     shape: Any = option(None, meaning="The footprint; by default a circle of radius 0.2 m.")
     state: tuple[Coordinate, ...] = option(
-        (0.0, 0.0, 0.0), min_length=1, unit="m, m, rad", meaning="Start pose; missing numbers are 0."
+        (0.0, 0.0, 0.0),
+        min_length=1,
+        unit="m, m, rad",
+        meaning="Start pose; missing numbers are 0.",
+        consequence="Degrees in place of radians turn the body to anywhere.",
     )
     velocity: tuple[float, ...] = option(
         (), unit="m/s or rad/s", meaning="Velocity at the start, in the drive's coordinates; missing numbers are 0."
     )
     goal: tuple[tuple[Coordinate, ...], ...] = option(
-        (), unit="m, m, rad", meaning="[x, y] or [x, y, heading]; several in order need three levels of lists."
+        (),
+        unit="m, m, rad",
+        meaning="[x, y] or [x, y, heading]; several in order need three levels of lists.",
+        consequence="Without a goal a behaviour stands still and the body never arrives.",
     )
     behavior: Any = option(None, meaning="How the body decides; without one it stands still unless an agent drives it.")
     group_behavior: Any = option(None, meaning="How the bodies of a group decide together.")
@@ -92,29 +128,55 @@ class BodyOptions:
     color: str | None = option(None, min_length=1, meaning="Colour; 'cycle' gives each body of the entry its own.")
     static: bool = option(False, meaning="The body never moves.")
     vel_min: tuple[float, ...] | None = option(
-        None, unit="m/s or rad/s", meaning="Least velocities; by default -1 each."
+        None,
+        unit="m/s or rad/s",
+        meaning="Least velocities; by default -1 each.",
+        consequence="Above 0: the body cannot stand still.",
     )
     vel_max: tuple[float, ...] | None = option(
-        None, unit="m/s or rad/s", meaning="Greatest velocities; by default 1 each."
+        None,
+        unit="m/s or rad/s",
+        meaning="Greatest velocities; by default 1 each.",
+        consequence="For acker the second one is the largest steering angle in rad: near pi/2 the car spins.",
     )
     acce: tuple[Limit, ...] | None = option(
-        None, unit="m/s2 or rad/s2", meaning="Greatest change of each velocity per second; by default no limit (.inf)."
+        None,
+        unit="m/s2 or rad/s2",
+        meaning="Greatest change of each velocity per second; by default no limit (.inf).",
+        consequence="Small: it cannot brake in time and overshoots its goal.",
     )
     angle_range: tuple[float, float] = option(
         (-np.pi, np.pi), unit="rad", meaning="Interval that headings wrap into; 2 pi wide."
     )
-    goal_threshold: float = option(0.1, ge=0.0, unit="m", meaning="The goal is reached when it is nearer than this.")
+    goal_threshold: float = option(
+        0.1,
+        ge=0.0,
+        unit="m",
+        meaning="The goal is reached when it is nearer than this.",
+        consequence="Smaller than half the way of a step: the goal may be jumped over; 0 is never reached.",
+    )
     sensors: Any = option(None, meaning="List of sensors.")
-    arrive_mode: Literal["position", "state"] = option("position", meaning="What must match the goal on arrival.")
+    arrive_mode: Literal["position", "state"] = option(
+        "position",
+        meaning="What must match the goal on arrival.",
+        consequence="state adds metres and radians: dash, which does not turn at the goal, seldom arrives.",
+    )
     description: str | None = option(
         None,
         min_length=1,
         meaning="Image of the body: a documented name, a file beside the scenario, or an absolute path; "
         "it is checked, and for the time being the outline is drawn.",
     )
-    group: int | None = option(None, ge=0, meaning="Number of the group; by default one per entry.")
+    group: int | None = option(
+        None,
+        ge=0,
+        meaning="Number of the group; by default one per entry.",
+        consequence="One number for robots of several entries: a group_behavior steers them together.",
+    )
     group_name: str | None = option(None, min_length=1, meaning="Name of the group; by default role_group.")
-    unobstructed: bool = option(False, meaning="Collisions and sensors ignore the body.")
+    unobstructed: bool = option(
+        False, meaning="Collisions and sensors ignore the body.", consequence="It drives through everything."
+    )
     plot: ObjectPlot = option(defaults(ObjectPlot), meaning="Drawing options of the body.")
     state_dim: int | None = option(None, ge=1, meaning="Number of state variables; checked against the drive.")
     vel_dim: int | None = option(None, ge=1, meaning="Number of velocities; checked against the drive.")
@@ -132,7 +194,9 @@ class KeyboardSpec:
 
     backend: Literal["pynput", "mpl"] = option("pynput", meaning="Where key presses come from.")
     global_hook: bool = option(False, meaning="Listen to keys while another window has the focus.")
-    key_lv_max: float = option(3.0, ge=0.0, unit="m/s", meaning="Speed while a key is held.")
+    key_lv_max: float = option(
+        3.0, ge=0.0, unit="m/s", meaning="Speed while a key is held.", consequence="Above vel_max it has no effect."
+    )
     key_ang_max: float = option(1.0, ge=0.0, unit="rad/s", meaning="Turn rate while a key is held.")
     key_lv: float = option(0.0, unit="m/s", meaning="Speed at the beginning.")
     key_ang: float = option(0.0, unit="rad/s", meaning="Turn rate at the beginning.")

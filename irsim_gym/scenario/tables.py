@@ -28,6 +28,14 @@ SUMMARIES = {
     "robot, obstacle": "The keys of an entry.",
     "plot": "Drawing options: in an entry for its bodies, at the top of the file for all.",
 }
+_NAMED = "a mapping with a name, as below"
+ALLOWED = {
+    **dict.fromkeys(("distribution", "kinematics", "shape", "behavior", "group_behavior"), _NAMED),
+    "sensors": "a list of mappings with a name, as below",
+    "goal": "a list of 2 or 3 numbers, or lists of them",
+    "obstacle_map": "a file, a mapping with a name, or a list of rows",
+    "state": "a list of up to 4 numbers",
+}
 _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
 
@@ -66,7 +74,7 @@ def option_rows(cls: type[Any]) -> tuple[OptionRow, ...]:
             if hasattr(item, name)
         ]
         default = "required" if info.is_required() else _default(info.default)
-        allowed = ", ".join([describe(info.annotation), *bounds])
+        allowed = ", ".join([ALLOWED.get(key, describe(info.annotation)), *bounds])
         texts = str(extra.get("unit", "")), allowed, str(info.description or ""), str(extra.get("consequence", ""))
         rows.append(OptionRow(key, default, *texts, is_planned(info)))
     return tuple(rows)

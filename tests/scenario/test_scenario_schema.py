@@ -187,8 +187,7 @@ def test_every_option_has_a_meaning() -> None:
 
 def test_tables_as_markdown() -> None:
     text = markdown()
-    assert "| `radius` | 0.2 | m | a number, > 0 | Radius. |" in text
-    assert all(line.count(" | ") == 4 for line in text.splitlines() if line.startswith("| `"))
+    assert "| `radius` | 0.2 | m | a number, > 0 | Radius. |  |" in text
 
 
 def test_the_package_reads_without_compiling() -> None:

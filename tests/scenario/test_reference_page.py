@@ -1,0 +1,94 @@
+"""configs/README.md: its tables are those of the declarations, its example runs; notes on values that are seldom meant."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from irsim_gym.cli import app
+from irsim_gym.engine import compile
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.scenario import Scenario, load_scenario
+from irsim_gym.scenario.library import configs_folder
+from irsim_gym.scenario.notes import notes
+from irsim_gym.scenario.tables import MARKER, rewritten
+
+PAGE = configs_folder() / "README.md"
+Load = Callable[[str], Scenario]
+
+
+def test_the_page_is_up_to_date() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    assert rewritten(text) == text, "run: irsim-gym options configs/README.md"
+
+
+def test_the_command_makes_the_tables_anew(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(f"# Mine\n\n{MARKER}\n\nof last year", encoding="utf-8")
+    assert CliRunner().invoke(app, ["options", str(page)]).exit_code == 0
+    text = page.read_text(encoding="utf-8")
+    assert text.startswith(f"# Mine\n\n{MARKER}\n\n### world\n")
+    assert "of last year" not in text
+    assert CliRunner().invoke(app, ["options"]).output.startswith("### world\n")
+    with pytest.raises(IrsimGymError, match="no line '<!-- Below"):
+        rewritten("# Mine")
+
+
+def test_the_example_of_the_page_runs() -> None:
+    (example,) = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    assert len(example.splitlines()) <= 20
+    simulation = compile(load_scenario(yaml.safe_load(example)))
+    simulation.reset(seed=0)
+    simulation.step()
+    assert len(simulation.scenario.bodies) == 8
+
+
+def test_each_row_has_all_cells() -> None:
+    rows = [line for line in PAGE.read_text(encoding="utf-8").split(MARKER)[1].splitlines() if line.startswith("| `")]
+    assert len(rows) > 200
+    assert {len(re.split(r"(?<!\\)\|", row)) for row in rows} == {8}
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("world:\n  step_time: 2", 2, "long step"),
+        ("robot:\n  - {}\n  - {state: [1, 2, 90]}", 3, "a heading of 90 is more than a turn"),
+        ("robot:\n  kinematics: {name: diff}\n  goal: [1, 2, 180]", 1, "a heading of 180"),
+        ("robot: {fov: 120, fov_radius: 3}", 1, "fov of 120"),
+        ("robot: {sensors: [{angle_range: 270}]}", 1, "angle_range of 270"),
+        (
+            "robot: {kinematics: {name: diff}, vel_max: [3, 1], goal: [5, 5]}",
+            1,
+            "may jump over a goal_threshold of 0.1",
+        ),
+        ("robot: {kinematics: {name: diff}, behavior: {name: dash}}", 1, "no goal"),
+    ],
+)
+def test_values_that_are_seldom_meant_are_noted(text: str, line: int, words: str, load: Load) -> None:
+    (note,) = notes(load(text))
+    assert note.line == line
+    assert words in note.message
+
+
+def test_nothing_is_noted_in_an_ordinary_file(load: Load) -> None:
+    text = (
+        "robot: {kinematics: {name: diff}, state: [1, 1, 3.2], goal: [5, 5, -pi], behavior: {name: dash},\n"
+        "  sensors: [{angle_range: 6.2832}]}\n"
+        "obstacle: {kinematics: {name: diff}, behavior: {name: dash, wander: true}}"
+    )
+    assert notes(load(text)) == ()
+    assert notes(load_scenario("cluttered_room")) == ()
+
+
+def test_check_prints_notes_below_a_file_that_is_fine(tmp_path: Path) -> None:
+    file = tmp_path / "slow.yaml"
+    file.write_text("world:\n  step_time: 2\n", encoding="utf-8")
+    done = CliRunner().invoke(app, ["check", str(file)])
+    assert done.exit_code == 0
+    assert f"{file}:2   world.step_time: 2 s is a long step" in done.output
