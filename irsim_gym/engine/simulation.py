@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from irsim_gym import rng
-from irsim_gym.arraytypes import Floats, Ints, Words
-from irsim_gym.engine import buckets, contact, outlines, restart
+from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.engine import buckets, contact, field_of_view, outlines, restart
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.step import Orders, advance, refresh
@@ -112,6 +112,26 @@ class Simulation:
         group, member = self._range_sensor(body, index)
         points: Floats | None = group.kind.points(group, member, world)
         return points
+
+    def detected(self, body: int, worlds: Ints | None = None) -> Flags:
+        """Return which bodies are in a body's field of view now, shape ``(n_worlds, n_bodies)``.
+
+        Other bodies count as discs, see ``engine/field_of_view.py``; nothing hides what is behind it.
+
+        Args:
+            body: The one that looks.
+            worlds: The worlds to look at, all by default; the rows of the others are False.
+
+        Raises:
+            UnknownNameError: The body has no field of view.
+        """
+        spec = self.scenario.bodies[body]
+        if spec.fov is None or spec.fov_radius is None:
+            raise UnknownNameError(f"'{self.parts.names[body]}' has no field of view: give it fov and fov_radius")
+        found = np.zeros(self.model.present.shape, np.bool_)
+        chosen = np.arange(self.n_worlds, dtype=np.int64) if worlds is None else np.asarray(worlds, np.int64)
+        field_of_view.detect(chosen, body, spec.fov, spec.fov_radius, self.model, self.state, found)
+        return found
 
     def _range_sensor(self, body: int, index: int) -> tuple[Group, int]:
         found = self.scan(body, index)

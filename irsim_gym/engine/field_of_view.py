@@ -1,0 +1,76 @@
+"""Which bodies are in a body's field of view: a sector of some width and depth, without anything in the way."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.engine.measures import measure_bodies
+from irsim_gym.jit import kernel
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+def detect(
+    worlds: Ints, body: int, fov: float, depth: float, model: WorldModel, state: WorldState, detected: Flags
+) -> None:
+    """Write who is in a body's field of view.
+
+    Bodies count as the discs around their origins that have the size of the least circle around their footprint.
+    Unobstructed bodies are detected too; absent ones, the occupancy map and the body itself are not. Nothing hides
+    what lies behind it.
+
+    Args:
+        worlds: The worlds to treat.
+        body: The one that looks.
+        fov: Width of the sector about its heading [rad].
+        depth: Radius of the sector [m].
+        model: The constants.
+        state: The moment.
+        detected: Written, shape ``(n_worlds, n_bodies)``.
+    """
+    radius, centroid = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)
+    measure_bodies(
+        worlds if len(radius) > 1 else np.zeros(1, np.int64),
+        np.arange(model.present.shape[1], dtype=np.int64),
+        model.solid,
+        model.segment_start,
+        model.segment_count,
+        model.local_segments,
+        model.disc_start,
+        model.disc_count,
+        model.local_discs,
+        radius,
+        centroid,
+    )
+    find_in_sector(worlds, body, fov, depth, model.map_frame, model.present, state.pose, radius, detected)
+
+
+@kernel
+def find_in_sector(
+    worlds: Ints,
+    body: int,
+    fov: float,
+    depth: float,
+    map_frame: Floats,
+    present: Flags,
+    pose: Floats,
+    radius: Floats,
+    detected: Flags,
+) -> None:
+    """Write which discs reach into a sector."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        x, y, heading = pose[w, body, 0], pose[w, body, 1], pose[w, body, 2]
+        for b in range(present.shape[1]):
+            detected[w, b] = False
+            if b == body or b == int(map_frame[4]) or not present[w, b] or not present[w, body]:
+                continue
+            dx, dy, size = pose[w, b, 0] - x, pose[w, b, 1] - y, radius[w % radius.shape[0], b]
+            distance = np.sqrt(dx * dx + dy * dy)
+            if distance - size > depth:
+                continue
+            half_width = np.arcsin(size / distance) if size < distance else 0.5 * np.pi
+            turn = np.arctan2(dy, dx) - heading
+            bearing = abs(turn - 2.0 * np.pi * np.floor((turn + np.pi) / (2.0 * np.pi)))
+            detected[w, b] = bearing - half_width <= 0.5 * fov
