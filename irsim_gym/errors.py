@@ -56,6 +56,17 @@ class UnknownNameError(IrsimGymError, KeyError):
         return str(self.args[0])
 
 
+class OptionError(IrsimGymError, ValueError):
+    """An option of a kind that cannot be used; whoever reads the file tells it with its line."""
+
+    def __init__(self, key: str, message: str) -> None:
+        self.key = key
+        super().__init__(message)
+
+    def __reduce__(self) -> tuple[type[OptionError], tuple[str, str]]:
+        return type(self), (self.key, str(self))
+
+
 class PlacementError(IrsimGymError, RuntimeError):
     """A level could not be drawn within the allowed number of tries."""
 

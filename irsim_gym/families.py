@@ -12,12 +12,13 @@ GROUP_BEHAVIORS = Registry("group behavior")
 FOOTPRINTS = Registry("shape")
 PLACEMENTS = Registry("distribution")
 SENSORS = Registry("sensor")
+MAPS = Registry("obstacle map")
 ACTIONS = Registry("action")
 OBSERVATIONS = Registry("observation")
 REWARDS = Registry("reward")
 ENDINGS = Registry("ending")
 
-_PACKAGES = ("kinematics", "behaviors", "footprints", "placements", "sensors", "tasks")
+_PACKAGES = ("kinematics", "behaviors", "footprints", "placements", "sensors", "maps", "tasks")
 
 
 def load() -> None:
@@ -35,6 +36,7 @@ def every() -> tuple[Registry, ...]:
         FOOTPRINTS,
         PLACEMENTS,
         SENSORS,
+        MAPS,
         ACTIONS,
         OBSERVATIONS,
         REWARDS,

@@ -34,6 +34,7 @@ ALLOWED: dict[str, set[str]] = {
     "footprints": KIND | {"shapely"},
     "placements": KIND | {"paths"},
     "sensors": KIND,
+    "maps": {"scenario.options", "world", "PIL"},
     "paths": {"jit", "geometry", "world"},
     "engine": {"scenario", "world", "geometry", "paths", "jit", "rng"},
     "tasks": {"engine", "world", "scenario", "paths", "jit", "rng", "pydantic", "pydantic_core"},
@@ -47,7 +48,7 @@ ALLOWED: dict[str, set[str]] = {
 COMPOSERS = {"training", "cli", "__init__"}
 ONLY_FILE = {"pettingzoo": "envs/parallel.py", "stable_baselines3": "envs/sb3.py"}
 # These are slow to load: outside the places named here they are imported inside functions.
-HEAVY = {"numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3", "shapely", "moviepy", "imageio", "rich"}
+HEAVY = {"numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3", "shapely", "moviepy", "imageio", "rich", "PIL"}
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
 RENDER_FROM = {"envs", "training", "cli"}
 
@@ -383,7 +384,7 @@ def _changes(module: Module, tables: set[str]) -> Iterator[tuple[str, int]]:
 
 
 def test_a_family_only_lists_its_kinds() -> None:
-    families = {"kinematics", "behaviors", "footprints", "placements", "sensors"}
+    families = {"kinematics", "behaviors", "footprints", "placements", "sensors", "maps"}
     families |= {f"tasks/{name}" for name in ("actions", "observations", "rewards", "endings")}
     problems = []
     for module in modules():

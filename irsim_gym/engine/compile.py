@@ -11,6 +11,7 @@ from irsim_gym.engine.checks import refuse_blocked_starts
 from irsim_gym.engine.collect import collect_parts
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
+from irsim_gym.geometry.cells import find_free_squares
 from irsim_gym.scenario.spec import BodySpec, Scenario
 from irsim_gym.world.model import (
     KEEP_GOAL,
@@ -69,8 +70,8 @@ def compile(
         "segment": sum(len(outline.segments) for outline in outlines),
         "disc": sum(len(outline.discs) for outline in outlines),
         "bucket": buckets.n_buckets(len(scenario.bodies)),
-        "map_column": 1,
-        "map_row": 1,
+        "map_column": 1 if scenario.occupied is None else scenario.occupied.shape[0],
+        "map_row": 1 if scenario.occupied is None else scenario.occupied.shape[1],
         "waypoint": 1 + max((len(body.goal) for body in scenario.bodies), default=1),
     }
     is_random = any(body.shape.is_random for body in scenario.bodies)
@@ -82,6 +83,7 @@ def compile(
         _write_motion(b, body, model)
         model.driven[b] = body.behavior is not None or body.group_behavior is not None or b in agents
         _write_goals(b, body, scenario, model, is_agent=b in agents)
+    _hide_map(model)
     model.stands[:] = ~(model.movable & model.driven)
     buckets.lay_out(model, np.array([body.shape.is_random for body in scenario.bodies], np.bool_))
     shards = Shards(n_worlds, num_threads)
@@ -99,7 +101,17 @@ def _write_world(scenario: Scenario, model: WorldModel) -> None:
     model.collision_mode[0] = COLLISION_MODES[world.collision_mode]
     model.present[:] = True
     model.static_partner[:] = -1
-    model.map_frame[4] = -1
+    model.map_frame[:] = [x, y, world.width, world.height, -1]
+    if scenario.occupied is not None:
+        columns, rows = scenario.occupied.shape
+        model.map_frame[2:] = [world.width / columns, world.height / rows, len(scenario.bodies) - 1]
+        find_free_squares(scenario.occupied, model.map_squares)
+
+
+def _hide_map(model: WorldModel) -> None:
+    """Keep the map's body out of what looks at outlines: it has none, and its cells are asked for apart."""
+    if model.cells is not None:
+        model.unobstructed[-1] = True
 
 
 def _write_outlines(outlines: Sequence[Outline], model: WorldModel) -> None:

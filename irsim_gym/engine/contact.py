@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
+from irsim_gym.engine.cell_contact import find_cell_contacts, measure_cell_clearance
 from irsim_gym.geometry.overlap import outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
@@ -19,6 +20,8 @@ def find(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> No
     worlds, outline = shard.worlds, _outline(model, state)
     begin_contacts(worlds, model.static_partner, state.collided, state.hit)
     find_contacts(worlds, movers, model.movable, *outline, state.pose, state.collided, state.hit)
+    if (cells := model.cells) is not None:
+        touch_cells(movers, cells, model, state, shard)
     stop_bodies(worlds, movers, model.collision_mode, model.role, state.collided, state.stopped)
 
 
@@ -27,7 +30,17 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
     worlds, outline = shard.worlds, _outline(model, state)
     state.hit[worlds] = NOBODY
     find_contacts(worlds, bodies, model.movable, *outline, state.pose, state.collided, state.hit)
+    if (cells := model.cells) is not None:
+        touch_cells(bodies, cells, model, state, shard)
     model.static_partner[worlds] = state.hit[worlds]
+
+
+def touch_cells(bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Add the contacts of ``bodies`` with the obstacle map."""
+    present, unobstructed, solid, _, *tables = _outline(model, state)
+    find_cell_contacts(
+        shard.worlds, bodies, cells, present, unobstructed, solid, *tables, state.collided, state.hit
+    )
 
 
 def _outline(model: WorldModel, state: WorldState) -> OutlineTables:
@@ -142,6 +155,9 @@ def clearance(
         distance: Written, [m], shape ``(n_worlds, n_bodies)``; ``limit`` where nothing else is present.
     """
     measure_clearance(shard.worlds, bodies, limit, *_outline(model, state), state.pose, distance)
+    if (cells := model.cells) is not None:
+        present, _, solid, _, *tables = _outline(model, state)
+        measure_cell_clearance(shard.worlds, bodies, cells, present, solid, *tables, distance)
 
 
 @kernel

@@ -6,12 +6,13 @@ import math
 from dataclasses import replace
 from typing import Any
 
-from irsim_gym.families import FOOTPRINTS, KINEMATICS
+from irsim_gym.families import FOOTPRINTS, KINEMATICS, PLACEMENTS
 from irsim_gym.scenario import checks
 from irsim_gym.scenario.entries import FIELDS, OBSTACLE, OF_ENTRY, Entry
-from irsim_gym.scenario.plot_spec import CAR_COLOR, CYCLE, OBSTACLE_COLOR, ROBOT_COLOR
+from irsim_gym.scenario.options import defaults
+from irsim_gym.scenario.plot_spec import CAR_COLOR, CYCLE, OBSTACLE_COLOR, ROBOT_COLOR, ObjectPlot
 from irsim_gym.scenario.source import Place
-from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Waypoint
+from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Waypoint, WorldSpec
 from irsim_gym.scenario.validation import BAD, Report
 
 
@@ -120,3 +121,46 @@ def placement_of(entry: Entry, first: int, report: Report) -> PlacementSpec:
     members = tuple(range(first, first + entry.count))
     role: Any = entry.raw.role
     return PlacementSpec(members, entry.placement, entry.number_range, role, report.source.line(entry.raw.place))
+
+
+def with_map(
+    world: WorldSpec, bodies: tuple[BodySpec, ...], placements: tuple[PlacementSpec, ...], line: int
+) -> tuple[tuple[BodySpec, ...], tuple[PlacementSpec, ...]]:
+    """Return bodies and placements with the obstacle map as the last body: a fixed obstacle in a group of its own."""
+    names, number = {body.name for body in bodies}, len(bodies)
+    name = f"{OBSTACLE}_{number}"
+    while name in names:
+        name += "_map"
+    group = 1 + max((body.group for body in bodies), default=-1)
+    body = BodySpec(
+        name=name,
+        role="obstacle",
+        entry=len(placements),
+        line=line,
+        kinematics=None,
+        shape=world.obstacle_map,
+        behavior=None,
+        group_behavior=None,
+        sensors=(),
+        state=(0.0, 0.0, 0.0),
+        steering=0.0,
+        goal=(),
+        velocity=(0.0, 0.0),
+        vel_min=(-1.0, -1.0),
+        vel_max=(1.0, 1.0),
+        acce=(math.inf, math.inf),
+        angle_range=(-math.pi, math.pi),
+        goal_threshold=0.1,
+        arrive_mode="position",
+        static=True,
+        unobstructed=False,
+        group=group,
+        group_name=f"{OBSTACLE}_{group}",
+        color=OBSTACLE_COLOR,
+        description=None,
+        fov=None,
+        fov_radius=None,
+        plot=defaults(ObjectPlot),
+    )
+    placement = PlacementSpec((number,), PLACEMENTS.entry("manual").kind(), None, "obstacle", line)
+    return (*bodies, body), (*placements, placement)

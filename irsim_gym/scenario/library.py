@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from irsim_gym.errors import UnknownNameError, suggestion
 
@@ -23,6 +25,12 @@ def names(section: str = "scenarios") -> dict[str, Path]:
     folder = configs_folder() / section
     files = sorted(folder.iterdir()) if folder.is_dir() else []
     return {file.stem: file for file in files if file.suffix in SUFFIXES}
+
+
+@functools.cache
+def maps() -> Mapping[str, Path]:
+    """Return the shipped obstacle maps by file name, in alphabetical order."""
+    return MappingProxyType({file.name: file for file in sorted((configs_folder() / "maps").glob("*.png"))})
 
 
 def scenario_names() -> tuple[str, ...]:

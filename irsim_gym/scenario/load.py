@@ -9,14 +9,15 @@ from typing import Any
 from irsim_gym import families
 from irsim_gym.errors import ScenarioError, suggestion
 from irsim_gym.scenario import library
-from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of
+from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of, with_map
 from irsim_gym.scenario.entries import read_entry
+from irsim_gym.scenario.map_cells import read_cells, read_map
 from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, show, unknown_key
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import ROLES, SECTIONS, WRAPPER, split_entries, split_sections
 from irsim_gym.scenario.source import Place, Source, read_file, read_mapping
 from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, GuiSpec, PlacementSpec, Scenario, WorldSpec
-from irsim_gym.scenario.validation import Report, build
+from irsim_gym.scenario.validation import BAD, Report, build
 
 
 def load_scenario(scenario: str | Path | Mapping[str, Any]) -> Scenario:
@@ -54,12 +55,16 @@ def read_scenario(source: Source) -> Scenario:
     task = _task(sections.get("task"), (*roots.get("task", ()), "task"), report)
     bodies, placements = _bodies(sections, roots, report)
     _check_viewpoint(world, bodies, (*roots.get("world", ()), "world", "plot", "viewpoint"), report)
+    map_place = (*roots.get("world", ()), "world", "obstacle_map")
+    occupied = read_cells(world, map_place, source, report) if world is not None else None
+    if world is not None and occupied is not None:
+        bodies, placements = with_map(world, bodies, placements, source.line(map_place))
     if report.problems:
         raise ScenarioError(source.title, list(report.problems))
     assert world is not None
     assert gui is not None
     custom = sections.get("custom")
-    return Scenario(world.name, source.file, world, bodies, placements, gui, task, custom, source, roots)
+    return Scenario(world.name, source.file, world, bodies, placements, gui, task, custom, source, roots, occupied)
 
 
 def _world(data: Any, place: Place, source: Source, report: Report) -> WorldSpec | None:
@@ -72,6 +77,9 @@ def _world(data: Any, place: Place, source: Source, report: Report) -> WorldSpec
             data = {**data, "name": Path(source.file).name.split(".")[0] or "world"}
     elif data is None and source.file:
         data = {"name": Path(source.file).name.split(".")[0] or "world"}
+    if isinstance(data, Mapping) and data.get("obstacle_map") is not None:
+        made = read_map(data["obstacle_map"], (*place, "obstacle_map"), report)
+        data = {**data, "obstacle_map": None if made is BAD else made}
     return build(WorldSpec, data, place, report, contact=CONTACT_KEYS["world"])
 
 

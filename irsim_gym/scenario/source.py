@@ -126,6 +126,8 @@ def _plain(value: Any, place: Place, problems: list[Problem], budget: list[int])
         raise ScenarioError("the given mapping", [Problem(0, dotted(place[:3]), limit)])
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
+        if place[-1:] == ("obstacle_map",):
+            return value  # the cells of a map are many, and plain already
     if isinstance(value, Mapping):
         return _plain_mapping(value, place, problems, budget)
     if isinstance(value, list | tuple):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import AllowInfNan, Field
 
 from irsim_gym.errors import Problem
@@ -65,21 +66,19 @@ class WorldSpec:
     status: Literal["None", "Running", "Arrived", "Collision", "Pause"] = option(
         "None", meaning="Status text at the beginning; Pause: irsim_gym.load begins paused. Learners do not see it."
     )
-    obstacle_map: Any = option(None, meaning="Obstacles from an image or a generator.", planned=True)
+    obstacle_map: Any = option(
+        None, meaning="Occupied cells, stretched over the world: a picture's name, or a mapping with the name of a kind."
+    )
     mdownsample: int = option(
-        1,
-        ge=1,
-        meaning="Keep every n-th cell of the map.",
-        consequence="Large: thin walls vanish, since cells between are left out.",
-        planned=True,
+        1, ge=1, meaning="Keep every n-th column and row of the map.", consequence="Walls thinner than that may vanish."
     )
     plot: WorldPlot = option(defaults(WorldPlot), meaning="Drawing options of the world.")
     step_mode: Literal["internal", "external"] = option(
         "internal", meaning="Who moves the bodies: the step, or the caller by set_state (external; not for learners)."
     )
-    fog_map: bool = option(False, meaning="Keep a map of what was explored.", planned=True)
+    fog_map: bool = option(False, meaning="Keep a map of what the robots have seen; it changes nothing else.")
     fog_map_resolution: float | None = option(
-        None, gt=0.0, unit="m", meaning="Cell size of the map of what was explored.", planned=True
+        None, gt=0.0, unit="m", meaning="Side of its cells; by default the width of those of obstacle_map, else 0.1 m."
     )
     update: Literal["sequential", "simultaneous"] = option(
         "sequential", meaning="Bodies see earlier ones already moved, or all as they stood."
@@ -318,6 +317,8 @@ class Scenario:
         custom: The section ``custom``, untouched.
         source: The data it was read from, with lines.
         root: Path of the wrapper key around all sections; empty without one.
+        occupied: Occupied cells of the obstacle map, shape ``(columns, rows)``, columns from the left and rows from the
+            bottom; None without a map, which is the last body otherwise.
     """
 
     name: str
@@ -330,6 +331,7 @@ class Scenario:
     custom: Any
     source: Source = field(repr=False, compare=False)
     root: Mapping[str, Place] = field(repr=False, compare=False, default_factory=dict)
+    occupied: NDArray[np.bool_] | None = field(repr=False, compare=False, default=None)
 
     @property
     def robots(self) -> tuple[int, ...]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Words
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Words
 from irsim_gym.world.arrays import Arrays, column
 
 ROBOT, OBSTACLE = 0, 1
@@ -69,3 +69,8 @@ class WorldModel(Arrays):
     waypoints: Floats = column("world body waypoint 3", np.float64, "m, m, rad", "goals in order; NaN heading: any")
     waypoint_count: Ints = column("world body", np.int64, "", "number of goals")
     static_partner: Ints = column("world body", np.int64, "", "a static body that a static body touches, -1 for none")
+
+    @property
+    def cells(self) -> CellMap | None:
+        """The occupancy map as ``geometry.cells`` takes it: frame and free squares; None without one."""
+        return (self.map_frame, self.map_squares) if self.map_frame[4] >= 0.0 else None

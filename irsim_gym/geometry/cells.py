@@ -1,0 +1,277 @@
+"""An occupancy map: which of many equal rectangles are occupied, and what touches or sees them.
+
+A map is a pair of arrays: ``frame`` holds x and y of the lower left corner, width and height of a cell [m] (and the
+map's body, which nothing here reads); ``squares[quadrant, i, j]`` holds for the cell in column i (from the left) and
+row j (from the bottom) the side, in cells, of the largest free square that has this cell in its corner and grows into
+the quadrant: 0 to the upper right, 1 to the upper left, 2 to the lower right, 3 to the lower left. It is 0 where the
+cell is occupied and at most 255. What lies outside of the map is free.
+
+Cells are closed sets, so touching one is overlapping it. A world without a map has None in place of the pair: kernels
+are compiled for either, and those for None hold nothing of what is here.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats
+from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.geometry.segments import point_segment_distance2, side
+from irsim_gym.jit import kernel
+
+LARGEST = 255
+SLACK = 1e-9
+"""How much farther than needed cells are looked for [cells], so that rounding loses none; an exact test follows."""
+
+
+@kernel
+def find_free_squares(occupied: Flags, squares: Bytes) -> None:
+    """Write the sides of the largest free squares, by the recurrence 1 + min of three neighbours.
+
+    Args:
+        occupied: Occupied cells, shape ``(columns, rows)``.
+        squares: Written: sides [cells], shape ``(4, columns, rows)``.
+    """
+    columns, rows = occupied.shape
+    for quadrant in range(4):
+        step_x, step_y = 1 - 2 * (quadrant % 2), 1 - 2 * (quadrant // 2)
+        for a in range(columns):
+            i = columns - 1 - a if step_x > 0 else a
+            for b in range(rows):
+                j = rows - 1 - b if step_y > 0 else b
+                if occupied[i, j]:
+                    squares[quadrant, i, j] = 0
+                    continue
+                beside = int(squares[quadrant, i + step_x, j]) if a > 0 else LARGEST
+                above = int(squares[quadrant, i, j + step_y]) if b > 0 else LARGEST
+                across = int(squares[quadrant, i + step_x, j + step_y]) if a > 0 and b > 0 else LARGEST
+                squares[quadrant, i, j] = min(1 + min(beside, above, across), LARGEST)
+
+
+@kernel
+def box_is_free(squares: Bytes, first_i: int, first_j: int, last_i: int, last_j: int) -> bool:
+    """Return True if free squares of the quickest tiling show that a box of cells is free; False proves nothing."""
+    width, height = last_i - first_i + 1, last_j - first_j + 1
+    if width <= height:
+        j = first_j
+        while j <= last_j:
+            free = int(squares[0, first_i, j])
+            if free < width:
+                return False
+            j += free
+        return True
+    i = first_i
+    while i <= last_i:
+        free = int(squares[0, i, first_j])
+        if free < height:
+            return False
+        i += free
+    return True
+
+
+@kernel
+def cell_range(low: float, high: float, origin: float, cell: float, count: int) -> tuple[int, int]:
+    """Return the first and the last of ``count`` cells that touch an interval [m]; none if last < first."""
+    first = max(np.ceil((low - origin) / cell - SLACK) - 1.0, 0.0)
+    last = min(np.floor((high - origin) / cell + SLACK), count - 1.0)
+    if first > last:
+        return 0, -1
+    return int(first), int(last)
+
+
+@kernel
+def strip_rows(
+    ax: float, ay: float, bx: float, by: float, reach: float, i: int, frame: Floats, rows: int
+) -> tuple[int, int]:
+    """Return the first and last row of column i that come within ``reach`` [m] of the segment ab, or some more."""
+    low, high = min(ay, by), max(ay, by)
+    dx = bx - ax
+    if dx != 0.0:
+        left, right = frame[0] + i * frame[2] - reach, frame[0] + (i + 1) * frame[2] + reach
+        enter, leave = (left - ax) / dx, (right - ax) / dx
+        enter, leave = min(max(min(enter, leave), 0.0), 1.0), max(min(max(enter, leave), 1.0), 0.0)
+        y_enter, y_leave = ay + enter * (by - ay), ay + leave * (by - ay)
+        low, high = min(y_enter, y_leave), max(y_enter, y_leave)
+    return cell_range(low - reach, high + reach, frame[1], frame[3], rows)
+
+
+@kernel
+def segment_box_distance2(
+    ax: float, ay: float, bx: float, by: float, left: float, low: float, right: float, high: float
+) -> float:
+    """Return the squared distance [m2] between the segment ab, which may be a point, and an upright box."""
+    if max(ax, bx) >= left and min(ax, bx) <= right and max(ay, by) >= low and min(ay, by) <= high:
+        one, two = side(ax, ay, bx, by, left, low), side(ax, ay, bx, by, right, low)
+        three, four = side(ax, ay, bx, by, right, high), side(ax, ay, bx, by, left, high)
+        if min(one, two, three, four) <= 0.0 and max(one, two, three, four) >= 0.0:
+            return 0.0
+    best = min(
+        point_segment_distance2(left, low, ax, ay, bx, by),
+        point_segment_distance2(right, low, ax, ay, bx, by),
+        point_segment_distance2(right, high, ax, ay, bx, by),
+        point_segment_distance2(left, high, ax, ay, bx, by),
+    )
+    gap_x, gap_y = max(left - ax, ax - right, 0.0), max(low - ay, ay - high, 0.0)
+    best = min(best, gap_x * gap_x + gap_y * gap_y)
+    gap_x, gap_y = max(left - bx, bx - right, 0.0), max(low - by, by - high, 0.0)
+    return min(best, gap_x * gap_x + gap_y * gap_y)
+
+
+@kernel
+def nearest_cell2(
+    frame: Floats, squares: Bytes, ax: float, ay: float, bx: float, by: float, reach: float, enough: float
+) -> float:
+    """Return the squared distance [m2] of the segment ab from the occupied cells, inf if none is near.
+
+    Args:
+        frame: See the module.
+        squares: See the module.
+        ax: First end [m], as ``ay``, ``bx``, ``by``.
+        ay: See ``ax``.
+        bx: See ``ax``.
+        by: See ``ax``.
+        reach: Cells farther away than this [m] may be left out.
+        enough: A distance [m2] at or below which any is as good as the least.
+    """
+    best = np.inf
+    columns, rows = squares.shape[1], squares.shape[2]
+    first_i, last_i = cell_range(min(ax, bx) - reach, max(ax, bx) + reach, frame[0], frame[2], columns)
+    first_j, last_j = cell_range(min(ay, by) - reach, max(ay, by) + reach, frame[1], frame[3], rows)
+    if last_i < first_i or last_j < first_j or box_is_free(squares, first_i, first_j, last_i, last_j):
+        return best
+    for i in range(first_i, last_i + 1):
+        left, right = frame[0] + i * frame[2], frame[0] + (i + 1) * frame[2]
+        aside = max(left - max(ax, bx), min(ax, bx) - right, 0.0)
+        j, last = strip_rows(ax, ay, bx, by, reach, i, frame, rows)
+        while j <= last:
+            if squares[0, i, j] > 0:
+                j += int(squares[0, i, j])
+                continue
+            low, high = frame[1] + j * frame[3], frame[1] + (j + 1) * frame[3]
+            up = max(low - max(ay, by), min(ay, by) - high, 0.0)
+            if aside * aside + up * up < best:
+                best = min(best, segment_box_distance2(ax, ay, bx, by, left, low, right, high))
+                if best <= enough:
+                    return best
+            j += 1
+    return best
+
+
+@kernel
+def capsule_meets_cells(
+    cells: CellMap | None, ax: float, ay: float, bx: float, by: float, radius: float
+) -> bool:
+    """Return whether an occupied cell comes within ``radius`` [m] (0 allowed) of the segment ab, which may be a point.
+
+    Args:
+        cells: The map, or None.
+        ax: First end [m], as ``ay``, ``bx``, ``by``.
+        ay: See ``ax``.
+        bx: See ``ax``.
+        by: See ``ax``.
+        radius: Distance [m] that counts as touching.
+    """
+    if cells is None:
+        return False
+    frame, squares = cells
+    return bool(nearest_cell2(frame, squares, ax, ay, bx, by, radius, radius * radius) <= radius * radius)
+
+
+@kernel
+def segment_cells_distance(
+    cells: CellMap | None, ax: float, ay: float, bx: float, by: float, limit: float
+) -> float:
+    """Return the distance [m] of the segment ab from the nearest occupied cell, ``limit`` (may be inf) if not smaller.
+
+    The search begins near the segment and doubles its reach until it finds a cell.
+    """
+    if cells is None:
+        return limit
+    frame, squares = cells
+    reach = 4.0 * max(frame[2], frame[3])
+    width, height = frame[2] * squares.shape[1], frame[3] * squares.shape[2]
+    centre_x, centre_y = frame[0] + 0.5 * width, frame[1] + 0.5 * height
+    whole = abs(centre_x - ax) + abs(centre_y - ay) + width + height
+    while True:
+        reach = min(reach, limit, whole)
+        best = np.sqrt(nearest_cell2(frame, squares, ax, ay, bx, by, reach, 0.0))
+        if best <= reach or reach >= limit or reach >= whole:
+            return float(min(best, limit))
+        reach = 2.0 * reach
+
+
+@kernel
+def outline_meets_cells(
+    cells: CellMap | None, segments: Floats, s: int, n: int, discs: Floats, d: int, m: int, solid: bool
+) -> bool:
+    """Return whether an outline touches an occupied cell, or holds one.
+
+    Args:
+        cells: The map, or None.
+        segments: Segment table [m], shape ``(segment, 4)``.
+        s: First row of the outline's segments.
+        n: Number of them.
+        discs: Disc table [m], shape ``(disc, 3)``.
+        d: First row of the outline's discs.
+        m: Number of them.
+        solid: The segments bound an area.
+    """
+    if cells is None:
+        return False
+    for k in range(d, d + m):
+        if capsule_meets_cells(cells, discs[k, 0], discs[k, 1], discs[k, 0], discs[k, 1], discs[k, 2]):
+            return True
+    for k in range(s, s + n):
+        if capsule_meets_cells(cells, segments[k, 0], segments[k, 1], segments[k, 2], segments[k, 3], 0.0):
+            return True
+    return solid and n > 0 and holds_cell(cells, segments, s, n)
+
+
+@kernel
+def holds_cell(cells: CellMap, segments: Floats, s: int, n: int) -> bool:
+    """Return whether an area whose boundary touches no occupied cell holds one.
+
+    Occupied cells that touch each other are then on one side, so one point of each run in a column is enough.
+    """
+    frame, squares = cells
+    left, low, right, high = np.inf, np.inf, -np.inf, -np.inf
+    for k in range(s, s + n):
+        left, right = min(left, segments[k, 0]), max(right, segments[k, 0])
+        low, high = min(low, segments[k, 1]), max(high, segments[k, 1])
+    first_i, last_i = cell_range(left, right, frame[0], frame[2], squares.shape[1])
+    first_j, last_j = cell_range(low, high, frame[1], frame[3], squares.shape[2])
+    if last_i < first_i or last_j < first_j or box_is_free(squares, first_i, first_j, last_i, last_j):
+        return False
+    for i in range(first_i, last_i + 1):
+        j = first_j
+        while j <= last_j:
+            if squares[0, i, j] > 0:
+                j += int(squares[0, i, j])
+                continue
+            if contains_point(segments, s, n, frame[0] + (i + 0.5) * frame[2], frame[1] + (j + 0.5) * frame[3]):
+                return True
+            while j <= last_j and squares[0, i, j] == 0:
+                j += 1
+    return False
+
+
+@kernel
+def outline_cells_distance(
+    cells: CellMap | None, segments: Floats, s: int, n: int, discs: Floats, d: int, m: int, solid: bool, limit: float
+) -> float:
+    """Return the distance [m] of an outline from the nearest occupied cell: 0 if they touch, at most ``limit``.
+
+    Arguments as in ``outline_meets_cells``; ``limit`` [m] may be inf.
+    """
+    if cells is None:
+        return limit
+    if solid and n > 0 and holds_cell(cells, segments, s, n):
+        return 0.0
+    best = limit
+    for k in range(d, d + m):
+        x, y, radius = discs[k, 0], discs[k, 1], discs[k, 2]
+        best = min(best, max(segment_cells_distance(cells, x, y, x, y, best + radius) - radius, 0.0))
+    for k in range(s, s + n):
+        ax, ay, bx, by = segments[k, 0], segments[k, 1], segments[k, 2], segments[k, 3]
+        best = segment_cells_distance(cells, ax, ay, bx, by, best)
+    return best

@@ -1,0 +1,10 @@
+"""Where the cells of an occupancy map come from."""
+
+from irsim_gym.families import MAPS
+from irsim_gym.maps.array import ArrayMap
+from irsim_gym.maps.image import ImageMap
+from irsim_gym.maps.perlin import PerlinMap
+
+MAPS.register("image", ImageMap)
+MAPS.register("perlin", PerlinMap)
+MAPS.register("array", ArrayMap)

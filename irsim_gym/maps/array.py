@@ -1,0 +1,51 @@
+"""array: a map whose cells are given as numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags
+from irsim_gym.errors import OptionError
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.outline import Outline
+
+OCCUPIED_ABOVE = 50.0
+"""An occupancy (0 to 100) above this occupies its cell, as in IR-SIM."""
+
+
+@kind
+class ArrayMap:
+    """Occupancies of 0 to 100, or truth values, by column from the left and row from the bottom."""
+
+    is_random: ClassVar[bool] = False
+
+    cells: Any = option(meaning="One list for each column, from the left; in it the rows from the bottom.")
+
+    def outline(self) -> Outline:
+        """Return an outline without rows: cells are no outline."""
+        return Outline(solid=False)
+
+    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
+        """Return which cells are occupied, shape ``(columns, rows)``.
+
+        Raises:
+            OptionError: The cells are no table of numbers.
+        """
+        try:
+            table = np.array(self.cells)
+        except ValueError:
+            raise OptionError("cells", "must be columns of equal length") from None
+        if table.ndim != 2 or table.size == 0 or table.dtype.kind not in "buif":
+            shown = "x".join(str(length) for length in table.shape)
+            raise OptionError("cells", f"must be a table of numbers, columns by rows, got one of size {shown or '1'}")
+        if table.dtype.kind == "b":
+            return np.asarray(table, np.bool_)
+        if not np.all((table >= 0) & (table <= 100)):
+            raise OptionError("cells", "must be occupancies from 0 to 100")
+        if table.max() == 1 and np.isin(table, (0, 1)).all():
+            raise OptionError("cells", "holds 0 and 1 only, but a cell is occupied above 50: use true and false, or 100")
+        return np.asarray(table > OCCUPIED_ABOVE)

@@ -1,0 +1,67 @@
+"""image: a map from a picture; what is dark is occupied."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.errors import OptionError
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.outline import Outline
+
+GRAY = (0.2989, 0.5870, 0.1140)
+"""Weights of red, green and blue, as in IR-SIM."""
+OCCUPIED_BELOW = 0.5
+
+
+@kind
+class ImageMap:
+    """Each pixel is a cell; the picture is stretched over the world."""
+
+    is_random: ClassVar[bool] = False
+
+    path: str = option(
+        min_length=1,
+        meaning="Picture file (PNG, JPEG, ...): looked for as given, beside the scenario, then among the shipped maps.",
+    )
+
+    def outline(self) -> Outline:
+        """Return an outline without rows: cells are no outline."""
+        return Outline(solid=False)
+
+    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
+        """Return which cells are occupied, shape ``(columns, rows)``: those darker than half.
+
+        Raises:
+            OptionError: There is no such file, or it is no picture.
+        """
+        gray = read_gray(find(self.path))
+        return np.ascontiguousarray(np.fliplr((gray < OCCUPIED_BELOW).T))
+
+
+def read_gray(file: Path) -> Floats:
+    """Return the brightness of a picture's pixels from 0 to 1, row by row from the top; transparency is ignored.
+
+    Raises:
+        OptionError: It cannot be read.
+    """
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with Image.open(file) as picture:
+            if picture.mode in ("1", "L", "I", "F") or picture.mode.startswith("I;16"):
+                return _single_channel(np.array(picture))
+            return np.asarray(np.array(picture.convert("RGB")) / 255.0 @ np.array(GRAY))
+    except (OSError, UnidentifiedImageError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        raise OptionError("path", f"'{file}' cannot be read as a picture: {error}") from None
+
+
+def _single_channel(pixels: Floats) -> Floats:
+    if pixels.dtype == np.bool_:
+        return pixels.astype(np.float64)
+    greatest = 255.0 if pixels.dtype == np.uint8 else 65535.0
+    return np.asarray(pixels / greatest, np.float64)

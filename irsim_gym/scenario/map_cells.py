@@ -1,0 +1,105 @@
+"""The key ``obstacle_map``: from what stands there to the cells of a map."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.errors import OptionError, suggestion
+from irsim_gym.families import MAPS
+from irsim_gym.scenario import library
+from irsim_gym.scenario.source import Place, Source
+from irsim_gym.scenario.spec import WorldSpec
+from irsim_gym.scenario.validation import BAD, Report, build_named
+
+MOST_CELLS = 4_000_000
+IRSIM_MAPS = frozenset({"cave.png", *(f"hm3d_{k}.png" for k in range(1, 10))})
+
+
+def read_map(data: Any, place: Place, report: Report) -> Any:
+    """Return the kind of map that ``obstacle_map`` describes: a file's name, a table of cells, or a mapping.
+
+    BAD after telling what is wrong.
+    """
+    if isinstance(data, str):
+        data = {"name": "image", "path": data}
+    elif isinstance(data, list | tuple):
+        data = {"name": "array", "cells": data}
+    elif not isinstance(data, Mapping):
+        report.add(place, "must be the name of a picture, a mapping such as {name: perlin, resolution: 0.1}, or cells")
+        return BAD
+    made = build_named(MAPS, data, place, report)
+    return BAD if made is None else made
+
+
+def read_cells(world: WorldSpec, place: Place, source: Source, report: Report) -> NDArray[np.bool_] | None:
+    """Return which cells of the world's map are occupied, shape ``(columns, rows)``; None without a map.
+
+    Args:
+        world: The section ``world``.
+        place: Path of ``obstacle_map``.
+        source: Where the scenario was read from.
+        report: Collects the problems: the map cannot be made.
+    """
+    if world.obstacle_map is None:
+        return None
+    folders = (Path(source.file).parent,) if source.file else ()
+    try:
+        cells = world.obstacle_map.occupied(world.width, world.height, world.name, lambda name: find_map(name, folders))
+    except OptionError as error:
+        is_mapping = source.line((*place, error.key)) > 0 or not source.file
+        report.add((*place, error.key) if is_mapping else place, str(error))
+        return None
+    step = world.mdownsample
+    cells = np.ascontiguousarray(cells[::step, ::step])
+    if cells.size == 0 or cells.size > MOST_CELLS:
+        size = f"{cells.shape[0]} x {cells.shape[1]}"
+        report.add(place, f"must have 1 to {MOST_CELLS} cells, got {size}; mdownsample keeps every n-th")
+        return None
+    return cells
+
+
+def find_map(name: str, folders: tuple[Path, ...]) -> Path:
+    """Return the file of a map: as given, in one of the folders, or shipped (the suffix may be left out).
+
+    Raises:
+        OptionError: There is none; the message offers what is shipped.
+    """
+    given = Path(name)
+    for file in (given, *(folder / given for folder in folders)):
+        if _is_file(file):
+            return file
+    shipped = library.maps()
+    if name in shipped:
+        return shipped[name]
+    by_stem = {file.stem: file for file in shipped.values()}
+    if name in by_stem:
+        return by_stem[name]
+    offer = f"shipped: {', '.join(shipped)}"
+    if given.name in IRSIM_MAPS:
+        raise OptionError(
+            "path", f"'{name[:60]}' belongs to IR-SIM and is not shipped here: {_irsim_path(given.name)}; {offer}"
+        )
+    near = suggestion(given.name, shipped) or suggestion(given.stem, by_stem)
+    raise OptionError("path", f"no map '{name[:60]}': no such file as given or beside the scenario{near}; {offer}")
+
+
+def _is_file(file: Path) -> bool:
+    try:
+        return file.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def _irsim_path(name: str) -> str:
+    """Say how to use a map of IR-SIM's package: where it is if that is installed."""
+    package = importlib.util.find_spec("irsim")
+    for folder in (package.submodule_search_locations if package is not None else None) or ():
+        for file in sorted((Path(folder) / "world" / "map").rglob(name)):
+            return f"give the path of the installed ir-sim's, {file}"
+    return f"copy it beside the scenario, or give its path in an installed ir-sim (irsim/world/map/.../{name})"
