@@ -48,7 +48,18 @@ ALLOWED: dict[str, set[str]] = {
 COMPOSERS = {"training", "cli", "__init__"}
 ONLY_FILE = {"pettingzoo": "envs/parallel.py", "stable_baselines3": "envs/sb3.py"}
 # These are slow to load: outside the places named here they are imported inside functions.
-HEAVY = {"numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3", "shapely", "moviepy", "imageio", "rich", "PIL"}
+HEAVY = {
+    "numba",
+    "matplotlib",
+    "pettingzoo",
+    "torch",
+    "stable_baselines3",
+    "shapely",
+    "moviepy",
+    "imageio",
+    "rich",
+    "PIL",
+}
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
 RENDER_FROM = {"envs", "training", "cli"}
 

@@ -37,9 +37,21 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
 
 def touch_cells(bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Add the contacts of ``bodies`` with the obstacle map."""
-    present, unobstructed, solid, _, *tables = _outline(model, state)
     find_cell_contacts(
-        shard.worlds, bodies, cells, present, unobstructed, solid, *tables, state.collided, state.hit
+        shard.worlds,
+        bodies,
+        cells,
+        model.present,
+        model.unobstructed,
+        model.solid,
+        model.segment_start,
+        model.segment_count,
+        state.segments,
+        model.disc_start,
+        model.disc_count,
+        state.discs,
+        state.collided,
+        state.hit,
     )
 
 
@@ -156,8 +168,20 @@ def clearance(
     """
     measure_clearance(shard.worlds, bodies, limit, *_outline(model, state), state.pose, distance)
     if (cells := model.cells) is not None:
-        present, _, solid, _, *tables = _outline(model, state)
-        measure_cell_clearance(shard.worlds, bodies, cells, present, solid, *tables, distance)
+        measure_cell_clearance(
+            shard.worlds,
+            bodies,
+            cells,
+            model.present,
+            model.solid,
+            model.segment_start,
+            model.segment_count,
+            state.segments,
+            model.disc_start,
+            model.disc_count,
+            state.discs,
+            distance,
+        )
 
 
 @kernel

@@ -158,9 +158,7 @@ def nearest_cell2(
 
 
 @kernel
-def capsule_meets_cells(
-    cells: CellMap | None, ax: float, ay: float, bx: float, by: float, radius: float
-) -> bool:
+def capsule_meets_cells(cells: CellMap | None, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
     """Return whether an occupied cell comes within ``radius`` [m] (0 allowed) of the segment ab, which may be a point.
 
     Args:
@@ -178,9 +176,7 @@ def capsule_meets_cells(
 
 
 @kernel
-def segment_cells_distance(
-    cells: CellMap | None, ax: float, ay: float, bx: float, by: float, limit: float
-) -> float:
+def segment_cells_distance(cells: CellMap | None, ax: float, ay: float, bx: float, by: float, limit: float) -> float:
     """Return the distance [m] of the segment ab from the nearest occupied cell, ``limit`` (may be inf) if not smaller.
 
     The search begins near the segment and doubles its reach until it finds a cell.

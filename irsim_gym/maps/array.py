@@ -47,5 +47,7 @@ class ArrayMap:
         if not np.all((table >= 0) & (table <= 100)):
             raise OptionError("cells", "must be occupancies from 0 to 100")
         if table.max() == 1 and np.isin(table, (0, 1)).all():
-            raise OptionError("cells", "holds 0 and 1 only, but a cell is occupied above 50: use true and false, or 100")
+            raise OptionError(
+                "cells", "holds 0 and 1 only, but a cell is occupied above 50: use true and false, or 100"
+            )
         return np.asarray(table > OCCUPIED_ABOVE)

@@ -57,7 +57,9 @@ class PerlinMap:
         total, weights = np.zeros((columns, rows)), 0.0
         for octave in range(self.fractal):
             scale, weight = self.complexity * 2.0**octave, self.attenuation / (octave + 1)
-            total += weight * _octave(np.arange(columns) * scale, np.arange(rows) * scale, table)
+            total += weight * _octave(
+                scale * np.arange(columns, dtype=np.float64), scale * np.arange(rows, dtype=np.float64), table
+            )
             weights += weight
         return np.asarray(np.clip((total / weights + 1.0) / 2.0, 0.0, 1.0))
 

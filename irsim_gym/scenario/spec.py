@@ -67,7 +67,8 @@ class WorldSpec:
         "None", meaning="Status text at the beginning; Pause: irsim_gym.load begins paused. Learners do not see it."
     )
     obstacle_map: Any = option(
-        None, meaning="Occupied cells, stretched over the world: a picture's name, or a mapping with the name of a kind."
+        None,
+        meaning="Occupied cells, stretched over the world: a picture's name, or a mapping with the name of a kind.",
     )
     mdownsample: int = option(
         1, ge=1, meaning="Keep every n-th column and row of the map.", consequence="Walls thinner than that may vanish."
@@ -76,9 +77,15 @@ class WorldSpec:
     step_mode: Literal["internal", "external"] = option(
         "internal", meaning="Who moves the bodies: the step, or the caller by set_state (external; not for learners)."
     )
-    fog_map: bool = option(False, meaning="Keep a map of what the robots have seen; it changes nothing else.")
+    fog_map: bool = option(
+        False, meaning="Keep a map of what the robots have seen; it changes nothing else.", planned=True
+    )
     fog_map_resolution: float | None = option(
-        None, gt=0.0, unit="m", meaning="Side of its cells; by default the width of those of obstacle_map, else 0.1 m."
+        None,
+        gt=0.0,
+        unit="m",
+        meaning="Side of its cells; by default the width of those of obstacle_map, else 0.1 m.",
+        planned=True,
     )
     update: Literal["sequential", "simultaneous"] = option(
         "sequential", meaning="Bodies see earlier ones already moved, or all as they stood."

@@ -9,6 +9,7 @@ import numpy as np
 from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints, Rays
 from irsim_gym.geometry.cell_rays import cast_cells
 from irsim_gym.jit import kernel
+from irsim_gym.sensors.casting import mount_pose
 
 
 @kernel
@@ -29,7 +30,8 @@ def scan_cells(
         worlds: The worlds to treat.
         members: Body of each sensor, shape ``(n_members,)``.
         params: Records of the sensors' options.
-        beams_x: Unit directions in the sensor frame, at least ``n_beams``.
+        beams_x: Unit directions in the sensor frame, shape ``(n_rows, n_padded)``: one row for all, or one for each
+            world and member.
         beams_y: As ``beams_x``.
         cells: The map.
         present: Which bodies exist, shape ``(n_worlds, n_bodies)``.
@@ -43,12 +45,10 @@ def scan_cells(
         if not present[w, own]:
             continue
         for k in range(members.shape[0]):
-            mount, body = params[k].offset, pose[w, members[k]]
-            cosine, sine = np.cos(body[2]), np.sin(body[2])
-            x = body[0] + cosine * mount[0] - sine * mount[1]
-            y = body[1] + sine * mount[0] + cosine * mount[1]
+            x, y, heading = mount_pose(pose[w, members[k]], params[k].offset)
+            turned = w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
             row = ranges[w, k]
-            cast_cells(frame, squares, x, y, body[2] + mount[2], beams_x, beams_y, row)
+            cast_cells(frame, squares, x, y, heading, beams_x[turned], beams_y[turned], row)
             shortest = params[k].range_min
             for j in range(row.shape[0]):
                 row[j] = max(row[j], np.float32(shortest))

@@ -11,6 +11,7 @@ from irsim_gym.arraytypes import Floats, Rays
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.sensors import hits, noise
 from irsim_gym.sensors.casting import cast_bodies, cast_outline
+from irsim_gym.sensors.cell_scan import scan_cells
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import Outline
@@ -101,6 +102,11 @@ def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
     if is_noisy:
         noise.turn_beams(group, state, shard)
     scan_bodies(group, model, state, shard)
+    if (cells := model.cells) is not None:
+        table = group.arrays
+        rows = table["beams_x"], table["beams_y"]
+        members, params = group.members, table["cast_params"]
+        scan_cells(shard.worlds, members, params, *rows, cells, model.present, state.pose, table["ranges"])
     if "hit" in group.arrays:
         hits.find(group, model, state, shard)
     if is_noisy:

@@ -406,9 +406,6 @@ PLANNED = {
         "1 obstacle.shape.name: shape 'compound' is not supported yet; "
         "supported: circle, rectangle, polygon, linestring",
     ),
-    "map": ("world: {obstacle_map: cave.png}", "1 world.obstacle_map: 'cave.png' is not supported yet"),
-    "perlin": ("world: {obstacle_map: {name: perlin}}", "1 world.obstacle_map: is not supported yet"),
-    "downsampling": ("world: {mdownsample: 2}", "1 world.mdownsample: 2 is not supported yet"),
     "fog": ("world: {fog_map: true}", "1 world.fog_map: true is not supported yet"),
     "contact mode": (
         "world:\n  collision_mode: contact\n  gravity: 9.81",

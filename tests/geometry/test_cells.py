@@ -1,0 +1,113 @@
+import numpy as np
+import pytest
+import shapely
+
+from irsim_gym.geometry.cells import (
+    capsule_meets_cells,
+    outline_cells_distance,
+    outline_meets_cells,
+    segment_cells_distance,
+)
+from tests.geometry.cell_maps import cell_map, random_map
+from tests.geometry.shapes import disc, linestring, polygon, random_shape
+
+TOLERANCE = 1e-9
+QUADRANTS = [(1, 1), (-1, 1), (1, -1), (-1, -1)]
+
+
+def test_free_squares_are_the_largest() -> None:
+    occupied = np.random.default_rng(1).random((9, 7)) < 0.15
+    squares = cell_map(occupied)[1]
+    padded = np.pad(occupied, 300)
+    for quadrant, (right, up) in enumerate(QUADRANTS):
+        for i in range(9):
+            for j in range(7):
+                side = 0
+                while side < 255:
+                    columns = sorted((300 + i, 300 + i + right * side))
+                    rows = sorted((300 + j, 300 + j + up * side))
+                    if padded[columns[0] : columns[1] + 1, rows[0] : rows[1] + 1].any():
+                        break
+                    side += 1
+                assert squares[quadrant, i, j] == side
+
+
+def test_capsules_against_shapely() -> None:
+    rng = np.random.default_rng(2)
+    met = 0
+    for _ in range(1500):
+        cells, occupied = MAPS[int(rng.integers(len(MAPS)))]
+        a = rng.uniform([0, 1], [7, 6])
+        b = a + rng.normal(size=2) * rng.choice([0.0, 0.3, 3.0])
+        true = shapely.distance(occupied, shapely.LineString([a, b]))
+        radius, limit = rng.choice([0.0, 0.05, 0.4]), rng.choice([0.1, 1.0, np.inf])
+        if abs(true - radius) > TOLERANCE or true == 0.0:
+            assert capsule_meets_cells(cells, *a, *b, radius) == (true <= radius)
+        met += true <= radius
+        assert segment_cells_distance(cells, *a, *b, limit) == pytest.approx(min(true, limit), abs=TOLERANCE)
+    assert 200 < met < 1300
+
+
+MAPS = [random_map(seed, share) for seed, share in enumerate((0.02, 0.1, 0.3, 0.6))]
+
+
+def test_outlines_against_shapely() -> None:
+    rng = np.random.default_rng(3)
+    met = 0
+    for _ in range(600):
+        cells, occupied = MAPS[int(rng.integers(len(MAPS)))]
+        shape = random_shape(rng)
+        points = shape.segments.reshape(-1, 2)
+        centre = rng.uniform([0.5, 1.5], [6.6, 4.9]) - (points.mean(axis=0) if len(points) else shape.discs[0, :2])
+        shape = shape.moved(0.0, *centre)
+        true = _distance(shape, occupied)
+        arguments = shape.arguments
+        if abs(true) > TOLERANCE or true == 0.0:
+            assert outline_meets_cells(cells, *arguments) == (true <= 0.0)
+        assert outline_cells_distance(cells, *arguments, np.inf) == pytest.approx(max(true, 0.0), abs=TOLERANCE)
+        assert outline_cells_distance(cells, *arguments, 0.3) == pytest.approx(min(max(true, 0.0), 0.3), abs=TOLERANCE)
+        met += true <= 0.0
+    assert 100 < met < 550
+
+
+def _distance(shape, occupied) -> float:
+    parts = [shapely.distance(shapely.Point(x, y), occupied) - radius for x, y, radius in shape.discs]
+    if len(shape.segments):
+        lines = [shapely.LineString([row[:2], row[2:]]) for row in shape.segments]
+        solid = shapely.unary_union(shapely.polygonize(lines)) if shape.solid else shapely.unary_union(lines)
+        parts.append(shapely.distance(solid, occupied))
+    return min(parts)
+
+
+def test_touching_counts_and_blocks_have_no_holes() -> None:
+    cells = cell_map([[0, 0, 0, 0], [0, 1, 1, 0], [0, 1, 1, 0], [0, 0, 0, 0]])
+    assert outline_meets_cells(cells, *disc(0.5, 2.0, 0.5).arguments)
+    assert not outline_meets_cells(cells, *disc(0.5, 2.0, 0.499).arguments)
+    # A small disc where four occupied cells meet, which IR-SIM lets pass.
+    assert outline_meets_cells(cells, *disc(2.0, 2.0, 0.05).arguments)
+    assert outline_meets_cells(cells, *linestring([[0.0, 3.0], [1.0, 3.0]]).arguments)
+    assert not outline_meets_cells(cells, *linestring([[0.0, 3.01], [4.0, 3.01]]).arguments)
+    assert outline_cells_distance(cells, *linestring([[0.0, 3.25], [4.0, 3.25]]).arguments, 9.0) == 0.25
+
+
+def test_an_area_around_cells_meets_them_and_a_line_does_not() -> None:
+    cells = cell_map(np.pad([[True]], 3))
+    corners = [[1.0, 1.0], [6.0, 1.0], [6.0, 6.0], [1.0, 6.0]]
+    assert outline_meets_cells(cells, *polygon(corners).arguments)
+    assert outline_cells_distance(cells, *polygon(corners).arguments, np.inf) == 0.0
+    ring = linestring([*corners, corners[0]])
+    assert not outline_meets_cells(cells, *ring.arguments)
+    assert outline_cells_distance(cells, *ring.arguments, np.inf) == 2.0
+
+
+def test_without_a_map_nothing_is_met() -> None:
+    shape = disc(0.0, 0.0, 1.0).arguments
+    assert not outline_meets_cells(None, *shape)
+    assert not capsule_meets_cells(None, 0.0, 0.0, 1.0, 1.0, 0.5)
+    assert outline_cells_distance(None, *shape, 3.0) == 3.0
+    assert segment_cells_distance(None, 0.0, 0.0, 1.0, 1.0, 2.0) == 2.0
+
+
+def test_an_empty_map_is_infinitely_far() -> None:
+    cells = cell_map(np.zeros((3, 2), np.bool_))
+    assert outline_cells_distance(cells, *disc(1.0, 1.0, 0.2).arguments, np.inf) == np.inf
