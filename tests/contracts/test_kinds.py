@@ -10,6 +10,7 @@ import pytest
 import irsim_gym as ig
 from irsim_gym import families
 from irsim_gym.engine import Shard
+from irsim_gym.scenario.validation import option_fields
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -18,12 +19,16 @@ ROBOT: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circ
 GIVEN = {
     "polygon": {"vertices": [[0, 0], [0.6, 0], [0.3, 0.3], [0.6, 0.6], [0, 0.6]]},
     "linestring": {"vertices": [[0, 0], [0.5, 0.2], [0.5, 0.8]]},
+    "compound": {"parts": [{"name": "rectangle"}, {"name": "circle", "radius": 0.4, "pose": [0.5, 0, 0]}]},
 }
 OWNERS = {
     "kinematics": {"pose", "twist", "steering", "random"},
     "behavior": {"command"},
     "sensor": set(),
 }
+
+
+RANDOM = [entry.name for entry in families.FOOTPRINTS if "random_shape" in option_fields(entry.kind)]
 
 
 def running(family: Any) -> list[str]:
@@ -68,7 +73,7 @@ def scene(family: str, name: str) -> dict[str, Any]:
 
 CASES = [
     *[("shape", name) for name in running(families.FOOTPRINTS)],
-    *[("random shape", name) for name in running(families.FOOTPRINTS)],
+    *[("random shape", name) for name in RANDOM],
     *[("distribution", name) for name in running(families.PLACEMENTS)],
     *[("kinematics", name) for name in running(families.KINEMATICS)],
     *[("behavior", name) for name in running(families.BEHAVIORS)],

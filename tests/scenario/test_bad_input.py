@@ -164,7 +164,7 @@ ENTRIES = {
     "shape": ("robot: {shape: {name: circel}}", "1 robot.shape.name: no shape named 'circel' (did you mean 'circle'?)"),
     "shape without name": (
         "robot: {shape: {radius: 2}}",
-        "1 robot.shape.name: is required: 'circle', 'rectangle', 'polygon' or 'linestring'",
+        "1 robot.shape.name: is required: 'circle', 'rectangle', 'polygon', 'linestring' or 'compound'",
     ),
     "no vertices": (
         "obstacle: {shape: {name: polygon}}",
@@ -234,6 +234,16 @@ ENTRIES = {
         "robot:\n  kinematics: {name: diff}\n  vel_max: [-2, 1]",
         "3 robot.vel_max: vel_min must not exceed vel_max, got [-1, -1] and [-2, 1]",
     ),
+    "option of another part": (
+        "obstacle:\n  shape:\n    name: compound\n    parts:\n    - {name: circle, length: 2}\n    - {name: polygon}",
+        "5 obstacle.shape.parts[0].length: belongs to a rectangle, not to a circle",
+        "6 obstacle.shape.parts[1].vertices: is required for a polygon",
+    ),
+    "part that crosses itself": (
+        "obstacle: {shape: {name: compound, parts: [{name: polygon, vertices: [[0, 0], [1, 1], [1, 0], [0, 1]]}]}}",
+        "1 obstacle.shape.parts[0].vertices: the outline crosses or touches itself (self-intersection[0.5 0.5])",
+    ),
+    "compound without parts": ("obstacle: {shape: {name: compound}}", "1 obstacle.shape.parts: is required"),
     "limits of another drive": (
         "robot:\n  kinematics: {name: diff}\n  vel_max: [1, 1, 1]",
         "3 robot.vel_max: must have 2 numbers (linear, angular) for 'diff', got [1, 1, 1]",
@@ -400,11 +410,6 @@ PLANNED = {
     "orca": (
         DRIVE + "  group_behavior: {name: orca, neighborDist: 15}",
         "3 robot.group_behavior.name: group behavior 'orca' is not supported yet",
-    ),
-    "compound": (
-        "obstacle: {shape: {name: compound, parts: [{name: circle, pose: [1, 0, 0]}]}}",
-        "1 obstacle.shape.name: shape 'compound' is not supported yet; "
-        "supported: circle, rectangle, polygon, linestring",
     ),
     "fog": ("world: {fog_map: true}", "1 world.fog_map: true is not supported yet"),
     "contact mode": (
