@@ -14,15 +14,17 @@ from irsim_gym.envs.registration import make, make_vec, register_scenarios, regi
 if TYPE_CHECKING:
     from irsim_gym.engine.compile import compile
     from irsim_gym.envs import sb3
+    from irsim_gym.live import load
     from irsim_gym.scenario import load_scenario
 
 _LAZY = {
     "compile": ("irsim_gym.engine", "compile"),
+    "load": ("irsim_gym.live", "load"),
     "load_scenario": ("irsim_gym.scenario", "load_scenario"),
     "sb3": ("irsim_gym.envs.sb3", None),
 }
 
-__all__ = ["compile", "errors", "load_scenario", "make", "make_vec", "register_scenarios", "sb3"]
+__all__ = ["compile", "errors", "load", "load_scenario", "make", "make_vec", "register_scenarios", "sb3"]
 
 
 def __getattr__(name: str) -> Any:

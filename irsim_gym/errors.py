@@ -71,6 +71,10 @@ class PlacementError(IrsimGymError, RuntimeError):
     """A level could not be drawn within the allowed number of tries."""
 
 
+class NoKeyboardWarning(UserWarning):
+    """A file asks for a keyboard, and there is none."""
+
+
 def suggestion(name: str, known: Iterable[str]) -> str:
     """Return ``" (did you mean 'x'?)"`` for the nearest known name, else an empty string."""
     near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)

@@ -61,7 +61,7 @@ HEAVY = {
     "PIL",
 }
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
-RENDER_FROM = {"envs", "training", "cli"}
+RENDER_FROM = {"envs", "live", "training", "cli"}
 
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60
@@ -231,7 +231,7 @@ def test_no_rings() -> None:
 
 
 def test_the_renderer_is_loaded_late() -> None:
-    """Only adapters, training and the command line know the renderer, and only inside functions."""
+    """Only adapters, `live`, training and the command line know the renderer, and only inside functions."""
     report(
         [
             f"{module.place}:{found.line} imports {found.module}"

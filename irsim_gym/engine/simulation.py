@@ -170,12 +170,16 @@ class Simulation:
             split: ``"train"``, ``"dev"`` or ``"test"``.
             episode: Which one of the chain of levels that begins with that level.
         """
+        streams = self.streams(seed, split, episode)
+        self.run(lambda shard: self.begin(shard, streams))
+
+    def streams(self, seed: int, split: str = "train", episode: int = 0) -> Words:
+        """Return the random stream that each world begins an episode with; see ``reset``."""
         base = rng.stream_base(self.scenario.name, split)
         levels = [seed + w for w in range(self.n_worlds)]
         if episode > 0:
             levels = [int(rng.later_level(level, episode)) for level in levels]
-        streams = np.array([rng.level_stream(base, level) for level in levels], np.uint64)
-        self.run(lambda shard: self.begin(shard, streams))
+        return np.array([rng.level_stream(base, level) for level in levels], np.uint64)
 
     def reset_to_start(self) -> None:
         """Begin the level that each world has once more; the same commands give the same episode."""

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
@@ -15,7 +18,32 @@ TEXT: dict[str, Any] = {"family": theme.FONT, "parse_math": False, "usetex": Fal
 TICK: dict[str, Any] = {**TEXT, "fontsize": 7.5, "color": theme.INK_LIGHT}
 
 
-def make_axes(figure: Figure, layout: Layout, axis: bool) -> Axes:
+class Area(Axes):
+    """Axes whose animated artists somebody else may draw where a figure is saved, as where it is shown."""
+
+    leaves_out_animated = False
+
+    def get_children(self) -> list[Artist]:
+        """Return the artists that are drawn with the axes."""
+        children = super().get_children()
+        return [child for child in children if not child.get_animated()] if self.leaves_out_animated else children
+
+
+class Play(Artist):
+    """What moves, as one artist above all others of a figure that is saved."""
+
+    zorder = 100.0
+
+    def __init__(self, play: Callable[[RendererBase], None]) -> None:
+        super().__init__()
+        self._play = play
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw it."""
+        self._play(renderer)
+
+
+def make_axes(figure: Figure, layout: Layout, axis: bool) -> Area:
     """Add the drawing area to a figure, without ticks."""
     place = (
         layout.left / layout.width,
@@ -23,7 +51,8 @@ def make_axes(figure: Figure, layout: Layout, axis: bool) -> Axes:
         layout.plot_width / layout.width,
         layout.plot_height / layout.height,
     )
-    axes = figure.add_axes(place)
+    axes = Area(figure, place)
+    figure.add_axes(axes)
     axes.set(xticks=[], yticks=[], facecolor=theme.PAPER)
     axes.set_axis_off()
     add_frame(axes, layout, facecolor=theme.CARD, edgecolor=theme.RULE if axis else theme.CARD, linewidth=0.8)

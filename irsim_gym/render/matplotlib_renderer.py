@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from irsim_gym.arraytypes import Bytes
@@ -75,9 +76,24 @@ class Renderer:
             The picture, uint8, shape ``(height, width, 3)``; the caller's own, never written again.
         """
         scene = self._reader.read(world, status)
+        return self._ready(scene).draw(scene)
+
+    def save(self, path: Path, world: int = 0, status: str = "", *, dots_per_inch: float = 100.0) -> None:
+        """Write a picture of a world to a file.
+
+        Args:
+            path: File to write: ``.png``, ``.pdf``, ``.svg`` or another format that matplotlib writes.
+            world: Its index.
+            status: As for ``frame``.
+            dots_per_inch: 100 for the size of a frame, 200 for twice as many pixels each way.
+        """
+        scene = self._reader.read(world, status)
+        self._ready(scene).save(scene, path, dots_per_inch)
+
+    def _ready(self, scene: Scene) -> Stage:
         if self._stage is None:
             self._stage = Stage(self._layout, scene.title, axis=self._axis, show_title=self._show_title)
-        return self._stage.draw(scene)
+        return self._stage
 
     def clear(self, world: int | None = None) -> None:
         """Forget the trails of one world, or of all; for the beginning of an episode."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from matplotlib.figure import Figure
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import artists, theme
 from irsim_gym.render.body_artists import Bodies, Headings, Impacts, MapImage
-from irsim_gym.render.card import TEXT, Ticks, add_frame, make_axes
+from irsim_gym.render.card import TEXT, Play, Ticks, add_frame, make_axes
 from irsim_gym.render.layout import Layout
 from irsim_gym.render.scene import BodyView, LabelView, Scene
 from irsim_gym.render.styles import GROUND, TOP
@@ -62,14 +63,48 @@ class Stage:
     def draw(self, scene: Scene) -> Bytes:
         """Return a picture of the scene, shape ``(height, width, 3)``, in memory of its own."""
         self._look(scene)
+        live, fixed, floor = self._layers(scene)
+        self._canvas.restore_region(self._backdrop(scene, fixed, floor))
+        self._play(self._canvas.get_renderer(), scene, live)
+        return _without_alpha(np.asarray(self._canvas.buffer_rgba()))
+
+    def save(self, scene: Scene, path: Path, dots_per_inch: float) -> None:
+        """Write a picture of the scene to a file, in the format of its suffix.
+
+        Args:
+            scene: What it shows.
+            path: A format that matplotlib writes, such as ``.png``, ``.pdf`` or ``.svg``; missing folders are made.
+            dots_per_inch: 100 for the size of a frame, 200 for twice as many pixels each way.
+        """
+        self._look(scene)
+        live, fixed, _ = self._layers(scene)
+
+        def draw(renderer: RendererBase) -> None:
+            self._ground(renderer, scene, fixed)
+            self._play(renderer, scene, live)
+
+        play = Play(draw)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self._figure.add_artist(play)
+        self._axes.leaves_out_animated = True
+        try:
+            self._figure.savefig(path, dpi=self._figure.dpi * dots_per_inch / DOTS_PER_INCH)
+        finally:
+            self._axes.leaves_out_animated = False
+            play.remove()
+
+    def _layers(self, scene: Scene) -> tuple[list[tuple[float, int, Any, list[Any]]], list[BodyView], float]:
+        """Return what is drawn anew, the fixed bodies below all of it, and its lowest layer."""
         live = self._live(scene)
         floor = min((order for order, *_ in live), default=TOP)
         fixed = [view for view in scene.fixed if view.style.order <= floor]
-        self._canvas.restore_region(self._backdrop(scene, fixed, floor))
         raised = [view for view in scene.fixed if view.style.order > floor]
         live += [(order, 0, self._fixed, views) for order, views in by_layer(raised, lambda view: view.style.order)]
-        renderer = self._canvas.get_renderer()
-        for _, _, part, views in sorted(live, key=lambda item: item[:2]):
+        return sorted(live, key=lambda item: item[:2]), fixed, floor
+
+    def _play(self, renderer: RendererBase, scene: Scene, live: list[tuple[float, int, Any, list[Any]]]) -> None:
+        """Draw what is drawn anew, and how the scene stands."""
+        for _, _, part, views in live:
             part.update(views)
             part.draw(renderer)
         if theme.ends_episode(scene.status):
@@ -78,7 +113,13 @@ class Stage:
             self._outcome.draw(renderer)
         if self._head is not None:
             self._head.draw(renderer, scene)
-        return _without_alpha(np.asarray(self._canvas.buffer_rgba()))
+
+    def _ground(self, renderer: RendererBase, scene: Scene, fixed: Sequence[BodyView]) -> None:
+        """Draw the map and the bodies that nothing lies below."""
+        if scene.map is not None:
+            self._map.draw(renderer, scene.map)
+        self._fixed.update(fixed)
+        self._fixed.draw(renderer)
 
     def count_artists(self) -> int:
         """Return how many artists the figure holds."""
@@ -126,11 +167,7 @@ class Stage:
         key = (scene.fixed, scene.map, floor, self._limits)
         if known is None or known[0][0] is not scene.fixed or known[0][1:] != key[1:]:
             self._canvas.draw()
-            renderer = self._canvas.get_renderer()
-            if scene.map is not None:
-                self._map.draw(renderer, scene.map)
-            self._fixed.update(fixed)
-            self._fixed.draw(renderer)
+            self._ground(self._canvas.get_renderer(), scene, fixed)
             known = key, self._canvas.copy_from_bbox(self._figure.bbox)
             if len(self._backdrops) >= REMEMBERED_BACKDROPS:
                 self._backdrops.pop(next(iter(self._backdrops)))

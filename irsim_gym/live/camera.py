@@ -1,0 +1,105 @@
+"""Pictures of a world that is run by hand: frames, figures in files, films."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.engine import Simulation
+
+if TYPE_CHECKING:
+    from irsim_gym.render import Renderer
+
+FILMS = (".mp4", ".gif")
+FIGURES = (".png", ".pdf", ".svg")
+
+
+class Camera:
+    """Draws one simulation. The renderer is made with the first picture.
+
+    Frames that are kept are packed, since flat colours shrink to a few percent.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._renderer: Renderer | None = None
+        self._kept: list[tuple[tuple[int, ...], bytes]] = []
+
+    def look_at(self, simulation: Simulation) -> None:
+        """Draw this simulation from now on; trails begin anew, kept frames stay."""
+        self._simulation = simulation
+        self.close()
+
+    def frame(self, status: str) -> Bytes:
+        """Return a picture, uint8, shape ``(height, width, 3)``."""
+        return self._ready().frame(0, status)
+
+    def keep(self, status: str) -> None:
+        """Keep a picture for the film."""
+        frame = self.frame(status)
+        if self._kept and frame.shape != self._kept[0][0]:
+            self._kept.clear()  # another file was loaded, whose pictures have another size
+        self._kept.append((frame.shape, zlib.compress(frame.tobytes(), 1)))
+
+    def clear(self) -> None:
+        """Begin new trails."""
+        if self._renderer is not None:
+            self._renderer.clear()
+
+    def save_figure(self, path: Path, status: str) -> Path:
+        """Write a picture to a file, in the format of its suffix or of the scenario; return the path.
+
+        Raises:
+            ValueError: Another suffix than those of figures.
+        """
+        options = self._simulation.scenario.world.plot.saved_figure
+        target = _with_suffix(path, FIGURES, options.format)
+        self._ready().save(target, 0, status, dots_per_inch=options.dpi)
+        return target
+
+    def save_film(self, path: Path, fps: float) -> Path:
+        """Write the kept frames to an mp4 or gif file and let go of them; return the path.
+
+        Raises:
+            ValueError: Another suffix than those of films, or no frames.
+        """
+        from irsim_gym.render.video import write_video
+
+        target = _with_suffix(path, FILMS, "mp4")
+        if not self._kept:
+            raise ValueError("no frames were kept: load the world with record=True")
+        write_video(self._frames(), target, fps)
+        self._kept.clear()
+        return target
+
+    def _frames(self) -> Iterator[Bytes]:
+        for shape, packed in self._kept:
+            yield np.frombuffer(zlib.decompress(packed), np.uint8).reshape(shape)
+
+    def _ready(self) -> Renderer:
+        if self._renderer is None:
+            from irsim_gym.render import Renderer
+
+            seen = self._simulation
+            self._renderer = Renderer(seen.scenario, seen.model, seen.state, seen.sensors)
+        return self._renderer
+
+    def close(self) -> None:
+        """Free the renderer."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+
+def _with_suffix(path: Path, known: tuple[str, ...], default: str) -> Path:
+    """Return the path with a suffix; a point in a name such as ``run-0.5`` begins none."""
+    if path.suffix.lower() in known:
+        return path
+    if path.suffix and not path.suffix[1:].isdigit():
+        raise ValueError(f"the file's name must end in {', '.join(known)}, got '{path.name}'")
+    return path.with_name(f"{path.name}.{default}")

@@ -1,0 +1,109 @@
+"""A world whose list of bodies changes: compiled anew, with everything else as it was."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Ints
+from irsim_gym.engine import Simulation, buckets, compile, contact, restart
+from irsim_gym.engine.step import sense
+from irsim_gym.errors import PlacementError
+from irsim_gym.live.goals import make_room
+from irsim_gym.scenario import Scenario
+from irsim_gym.world.group import Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+NOT_CARRIED = frozenset({"segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit"})
+"""Fields about bodies that hold row numbers, bodies or buckets; they are worked out anew."""
+
+PLACE_TRIES = 20
+
+
+def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
+    """Return the simulation of a changed list of bodies at the same moment.
+
+    Bodies are known by their names. Those that stay keep all that the moment and the level hold of them, and the
+    world keeps its clock and its random stream. New ones begin where their entry says; random starts are drawn from
+    that stream, clear of where the others are now.
+
+    Raises:
+        PlacementError: A new body found no place.
+    """
+    new = compile(scenario, check_starts=False)
+    before = {name: b for b, name in enumerate(old.parts.names)}
+    here = np.array([b for b, name in enumerate(new.parts.names) if name in before], np.int64)
+    there = np.array([before[new.parts.names[b]] for b in here], np.int64)
+    make_room(new.model, old.model.waypoints.shape[2])
+    added = np.setdiff1d(new.parts.everyone, here)
+    buckets.empty(new.model, new.state, Shard(np.zeros(1, np.int64)))
+    _carry(old, new, here, there)
+    if len(added):
+        _draw(new, added)
+        random = new.state.random.copy()
+        restart.start(new.parts, new.model, new.state, Shard(np.zeros(1, np.int64)))
+        _carry(old, new, here, there)
+        new.state.random[:] = random
+    _look(old, new, here, there)
+    return new
+
+
+def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
+    """Copy what the old simulation knows of the bodies that stay, and of the world."""
+    for name, declared in (*WorldModel.columns().items(), *WorldState.columns().items()):
+        sources, targets = (old.model, new.model) if name in WorldModel.columns() else (old.state, new.state)
+        source, target = getattr(sources, name), getattr(targets, name)
+        if declared.axes == ("world",):
+            target[:] = source
+        elif "body" in declared.axes and name not in NOT_CARRIED:
+            axis = declared.axes.index("body")
+            source, target = np.moveaxis(source, axis, 0), np.moveaxis(target, axis, 0)
+            shared = tuple(slice(0, min(lengths)) for lengths in zip(source.shape[1:], target.shape[1:], strict=True))
+            target[(here, *shared)] = source[(there, *shared)]
+    for table, start, count in (
+        ("local_segments", "segment_start", "segment_count"),
+        ("local_discs", "disc_start", "disc_count"),
+    ):
+        for b, was in zip(here, there, strict=True):
+            rows = int(getattr(old.model, count)[0, was])
+            first, target = int(getattr(old.model, start)[was]), int(getattr(new.model, start)[b])
+            getattr(new.model, table)[:, target : target + rows] = getattr(old.model, table)[:, first : first + rows]
+    new.state.placed[0, here] = True
+    new.parts.goal_bodies = np.flatnonzero(new.model.has_goal)
+    new.place(here)
+
+
+def _draw(new: Simulation, added: Ints) -> None:
+    """Draw the outlines and starts of new bodies.
+
+    Raises:
+        PlacementError: One of them found no place.
+    """
+    parts, model, state, shard = new.parts, new.model, new.state, Shard(np.zeros(1, np.int64))
+    failed = np.zeros(1, np.int64)
+    for _ in range(PLACE_TRIES):
+        failed[0] = 0
+        state.placed[0, added] = False
+        for group in parts.footprints:
+            chosen = np.flatnonzero(np.isin(group.members, added))
+            if len(chosen):
+                group.kind.draw(group.select(chosen), model, state, shard)
+        for group in parts.placements:
+            if np.isin(group.members, added).any():
+                group.kind.draw(group, model, state, shard, failed)
+                new.place(group.members)
+        if failed[0] == 0:
+            return
+    raise PlacementError(f"no place found for {parts.places[failed[0] - 1]} among the bodies that are here")
+
+
+def _look(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
+    """Bring contacts and readings up to date; who is held in place is known after the next step, as ever."""
+    shard, state = Shard(np.zeros(1, np.int64)), new.state
+    now_at = {int(was): int(b) for b, was in zip(here, there, strict=True)}
+    contact.find_static(new.parts.fixed, new.model, state, shard)
+    state.collided[0], state.hit[0] = new.model.static_partner[0] >= 0, new.model.static_partner[0]
+    for b, was in zip(here, there, strict=True):
+        partner = now_at.get(int(old.state.hit[0, was]), -1)
+        state.collided[0, b], state.hit[0, b] = bool(old.state.collided[0, was]), partner
+    sense(new.parts, new.model, state, shard)

@@ -1,0 +1,125 @@
+"""The bodies of a world, also under the names that IR-SIM has for what they tell."""
+
+from __future__ import annotations
+
+from abc import ABC
+from collections.abc import Iterator
+from typing import Any
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.engine import Simulation
+from irsim_gym.errors import UnknownNameError
+from irsim_gym.live.actions import Reference
+from irsim_gym.live.body import Body
+from irsim_gym.live.goals import Goals
+from irsim_gym.live.reports import ObstacleInfo, RobotInfo
+from irsim_gym.live.roster import Roster
+from irsim_gym.live.track import Track
+from irsim_gym.world.model import OBSTACLE, ROBOT
+
+
+class Crowd(ABC):
+    """The bodies that are in a world now.
+
+    Attributes:
+        simulation: The simulator; another one after ``World.add``, ``remove`` and ``reload``.
+        roster: Names and numbers of the bodies.
+        goals: Writes goals; ``Body.set_goal`` uses it.
+        track: Where bodies have been since the reset; ``Body.trajectory`` reads it.
+    """
+
+    simulation: Simulation
+    roster: Roster
+    goals: Goals
+    track: Track
+
+    def __getitem__(self, reference: Reference) -> Body:
+        """Return the body with some number or name.
+
+        Raises:
+            UnknownNameError: There is none.
+        """
+        return Body(self, self.roster.name(reference))
+
+    def __iter__(self) -> Iterator[Body]:
+        return iter(self.objects)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def names(self) -> list[str]:
+        """The names of all bodies that this level has, in the order in which they are stepped."""
+        return self.roster.present()
+
+    @property
+    def objects(self) -> list[Body]:
+        """All bodies."""
+        return [Body(self, name) for name in self.names]
+
+    @property
+    def robots(self) -> list[Body]:
+        """The robots."""
+        return [Body(self, name) for name in self.roster.present(ROBOT)]
+
+    @property
+    def obstacles(self) -> list[Body]:
+        """The obstacles."""
+        return [Body(self, name) for name in self.roster.present(OBSTACLE)]
+
+    @property
+    def robot(self) -> Body:
+        """The first robot.
+
+        Raises:
+            UnknownNameError: There is none.
+        """
+        if not (robots := self.robots):
+            raise UnknownNameError(f"no robot in '{self.simulation.scenario.name}'")
+        return robots[0]
+
+    @property
+    def robot_list(self) -> list[Body]:
+        """IR-SIM's name for ``robots``."""
+        return self.robots
+
+    @property
+    def obstacle_list(self) -> list[Body]:
+        """IR-SIM's name for ``obstacles``."""
+        return self.obstacles
+
+    def get_object_by_name(self, name: str) -> Body:
+        """Return the body of that name, as ``world[name]`` does."""
+        return self[name]
+
+    def get_object_by_id(self, number: int) -> Body:
+        """Return the body with that number, as ``world[number]`` does."""
+        return self[number]
+
+    def get_group_by_name(self, group_name: str) -> list[Body]:
+        """Return the bodies of a group; an entry's bodies are one, named after role and number unless it says else."""
+        return [body for body in self.objects if body.group_name == group_name]
+
+    def get_robot_state(self) -> Floats:
+        """Return the state of the first robot."""
+        return self.robot.state
+
+    def get_robot_info(self, number: int = 0) -> RobotInfo:
+        """Return what a robot is; it is meant by its number."""
+        return self[number].info
+
+    def get_robot_info_list(self) -> list[RobotInfo]:
+        """Return what each robot is."""
+        return [robot.info for robot in self.robots]
+
+    def get_obstacle_info_list(self) -> list[ObstacleInfo]:
+        """Return where each obstacle is."""
+        return [obstacle.obstacle_info for obstacle in self.obstacles]
+
+    def get_lidar_scan(self, number: int = 0) -> dict[str, Any]:
+        """Return the scan of a body's first range sensor; see ``Body.scan``."""
+        return self[number].scan()
+
+    def get_lidar_offset(self, number: int = 0) -> tuple[float, float, float] | None:
+        """Return the mount pose of a body's first sensor in the body frame [m, m, rad]."""
+        return self[number].lidar_offset

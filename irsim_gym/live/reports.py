@@ -1,0 +1,179 @@
+"""What a body is and where it is, in IR-SIM's words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.engine import Simulation
+from irsim_gym.engine.measures import measure
+from irsim_gym.families import FOOTPRINTS, KINEMATICS
+
+FLATTEST = 1e-9
+
+
+@dataclass(frozen=True)
+class RobotInfo:
+    """What a body is.
+
+    Attributes:
+        id: Its number.
+        name: Its name.
+        role: ``robot`` or ``obstacle``.
+        shape: Name of its shape.
+        kinematics: Name of its drive, None without one.
+        color: Its colour.
+        static: It never moves.
+        goal: x, y, heading [m, m, rad], shape ``(3,)``; None without one.
+        vel_min: Least velocities [m/s or rad/s].
+        vel_max: Greatest velocities [m/s or rad/s].
+        acce: Greatest changes per second [m/s2 or rad/s2].
+        angle_range: Interval that headings wrap into [rad].
+        goal_threshold: Distance under which a goal is reached [m].
+        wheelbase: Axle distance [m], None without one.
+        G: Normals of its sides in the body frame, see ``half_planes``.
+        h: Their offsets [m].
+        cone_type: ``Rpositive``, ``norm2`` or None.
+        convex_flag: Its area is convex.
+    """
+
+    id: int
+    name: str
+    role: str
+    shape: str
+    kinematics: str | None
+    color: str
+    static: bool
+    goal: Floats | None
+    vel_min: Floats
+    vel_max: Floats
+    acce: Floats
+    angle_range: tuple[float, float]
+    goal_threshold: float
+    wheelbase: float | None
+    G: Floats | None
+    h: Floats | None
+    cone_type: str | None
+    convex_flag: bool
+
+
+@dataclass(frozen=True)
+class ObstacleInfo:
+    """Where a body is.
+
+    Attributes:
+        center: Its x and y [m], shape ``(2,)``.
+        vertex: Corners in the world frame [m], shape ``(n, 2)``; empty for a circle.
+        velocity: vx, vy in the world frame [m/s], shape ``(2,)``.
+        radius: Radius of the least circle around it [m].
+        G: Normals of its sides in the body frame, see ``half_planes``.
+        h: Their offsets [m].
+        cone_type: ``Rpositive``, ``norm2`` or None.
+        convex_flag: Its area is convex.
+    """
+
+    center: Floats
+    vertex: Floats
+    velocity: Floats
+    radius: float
+    G: Floats | None
+    h: Floats | None
+    cone_type: str | None
+    convex_flag: bool
+
+
+def robot_info(simulation: Simulation, body: int, number: int, goal: Floats | None) -> RobotInfo:
+    """Return what a body is."""
+    spec, model, size = simulation.scenario.bodies[body], simulation.model, command_size(simulation, body)
+    wheelbase = float(model.wheelbase[body])
+    normals, offsets, cone = half_planes(simulation, body)
+    return RobotInfo(
+        id=number,
+        name=spec.name,
+        role=spec.role,
+        shape=FOOTPRINTS.name_of(type(spec.shape)),
+        kinematics=None if spec.kinematics is None else KINEMATICS.name_of(type(spec.kinematics)),
+        color=spec.color,
+        static=spec.static,
+        goal=goal,
+        vel_min=model.velocity_min[0, body, :size].copy(),
+        vel_max=model.velocity_max[0, body, :size].copy(),
+        acce=model.acceleration_limit[0, body, :size].copy(),
+        angle_range=spec.angle_range,
+        goal_threshold=spec.goal_threshold,
+        wheelbase=None if np.isnan(wheelbase) else wheelbase,
+        G=normals,
+        h=offsets,
+        cone_type=cone,
+        convex_flag=cone is not None,
+    )
+
+
+def obstacle_info(simulation: Simulation, body: int) -> ObstacleInfo:
+    """Return where a body is."""
+    normals, offsets, cone = half_planes(simulation, body)
+    return ObstacleInfo(
+        center=simulation.state.pose[0, body, :2].copy(),
+        vertex=outline_rows(simulation, body)[0][:, :2].copy(),
+        velocity=simulation.state.twist[0, body, :2].copy(),
+        radius=radius(simulation, body),
+        G=normals,
+        h=offsets,
+        cone_type=cone,
+        convex_flag=cone is not None,
+    )
+
+
+def command_size(simulation: Simulation, body: int) -> int:
+    """Return the number of velocities of a body's drive; 2 without one."""
+    drive = simulation.scenario.bodies[body].kinematics
+    return 2 if drive is None else len(drive.command_names)
+
+
+def outline_rows(simulation: Simulation, body: int, *, local: bool = False) -> tuple[Floats, Floats]:
+    """Return a body's segments (x0, y0, x1, y1) and discs (x, y, radius) [m], in the world's or its own frame."""
+    model, state = simulation.model, simulation.state
+    segments, discs = (model.local_segments, model.local_discs) if local else (state.segments, state.discs)
+    first, disc = int(model.segment_start[body]), int(model.disc_start[body])
+    n_segments, n_discs = int(model.segment_count[0, body]), int(model.disc_count[0, body])
+    return segments[0, first : first + n_segments], discs[0, disc : disc + n_discs]
+
+
+def radius(simulation: Simulation, body: int) -> float:
+    """Return the radius of the least circle around a body [m]."""
+    measure(np.zeros(1, np.int64), np.array([body], np.int64), simulation.model)
+    return float(simulation.model.radius[0, body])
+
+
+def extent(simulation: Simulation, body: int) -> tuple[float, float]:
+    """Return length and width of a body along the axes of its own frame [m]."""
+    segments, discs = outline_rows(simulation, body, local=True)
+    points = [segments[:, :2], segments[:, 2:], discs[:, :2] - discs[:, 2:], discs[:, :2] + discs[:, 2:]]
+    corners = np.vstack(points)
+    if not len(corners):
+        return 0.0, 0.0
+    length, width = corners.max(axis=0) - corners.min(axis=0)
+    return float(length), float(width)
+
+
+def half_planes(simulation: Simulation, body: int) -> tuple[Floats | None, Floats | None, str | None]:
+    """Return a convex body in its own frame as the points p with h - G p in a cone, and the cone's name.
+
+    A polygon is ``G p <= h`` (``Rpositive``) with an outward normal, as long as the side, for each side; a circle at c
+    with radius r has rows ``[1, 0], [0, 1], [0, 0]`` and ``c, -r`` (``norm2``). G has shape ``(n, 2)``, h ``(n,)``.
+    """
+    segments, discs = outline_rows(simulation, body, local=True)
+    if len(discs) == 1 and not len(segments):
+        x, y, reach = discs[0]
+        return np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]), np.array([x, y, -reach]), "norm2"
+    if len(discs) or len(segments) < 3 or not simulation.model.solid[body]:
+        return None, None, None
+    starts, sides = segments[:, :2], segments[:, 2:] - segments[:, :2]
+    area = float(np.sum(starts[:, 0] * segments[:, 3] - starts[:, 1] * segments[:, 2]))
+    normals = np.column_stack([sides[:, 1], -sides[:, 0]]) * np.sign(area)
+    offsets = np.sum(normals * starts, axis=1)
+    outside = starts @ normals.T - offsets
+    is_convex = bool((outside <= FLATTEST * max(abs(area), 1.0)).all())
+    return (normals, offsets, "Rpositive") if is_convex else (None, None, None)

@@ -1,0 +1,353 @@
+"""The world itself: load a file, step it, look at it, change it."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Literal, Self
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.engine import Simulation, compile
+from irsim_gym.errors import NoKeyboardWarning, UnknownNameError
+from irsim_gym.live import moves
+from irsim_gym.live.actions import Actions, Reference, pair_actions
+from irsim_gym.live.body import Body
+from irsim_gym.live.camera import Camera
+from irsim_gym.live.carry import rebuild
+from irsim_gym.live.crowd import Crowd
+from irsim_gym.live.goals import Goals
+from irsim_gym.live.roster import Roster
+from irsim_gym.live.track import Track
+from irsim_gym.scenario import Scenario, load_scenario
+from irsim_gym.scenario.edit import add_bodies, remove_body
+from irsim_gym.world.model import OBSTACLE
+
+ScenarioSource = str | Path | Mapping[str, Any]
+
+
+class World(Crowd):
+    """One world of a scenario, run by hand as IR-SIM's users know it.
+
+    It is a batch of one of the same simulator that learners use, so a step, a collision or a scan is the same here.
+    These of IR-SIM's names exist: ``step``, ``done``, ``render``, ``reset``, ``reload``, ``refresh``, ``pause``,
+    ``resume``, ``end``, ``close``, ``status``, ``time``, ``step_time``, ``names``, ``robot``, ``robot_list``,
+    ``obstacle_list``, ``objects``, ``get_object_by_name``, ``get_object_by_id``, ``get_group_by_name``,
+    ``get_robot_state``, ``get_lidar_scan``, ``get_lidar_offset``, ``get_robot_info``, ``get_robot_info_list``,
+    ``get_obstacle_info_list``, ``create_robot``, ``create_obstacle``, ``delete_object``, ``random_obstacle_position``,
+    ``set_random_seed``, ``save_figure``. Where IR-SIM has columns, arrays are flat here.
+
+    Args:
+        scenario: A shipped name such as ``cluttered_room``, the path of a YAML file, or the same as plain data.
+        seed: Which level is drawn first; the one that ``irsim_gym.make`` begins with ``reset(seed=seed)``.
+        render_mode: None or ``"rgb_array"``: ``render`` returns pictures in either case. There is no window yet.
+        record: Keep a frame of the start and of each sample, for ``save_animation``.
+
+    Raises:
+        ScenarioError: The file cannot be used; the error lists every problem with its line.
+        UnknownNameError: Nothing is shipped under the name.
+        ValueError: Another render mode.
+    """
+
+    def __init__(
+        self, scenario: ScenarioSource, *, seed: int = 0, render_mode: str | None = None, record: bool = False
+    ) -> None:
+        if render_mode not in (None, "rgb_array"):
+            raise ValueError(f"render_mode must be None or 'rgb_array' (there is no window yet), got {render_mode!r}")
+        self._source, self._record = scenario, record
+        self._seed, self._episode = seed, 0
+        self._read()
+        self._camera = Camera(self.simulation)
+        self.track = Track()
+        self._begin(self._loaded.world.status)
+
+    def _read(self) -> None:
+        self._loaded = load_scenario(self._source)
+        if self._loaded.world.control_mode == "keyboard":
+            warnings.warn("keys are not read yet: the behaviours drive (control_mode: auto)", NoKeyboardWarning, 5)
+        self._compile()
+
+    def _compile(self) -> None:
+        self.simulation = compile(self._loaded)
+        self.roster, self.goals = Roster(self.simulation), Goals()
+
+    def _begin(self, status: str) -> None:
+        """Draw a level and begin it."""
+        self.simulation.reset(self._seed, episode=self._episode)
+        self._begun(status)
+
+    def _begun(self, status: str) -> None:
+        self._paused = self._loaded.world.status == "Pause"
+        self._status = "Pause" if self._paused else status
+        self._camera.clear()
+        self.track.begin(self.simulation)
+        self._keep_frame()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free the renderer. May be called twice; the world can still be used."""
+        self._camera.close()
+
+    def end(self, ending_time: float = 0.0) -> None:
+        """Do what ``close`` does; there is no window that could stay open for ``ending_time`` [s]."""
+        self.close()
+
+    @property
+    def scenario(self) -> Scenario:
+        """What the file says, with the bodies that are here now."""
+        return self.simulation.scenario
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self.scenario.name
+
+    @property
+    def time(self) -> float:
+        """Elapsed time [s]: steps times ``step_time``, not rounded."""
+        return float(self.simulation.state.time[0])
+
+    @property
+    def count(self) -> int:
+        """Steps since the reset."""
+        return int(self.simulation.state.step[0])
+
+    @property
+    def step_time(self) -> float:
+        """Duration of a step [s]."""
+        return self.scenario.world.step_time
+
+    @property
+    def sampling(self) -> bool:
+        """The present moment is a sample: there is one every ``sample_time``, rounded to whole steps."""
+        return self.count % self._steps_per_sample() == 0
+
+    def _steps_per_sample(self) -> int:
+        return max(1, int(round(self.scenario.world.sample_time / self.step_time, 9)))
+
+    @property
+    def status(self) -> str:
+        """How the world stands, as text.
+
+        ``Arrived`` when all robots have arrived, else ``Collision`` when one collides, else ``Running``. ``Pause``
+        lasts until ``resume``, ``Reset`` and ``Reload`` until the next step; at first it is what the file says.
+        """
+        return self._status
+
+    def done(self, mode: Literal["all", "any"] = "all") -> bool:
+        """Return whether all robots, or any, have arrived or are held in place by a collision.
+
+        A world without robots is never done.
+
+        Raises:
+            ValueError: Another mode.
+        """
+        if mode not in ("all", "any"):
+            raise ValueError(f"mode must be 'all' or 'any', got {mode!r}")
+        state, robots = self.simulation.state, moves.robots(self.simulation)
+        over = state.arrived[0, robots] | state.stopped[0, robots]
+        return bool(len(over)) and bool(over.all() if mode == "all" else over.any())
+
+    def pause(self) -> None:
+        """Let steps do nothing until ``resume``."""
+        self._paused, self._status = True, "Pause"
+
+    def resume(self) -> None:
+        """Go on after a pause."""
+        self._paused, self._status = False, "Running"
+
+    def step(self, action: Actions | None = None, action_id: Reference | Sequence[Reference] | None = None) -> None:
+        """Advance by one step; nothing happens while the world is paused.
+
+        An action is a command in the coordinates of the body's drive [m/s, rad/s] and overrides what the body would
+        do by itself, in this step alone. Limits, stopping at collisions and all else hold as ever; a body that never
+        moves ignores it.
+
+        Args:
+            action: None, one action, a list of actions, or a mapping from names to actions. A None among them leaves
+                the body to itself.
+            action_id: Whom they are for: a number, a name, or a list of them. One action goes to the first body by
+                default; a list of actions goes to the bodies from the given one on, or to the list.
+
+        Raises:
+            ValueError: There is no such body, an action has a wrong length, or there are more actions than bodies: an
+                action that reaches nobody is a mistake, and in a loop a warning is easily missed. Or ``step_mode`` is
+                ``external``.
+        """
+        if self._paused:
+            return
+        rows = (
+            {} if action is None else pair_actions(action, action_id, self._index_of, len(self.simulation.parts.names))
+        )
+        if rows and self.simulation.parts.external:
+            raise ValueError("step_mode is external: set_state moves the bodies, actions have no effect")
+        bodies, commands = moves.commands(self.simulation, rows)
+        if len(bodies):
+            self.simulation.step(commands, bodies)
+        else:
+            self.simulation.step()
+        self._status = moves.status_of(self.simulation)
+        self.track.note(self.simulation)
+        self._keep_frame()
+
+    def _index_of(self, reference: Reference) -> int:
+        try:
+            return self.roster.index(reference)
+        except UnknownNameError as error:
+            raise ValueError(str(error)) from None
+
+    def refresh(self) -> None:
+        """Bring outlines, flags, scans and status up to date after bodies were moved by hand, without a step."""
+        self.simulation.refresh()
+        self._status = moves.status_of(self.simulation)
+
+    def reset(self, random: bool = False) -> None:
+        """Begin again.
+
+        Args:
+            random: False for the same level with the bodies that are here now: the same actions give the same run,
+                noise included, and what was set without ``init`` is forgotten. True for the next draw of the level,
+                with the file's bodies.
+        """
+        if not random:
+            self.goals.bring_back(self.simulation)
+            self.simulation.reset_to_start()
+            self._begun("Reset")
+            return
+        self._episode += 1
+        self._compile()
+        self._camera.look_at(self.simulation)
+        self._begin("Reset")
+
+    def reload(self) -> None:
+        """Read the file again and begin its first level."""
+        self._episode = 0
+        self._read()
+        self._camera.look_at(self.simulation)
+        self._begin("Reload")
+
+    def set_random_seed(self, seed: int) -> None:
+        """Draw from another stream from now on; the next ``reset(random=True)`` begins with its first level."""
+        self._seed, self._episode = seed, -1
+        self.simulation.state.random[:] = self.simulation.streams(seed)
+
+    def add(self, role: Literal["robot", "obstacle"] = "obstacle", **entry: Any) -> Body:
+        """Add a body; everything else stays as it is, and a reset keeps it.
+
+        Args:
+            role: Which section the entry would stand in.
+            **entry: The keys of an entry, e.g. ``shape={"name": "circle"}, state=[1, 2, 0]``.
+
+        Raises:
+            ScenarioError: The entry cannot be used; the error names the key, as for a file.
+            PlacementError: A random start found no place among the bodies that are here.
+            ValueError: It would make several bodies.
+        """
+        if entry.get("number", 1) != 1 or entry.get("number_range") is not None:
+            raise ValueError("one body at a time: leave number and number_range out")
+        changed = add_bodies(self.scenario, role, entry, self.roster.next_number)
+        self._follow(rebuild(self.simulation, changed))
+        return Body(self, changed.bodies[-1].name)
+
+    def remove(self, reference: Reference) -> None:
+        """Remove the body with some number or name; the others keep their numbers.
+
+        Raises:
+            UnknownNameError: There is none.
+        """
+        self._follow(rebuild(self.simulation, remove_body(self.scenario, self.roster.index(reference))))
+
+    def _follow(self, simulation: Simulation) -> None:
+        self.simulation = simulation
+        self.roster.follow(simulation)
+        self._camera.look_at(simulation)
+
+    def create_robot(self, **entry: Any) -> Body:
+        """Add a robot; it is in the world at once, so IR-SIM's ``add_object`` is not needed."""
+        return self.add("robot", **entry)
+
+    def create_obstacle(self, **entry: Any) -> Body:
+        """Add an obstacle; it is in the world at once, so IR-SIM's ``add_object`` is not needed."""
+        return self.add("obstacle", **entry)
+
+    def delete_object(self, number: int) -> None:
+        """Remove the body with some number."""
+        self.remove(number)
+
+    def random_obstacle_position(
+        self,
+        range_low: Sequence[float] = (0.0, 0.0, -np.pi),
+        range_high: Sequence[float] = (10.0, 10.0, np.pi),
+        ids: Sequence[Reference] | None = None,
+        non_overlapping: bool = False,
+    ) -> None:
+        """Put obstacles somewhere at random, for now and for later resets without ``random``.
+
+        Args:
+            range_low: Least x, y, heading [m, m, rad].
+            range_high: Greatest.
+            ids: Numbers or names of bodies; all obstacles by default.
+            non_overlapping: Clear of all other bodies.
+
+        Raises:
+            PlacementError: One of them found no place clear of the others; then none has moved.
+        """
+        chosen = self.roster.present(OBSTACLE) if ids is None else ids
+        bodies = [self.roster.index(reference) for reference in chosen]
+        moves.scatter(self.simulation, bodies, range_low, range_high, apart=non_overlapping)
+        self.refresh()
+
+    def render(self, interval: float = 0.0) -> Bytes:
+        """Return a picture of the world, uint8, shape ``(height, width, 3)``.
+
+        It needs no display. There is no window yet, so there is nothing to wait for: ``interval`` [s] is taken for the
+        sake of IR-SIM's scripts and has no effect.
+        """
+        return self._camera.frame(self._shown_status())
+
+    def _shown_status(self) -> str:
+        return "" if self._status == "None" else self._status
+
+    def _keep_frame(self) -> None:
+        if self._record and self.sampling:
+            self._camera.keep(self._shown_status())
+
+    def save_figure(self, path: str | Path | None = None) -> Path:
+        """Write a picture to a file and return its path.
+
+        Args:
+            path: ``.png``, ``.pdf`` or ``.svg``; without a suffix the file's ``plot.saved_figure.format`` is used, and
+                without a path the world's name.
+
+        Raises:
+            ValueError: Another suffix.
+        """
+        return self._camera.save_figure(Path(self.name if path is None else path), self._shown_status())
+
+    def save_animation(self, path: str | Path | None = None, fps: float | None = None) -> Path:
+        """Write the frames kept so far to a film, let go of them, and return its path.
+
+        Args:
+            path: ``.mp4`` or ``.gif``; without a suffix it becomes an mp4, and without a path the world's name is used.
+            fps: Frames per second; by default as fast as the world's own time.
+
+        Raises:
+            ValueError: Another suffix, or no frames: a world keeps them when it is loaded with ``record=True``.
+        """
+        rate = 1.0 / (self._steps_per_sample() * self.step_time) if fps is None else fps
+        return self._camera.save_film(Path(self.name if path is None else path), rate)
+
+
+def load(scenario: ScenarioSource, *, seed: int = 0, render_mode: str | None = None, record: bool = False) -> World:
+    """Load a scenario to run it by hand, without learning; arguments and errors are those of ``World``."""
+    return World(scenario, seed=seed, render_mode=render_mode, record=record)

@@ -1,0 +1,73 @@
+"""Scenarios with a body more or less, for worlds that are run by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from irsim_gym.errors import ScenarioError
+from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of
+from irsim_gym.scenario.entries import read_entry
+from irsim_gym.scenario.messages import choices
+from irsim_gym.scenario.shorthand import ROLES, RawEntry, split_sections
+from irsim_gym.scenario.source import read_mapping
+from irsim_gym.scenario.spec import MAX_BODIES, PlacementSpec, Scenario
+from irsim_gym.scenario.validation import Report
+
+
+def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, Any], first: int) -> Scenario:
+    """Return a scenario with the bodies of one more entry at the end.
+
+    Args:
+        scenario: The scenario so far.
+        role: ``robot`` or ``obstacle``.
+        entry: What would stand in that section of the file.
+        first: Number of its first body, for names that are not given.
+
+    Raises:
+        ScenarioError: The entry cannot be used; the error lists every problem.
+        ValueError: There is no such role.
+    """
+    if role not in ROLES:
+        raise ValueError(f"role must be {choices(ROLES)}, got {role!r}")
+    source = read_mapping({role: entry})
+    report = Report(source)
+    raw = RawEntry(role, (role,), source.data[role])
+    read = read_entry(raw, _shared_plot(scenario), report)
+    if len(scenario.bodies) + read.count > MAX_BODIES:
+        raise ScenarioError(source.title, [source.problem((role,), f"too many bodies: at most {MAX_BODIES}")])
+    group = 1 + max((body.group for body in scenario.bodies), default=-1)
+    made = make_bodies(read, len(scenario.placements), first, group, report)
+    taken = {body.name for body in scenario.bodies}
+    for i in range(read.count):
+        place, name = name_of(read, i, first + i)
+        if name in taken:
+            report.add(place, f"the name '{name[:40]}' is given to several bodies")
+        taken.add(name)
+    if report.problems:
+        raise ScenarioError(source.title, list(report.problems))
+    placement = placement_of(read, len(scenario.bodies), report)
+    placements = (*scenario.placements, placement) if read.count else scenario.placements
+    return replace(scenario, bodies=(*scenario.bodies, *made), placements=placements)
+
+
+def _shared_plot(scenario: Scenario) -> Mapping[str, Any]:
+    """Return the drawing options that the file gives for all bodies; they were checked when it was read."""
+    plot = split_sections(scenario.source.data, Report(scenario.source))[0].get("plot")
+    return plot if isinstance(plot, Mapping) else {}
+
+
+def remove_body(scenario: Scenario, number: int) -> Scenario:
+    """Return a scenario without a body. Its entry no longer varies in number."""
+    bodies = [body for b, body in enumerate(scenario.bodies) if b != number]
+    placements: list[PlacementSpec] = []
+    entries: dict[int, int] = {}
+    for entry, spec in enumerate(scenario.placements):
+        members = tuple(b - (b > number) for b in spec.members if b != number)
+        if members:
+            entries[entry] = len(placements)
+            number_range = spec.number_range if len(members) == len(spec.members) else None
+            placements.append(replace(spec, members=members, number_range=number_range))
+    kept = tuple(replace(body, entry=entries[body.entry]) for body in bodies)
+    return replace(scenario, bodies=kept, placements=tuple(placements))

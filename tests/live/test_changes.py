@@ -1,0 +1,145 @@
+"""Bodies that come and go, and obstacles that are scattered."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from small_world import DIFF, SCENARIO, world
+
+from irsim_gym.errors import PlacementError, ScenarioError, UnknownNameError
+
+RANDOM = {
+    "shape": {"name": "circle", "random_shape": True, "radius_range": [0.2, 0.6]},
+    "distribution": {"name": "random"},
+}
+
+
+def test_an_added_body_takes_part_and_the_rest_goes_on() -> None:
+    here, alone = world(), world()
+    for each in (here, alone):
+        for _ in range(3):
+            each.step([0.4, 0.1], 1)
+    added = here.add(shape={"name": "circle", "radius": 0.3}, state=[9, 1, 0])
+    assert (added.name, added.id, added.role, added.state.tolist()) == ("obstacle_4", 4, "obstacle", [9, 1, 0])
+    assert here.names[-1] == "obstacle_4"
+    assert here.time == alone.time
+    for each in (here, alone):
+        each.step()
+    for name in alone.names:
+        assert np.array_equal(here[name].state, alone[name].state)
+        assert np.array_equal(here[name].velocity, alone[name].velocity)
+    here.robot.set_state([8.6, 1, 0])
+    here.step()
+    assert here.robot.hit == added
+    here.reset()
+    assert added.state.tolist() == [9, 1, 0]
+    assert here.robot.state.tolist() == [1, 1, 0]
+    here.reset(random=True)
+    assert "obstacle_4" not in here.names
+
+
+def test_a_robot_can_be_added_and_driven() -> None:
+    here = world()
+    robot = here.create_robot(name="late", **DIFF, state=[3, 1, 0], goal=[9, 1], behavior={"name": "dash"})
+    assert here.robots[-1] == robot
+    here.step()
+    assert robot.velocity[0] == pytest.approx(1.0)
+    here.step([0.2, 0.1], "late")
+    assert robot.velocity.tolist() == [0.2, 0.1]
+    assert robot.trajectory[:, 0].tolist() == pytest.approx([3.1, 3.12])
+
+
+def test_removed_bodies_are_gone_and_numbers_stay() -> None:
+    here = world()
+    here.step()
+    wall, mover = here["obstacle_2"], here["obstacle_3"]
+    here.remove("obstacle_2")
+    assert here.names == ["robot_0", "robot_1", "obstacle_3"]
+    assert mover.id == 3
+    with pytest.raises(UnknownNameError, match="no body named 'obstacle_2'"):
+        _ = wall.state
+    here.step([0.3, 0.0], 3)
+    assert mover.velocity.tolist() == [0.3, 0.0]
+    assert here.create_obstacle(**DIFF).id == 4
+    here.delete_object(4)
+    here.delete_object(0)
+    assert here.robot.name == "robot_1"
+    assert here.create_obstacle(**DIFF).name == "obstacle_5"
+    with pytest.raises(UnknownNameError, match="no body number 0"):
+        here.remove(0)
+
+
+def test_what_holds_a_body_can_be_removed() -> None:
+    here = world(robot={**DIFF, "state": [4.6, 4.55, 0]})  # in the wall's lower side, after a step
+    here.robot.set_state([5, 4.6, 0])
+    here.step([0.5, 0.0])
+    assert here.robot.stopped
+    here.remove("obstacle_1")
+    assert here.robot.hit is None
+    here.step([0.5, 0.0])  # flags are those of the step before, as in IR-SIM
+    here.step([0.5, 0.0])
+    assert here.robot.velocity[0] == 0.5
+
+
+def test_random_bodies_are_added_clear_of_the_others_and_keep_their_outlines() -> None:
+    here = world(obstacle={**RANDOM, "number": 3}, robot=SCENARIO["robot"])
+    radii = [body.radius for body in here.obstacles]
+    places = [body.state for body in here.obstacles]
+    added = here.add(**RANDOM)
+    assert [body.radius for body in here.obstacles[:3]] == radii
+    assert all(np.array_equal(body.state, place) for body, place in zip(here.obstacles, places, strict=False))
+    assert 0.2 <= added.radius <= 0.6
+    here.refresh()
+    assert not any(body.collided for body in here)
+    here.remove(here.obstacles[0].name)
+    assert [body.radius for body in here.obstacles] == [*radii[1:], added.radius]
+
+
+def test_a_bad_entry_changes_nothing() -> None:
+    here = world()
+    with pytest.raises(ScenarioError, match=r"obstacle\.shape\.radius: must be > 0, got -1"):
+        here.add(shape={"name": "circle", "radius": -1})
+    with pytest.raises(ScenarioError, match=r"obstacle\.name: the name 'robot_0' is given to several bodies"):
+        here.add(name="robot_0")
+    with pytest.raises(ValueError, match="one body at a time"):
+        here.add(number=2)
+    with pytest.raises(ValueError, match="role must be"):
+        here.add("person")  # type: ignore[arg-type]
+    with pytest.raises(PlacementError, match="no place found for 'obstacle_4'"):
+        here.add(shape={"name": "circle", "radius": 8.0}, distribution={"name": "random"})
+    assert len(here) == 4
+    here.step()
+
+
+def test_goals_that_were_set_survive_a_change() -> None:
+    here = world()
+    here.robot.set_goal([[2, 2], [3, 3], [4, 4]])
+    here.add()
+    assert here.robot.goals[:, 0].tolist() == [2, 3, 4]
+    here.reset()
+    assert here.robot.goals[:, 0].tolist() == [9]
+
+
+def test_obstacles_are_scattered() -> None:
+    here = world()
+    before = here["obstacle_2"].state
+    here.random_obstacle_position([2, 2, -1], [8, 8, 1], non_overlapping=True)
+    moved = [body.state for body in here.obstacles]
+    assert not np.array_equal(moved[0], before)
+    assert all((state >= [2, 2, -1]).all() and (state <= [8, 8, 1]).all() for state in moved)
+    assert not any(body.collided for body in here)
+    here.step()
+    here.reset()
+    assert all(np.array_equal(body.state, state) for body, state in zip(here.obstacles, moved, strict=True))
+    here.random_obstacle_position([1, 1, 0], [1, 1, 0.1], ids=["obstacle_2"])
+    assert here.robot.hit == here["obstacle_2"]
+
+
+def test_obstacles_that_find_no_place_stay() -> None:
+    here = world()
+    before = [body.state for body in here.obstacles]
+    with pytest.raises(PlacementError, match="clear of the others"):
+        here.random_obstacle_position([1, 1, 0], [1.1, 1.1, 0.1], non_overlapping=True)
+    assert all(np.array_equal(body.state, state) for body, state in zip(here.obstacles, before, strict=True))
+    here.refresh()
+    assert not any(body.collided for body in here)
