@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.behaviors.steering import to_command
+from irsim_gym.behaviors.steering import to_command, wanted_velocity
 from irsim_gym.behaviors.surroundings import MARGIN, Scene, look_around, most_map_walls, scene_of, wall_bodies
 from irsim_gym.behaviors.velocity_obstacles import (
     PITCH,
@@ -25,9 +25,6 @@ from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import DIFFERENTIAL, WorldModel
 from irsim_gym.world.state import WorldState
-
-ARRIVED = 0.1
-"""Nearer to the goal than this [m] no velocity is wanted."""
 
 TURN_TIME, TURN_TOLERANCE, SLOW, TURN_LIMIT = 0.2, 0.1, 0.02, 1.5
 """How a differential drive follows the chosen velocity [s, rad, m/s, rad/s]."""
@@ -167,20 +164,6 @@ def decide_rvo(
             )
             alone = n_rounds == 0 and n_sides == 0
             steer(drive[b], pose[2], vx, vy, alone, wanted_x, wanted_y, command[w, b])
-
-
-@kernel
-def wanted_velocity(x: float, y: float, goal: Floats, drive: int, fastest: Floats) -> tuple[float, float]:
-    """Return the velocity straight to the goal [m/s], 0 where it is reached.
-
-    An omnidirectional drive has a speed for each axis of the world.
-    """
-    dx, dy = goal[0] - x, goal[1] - y
-    if np.sqrt(dx * dx + dy * dy) <= ARRIVED:
-        return 0.0, 0.0
-    angle = (np.arctan2(dy, dx) + np.pi) % (2.0 * np.pi) - np.pi  # with IR-SIM's rounding, which settles ties
-    speed_y = fastest[0] if drive == DIFFERENTIAL else fastest[1]
-    return fastest[0] * np.cos(angle), speed_y * np.sin(angle)
 
 
 @kernel

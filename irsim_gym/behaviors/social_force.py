@@ -1,12 +1,22 @@
-"""Social forces (Moussaid et al. 2009), alone and as a group. The options are known; they do not run yet."""
+"""Social forces (Moussaid et al. 2009): a body is pulled to its goal and pushed by others and by walls."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.behaviors.social_pushes import FADED, follow, planned_velocity
+from irsim_gym.behaviors.steering import wanted_velocity
+from irsim_gym.behaviors.surroundings import MARGIN, Scene, most_map_walls, scene_of, wall_bodies
+from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import crossed_bounds, kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
 
 DESIRED = option(1.0, ge=0.0, meaning="Weight of the force towards the goal.")
 SOCIAL = option(2.1, ge=0.0, meaning="Weight of the force away from other bodies.")
@@ -27,6 +37,7 @@ class SocialForce:
     """Follow the sum of a pull to the goal and pushes from bodies and walls."""
 
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
+    reads_neighbors: ClassVar[bool] = True
 
     wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
     loop: bool = option(False, meaning="Begin again with the first goal after the last.")
@@ -54,29 +65,104 @@ class SocialForce:
         """Yield key and message of what cannot be."""
         yield from crossed_bounds(self.range_low, self.range_high)
 
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Reserve scratch memory for what one body sees."""
+        reserve(group, model, n_slots)
 
-@kind
-class SocialForceGroup:
-    """The same for all bodies of a group, which may walk together in smaller ones."""
+    @staticmethod
+    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' commands."""
+        slot, arrays = shard.slot, group.arrays
+        decide_social_force(
+            shard.worlds,
+            group.members,
+            group.params,
+            scene_of(model, state),
+            model.drive,
+            model.step_time,
+            model.velocity_max,
+            model.acceleration_limit,
+            model.has_goal,
+            state.goal,
+            state.velocity,
+            arrays["among"],
+            arrays["lines"],
+            arrays["nearby"][slot],
+            arrays["sides"][slot],
+            arrays["nearest"][slot],
+            state.command,
+        )
 
-    kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
 
-    vmax: float = SPEED
-    neighbor_threshold: float = NEIGHBORS
-    relaxation_time: float = RELAXATION
-    force_factor_desired: float = DESIRED
-    force_factor_social: float = SOCIAL
-    force_factor_obstacle: float = OBSTACLE
-    sigma_obstacle: float = SIGMA
-    lambda_importance: float = IMPORTANCE
-    gamma: float = GAMMA
-    n_angular: float = ANGULAR
-    n_velocity: float = VELOCITY
-    safety_radius: float = SAFETY
-    social_groups: tuple[tuple[int, ...], ...] = option((), meaning="Lists of members who walk together.")
-    force_factor_group_coherence: float = option(2.0, ge=0.0, meaning="Weight of the pull to the others of the list.")
-    force_factor_group_repulsion: float = option(1.0, ge=0.0, meaning="Weight of the push from those too near.")
-    force_factor_group_gaze: float = option(3.0, ge=0.0, meaning="Weight of the force that keeps the others in sight.")
-    group_repulsion_threshold: float | None = option(
-        None, ge=0.0, unit="m", meaning="Who is nearer than this is too near; by default when the bodies touch."
-    )
+def reserve(group: Group, model: WorldModel, n_slots: int) -> None:
+    """Reserve what the forces need: scratch memory, and a list of bodies that walk together, empty so far."""
+    reach = FADED * max(options.sigma_obstacle for options in group.options) + float(model.reach.max()) + MARGIN
+    group.arrays["among"] = np.zeros(len(model.role), np.bool_)
+    group.arrays["lines"] = wall_bodies(model)
+    group.arrays["nearby"] = np.zeros((n_slots, len(model.role)), np.int64)
+    group.arrays["sides"] = np.zeros((n_slots, most_map_walls(model, reach), 4))
+    group.arrays["nearest"] = np.zeros((n_slots, 4, 3))
+
+
+@kernel
+def decide_social_force(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    scene: Scene,
+    drive: Ints,
+    step_time: Floats,
+    velocity_max: Floats,
+    acceleration_limit: Floats,
+    has_goal: Flags,
+    goal: Floats,
+    velocity: Floats,
+    among: Flags,
+    lines: Ints,
+    nearby: Ints,
+    sides: Floats,
+    nearest: Floats,
+    command: Floats,
+) -> None:
+    """Write the commands of bodies that follow social forces; those without a goal stand."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
+            if not has_goal[b] or not scene.present[w, b]:
+                continue
+            fastest = velocity_max[w % velocity_max.shape[0], b]
+            wanted_x, wanted_y = wanted_velocity(
+                scene.pose[w, b, 0], scene.pose[w, b, 1], goal[w, b], drive[b], fastest
+            )
+            vx, vy = planned_velocity(
+                scene,
+                w,
+                b,
+                params[k],
+                among,
+                wanted_x,
+                wanted_y,
+                0.0,
+                0.0,
+                step_time[0],
+                False,
+                lines,
+                nearby,
+                sides,
+                nearest,
+            )
+            acceleration = acceleration_limit[w % acceleration_limit.shape[0], b]
+            follow(
+                drive[b],
+                scene.pose[w, b, 2],
+                vx,
+                vy,
+                velocity[w, b],
+                fastest,
+                acceleration,
+                step_time[0],
+                command[w, b],
+            )

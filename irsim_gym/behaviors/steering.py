@@ -1,4 +1,4 @@
-"""From a velocity in the world frame to the command of a drive."""
+"""From the goal to a velocity in the world frame, and from that to the command of a drive."""
 
 from __future__ import annotations
 
@@ -8,6 +8,23 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
+
+ARRIVED = 0.1
+"""Nearer to the goal than this [m] no velocity is wanted."""
+
+
+@kernel
+def wanted_velocity(x: float, y: float, goal: Floats, drive: int, fastest: Floats) -> tuple[float, float]:
+    """Return the velocity straight to the goal [m/s], 0 where it is reached.
+
+    An omnidirectional drive has a speed for each axis of the world.
+    """
+    dx, dy = goal[0] - x, goal[1] - y
+    if np.sqrt(dx * dx + dy * dy) <= ARRIVED:
+        return 0.0, 0.0
+    angle = (np.arctan2(dy, dx) + np.pi) % (2.0 * np.pi) - np.pi  # with IR-SIM's rounding, which settles ties
+    speed_y = fastest[0] if drive == DIFFERENTIAL else fastest[1]
+    return fastest[0] * np.cos(angle), speed_y * np.sin(angle)
 
 
 @kernel

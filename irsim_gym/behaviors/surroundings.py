@@ -16,6 +16,9 @@ from irsim_gym.world.state import WorldState
 MARGIN = 0.1
 """Added to the radius of every disc [m], as in IR-SIM."""
 
+NOTHING, CHAIN, STANDING, ROUND = 0, 1, 2, 3
+"""How a body looks: not at all, as segments without area, as its outline, as the disc around its centroid."""
+
 ALL_ROLES = 0
 """``target_roles: all``; the role r alone is r + 1."""
 
@@ -84,6 +87,18 @@ def parts_of(scene: Scene, w: int, q: int) -> tuple[int, int, int, int]:
 
 
 @kernel
+def look_of(scene: Scene, w: int, q: int) -> int:
+    """Return how a body looks: one that never moves and is more than a disc shows its outline."""
+    n_segments = scene.segment_count[w % scene.segment_count.shape[0], q]
+    n_discs = scene.disc_count[w % scene.disc_count.shape[0], q]
+    if n_segments + n_discs == 0:
+        return NOTHING
+    if n_segments > 0 and not scene.solid[q]:
+        return CHAIN
+    return STANDING if not scene.movable[q] and (n_segments > 0 or n_discs > 1) else ROUND
+
+
+@kernel
 def centroid_of(scene: Scene, w: int, q: int) -> tuple[float, float]:
     """Return the centre of a body's area in the world frame [m]."""
     pose = scene.pose[w, q]
@@ -127,11 +142,12 @@ def look_around(
     n_rounds, n_sides = 0, 0
     for k in range(n_nearby):
         q = nearby[k]
-        s, n, d, m = parts_of(scene, w, q)
-        if n + m == 0 or (n > 0 and not scene.solid[q]) or not is_seen(scene, w, b, q, target_roles):
+        look = look_of(scene, w, q)
+        if look <= CHAIN or not is_seen(scene, w, b, q, target_roles):
             continue
-        if not scene.movable[q] and (n > 0 or m > 1):
+        if look == STANDING:
             if outline_distance_to(scene, w, q, x, y, sight) < sight:
+                s, n, d, m = parts_of(scene, w, q)
                 n_sides = copy_sides(scene.segments[w], s, n, sides, n_sides)
                 n_rounds = copy_discs(scene.discs[w], d, m, rounds, n_rounds)
             continue
@@ -144,7 +160,7 @@ def look_around(
     for k in range(lines.shape[0]):
         q = lines[k]
         if is_seen(scene, w, b, q, target_roles):
-            s, n, d, m = parts_of(scene, w, q)
+            s, n = parts_of(scene, w, q)[:2]
             n_sides = copy_sides(scene.segments[w], s, n, sides, n_sides)
     chart = int(scene.map_frame[4])
     if chart >= 0 and is_seen(scene, w, b, chart, target_roles):
@@ -188,7 +204,7 @@ def copy_sides(segments: Floats, start: int, count: int, sides: Floats, n_sides:
 def map_walls(x: float, y: float, threshold: float, frame: Floats, squares: Bytes, sides: Floats, n_sides: int) -> int:
     """Append the borders between occupied and free cells near a point to ``sides``; return how many those are now.
 
-    Borders in a line are one segment. What lies outside of the map is free.
+    Borders in a line are one segment, with the free cells to its left. What lies outside of the map is free.
 
     Args:
         x: The point [m].
@@ -222,6 +238,8 @@ def map_walls(x: float, y: float, threshold: float, frame: Floats, squares: Byte
                     continue
                 if going != 0:
                     along0, along1 = across + start * width, across + cell * width
+                    if (going > 0) == (axis == 0):
+                        along0, along1 = along1, along0
                     sides[n_sides, axis], sides[n_sides, 1 - axis] = along0, level
                     sides[n_sides, 2 + axis], sides[n_sides, 3 - axis] = along1, level
                     n_sides += 1

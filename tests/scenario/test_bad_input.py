@@ -145,7 +145,7 @@ ENTRIES = {
     ),
     "behaviour without name": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {wander: true}",
-        "3 robot.behavior.name: is required: 'dash' or 'rvo'",
+        "3 robot.behavior.name: is required: 'dash', 'rvo' or 'sfm'",
     ),
     "behaviour without drive": (
         "obstacle:\n  - shape: {name: circle}\n    behavior: {name: dash}",
@@ -403,13 +403,9 @@ DRIVES = {
 }
 DRIVE = "robot:\n  kinematics: {name: diff}\n"
 PLANNED = {
-    "sfm": (
-        DRIVE + "  behavior: {name: sfm}",
-        "3 robot.behavior.name: behavior 'sfm' is not supported yet; supported: dash, rvo",
-    ),
     "orca": (
         DRIVE + "  group_behavior: {name: orca, neighborDist: 15}",
-        "3 robot.group_behavior.name: group behavior 'orca' is not supported yet",
+        "3 robot.group_behavior.name: group behavior 'orca' is not supported yet; supported: sfm",
     ),
     "fog": ("world: {fog_map: true}", "1 world.fog_map: true is not supported yet"),
     "contact mode": (

@@ -1,0 +1,228 @@
+"""Social forces as a group: all members from one moment, and forces that keep small groups together.
+
+The forces within a party are those of Moussaid et al. (2010), as in IR-SIM: coherence, repulsion and gaze.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.behaviors import social_force
+from irsim_gym.behaviors.social_force import reserve
+from irsim_gym.behaviors.social_pushes import follow, planned_velocity
+from irsim_gym.behaviors.steering import wanted_velocity
+from irsim_gym.behaviors.surroundings import MARGIN, Scene, scene_of
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class SocialForceGroup:
+    """The same for all bodies of a group, which may walk together in smaller ones.
+
+    All members decide from the same moment. ``social_groups`` counts members in the order of the file, from 0.
+    """
+
+    kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
+    reads_neighbors: ClassVar[bool] = True
+
+    vmax: float = social_force.SPEED
+    neighbor_threshold: float = social_force.NEIGHBORS
+    relaxation_time: float = social_force.RELAXATION
+    force_factor_desired: float = social_force.DESIRED
+    force_factor_social: float = social_force.SOCIAL
+    force_factor_obstacle: float = social_force.OBSTACLE
+    sigma_obstacle: float = social_force.SIGMA
+    lambda_importance: float = social_force.IMPORTANCE
+    gamma: float = social_force.GAMMA
+    n_angular: float = social_force.ANGULAR
+    n_velocity: float = social_force.VELOCITY
+    safety_radius: float = social_force.SAFETY
+    target_roles: Literal["all", "robot", "obstacle"] = option(
+        "all", meaning="Which bodies outside of the group are avoided."
+    )
+    social_groups: tuple[tuple[int, ...], ...] = option((), meaning="Lists of members who walk together.")
+    force_factor_coherence: float = option(2.0, ge=0.0, meaning="Weight of the pull to the others of the list.")
+    force_factor_group_repulsion: float = option(1.0, ge=0.0, meaning="Weight of the push from those too near.")
+    group_repulsion_threshold: float | None = option(
+        None, ge=0.0, unit="m", meaning="Who is nearer than this is too near; by default when the bodies touch."
+    )
+    force_factor_gaze: float = option(3.0, ge=0.0, meaning="Weight of the force that keeps the others in sight.")
+    gaze_vision_angle: float = option(
+        90.0, gt=0.0, le=180.0, unit="deg", meaning="The others are in sight up to this angle from the way ahead."
+    )
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        listed = [member for party in self.social_groups for member in party]
+        for member in sorted({one for one in listed if listed.count(one) > 1}):
+            yield "social_groups", f"member {member} is listed twice"
+        if any(member < 0 for member in listed):
+            yield "social_groups", f"members are counted from 0, got {min(listed)}"
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Reserve scratch memory and number the parties of members.
+
+        Raises:
+            IrsimGymError: A party names a member that the group does not have.
+        """
+        reserve(group, model, n_slots)
+        group.arrays["among"][group.members] = True
+        party = np.full(len(group.members), -1)
+        for number, listed in enumerate(group.options[0].social_groups):
+            if listed and max(listed) >= len(party):
+                raise IrsimGymError(
+                    f"group_behavior.social_groups names member {max(listed)}, but the group has {len(party)} members, "
+                    f"counted from 0"
+                )
+            party[list(listed)] = number
+        group.arrays["party"] = party
+
+    @staticmethod
+    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the commands of the members that decide."""
+        slot, arrays = shard.slot, group.arrays
+        decide_social_group(
+            shard.worlds,
+            group.members,
+            group.params,
+            arrays["decides"],
+            arrays["party"],
+            scene_of(model, state),
+            model.drive,
+            model.step_time,
+            model.velocity_max,
+            model.acceleration_limit,
+            model.has_goal,
+            state.goal,
+            state.velocity,
+            arrays["among"],
+            arrays["lines"],
+            arrays["nearby"][slot],
+            arrays["sides"][slot],
+            arrays["nearest"][slot],
+            state.command,
+        )
+
+
+@kernel
+def decide_social_group(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    decides: Flags,
+    party: Ints,
+    scene: Scene,
+    drive: Ints,
+    step_time: Floats,
+    velocity_max: Floats,
+    acceleration_limit: Floats,
+    has_goal: Flags,
+    goal: Floats,
+    velocity: Floats,
+    among: Flags,
+    lines: Ints,
+    nearby: Ints,
+    sides: Floats,
+    nearest: Floats,
+    command: Floats,
+) -> None:
+    """Write the commands of the members; those without a goal stay, but give way."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            b = members[k]
+            if not decides[k]:
+                continue
+            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
+            if not scene.present[w, b]:
+                continue
+            fastest, wanted_x, wanted_y = velocity_max[w % velocity_max.shape[0], b], 0.0, 0.0
+            if has_goal[b]:
+                wanted_x, wanted_y = wanted_velocity(
+                    scene.pose[w, b, 0], scene.pose[w, b, 1], goal[w, b], drive[b], fastest
+                )
+            extra_x, extra_y = force_of_party(scene, w, k, members, party, params[k])
+            vx, vy = planned_velocity(
+                scene,
+                w,
+                b,
+                params[k],
+                among,
+                wanted_x,
+                wanted_y,
+                extra_x,
+                extra_y,
+                step_time[0],
+                True,
+                lines,
+                nearby,
+                sides,
+                nearest,
+            )
+            acceleration = acceleration_limit[w % acceleration_limit.shape[0], b]
+            follow(
+                drive[b],
+                scene.pose[w, b, 2],
+                vx,
+                vy,
+                velocity[w, b],
+                fastest,
+                acceleration,
+                step_time[0],
+                command[w, b],
+            )
+
+
+@kernel
+def force_of_party(scene: Scene, w: int, k: int, members: Ints, party: Ints, options: Any) -> tuple[float, float]:
+    """Return what keeps member k with the others of its party: coherence, repulsion and gaze [m/s2]."""
+    if party[k] < 0:
+        return 0.0, 0.0
+    b = members[k]
+    x, y, r = scene.pose[w, b, 0], scene.pose[w, b, 1], scene.radius[w % scene.radius.shape[0], b] + MARGIN
+    count, sum_x, sum_y, push_x, push_y = 0, 0.0, 0.0, 0.0, 0.0
+    for other in range(members.shape[0]):
+        q = members[other]
+        if party[other] != party[k] or not scene.present[w, q]:
+            continue
+        count += 1
+        sum_x, sum_y = sum_x + scene.pose[w, q, 0], sum_y + scene.pose[w, q, 1]
+        dx, dy = x - scene.pose[w, q, 0], y - scene.pose[w, q, 1]
+        near = options.group_repulsion_threshold
+        if np.isnan(near):
+            near = r + (scene.radius[w % scene.radius.shape[0], q] + MARGIN)
+        if q != b and np.hypot(dx, dy) < near:
+            push_x, push_y = push_x + dx, push_y + dy
+    if count < 2:
+        return 0.0, 0.0
+    mean_x, mean_y = sum_x / count, sum_y / count
+    pull = (np.tanh(np.hypot(mean_x - x, mean_y - y) - (count - 1.0) / 2.0) + 1.0) / 2.0
+    others_x, others_y = (count * mean_x - x) / (count - 1.0), (count * mean_y - y) / (count - 1.0)
+    vx, vy = scene.twist[w, b, 0], scene.twist[w, b, 1]
+    turn = head_turn(vx, vy, others_x - x, others_y - y, options.gaze_vision_angle * np.pi / 180.0)
+    coherence, repulsion = options.force_factor_coherence, options.force_factor_group_repulsion
+    gaze = options.force_factor_gaze
+    return (
+        coherence * ((mean_x - x) * pull) + repulsion * push_x - gaze * (turn * vx),
+        coherence * ((mean_y - y) * pull) + repulsion * push_y - gaze * (turn * vy),
+    )
+
+
+@kernel
+def head_turn(vx: float, vy: float, dx: float, dy: float, sight: float) -> float:
+    """Return by how much a walker has to turn its head [rad] to see a point at (dx, dy) [m]."""
+    speed, distance = np.hypot(vx, vy), np.hypot(dx, dy)
+    if speed <= 1e-9 or distance <= 1e-9:
+        return 0.0
+    cosine = (vx * dx + vy * dy) / (speed * distance)
+    return float(max(np.arccos(max(min(cosine, 1.0), -1.0)) - sight, 0.0))
