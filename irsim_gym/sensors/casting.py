@@ -105,7 +105,7 @@ def cast_bodies(
         rows, rounds = segments[w], discs[w]
         for k in range(members.shape[0]):
             own, far = members[k], params[k].range_max
-            row = (w * members.shape[0] + k) % beams_x.shape[0]
+            row = w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
             along_x, along_y = beams_x[row], beams_y[row]
             x, y, heading = mount_pose(pose[w, own], params[k].offset)
             cosine, sine = np.cos(heading), np.sin(heading)

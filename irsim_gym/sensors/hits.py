@@ -82,7 +82,7 @@ def find_hits(
         n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
         for k in range(members.shape[0]):
             own, far = members[k], params[k].range_max
-            row = (w * members.shape[0] + k) % beams_x.shape[0]
+            row = w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
             along_x, along_y = beams_x[row], beams_y[row]
             x, y, heading = mount_pose(pose[w, own], params[k].offset)
             cosine, sine = np.cos(heading), np.sin(heading)
@@ -162,7 +162,7 @@ def write_radial_velocity(
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
-            own, row = members[k], (w * members.shape[0] + k) % cast_angles.shape[0]
+            own, row = members[k], w * members.shape[0] + k if cast_angles.shape[0] > 1 else 0
             shortest, farthest = np.float32(params[k].range_min), np.float32(params[k].range_max)
             share = 0.0 if params[k].motion_compensate else 1.0
             heading = pose[w, own, 2] + params[k].offset[2]

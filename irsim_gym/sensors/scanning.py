@@ -98,24 +98,9 @@ def inside(outline: Outline, x: float, y: float) -> bool:
 
 def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write the members' ranges, and what is hit where that is asked for (``hits.prepare``)."""
-    is_noisy = group.options[0].noise
+    table, is_noisy = group.arrays, group.options[0].noise
     if is_noisy:
         noise.turn_beams(group, state, shard)
-    scan_bodies(group, model, state, shard)
-    if (cells := model.cells) is not None:
-        table = group.arrays
-        rows = table["beams_x"], table["beams_y"]
-        members, params = group.members, table["cast_params"]
-        scan_cells(shard.worlds, members, params, *rows, cells, model.present, state.pose, table["ranges"])
-    if "hit" in group.arrays:
-        hits.find(group, model, state, shard)
-    if is_noisy:
-        noise.blur_ranges(group, state, shard)
-
-
-def scan_bodies(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Write the ranges to the nearest outline."""
-    table = group.arrays
     cast_bodies(
         shard.worlds,
         group.members,
@@ -137,3 +122,11 @@ def scan_bodies(group: Group, model: WorldModel, state: WorldState, shard: Shard
         table["inverse"][shard.slot],
         table["ranges"],
     )
+    if (cells := model.cells) is not None:
+        rows = table["beams_x"], table["beams_y"]
+        members, params = group.members, table["cast_params"]
+        scan_cells(shard.worlds, members, params, *rows, cells, model.present, state.pose, table["ranges"])
+    if "hit" in table:
+        hits.find(group, model, state, shard)
+    if is_noisy:
+        noise.blur_ranges(group, state, shard)
