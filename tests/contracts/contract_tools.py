@@ -12,6 +12,12 @@ import irsim_gym  # noqa: F401
 from irsim_gym.envs.registration import ANY
 
 SHIPPED = sorted(one for one in gymnasium.registry if one.startswith("irsim_gym/") and one != ANY)
+FEATURES = {
+    "corridor", "empty_goal", "crossing", "dense_room", "cluttered_room", "sparse_circles",
+    "car_dash", "noisy_lidar", "wandering_crowd", "mixed_obstacles",
+}  # fmt: skip
+# Costly checks run on these, which hold every feature that an environment could trip over.
+CHOSEN = [one for one in SHIPPED if one.removeprefix("irsim_gym/").removesuffix("-v0") in FEATURES]
 STILL = "irsim_gym/sparse_circles-v0"
 MOVING = "irsim_gym/crossing-v0"
 

@@ -9,7 +9,7 @@ from copy import deepcopy
 import gymnasium
 import numpy as np
 import pytest
-from contract_tools import SHIPPED, STILL, assert_same
+from contract_tools import CHOSEN, FEATURES, SHIPPED, STILL, assert_same
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.utils import env_checker
 from stable_baselines3.common import env_checker as sb3_env_checker
@@ -17,10 +17,12 @@ from stable_baselines3.common import env_checker as sb3_env_checker
 from irsim_gym.envs.single import WorldEnv
 
 every = pytest.mark.parametrize("env_id", SHIPPED)
+chosen = pytest.mark.parametrize("env_id", CHOSEN)
 
 
 def test_scenarios_are_shipped():
     assert {STILL, "irsim_gym/cluttered_room-v0", "irsim_gym/dense_room-v0"} <= set(SHIPPED)
+    assert len(CHOSEN) == len(FEATURES)
 
 
 @every
@@ -30,7 +32,7 @@ def test_gymnasium_checker(env_id):
     env.close()
 
 
-@every
+@chosen
 def test_sb3_checker(env_id):
     sb3_env_checker.check_env(gymnasium.make(env_id).unwrapped, warn=True)
 
@@ -42,7 +44,7 @@ def test_checkers_with_other_spaces(task):
     sb3_env_checker.check_env(env, warn=True)
 
 
-@every
+@chosen
 def test_rollout_is_deterministic(env_id):
     one, two = (gymnasium.make(env_id, max_steps=40) for _ in range(2))
     assert_same(one.reset(seed=0), two.reset(seed=0))
@@ -56,7 +58,7 @@ def test_rollout_is_deterministic(env_id):
             assert_same(one.reset(), two.reset())
 
 
-@every
+@chosen
 def test_pickled_environment_goes_on_alike(env_id):
     env = gymnasium.make(env_id, max_steps=30)
     env.reset(seed=3)
@@ -74,7 +76,7 @@ def test_pickled_environment_goes_on_alike(env_id):
                 assert_same(twin.reset(), here)
 
 
-@every
+@chosen
 def test_rendering(env_id):
     env = gymnasium.make(env_id, render_mode="rgb_array")
     env.reset(seed=1)
@@ -109,7 +111,7 @@ def test_rendering_without_a_mode_warns():
         assert env.render() is None
 
 
-@every
+@chosen
 def test_spec_round_trips(env_id):
     env = gymnasium.make(env_id, max_steps=7)
     spec = env.spec

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import textwrap
 
-MAP = "cave.png"
+MAP = "cavern.png"
 
 WHOLE = {
     "quick start": """

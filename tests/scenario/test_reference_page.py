@@ -1,4 +1,4 @@
-"""configs/README.md: its tables are those of the declarations, its example runs; notes on values that are seldom meant."""
+"""configs/README.md: its tables are those of the declarations, its example runs; notes on values seldom meant."""
 
 from __future__ import annotations
 
