@@ -189,6 +189,17 @@ class Body:
         """Return the points that a scan hit, in the sensor's frame [m], shape ``(2, n)``; None without any."""
         return self._simulation.points(0, self._b, sensor)
 
+    def detected(self) -> list[Body]:
+        """Return the bodies in its field of view (``fov``, ``fov_radius``); nothing hides what is behind it.
+
+        Raises:
+            UnknownNameError: It has no field of view.
+        """
+        seen = self._simulation.detected(self._b)[0]
+        return [
+            Body(self._world, name) for name, is_seen in zip(self._simulation.parts.names, seen, strict=True) if is_seen
+        ]
+
     @property
     def lidar_offset(self) -> tuple[float, float, float] | None:
         """Mount pose of its first sensor in the body frame [m, m, rad], None without one."""
@@ -204,9 +215,11 @@ class Body:
             init: Begin there after a reset as well.
 
         Raises:
-            ValueError: There are too many numbers, or one is not finite.
+            ValueError: There are too many numbers, one is not finite, or it is the obstacle map.
         """
         simulation, b = self._simulation, self._b
+        if reports.is_map(simulation, b):
+            raise ValueError(f"'{self._name}' is the obstacle map: its cells stay where they are")
         size = getattr(self.spec.kinematics, "state_size", 3)
         row = _numbers(state, size, "a state")
         simulation.state.pose[0, b], simulation.state.steering[0, b] = row[:3], row[3]

@@ -22,7 +22,7 @@ class RobotInfo:
         id: Its number.
         name: Its name.
         role: ``robot`` or ``obstacle``.
-        shape: Name of its shape.
+        shape: Name of its shape; ``map`` for the obstacle map.
         kinematics: Name of its drive, None without one.
         color: Its colour.
         static: It never moves.
@@ -93,7 +93,7 @@ def robot_info(simulation: Simulation, body: int, number: int, goal: Floats | No
         id=number,
         name=spec.name,
         role=spec.role,
-        shape=FOOTPRINTS.name_of(type(spec.shape)),
+        shape="map" if is_map(simulation, body) else FOOTPRINTS.name_of(type(spec.shape)),
         kinematics=None if spec.kinematics is None else KINEMATICS.name_of(type(spec.kinematics)),
         color=spec.color,
         static=spec.static,
@@ -124,6 +124,11 @@ def obstacle_info(simulation: Simulation, body: int) -> ObstacleInfo:
         cone_type=cone,
         convex_flag=cone is not None,
     )
+
+
+def is_map(simulation: Simulation, body: int) -> bool:
+    """Return whether a body is the obstacle map."""
+    return int(simulation.model.map_frame[4]) == body
 
 
 def command_size(simulation: Simulation, body: int) -> int:

@@ -13,7 +13,7 @@ import numpy as np
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.engine import Simulation, compile
 from irsim_gym.errors import NoKeyboardWarning, UnknownNameError
-from irsim_gym.live import moves
+from irsim_gym.live import moves, reports
 from irsim_gym.live.actions import Actions, Reference, pair_actions
 from irsim_gym.live.body import Body
 from irsim_gym.live.camera import Camera
@@ -255,9 +255,9 @@ class World(Crowd):
         """
         if entry.get("number", 1) != 1 or entry.get("number_range") is not None:
             raise ValueError("one body at a time: leave number and number_range out")
-        changed = add_bodies(self.scenario, role, entry, self.roster.next_number)
-        self._follow(rebuild(self.simulation, changed))
-        return Body(self, changed.bodies[-1].name)
+        before = set(self.simulation.parts.names)
+        self._follow(rebuild(self.simulation, add_bodies(self.scenario, role, entry, self.roster.next_number)))
+        return Body(self, next(name for name in self.simulation.parts.names if name not in before))
 
     def remove(self, reference: Reference) -> None:
         """Remove the body with some number or name; the others keep their numbers.
@@ -296,14 +296,16 @@ class World(Crowd):
         Args:
             range_low: Least x, y, heading [m, m, rad].
             range_high: Greatest.
-            ids: Numbers or names of bodies; all obstacles by default.
+            ids: Numbers or names of bodies; by default all obstacles but the map.
             non_overlapping: Clear of all other bodies.
 
         Raises:
             PlacementError: One of them found no place clear of the others; then none has moved.
         """
-        chosen = self.roster.present(OBSTACLE) if ids is None else ids
-        bodies = [self.roster.index(reference) for reference in chosen]
+        obstacles = self.roster.present(OBSTACLE) if ids is None else ids
+        bodies = [self.roster.index(reference) for reference in obstacles]
+        if ids is None:
+            bodies = [b for b in bodies if not reports.is_map(self.simulation, b)]
         moves.scatter(self.simulation, bodies, range_low, range_high, apart=non_overlapping)
         self.refresh()
 

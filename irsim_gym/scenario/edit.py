@@ -17,7 +17,7 @@ from irsim_gym.scenario.validation import Report
 
 
 def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, Any], first: int) -> Scenario:
-    """Return a scenario with the bodies of one more entry at the end.
+    """Return a scenario with the bodies of one more entry at the end; the obstacle map stays the last one.
 
     Args:
         scenario: The scenario so far.
@@ -47,9 +47,18 @@ def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, Any], first: i
         taken.add(name)
     if report.problems:
         raise ScenarioError(source.title, list(report.problems))
-    placement = placement_of(read, len(scenario.bodies), report)
-    placements = (*scenario.placements, placement) if read.count else scenario.placements
-    return replace(scenario, bodies=(*scenario.bodies, *made), placements=placements)
+    if not read.count:
+        return scenario
+    end = len(scenario.bodies) - (scenario.occupied is not None)
+    placements = [_shifted(spec, end, read.count) for spec in scenario.placements]
+    placements.append(placement_of(read, end, report))
+    bodies = (*scenario.bodies[:end], *made, *scenario.bodies[end:])
+    return replace(scenario, bodies=bodies, placements=tuple(placements))
+
+
+def _shifted(spec: PlacementSpec, end: int, count: int) -> PlacementSpec:
+    """Return a placement after bodies were put in before body ``end``."""
+    return replace(spec, members=tuple(b + count if b >= end else b for b in spec.members))
 
 
 def _shared_plot(scenario: Scenario) -> Mapping[str, Any]:
@@ -59,8 +68,9 @@ def _shared_plot(scenario: Scenario) -> Mapping[str, Any]:
 
 
 def remove_body(scenario: Scenario, number: int) -> Scenario:
-    """Return a scenario without a body. Its entry no longer varies in number."""
+    """Return a scenario without a body. Its entry no longer varies in number; without its body the map is gone."""
     bodies = [body for b, body in enumerate(scenario.bodies) if b != number]
+    is_map = scenario.occupied is not None and number == len(scenario.bodies) - 1
     placements: list[PlacementSpec] = []
     entries: dict[int, int] = {}
     for entry, spec in enumerate(scenario.placements):
@@ -70,4 +80,5 @@ def remove_body(scenario: Scenario, number: int) -> Scenario:
             number_range = spec.number_range if len(members) == len(spec.members) else None
             placements.append(replace(spec, members=members, number_range=number_range))
     kept = tuple(replace(body, entry=entries[body.entry]) for body in bodies)
-    return replace(scenario, bodies=kept, placements=tuple(placements))
+    occupied = None if is_map else scenario.occupied
+    return replace(scenario, bodies=kept, placements=tuple(placements), occupied=occupied)

@@ -70,6 +70,14 @@ def test_scans_have_ir_sims_keys() -> None:
         here[1].scan()
 
 
+def test_who_is_seen() -> None:
+    looker = {**DIFF, "state": [1, 5, 0], "fov": 1.0, "fov_radius": 5.0}
+    here = world(robot=[looker, {**DIFF, "state": [1, 8, 0]}])
+    assert [body.name for body in here.robot.detected()] == ["obstacle_2"]  # 4 m ahead; the others lie to the left
+    with pytest.raises(UnknownNameError, match="no field of view"):
+        here[1].detected()
+
+
 def test_steering_belongs_to_the_state() -> None:
     car = {"kinematics": {"name": "acker"}, "shape": {"name": "rectangle", "length": 1, "width": 0.5, "wheelbase": 0.8}}
     here = world(robot={**car, "state": [1, 1, 0, 0.3]})

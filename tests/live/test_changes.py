@@ -143,3 +143,23 @@ def test_obstacles_that_find_no_place_stay() -> None:
     assert all(np.array_equal(body.state, state) for body, state in zip(here.obstacles, before, strict=True))
     here.refresh()
     assert not any(body.collided for body in here)
+
+
+def test_the_map_stays_the_last_body_until_it_is_removed() -> None:
+    cells = np.zeros((10, 10))
+    cells[5, 0] = 100  # the cell from (5, 0) to (6, 1)
+    here = world(world={"obstacle_map": {"name": "array", "cells": cells.tolist()}}, obstacle=None)
+    assert here.names == ["robot_0", "robot_1", "obstacle_2"]
+    assert (here[2].info.shape, here[2].vertices.shape, here[2].radius) == ("map", (0, 2), 0.0)
+    added = here.add(state=[8, 8, 0])
+    assert here.names == ["robot_0", "robot_1", "obstacle_3", "obstacle_2"]
+    assert (added.id, added.state.tolist()) == (3, [8, 8, 0])
+    here.robot.set_state([5.5, 0.5, 0])
+    here.step([0.0, 0.0])
+    assert here.robot.hit == here["obstacle_2"]
+    here.random_obstacle_position([7, 7, 0], [8, 8, 1])
+    with pytest.raises(ValueError, match="its cells stay"):
+        here["obstacle_2"].set_state([1, 1, 0])
+    here.remove("obstacle_2")
+    here.step([0.0, 0.0])
+    assert not here.robot.collided
