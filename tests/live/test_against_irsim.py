@@ -102,7 +102,7 @@ CALLS: dict[str, list[Act]] = {
         lambda world: world.robot.set_state([3, 3, 1]),
         lambda world: world.robot.set_velocity([0.3, 0.1]),
         lambda world: world.step([1.0, 1.0]),
-        lambda world: world.robot.set_state([4.5, 3.85, 0], init=True),
+        lambda world: world.robot.set_state([4.5, 3.7, 0], init=True),
         lambda world: world.refresh(),
         lambda world: world.reset(),
         lambda world: world.step([0.2, 0.0]),

@@ -84,4 +84,25 @@ DECISIONS = {
         "who avoids whom should not depend on how a section is written",
         "D22",
     ),
+    "reset_is_a_start": Decision(
+        "reset() looks for collisions at once and lets the random stream go on",
+        "reset() gives the moment of the start: no flag is set, and the noise begins again",
+        "the same actions give the same run",
+        "section 12.3",
+    ),
+    "surplus_actions": Decision(
+        "actions that reach no object are dropped with a warning",
+        "they are an error",
+        "an action that reaches nobody is a mistake, and in a loop a warning is easily missed",
+        "section 12.2",
+    ),
+    "done_modes": Decision(
+        "done() returns None for an unknown mode", "an unknown mode is an error", "None is false", "section 12.1"
+    ),
+    "scattered_obstacles": Decision(
+        "random_obstacle_position keeps overlaps when it finds no place, and refreshes no sensor",
+        "no place is an error that moves nobody; flags and scans follow",
+        "non_overlapping promises it",
+        "defect 18",
+    ),
 }
