@@ -12,19 +12,33 @@ from irsim_gym import errors
 from irsim_gym.envs.registration import make, make_vec, register_scenarios, register_shipped
 
 if TYPE_CHECKING:
+    from irsim_gym.behaviors.custom import behavior, group_behavior
     from irsim_gym.engine.compile import compile
     from irsim_gym.envs import sb3
     from irsim_gym.live import load
     from irsim_gym.scenario import load_scenario
 
 _LAZY = {
+    "behavior": ("irsim_gym.behaviors.custom", "behavior"),
     "compile": ("irsim_gym.engine", "compile"),
+    "group_behavior": ("irsim_gym.behaviors.custom", "group_behavior"),
     "load": ("irsim_gym.live", "load"),
     "load_scenario": ("irsim_gym.scenario", "load_scenario"),
     "sb3": ("irsim_gym.envs.sb3", None),
 }
 
-__all__ = ["compile", "errors", "load", "load_scenario", "make", "make_vec", "register_scenarios", "sb3"]
+__all__ = [
+    "behavior",
+    "compile",
+    "errors",
+    "group_behavior",
+    "load",
+    "load_scenario",
+    "make",
+    "make_vec",
+    "register_scenarios",
+    "sb3",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -71,6 +71,10 @@ class PlacementError(IrsimGymError, RuntimeError):
     """A level could not be drawn within the allowed number of tries."""
 
 
+class BehaviorError(IrsimGymError, ValueError):
+    """A behaviour written in Python returned no command of the body's drive."""
+
+
 class NoKeyboardWarning(UserWarning):
     """A file asks for a keyboard, and there is none."""
 

@@ -49,13 +49,15 @@ def kernel(function: Any = None, /, *, contract: bool = False) -> Any:
 
 
 def _keep_on_disk(compiled: Any) -> None:
-    """Turn on Numba's cache in a folder of ours; without a writable folder do without."""
+    """Turn on Numba's cache in a folder of ours; without a writable folder, or without a source file, do without."""
     folder = cache_folder()
     if folder is None:
         return
     given, config.CACHE_DIR = config.CACHE_DIR, str(folder)
     try:
         compiled.enable_caching()
+    except RuntimeError:  # typed into a console: there is no file whose changes would be seen
+        pass
     finally:
         config.CACHE_DIR = given
 

@@ -34,6 +34,9 @@ def collect_parts(
     led = {int(b) for group in group_behaviors for b in group.members}
     deciding = [(b, body.behavior) for b, body in bodies if body.behavior is not None and b not in (*agents, *led)]
     behaviors = _behaviors([member for member in deciding if model.movable[member[0]]], model)
+    names = tuple(body.name for _, body in bodies)
+    for group in (*group_behaviors, *behaviors):
+        group.names = names
     for group in behaviors:
         group.kind.prepare(group, model, n_slots)
     kinematics = group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]])
@@ -63,7 +66,7 @@ def collect_parts(
         number_ranges=_number_ranges(scenario),
         loop_returns=np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal),
         ways=guard_ways(scenario, model, agents, n_slots),
-        names=tuple(body.name for _, body in bodies),
+        names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),
     )
 

@@ -36,6 +36,7 @@ class Group:
         members: Body of each member, shape ``(n_members,)``.
         params: Records of the members' numeric options, shape ``(n_members,)``.
         arrays: The kind's own arrays: readings, tables, scratch.
+        names: Names of all bodies, for kinds that tell them; may be empty.
     """
 
     kind: Any
@@ -43,6 +44,7 @@ class Group:
     members: Ints
     params: Any = None
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+    names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.params is None:
@@ -51,7 +53,7 @@ class Group:
     def select(self, chosen: Ints) -> Group:
         """Return a group of some of the members, by their numbers in this one; it shares the arrays."""
         options = [self.options[k] for k in chosen]
-        return Group(self.kind, options, self.members[chosen], self.params[chosen], self.arrays)
+        return Group(self.kind, options, self.members[chosen], self.params[chosen], self.arrays, self.names)
 
 
 def records(options: Sequence[Any]) -> Any:

@@ -1,0 +1,219 @@
+"""Behaviours written in plain Python: a function becomes a kind, its keyword parameters the options in YAML."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, ClassVar, Literal, TypeVar
+
+import numpy as np
+
+from irsim_gym import families
+from irsim_gym.arraytypes import Floats
+from irsim_gym.behaviors.views import EgoView, ego_view, name_of, others
+from irsim_gym.errors import BehaviorError
+from irsim_gym.registry import Registry
+from irsim_gym.scenario.options import REQUIRED, crossed_bounds, kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import NO_DRIVE, OBSTACLE, OMNI_ANGULAR, ROBOT, WorldModel
+from irsim_gym.world.state import WorldState
+
+ROLES = (-1, ROBOT, OBSTACLE)
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+@kind
+class PythonBehavior:
+    """What all behaviours written in Python have in common: their options, and how they are called."""
+
+    reads_neighbors: ClassVar[bool] = True
+
+    wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
+    loop: bool = option(False, meaning="Begin again with the first goal after the last.")
+    target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are seen.")
+    range_low: tuple[float, float, float] = option(
+        (0.0, 0.0, -math.pi), unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
+    )
+    range_high: tuple[float, float, float] = option(
+        (10.0, 10.0, math.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
+    )
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from crossed_bounds(self.range_low, self.range_high)
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Make room for the members' memories."""
+        group.arrays["memory"] = np.full((len(model.present), len(model.movable)), None, dtype=object)
+
+    @staticmethod
+    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Ask the function for the command of each member that can move, world by world."""
+        for w in shard.worlds:
+            for k, b in enumerate(group.members):
+                state.command[w, b] = 0.0
+                if not model.present[w, b] or state.stopped[w, b]:
+                    continue
+                role = ROLES[group.params["target_roles"][k]]
+                seen = others(group, model, state, int(w), group.members[k : k + 1], role)
+                ego = ego_view(group, model, state, int(w), int(b))
+                answer = group.kind.function(ego, seen, **group.kind.own_options(group.options[k]))
+                write_command(group, model, int(b), answer, state.command[w, b])
+
+
+@kind
+class PythonGroupBehavior:
+    """What all group behaviours written in Python have in common."""
+
+    reads_neighbors: ClassVar[bool] = True
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Make room for the members' memories."""
+        group.arrays["memory"] = np.full((len(model.present), len(model.movable)), None, dtype=object)
+
+    @staticmethod
+    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Ask the function for the commands of all members, world by world."""
+        for w in shard.worlds:
+            here = model.present[w, group.members]
+            members = [ego_view(group, model, state, int(w), int(b)) for b in group.members[here]]
+            seen = others(group, model, state, int(w), group.members, -1)
+            answers = group.kind.function(members, seen, **group.kind.own_options(group.options[0]))
+            commands = _one_each(group, members, answers)
+            for ego, answer, decides in zip(members, commands, group.arrays["decides"][here], strict=True):
+                if decides:
+                    state.command[w, ego.id] = 0.0
+                    write_command(group, model, ego.id, answer, state.command[w, ego.id])
+
+
+def behavior(name: str, *, kinematics: Sequence[str] | None = None) -> Callable[[F], F]:
+    """Register a function as a behaviour, to be used as ``behavior: {name: ...}`` in a scenario.
+
+    The function is called as ``f(ego, others, **options)`` once per step, world and body, in the order of the bodies,
+    and sees those before it already moved. It returns the command of the body's drive, e.g. ``[v, w]``. ``ego`` is an
+    ``EgoView``, ``others`` a list of ``BodyView``. Its keyword-only parameters are options in YAML with their types
+    and defaults, besides ``wander``, ``loop``, ``target_roles``, ``range_low`` and ``range_high``. Whatever it has to
+    remember belongs into ``ego.memory``, and random numbers come from ``ego.uniform`` and ``ego.normal``: then a seed
+    gives the same episode in any batch.
+
+    Args:
+        name: Its name in YAML.
+        kinematics: Names of the drives that it can command; by default all.
+
+    Raises:
+        TypeError: The function's parameters are not as above.
+        IrsimGymError: The name is taken.
+    """
+    return _decorator(name, kinematics, PythonBehavior, families.BEHAVIORS)
+
+
+def group_behavior(name: str, *, kinematics: Sequence[str] | None = None) -> Callable[[F], F]:
+    """Register a function as a group behaviour, to be used as ``group_behavior: {name: ...}`` in a scenario.
+
+    The function is called as ``f(members, others, **options)`` once per step, world and group, before anybody moves.
+    It returns a list with one command for each member; that of a member which cannot move, or which a learner drives,
+    is not used. ``members`` is a list of ``EgoView``, ``others`` a list of ``BodyView`` of the bodies outside of the
+    group. Options, memory and random numbers as for ``behavior``.
+
+    Args:
+        name: Its name in YAML.
+        kinematics: Names of the drives that it can command; by default all.
+
+    Raises:
+        TypeError: The function's parameters are not as above.
+        IrsimGymError: The name is taken.
+    """
+    return _decorator(name, kinematics, PythonGroupBehavior, families.GROUP_BEHAVIORS)
+
+
+def _decorator(name: str, kinematics: Sequence[str] | None, base: type[Any], registry: Registry) -> Callable[[F], F]:
+    families.load()
+    drives = tuple(families.KINEMATICS.names()) if kinematics is None else tuple(kinematics)
+    for drive in drives:
+        families.KINEMATICS.entry(drive)
+
+    def register(function: F) -> F:
+        registry.register(name, _make_kind(name, function, drives, base))
+        return function
+
+    return register
+
+
+def _make_kind(name: str, function: Callable[..., Any], drives: tuple[str, ...], base: type[Any]) -> type[Any]:
+    """Return a kind whose options are the keyword-only parameters of a function."""
+    options = _options(name, function, base)
+    keys = tuple(options)
+    made = type(
+        "".join(word.capitalize() for word in name.split("_")) + "Behavior",
+        (base,),
+        {
+            "__doc__": inspect.getdoc(function) or f"The behaviour '{name}'.",
+            "__module__": function.__module__,
+            "__annotations__": {key: hint for key, (hint, _) in options.items()},
+            **{key: declared for key, (_, declared) in options.items()},
+            "kinematics": drives,
+            "behavior_name": name,
+            "function": staticmethod(function),
+            "own_options": staticmethod(lambda chosen: {key: getattr(chosen, key) for key in keys}),
+        },
+    )
+    return kind(made)
+
+
+def _options(name: str, function: Callable[..., Any], base: type[Any]) -> dict[str, tuple[Any, Any]]:
+    """Return type and declaration of each keyword-only parameter."""
+    try:
+        parameters = list(inspect.signature(function, eval_str=True).parameters.values())
+    except NameError as error:
+        raise TypeError(f"behavior '{name}': the types of its parameters must exist when it runs ({error})") from None
+    leading = [one for one in parameters if one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD)]
+    keywords = [one for one in parameters if one.kind is one.KEYWORD_ONLY]
+    if len(leading) != 2 or len(leading) + len(keywords) != len(parameters):
+        shown = ", ".join(str(one) for one in parameters)
+        raise TypeError(f"behavior '{name}': the parameters must be two, a '*', and the options, got ({shown})")
+    options = {}
+    for one in keywords:
+        if hasattr(base, one.name) or one.name == "name":
+            raise TypeError(f"behavior '{name}': every behaviour has '{one.name}' already; name the option differently")
+        if one.annotation is one.empty:
+            raise TypeError(f"behavior '{name}': the option '{one.name}' needs a type, such as {one.name}: float = 1.0")
+        default = REQUIRED if one.default is one.empty else one.default
+        options[one.name] = one.annotation, option(default, meaning=f"Option of '{name}'.")
+    return options
+
+
+def write_command(group: Group, model: WorldModel, body: int, answer: Any, command: Floats) -> None:
+    """Write what a function returned into ``command``, shape ``(3,)``.
+
+    Raises:
+        BehaviorError: It is no command of the body's drive.
+    """
+    drive = model.drive[body]
+    size = 3 if drive == OMNI_ANGULAR else 2
+    try:
+        numbers = np.asarray(answer, np.float64).ravel()
+    except (TypeError, ValueError):
+        numbers = np.zeros(0)
+    fits = 1 <= len(numbers) <= 3 if drive == NO_DRIVE else len(numbers) == size
+    if not fits or not np.isfinite(numbers).all():
+        raise BehaviorError(
+            f"behavior '{group.kind.behavior_name}' must return {size} finite numbers for '{name_of(group, body)}', "
+            f"got {answer!r}"
+        )
+    command[: len(numbers)] = numbers
+
+
+def _one_each(group: Group, members: Sequence[EgoView], answers: Any) -> Sequence[Any]:
+    """Return the answers of a group behaviour if there is one for each member."""
+    count = len(answers) if isinstance(answers, Sequence | np.ndarray) else -1
+    if count != len(members):
+        found = "no list" if count < 0 else f"{count} commands"
+        raise BehaviorError(
+            f"group behavior '{group.kind.behavior_name}' must return a list of {len(members)} commands, one for each "
+            f"member, got {found}"
+        )
+    return list(answers)

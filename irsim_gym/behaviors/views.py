@@ -1,0 +1,192 @@
+"""What a behaviour written in Python sees of a body: read-only views on the arrays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym import rng
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.world.group import Group
+from irsim_gym.world.model import ROBOT, WorldModel
+from irsim_gym.world.state import WorldState
+
+
+class BodyView:
+    """A body at the moment. Arrays are copies: writing into them changes nothing."""
+
+    __slots__ = ("_model", "_state", "_world", "id", "name")
+
+    def __init__(self, model: WorldModel, state: WorldState, world: int, body: int, name: str) -> None:
+        self._model, self._state, self._world = model, state, world
+        self.id = body
+        self.name = name
+
+    def __repr__(self) -> str:
+        x, y, heading = self.pose
+        return f"<{self.name} at ({x:g}, {y:g}), heading {heading:g}>"
+
+    @property
+    def role(self) -> str:
+        """``robot`` or ``obstacle``."""
+        return "robot" if self._model.role[self.id] == ROBOT else "obstacle"
+
+    @property
+    def pose(self) -> Floats:
+        """Position and heading: x, y [m], heading [rad]."""
+        return np.array(self._state.pose[self._world, self.id])
+
+    @property
+    def velocity(self) -> Floats:
+        """What is executed, in the drive's coordinates [m/s or rad/s], shape ``(3,)``; unused numbers are 0."""
+        return np.array(self._state.velocity[self._world, self.id])
+
+    @property
+    def twist(self) -> Floats:
+        """Velocity in the world frame: vx, vy [m/s], turn rate [rad/s]."""
+        return np.array(self._state.twist[self._world, self.id])
+
+    @property
+    def steering(self) -> float:
+        """Steering angle of a car [rad]."""
+        return float(self._state.steering[self._world, self.id])
+
+    @property
+    def goal(self) -> Floats | None:
+        """The next goal: x, y [m], heading [rad] (NaN: any); None without one."""
+        return np.array(self._state.goal[self._world, self.id]) if self._model.has_goal[self.id] else None
+
+    @property
+    def goal_threshold(self) -> float:
+        """Distance under which the goal is reached [m]."""
+        return float(self._of(self._model.goal_threshold))
+
+    @property
+    def radius(self) -> float:
+        """Radius of the least circle around the footprint [m]."""
+        return float(self._of(self._model.radius))
+
+    @property
+    def center(self) -> Floats:
+        """Centre of the footprint's area in the world frame: x, y [m]."""
+        x, y, heading = self._state.pose[self._world, self.id]
+        ahead, left = self._of(self._model.centroid)
+        cosine, sine = np.cos(heading), np.sin(heading)
+        return np.array([x + cosine * ahead - sine * left, y + sine * ahead + cosine * left])
+
+    @property
+    def segments(self) -> Floats:
+        """Straight parts of the outline in the world frame: x0, y0, x1, y1 [m], shape ``(n, 4)``."""
+        first, count = self._model.segment_start[self.id], self._of(self._model.segment_count)
+        return np.array(self._state.segments[self._world, first : first + count])
+
+    @property
+    def discs(self) -> Floats:
+        """Round parts of the outline in the world frame: x, y, radius [m], shape ``(n, 3)``."""
+        first, count = self._model.disc_start[self.id], self._of(self._model.disc_count)
+        return np.array(self._state.discs[self._world, first : first + count])
+
+    @property
+    def is_movable(self) -> bool:
+        """False for a body that never moves."""
+        return bool(self._model.movable[self.id])
+
+    @property
+    def is_stopped(self) -> bool:
+        """True while a collision holds the body in place."""
+        return bool(self._state.stopped[self._world, self.id])
+
+    @property
+    def has_collided(self) -> bool:
+        """True while it touches another body."""
+        return bool(self._state.collided[self._world, self.id])
+
+    @property
+    def has_arrived(self) -> bool:
+        """True while it is at its last goal."""
+        return bool(self._state.arrived[self._world, self.id])
+
+    def _of(self, field: Any) -> Any:
+        """Return the body's row of a constant that worlds may share."""
+        return field[self._world % field.shape[0], self.id]
+
+
+class EgoView(BodyView):
+    """The body that decides: what only it knows, its memory, and its world's random numbers."""
+
+    __slots__ = ("memory",)
+
+    def __init__(
+        self, model: WorldModel, state: WorldState, world: int, body: int, name: str, memory: dict[str, Any]
+    ) -> None:
+        super().__init__(model, state, world, body, name)
+        self.memory = memory
+
+    @property
+    def velocity_min(self) -> Floats:
+        """Least velocities in the drive's coordinates [m/s or rad/s], shape ``(3,)``."""
+        return np.array(self._of(self._model.velocity_min))
+
+    @property
+    def velocity_max(self) -> Floats:
+        """Greatest velocities in the drive's coordinates [m/s or rad/s], shape ``(3,)``."""
+        return np.array(self._of(self._model.velocity_max))
+
+    @property
+    def acceleration_limit(self) -> Floats:
+        """Greatest changes of the velocities per second [m/s2 or rad/s2], shape ``(3,)``; may be infinite."""
+        return np.array(self._of(self._model.acceleration_limit))
+
+    @property
+    def time(self) -> float:
+        """Time since the start of the episode [s]."""
+        return float(self._state.time[self._world])
+
+    @property
+    def step_time(self) -> float:
+        """Duration of a step [s]."""
+        return float(self._model.step_time[0])
+
+    def uniform(self, low: float, high: float) -> float:
+        """Draw a number from low to high from the world's own stream, so that a seed gives the same episode again."""
+        return float(rng.uniform(self._state.random, self._world, low, high))
+
+    def normal(self, mean: float, deviation: float) -> float:
+        """Draw a number from a normal distribution, likewise."""
+        return float(rng.normal(self._state.random, self._world, mean, deviation))
+
+
+def ego_view(group: Group, model: WorldModel, state: WorldState, world: int, body: int) -> EgoView:
+    """Return the view of a body that decides; its memory is empty at the start of each episode."""
+    memories = group.arrays["memory"]
+    if memories[world, body] is None or state.step[world] == 0:
+        memories[world, body] = {}
+    return EgoView(model, state, world, body, name_of(group, body), memories[world, body])
+
+
+def others(group: Group, model: WorldModel, state: WorldState, world: int, unseen: Ints, role: int) -> list[BodyView]:
+    """Return views of the bodies that a behaviour looks at, by their numbers.
+
+    Absent and unobstructed bodies are left out, and an occupancy map, which is no outline.
+
+    Args:
+        group: The group that decides.
+        model: The constants.
+        state: The moment.
+        world: The world.
+        unseen: Bodies to leave out besides.
+        role: Role of the others, -1 for any.
+    """
+    seen = model.present[world] & ~model.unobstructed
+    if role >= 0:
+        seen &= model.role == role
+    seen[unseen] = False
+    if model.map_frame[4] >= 0:
+        seen[int(model.map_frame[4])] = False
+    return [BodyView(model, state, world, int(b), name_of(group, int(b))) for b in np.flatnonzero(seen)]
+
+
+def name_of(group: Group, body: int) -> str:
+    """Return a body's name, or its number where a group was made without names."""
+    return group.names[body] if group.names else f"body {body}"
