@@ -55,7 +55,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         num_threads: int = 1,
         render_mode: str | None = None,
     ) -> None:
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.autoreset_mode = checked_autoreset(autoreset_mode)
         worlds = Worlds(
             scenario,
             num_envs,
@@ -256,3 +256,12 @@ def checked_seed(seed: int) -> int:
     if seed < 0:
         raise gymnasium.error.Error(f"a seed must be an integer from 0 on, got {seed}")
     return seed
+
+
+def checked_autoreset(mode: AutoresetMode | str) -> AutoresetMode:
+    """Return a mode of autoreset, or raise a ValueError that lists them."""
+    try:
+        return AutoresetMode(mode)
+    except ValueError:
+        names = ", ".join(f"'{known.value}'" for known in AutoresetMode)
+        raise ValueError(f"autoreset_mode must be one of {names}, got {mode!r}") from None

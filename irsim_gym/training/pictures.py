@@ -46,7 +46,7 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
     last = points[-1]
     axes.annotate(
         f"{last['steps'] / 1e6:.2g} M steps: {100.0 * last['success']:.1f} %",
-        (last["training_seconds"], 100.0 * last["success"]), xytext=(-4, -14),
+        (last["training_seconds"], 100.0 * last["success"]), xytext=(-4, -14 if last["success"] > 0.3 else 8),
         textcoords="offset points", ha="right", fontsize=8, color=INK,
     )  # fmt: skip
     content = io.BytesIO()

@@ -205,6 +205,11 @@ def test_unseeded_environments_differ_and_report_their_seeds():
     assert len(set(envs.np_random_seed) | set(others.np_random_seed)) == 4
 
 
+def test_a_mode_of_autoreset_that_is_none_is_told_the_others():
+    with pytest.raises(ValueError, match="must be one of 'NextStep', 'SameStep', 'Disabled', got 'same'"):
+        WorldVectorEnv(STILL.split("/")[1].removesuffix("-v0"), 2, autoreset_mode="same")
+
+
 def test_limits_and_modes():
     envs = gymnasium.make_vec(STILL, num_envs=1, max_steps=30, max_episode_steps=7)
     assert envs.unwrapped.worlds.task.max_steps == 7
