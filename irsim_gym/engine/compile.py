@@ -6,12 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import buckets
 from irsim_gym.engine.checks import refuse_blocked_starts
 from irsim_gym.engine.collect import collect_parts
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
-from irsim_gym.geometry.cells import find_free_squares
+from irsim_gym.geometry.cells import find_boxes, find_free_squares
 from irsim_gym.scenario.spec import BodySpec, Scenario
 from irsim_gym.world.model import (
     KEEP_GOAL,
@@ -64,7 +65,9 @@ def compile(
     if n_worlds < 1:
         raise ValueError(f"n_worlds must be >= 1, got {n_worlds}")
     outlines = [body.shape.outline() for body in scenario.bodies]
+    boxes = np.zeros((0, 4), np.int64) if scenario.occupied is None else find_boxes(scenario.occupied)
     sizes = {
+        "map_box": len(boxes),
         "world": n_worlds,
         "body": len(scenario.bodies),
         "segment": sum(len(outline.segments) for outline in outlines),
@@ -77,7 +80,7 @@ def compile(
     is_random = any(body.shape.is_random for body in scenario.bodies)
     model = WorldModel.allocate(sizes, per_world=RANDOM_OUTLINE if is_random else frozenset())
     state = WorldState.allocate(sizes)
-    _write_world(scenario, model)
+    _write_world(scenario, boxes, model)
     _write_outlines(outlines, model)
     for b, body in enumerate(scenario.bodies):
         _write_motion(b, body, model)
@@ -93,7 +96,7 @@ def compile(
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards)
 
 
-def _write_world(scenario: Scenario, model: WorldModel) -> None:
+def _write_world(scenario: Scenario, boxes: Ints, model: WorldModel) -> None:
     world = scenario.world
     x, y = world.offset
     model.bounds[:] = [x, y, x + world.width, y + world.height]
@@ -106,6 +109,7 @@ def _write_world(scenario: Scenario, model: WorldModel) -> None:
         columns, rows = scenario.occupied.shape
         model.map_frame[2:] = [world.width / columns, world.height / rows, len(scenario.bodies) - 1]
         find_free_squares(scenario.occupied, model.map_squares)
+        model.map_boxes[:] = boxes
 
 
 def _hide_map(model: WorldModel) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.reachability import is_reachable
@@ -81,6 +81,7 @@ def check(ways: Ways, model: WorldModel, state: WorldState, shard: Shard, failed
         (model.segment_start, model.segment_count, model.disc_start, model.disc_count),
         (state.pose, state.segments, state.discs),
         (ways.frame, ways.blocks[shard.slot], ways.cells[shard.slot], ways.runs[shard.slot]),
+        model.cells,
         failed,
     )
 
@@ -100,6 +101,7 @@ def check_ways(
     tables: tuple[Ints, Ints, Ints, Ints],
     scene: tuple[Floats, Floats, Floats],
     grid: tuple[Floats, Flags, Bytes, Ints],
+    map_cells: CellMap | None,
     failed: Ints,
 ) -> None:
     """Look for a way past all bodies that stand, from the start to the first goal and from each goal to the next."""
@@ -126,6 +128,7 @@ def check_ways(
                     disc_count[w % disc_count.shape[0]],
                     solid,
                     blocks,
+                    map_cells,
                     reach[w % reach.shape[0], own],
                     x,
                     y,

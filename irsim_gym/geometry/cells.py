@@ -1,12 +1,13 @@
 """An occupancy map: which of many equal rectangles are occupied, and what touches or sees them.
 
-A map is a pair of arrays: ``frame`` holds x and y of the lower left corner, width and height of a cell [m] (and the
+A map is three arrays: ``frame`` holds x and y of the lower left corner, width and height of a cell [m] (and the
 map's body, which nothing here reads); ``squares[quadrant, i, j]`` holds for the cell in column i (from the left) and
 row j (from the bottom) the side, in cells, of the largest free square that has this cell in its corner and grows into
 the quadrant: 0 to the upper right, 1 to the upper left, 2 to the lower right, 3 to the lower left. It is 0 where the
-cell is occupied and at most 255. What lies outside of the map is free.
+cell is occupied and at most 255. ``boxes`` covers the occupied cells with few boxes: first column, end column, first
+row, end row of each. What lies outside of the map is free.
 
-Cells are closed sets, so touching one is overlapping it. A world without a map has None in place of the pair: kernels
+Cells are closed sets, so touching one is overlapping it. A world without a map has None in place of the three: kernels
 are compiled for either, and those for None hold nothing of what is here.
 """
 
@@ -14,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.segments import point_segment_distance2, side
 from irsim_gym.jit import kernel
@@ -46,6 +47,24 @@ def find_free_squares(occupied: Flags, squares: Bytes) -> None:
                 above = int(squares[quadrant, i, j + step_y]) if b > 0 else LARGEST
                 across = int(squares[quadrant, i + step_x, j + step_y]) if a > 0 and b > 0 else LARGEST
                 squares[quadrant, i, j] = min(1 + min(beside, above, across), LARGEST)
+
+
+def find_boxes(occupied: Flags) -> Ints:
+    """Return boxes of cells that together are the occupied ones, shape ``(n, 4)``: equal runs of neighbouring columns.
+
+    Args:
+        occupied: Occupied cells, shape ``(columns, rows)``.
+    """
+    edges = np.diff(np.pad(occupied, ((0, 1), (1, 1))).astype(np.int8), axis=1)
+    boxes: list[tuple[int, int, int, int]] = []
+    growing: dict[tuple[int, int], int] = {}
+    for i, edge in enumerate(edges):
+        runs = set(zip(np.flatnonzero(edge == 1).tolist(), np.flatnonzero(edge == -1).tolist(), strict=True))
+        for run in [run for run in growing if run not in runs]:
+            boxes.append((growing.pop(run), i, *run))
+        for run in runs:
+            growing.setdefault(run, i)
+    return np.array(sorted(boxes), np.int64).reshape(-1, 4)
 
 
 @kernel
@@ -171,7 +190,7 @@ def capsule_meets_cells(cells: CellMap | None, ax: float, ay: float, bx: float, 
     """
     if cells is None:
         return False
-    frame, squares = cells
+    frame, squares, _ = cells
     return bool(nearest_cell2(frame, squares, ax, ay, bx, by, radius, radius * radius) <= radius * radius)
 
 
@@ -183,7 +202,7 @@ def segment_cells_distance(cells: CellMap | None, ax: float, ay: float, bx: floa
     """
     if cells is None:
         return limit
-    frame, squares = cells
+    frame, squares, _ = cells
     reach = 4.0 * max(frame[2], frame[3])
     width, height = frame[2] * squares.shape[1], frame[3] * squares.shape[2]
     centre_x, centre_y = frame[0] + 0.5 * width, frame[1] + 0.5 * height
@@ -229,7 +248,7 @@ def holds_cell(cells: CellMap, segments: Floats, s: int, n: int) -> bool:
 
     Occupied cells that touch each other are then on one side, so one point of each run in a column is enough.
     """
-    frame, squares = cells
+    frame, squares, _ = cells
     left, low, right, high = np.inf, np.inf, -np.inf, -np.inf
     for k in range(s, s + n):
         left, right = min(left, segments[k, 0]), max(right, segments[k, 0])
@@ -271,3 +290,26 @@ def outline_cells_distance(
         ax, ay, bx, by = segments[k, 0], segments[k, 1], segments[k, 2], segments[k, 3]
         best = segment_cells_distance(cells, ax, ay, bx, by, best)
     return best
+
+
+@kernel
+def outline_near_cells(
+    cells: CellMap | None,
+    segments: Floats,
+    s: int,
+    n: int,
+    discs: Floats,
+    d: int,
+    m: int,
+    solid: bool,
+    clearance: float,
+) -> bool:
+    """Return whether an outline touches an occupied cell, or comes closer than ``clearance`` [m] to one.
+
+    Arguments as in ``outline_meets_cells``.
+    """
+    if cells is None:
+        return False
+    if clearance <= 0.0:
+        return bool(outline_meets_cells(cells, segments, s, n, discs, d, m, solid))
+    return bool(outline_cells_distance(cells, segments, s, n, discs, d, m, solid, clearance) < clearance)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
+from irsim_gym.geometry.cells import capsule_meets_cells
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2
 from irsim_gym.jit import kernel
@@ -18,16 +19,17 @@ def way_is_free(
     disc_count: Ints,
     solid: Flags,
     blocks: Flags,
+    cells: CellMap | None,
     radius: float,
     ax: float,
     ay: float,
     bx: float,
     by: float,
 ) -> bool:
-    """Return whether a body can go straight from a to b without touching a body that blocks; a may equal b.
+    """Return whether a body can go straight from a to b without touching a body or cell that blocks; a may equal b.
 
     Args:
-        segments: As all tables up to ``blocks``: see the package's description.
+        segments: As all tables up to ``cells``: see the package's description.
         segment_start: See there.
         segment_count: See there.
         discs: See there.
@@ -35,6 +37,7 @@ def way_is_free(
         disc_count: See there.
         solid: See there.
         blocks: See there.
+        cells: See there.
         radius: Radius of the moving body [m].
         ax: Start [m].
         ay: Start [m].
@@ -58,4 +61,4 @@ def way_is_free(
                 return False
         if solid[b] and contains_point(segments, start, count, ax, ay):
             return False
-    return True
+    return not capsule_meets_cells(cells, ax, ay, bx, by, radius)

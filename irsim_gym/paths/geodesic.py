@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import way_is_free
 from irsim_gym.paths.grid import BLOCKED, mark_blocked
@@ -26,6 +26,7 @@ def shortest_path(
     disc_count: Ints,
     solid: Flags,
     blocks: Flags,
+    cells: CellMap | None,
     radius: float,
     start_x: float,
     start_y: float,
@@ -47,7 +48,7 @@ def shortest_path(
     the cells (see ``is_reachable``).
 
     Args:
-        segments: As all tables up to ``blocks``: see the package's description.
+        segments: As all tables up to ``cells``: see the package's description.
         segment_start: See there.
         segment_count: See there.
         discs: See there.
@@ -55,6 +56,7 @@ def shortest_path(
         disc_count: See there.
         solid: See there.
         blocks: See there.
+        cells: See there.
         radius: Radius of the moving body [m].
         start_x: Start [m].
         start_y: Start [m].
@@ -68,7 +70,7 @@ def shortest_path(
         queue: Scratch, as from ``Grid.queue``.
         path: Written: the points from start to goal [m], as from ``Grid.path``.
     """
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
     path[0, 0], path[0, 1], path[1, 0], path[1, 1] = start_x, start_y, goal_x, goal_y
     if way_is_free(*outlines, radius, start_x, start_y, goal_x, goal_y):
         return 2
@@ -102,6 +104,7 @@ def shortest_path_length(
     disc_count: Ints,
     solid: Flags,
     blocks: Flags,
+    cells: CellMap | None,
     radius: float,
     start_x: float,
     start_y: float,
@@ -116,7 +119,7 @@ def shortest_path_length(
     path: Floats,
 ) -> float:
     """Return the length [m] of what ``shortest_path`` finds, inf for none; arguments as there."""
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
     ends = (start_x, start_y, goal_x, goal_y, origin_x, origin_y)
     count = shortest_path(*outlines, radius, *ends, cell, blocked, field, queue, path)
     return path_length(path, count) if count > 0 else np.inf
@@ -132,6 +135,7 @@ def best_gate(
     disc_count: Ints,
     solid: Flags,
     blocks: Flags,
+    cells: CellMap | None,
     radius: float,
     x: float,
     y: float,
@@ -146,7 +150,7 @@ def best_gate(
 
     Unless the field is settled, any cell that can be reached straight will do.
     """
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
     rows, columns = blocked.shape
     best, found = np.inf, -1
     for i in range(16):
@@ -201,6 +205,7 @@ def distance_field(
     disc_count: Ints,
     solid: Flags,
     blocks: Flags,
+    cells: CellMap | None,
     radius: float,
     goal_x: float,
     goal_y: float,
@@ -217,7 +222,7 @@ def distance_field(
     distance too, so that a body close to an obstacle reads a finite value.
 
     Args:
-        segments: As all tables up to ``blocks``: see the package's description.
+        segments: As all tables up to ``cells``: see the package's description.
         segment_start: See there.
         segment_count: See there.
         discs: See there.
@@ -225,6 +230,7 @@ def distance_field(
         disc_count: See there.
         solid: See there.
         blocks: See there.
+        cells: See there.
         radius: Radius of the moving body [m].
         goal_x: Goal [m].
         goal_y: Goal [m].
@@ -235,7 +241,7 @@ def distance_field(
         field: Written: distance [m], inf where there is no way, shape ``(rows, columns)``.
         queue: Scratch, as from ``Grid.queue``.
     """
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
     mark_blocked(*outlines, radius, origin_x, origin_y, cell, blocked)
     clear_field(field, queue)
     offer_gates(*outlines, radius, goal_x, goal_y, origin_x, origin_y, cell, blocked, field, queue)

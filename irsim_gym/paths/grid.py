@@ -18,7 +18,7 @@ from typing import Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.jit import kernel
 
@@ -91,6 +91,7 @@ def mark_blocked(
     disc_count: Ints,
     solid: Flags,
     blocks: Flags,
+    cells: CellMap | None,
     radius: float,
     origin_x: float,
     origin_y: float,
@@ -100,7 +101,7 @@ def mark_blocked(
     """Write which cells are blocked for a body of some radius.
 
     Args:
-        segments: As all tables up to ``blocks``: see the package's description.
+        segments: As all tables up to ``cells``: see the package's description.
         segment_start: See there.
         segment_count: See there.
         discs: See there.
@@ -108,6 +109,7 @@ def mark_blocked(
         disc_count: See there.
         solid: See there.
         blocks: See there.
+        cells: See there.
         radius: Radius r of the moving body [m].
         origin_x: Lower left corner of the grid [m].
         origin_y: Lower left corner of the grid [m].
@@ -129,6 +131,34 @@ def mark_blocked(
     for b in range(blocks.shape[0]):
         if blocks[b] and solid[b] and segment_count[b] > 0:
             block_inside(segments, segment_start[b], segment_count[b], origin_x, origin_y, cell, blocked)
+    block_around_cells(cells, wide, origin_x, origin_y, cell, blocked)
+
+
+@kernel
+def block_around_cells(
+    cells: CellMap | None, radius: float, origin_x: float, origin_y: float, cell: float, blocked: Bytes
+) -> None:
+    """Block the cells whose centres lie within ``radius`` [m] of an occupied cell of the map."""
+    if cells is None:
+        return
+    frame, _, boxes = cells
+    x, y = frame[0] - origin_x, frame[1] - origin_y
+    for k in range(boxes.shape[0]):
+        left, right = x + boxes[k, 0] * frame[2], x + boxes[k, 1] * frame[2]
+        low, high = y + boxes[k, 2] * frame[3], y + boxes[k, 3] * frame[3]
+        block_box(left, low, right, high, radius, cell, blocked)
+
+
+@kernel
+def block_box(left: float, low: float, right: float, high: float, radius: float, cell: float, blocked: Bytes) -> None:
+    """Block the cells whose centres lie within ``radius`` of an upright box (in the grid's frame) [m]."""
+    rows, columns = blocked.shape
+    for row in range(first_cell(low - radius, cell, rows), last_cell(high + radius, cell, rows) + 1):
+        y = (row + 0.5) * cell
+        aside = max(low - y, y - high, 0.0)
+        half = np.sqrt(max(radius * radius - aside * aside, 0.0))
+        for column in range(first_cell(left - half, cell, columns), last_cell(right + half, cell, columns) + 1):
+            blocked[row, column] = BLOCKED
 
 
 @kernel

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import way_is_free
 
@@ -33,6 +33,7 @@ def pull(
     disc_count: Ints,
     solid: Flags,
     blocks: Flags,
+    cells: CellMap | None,
     radius: float,
     path: Floats,
     count: int,
@@ -44,7 +45,7 @@ def pull(
     way.
 
     Args:
-        segments: As all tables up to ``blocks``: see the package's description.
+        segments: As all tables up to ``cells``: see the package's description.
         segment_start: See there.
         segment_count: See there.
         discs: See there.
@@ -52,11 +53,12 @@ def pull(
         disc_count: See there.
         solid: See there.
         blocks: See there.
+        cells: See there.
         radius: Radius of the moving body [m].
         path: Changed: the points [m], shape ``(n_points, 2)``; room for more than ``count`` is used.
         count: Number of points.
     """
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
     count = skip_points(*outlines, radius, path, count)
     cut = LONGEST_CUT
     for _ in range(ROUNDS):
@@ -79,12 +81,13 @@ def skip_points(
     disc_count: Ints,
     solid: Flags,
     blocks: Flags,
+    cells: CellMap | None,
     radius: float,
     path: Floats,
     count: int,
 ) -> int:
     """Go from each kept point straight to the last one that can be reached so; return the new number of points."""
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
     kept, here = 1, 0
     while here < count - 1:
         to = count - 1
@@ -137,12 +140,13 @@ def draw_in(
     disc_count: Ints,
     solid: Flags,
     blocks: Flags,
+    cells: CellMap | None,
     radius: float,
     path: Floats,
     i: int,
 ) -> None:
     """Move point i towards the nearest point of its neighbours' chord, as far as both its sides stay free."""
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
     ax, ay, bx, by, cx, cy = path[i - 1, 0], path[i - 1, 1], path[i, 0], path[i, 1], path[i + 1, 0], path[i + 1, 1]
     dx, dy = cx - ax, cy - ay
     length2 = dx * dx + dy * dy

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.pulling import path_length
@@ -17,7 +17,7 @@ from irsim_gym.world.state import WorldState
 FINE, COARSE = 0.05, 0.1
 
 Point = Sequence[float] | Floats
-Outlines = tuple[Floats, Ints, Ints, Floats, Ints, Ints, Flags, Flags]
+Outlines = tuple[Floats, Ints, Ints, Floats, Ints, Ints, Flags, Flags, CellMap | None]
 
 
 def standing_bodies(model: WorldModel, world: int) -> Flags:
@@ -102,4 +102,5 @@ def _outlines(model: WorldModel, state: WorldState, world: int, blocks: Flags | 
         model.disc_count[world % len(model.disc_count)],
         model.solid,
         standing_bodies(model, world) if blocks is None else np.ascontiguousarray(blocks, np.bool_),
+        model.cells,
     )

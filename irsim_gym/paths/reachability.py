@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import way_is_free
 from irsim_gym.paths.grid import BLOCKED, mark_blocked
@@ -22,6 +22,7 @@ def is_reachable(
     disc_count: Ints,
     solid: Flags,
     blocks: Flags,
+    cells: CellMap | None,
     radius: float,
     start_x: float,
     start_y: float,
@@ -40,7 +41,7 @@ def is_reachable(
     than about 2 sqrt(r^2 + h^2 / 2) - 2 r + sqrt(2) h wider than the body, with the side h of a cell.
 
     Args:
-        segments: As all tables up to ``blocks``: see the package's description.
+        segments: As all tables up to ``cells``: see the package's description.
         segment_start: See there.
         segment_count: See there.
         discs: See there.
@@ -48,6 +49,7 @@ def is_reachable(
         disc_count: See there.
         solid: See there.
         blocks: See there.
+        cells: See there.
         radius: Radius of the moving body [m].
         start_x: Start [m].
         start_y: Start [m].
@@ -59,7 +61,7 @@ def is_reachable(
         blocked: Scratch, shape ``(rows, columns)``; holds the blocked cells afterwards if the way is not straight.
         runs: Scratch, shape ``(n_runs, 4)``, as from ``Grid.runs``.
     """
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
     if way_is_free(*outlines, radius, start_x, start_y, goal_x, goal_y):
         return True
     if not way_is_free(*outlines, radius, start_x, start_y, start_x, start_y):

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import way_is_free
 from irsim_gym.paths.grid import BLOCKED
@@ -70,6 +70,7 @@ def offer_gates(
     disc_count: Ints,
     solid: Flags,
     blocks: Flags,
+    cells: CellMap | None,
     radius: float,
     x: float,
     y: float,
@@ -81,7 +82,7 @@ def offer_gates(
     queue: Ints,
 ) -> None:
     """Offer the free cells about the source (x, y) [m] that can be reached straight from it; their PARENT is -1."""
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks)
+    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
     rows, columns = blocked.shape
     for i in range(16):
         row, column = gate(i, x - origin_x, y - origin_y, cell)

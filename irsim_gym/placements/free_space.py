@@ -1,8 +1,8 @@
 """What a random draw is tested for: spacing, room for start and goal, and a way between them.
 
 The kernels share bundles of arrays: ``shapes`` (present, solid, reach, and the outline tables of the model),
-``targets`` (has_goal, stands, goal_renewal, waypoints, waypoint_count), ``scene`` (pose, segments, discs, placed) and
-``grids`` (blocks, and for a coarse and a fine grid: frame, cells and runs).
+``targets`` (has_goal, stands, goal_renewal, waypoints, waypoint_count), ``scene`` (pose, segments, discs, placed, and
+the map's cells or None) and ``grids`` (blocks, and for a coarse and a fine grid: frame, cells and runs).
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.geometry.cells import outline_near_cells, segment_cells_distance
 from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
 from irsim_gym.jit import kernel
 from irsim_gym.paths.reachability import is_reachable
@@ -30,15 +31,19 @@ def is_spaced(points: Floats, members: Ints, k: int, spacing: float, present: Fl
 
 @kernel
 def is_start_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, scene: Any) -> bool:
-    """Return whether body b, where its outline stands, is clear of all placed bodies.
+    """Return whether body b, where its outline stands, is clear of the map and of all placed bodies.
 
     A body that will not move is clear of the placed bodies' goals too.
     """
     present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
     has_goal, stands, goal_renewal, waypoints, waypoint_count = targets
-    pose, segments, discs, placed = scene
+    pose, segments, discs, placed, cells = scene
     row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
     own_segments, own_discs = segment_count[n_segments, b], disc_count[n_discs, b]
+    if outline_near_cells(
+        cells, segments[w], segment_start[b], own_segments, discs[w], disc_start[b], own_discs, solid[b], clearance
+    ):
+        return False
     for q in range(present.shape[1]):
         if q == b or not placed[w, q] or not present[w, q]:
             continue
@@ -108,12 +113,14 @@ def is_closer(
 
 @kernel
 def is_goal_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, scene: Any) -> bool:
-    """Return whether a disc around body b at its goal is clear of placed static bodies and of others' goals."""
+    """Return whether a disc around body b at its goal is clear of the map, placed static bodies and others' goals."""
     present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
     has_goal, stands, goal_renewal, waypoints, _ = targets
-    pose, segments, discs, placed = scene
+    pose, segments, discs, placed, cells = scene
     row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
-    x, y = waypoints[w, b, 0, 0], waypoints[w, b, 0, 1]
+    x, y, room = waypoints[w, b, 0, 0], waypoints[w, b, 0, 1], reach[row, b] + clearance
+    if segment_cells_distance(cells, x, y, x, y, room) < room:
+        return False
     for q in range(present.shape[1]):
         if q == b or not placed[w, q] or not present[w, q]:
             continue
@@ -163,9 +170,9 @@ def has_way(w: int, b: int, shapes: Any, targets: Any, scene: Any, grids: Any) -
 def has_way_on(w: int, b: int, shapes: Any, targets: Any, scene: Any, blocks: Flags, grid: Any) -> bool:
     """Return whether a grid proves that there is a way."""
     _, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
-    pose, segments, discs, _ = scene
+    pose, segments, discs, _, cells = scene
     goal = targets[3][w, b, 0]
-    frame, cells, runs = grid
+    frame, blocked, runs = grid
     return bool(
         is_reachable(
             segments[w],
@@ -176,6 +183,7 @@ def has_way_on(w: int, b: int, shapes: Any, targets: Any, scene: Any, blocks: Fl
             disc_count[w % disc_count.shape[0]],
             solid,
             blocks,
+            cells,
             reach[w % reach.shape[0], b],
             pose[w, b, 0],
             pose[w, b, 1],
@@ -184,7 +192,7 @@ def has_way_on(w: int, b: int, shapes: Any, targets: Any, scene: Any, blocks: Fl
             frame[0],
             frame[1],
             frame[2],
-            cells,
+            blocked,
             runs,
         )
     )

@@ -96,7 +96,7 @@ class RandomPlacement:
             model.local_discs,
         )
         targets = (model.has_goal, model.stands, model.goal_renewal, model.waypoints, model.waypoint_count)
-        scene = (state.pose, state.segments, state.discs, state.placed)
+        scene = (state.pose, state.segments, state.discs, state.placed, model.cells)
         table, slot = group.arrays, shard.slot
         grids = (
             table["blocks"][slot],
@@ -167,7 +167,7 @@ def draw_start(
 ) -> bool:
     """Draw a pose for member k that is clear of everything placed so far; return whether there is one."""
     _, _, _, segment_start, segment_count, local_segments, disc_start, disc_count, local_discs = shapes
-    pose, segments, discs, _ = scene
+    pose, segments, discs, _, _ = scene
     b = members[k]
     for _ in range(START_TRIES):
         for axis in range(3):

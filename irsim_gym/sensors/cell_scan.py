@@ -38,7 +38,7 @@ def scan_cells(
         pose: Poses [m, m, rad], shape ``(n_worlds, n_bodies, 3)``.
         ranges: Changed [m], shape ``(n_worlds, n_members, n_beams)``.
     """
-    frame, squares = cells
+    frame, squares, _ = cells
     own = int(frame[4])
     for i in range(worlds.shape[0]):
         w = worlds[i]

@@ -59,6 +59,7 @@ class WorldModel(Arrays):
     centroid: Floats = column("world* body 2", np.float64, "m", "centre of the footprint's area, in the body frame")
     map_frame: Floats = column("5", np.float64, "m", "occupancy map: x, y, cell width, cell height, body (-1: no map)")
     map_squares: Bytes = column("4 map_column map_row", np.uint8, "", "free square by quadrant, cells; 0: occupied")
+    map_boxes: Ints = column("map_box 4", np.int64, "", "what is occupied: first, end column; first, end row")
     bucket_frame: Floats = column("5", np.float64, "m", "buckets of bodies: x, y, side, columns, rows (0: none)")
     bucketed: Flags = column("body", np.bool_, "", "small enough to be found through the buckets")
     present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
@@ -72,5 +73,5 @@ class WorldModel(Arrays):
 
     @property
     def cells(self) -> CellMap | None:
-        """The occupancy map as ``geometry.cells`` takes it: frame and free squares; None without one."""
-        return (self.map_frame, self.map_squares) if self.map_frame[4] >= 0.0 else None
+        """The occupancy map as ``geometry.cells`` takes it: frame, free squares, boxes; None without one."""
+        return (self.map_frame, self.map_squares, self.map_boxes) if self.map_frame[4] >= 0.0 else None

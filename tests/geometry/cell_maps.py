@@ -8,14 +8,14 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from irsim_gym.geometry.cells import find_free_squares
+from irsim_gym.geometry.cells import find_boxes, find_free_squares
 
 
 def cell_map(occupied: Any, x: float = 0.0, y: float = 0.0, width: float = 1.0, height: float = 1.0) -> Any:
     occupied = np.asarray(occupied, np.bool_)
     squares = np.zeros((4, *occupied.shape), np.uint8)
     find_free_squares(occupied, squares)
-    return np.array([x, y, width, height, 0.0]), squares
+    return np.array([x, y, width, height, 0.0]), squares, find_boxes(occupied)
 
 
 def random_map(seed: int, share: float = 0.2, columns: int = 17, rows: int = 12) -> tuple[Any, Any]:

@@ -11,7 +11,7 @@ FAR = 5.0
 def scan(cells, x: float, y: float, heading: float, angles, far: float = FAR):
     beams_x, beams_y = np.cos(angles).astype(np.float32), np.sin(angles).astype(np.float32)
     ranges = np.full(len(angles), far, np.float32)
-    cast_cells(*cells, x, y, heading, beams_x, beams_y, ranges)
+    cast_cells(*cells[:2], x, y, heading, beams_x, beams_y, ranges)
     return ranges
 
 

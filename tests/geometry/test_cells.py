@@ -4,6 +4,7 @@ import shapely
 
 from irsim_gym.geometry.cells import (
     capsule_meets_cells,
+    find_boxes,
     outline_cells_distance,
     outline_meets_cells,
     segment_cells_distance,
@@ -30,6 +31,16 @@ def test_free_squares_are_the_largest() -> None:
                         break
                     side += 1
                 assert squares[quadrant, i, j] == side
+
+
+def test_boxes_are_the_occupied_cells() -> None:
+    occupied = np.random.default_rng(4).random((13, 8)) < 0.5
+    count = np.zeros(occupied.shape, np.int64)
+    for first_i, end_i, first_j, end_j in find_boxes(occupied):
+        count[first_i:end_i, first_j:end_j] += 1
+    assert np.array_equal(count, occupied)
+    assert find_boxes(np.ones((3, 4), np.bool_)).tolist() == [[0, 3, 0, 4]]
+    assert find_boxes(np.zeros((3, 4), np.bool_)).shape == (0, 4)
 
 
 def test_capsules_against_shapely() -> None:

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from irsim_gym.paths.geodesic import distance_field, field_at, shortest_path
 from irsim_gym.paths.grid import Grid, mark_blocked
 from irsim_gym.paths.reachability import is_reachable
+from tests.geometry.cell_maps import area as cell_area
+from tests.geometry.cell_maps import cell_map
 
 Floats = NDArray[np.float64]
 
@@ -23,6 +25,8 @@ class Scene:
 
     size: float = 6.0
     parts: list[tuple[Floats, Floats, bool, Any]] = field(default_factory=list)
+    cells: Any = None
+    area: Any = None
 
     def polygon(self, vertices: Any) -> Scene:
         vertices = np.asarray(vertices, np.float64)
@@ -44,6 +48,13 @@ class Scene:
     def box(self, x0: float, y0: float, x1: float, y1: float) -> Scene:
         return self.polygon([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
 
+    def map(self, occupied: Any) -> Scene:
+        """Stretch an occupancy map over the scene."""
+        columns, rows = np.shape(occupied)
+        place = (0.0, 0.0, self.size / columns, self.size / rows)
+        self.cells, self.area = cell_map(occupied, *place), cell_area(occupied, *place)
+        return self
+
     def walled(self) -> Scene:
         s = self.size
         return self.chain((0, 0), (s, 0), (s, s), (0, s), (0, 0))
@@ -61,11 +72,12 @@ class Scene:
             disc_count,
             np.array([part[2] for part in self.parts], np.bool_),
             np.ones(len(self.parts), np.bool_),
+            self.cells,
         )
 
     @property
     def shape(self) -> Any:
-        return shapely.union_all([part[3] for part in self.parts])
+        return shapely.union_all([part[3] for part in self.parts] + ([] if self.area is None else [self.area]))
 
     def grid(self, cell: float) -> Grid:
         return Grid.over([0.0, 0.0, self.size, self.size], cell)

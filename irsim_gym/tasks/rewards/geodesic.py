@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.paths.geodesic import distance_field, field_at
@@ -49,6 +49,7 @@ def note_fields(term: Term, model: WorldModel, state: WorldState, shard: Shard, 
         model.disc_start,
         model.disc_count,
         model.solid,
+        model.cells,
         state.pose,
         state.goal,
         table["grid"],
@@ -94,6 +95,7 @@ def draw_fields(
     disc_start: Ints,
     disc_count: Ints,
     solid: Flags,
+    cells: CellMap | None,
     pose: Floats,
     goal: Floats,
     grid: Floats,
@@ -127,6 +129,7 @@ def draw_fields(
                 disc_count[w % disc_count.shape[0]],
                 solid,
                 blocks,
+                cells,
                 reach[w % reach.shape[0], own],
                 goal_x,
                 goal_y,
