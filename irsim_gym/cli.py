@@ -177,6 +177,32 @@ def rollout(
     run_rollout(scenario, policy, levels, split, task, frames)
 
 
+@app.command("run")
+def run_by_itself(
+    scenario: Annotated[str, typer.Argument(help="Shipped name, or path of a YAML file.")],
+    steps: Annotated[
+        int, typer.Option(min=1, help="Most steps; it ends when all robots have arrived or collided.")
+    ] = 500,
+    seed: Annotated[int, typer.Option(min=0, help="Which level is drawn.")] = 0,
+    film: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
+) -> None:
+    """Run a file without learning, driven by its own behaviours, and print how its robots stand at the end."""
+    from irsim_gym.live import load
+
+    if film is not None and film.suffix.lower() not in (".mp4", ".gif"):
+        raise IrsimGymError(f"a film's name ends in .mp4 or .gif, got '{film.name}'")
+    with load(scenario, seed=seed, record=film is not None) as world:
+        world.resume()
+        while world.count < steps and not world.done():
+            world.step()
+        print(f"{world.status} after {world.time:g} s")
+        for robot in world.robots:
+            flag = "arrived" if robot.arrived else "collided" if robot.collided else "under way"
+            print(f"{robot.name}: {flag} at ({', '.join(f'{value:.2f}' for value in robot.state)})")
+        if film is not None:
+            print(world.save_animation(film))
+
+
 @app.command()
 def draw(
     scenario: Scenario,

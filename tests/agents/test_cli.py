@@ -49,6 +49,7 @@ def test_schema_is_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
         (["evaluate", "empty_goal", "--no-references"], "nothing to evaluate"),
         (["evaluate", "empty_goal", "--split", "tset"], "did you mean 'test'"),
         (["record", "empty_goal", "dash", "--out", "film.avi"], "ends in .mp4 or .gif"),
+        (["run", "empty_goal", "--film", "film.avi"], "ends in .mp4 or .gif"),
     ],
 )
 def test_mistakes_are_told_in_a_sentence(
@@ -66,6 +67,17 @@ def test_rollout_and_draw(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Captur
     assert film.read_bytes().startswith(b"GIF")
     assert run(monkeypatch, "draw", "empty_goal", "--level", 3, "--out", picture) == 0
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    film, file = tmp_path / "film.gif", tmp_path / "yard.yaml"
+    file.write_text(
+        "world: {status: Pause}\nrobot: {kinematics: {name: diff}, goal: [0.35, 0], behavior: {name: dash}}\n"
+    )
+    assert run(monkeypatch, "run", file, "--film", film) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said == ["Arrived after 0.3 s", "robot_0: arrived at (0.30, 0.00, 0.00)", str(film)]
+    assert film.read_bytes().startswith(b"GIF")
 
 
 def test_train_resume_evaluate_and_record(
