@@ -11,7 +11,7 @@ from irsim_gym.families import BEHAVIORS, FOOTPRINTS, GROUP_BEHAVIORS, KINEMATIC
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.colors import color_problem
 from irsim_gym.scenario.images import image_problem
-from irsim_gym.scenario.messages import CONTACT_KEYS, show
+from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, CONTACT_SENSOR, show
 from irsim_gym.scenario.options import defaults
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import RawEntry, depth, share
@@ -147,14 +147,18 @@ def _read_sensors(value: Any, place: Place, report: Report) -> Any:
         report.add(place, f"must be a list of sensors such as [{{name: lidar2d}}], got {show(value)}")
         return BAD
     paths = [place] if isinstance(value, Mapping) else [(*place, i) for i in range(len(items))]
-    made = [
-        build_named(SENSORS, item, where, report, default="lidar2d", synonym="type")
-        for item, where in zip(items, paths, strict=True)
-    ]
+    made = [_read_sensor(item, where, report) for item, where in zip(items, paths, strict=True)]
     for sensor, where in zip(made, paths, strict=True):
         _check_colors(sensor, where, report)
         _check_colors(getattr(sensor, "plot", None), (*where, "plot"), report)
     return BAD if any(sensor is None for sensor in made) else tuple(made)
+
+
+def _read_sensor(item: Any, place: Place, report: Report) -> Any:
+    if isinstance(item, Mapping) and item.get("name", item.get("type")) == CONTACT_SENSOR:
+        report.add((*place, "name" if "name" in item else "type"), CONTACT_MESSAGE)
+        return None
+    return build_named(SENSORS, item, place, report, default="lidar2d", synonym="type")
 
 
 def _check_colors(options: Any, place: Place, report: Report) -> None:

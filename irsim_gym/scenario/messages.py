@@ -15,6 +15,7 @@ CONTACT_KEYS = {
     "body": {"mass", "friction", "inertia", "restitution"},
     "kinematics": {"tau"},
 }
+CONTACT_SENSOR = "contact2d"
 CONTACT_MESSAGE = "contact mode is not part of the scenario language"
 
 

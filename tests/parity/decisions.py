@@ -105,4 +105,46 @@ DECISIONS = {
         "non_overlapping promises it",
         "defect 18",
     ),
+    "field_of_view": Decision(
+        "a body that is wider than the field of view is missed straight ahead",
+        "bearing less half the width that it covers must lie within half the view",
+        "an absolute value too many",
+        "D40",
+    ),
+    "half_a_view": Decision(
+        "fov without fov_radius crashes when it is used, fov_radius without fov is ignored",
+        "the missing one is the lidar's; without a lidar it is an error",
+        "a silently ignored key costs its author hours",
+        "section 7",
+    ),
+    "map_in_view": Decision(
+        "the map counts as a disc around the origin",
+        "a field of view never detects the map",
+        "it is everywhere, so that says nothing",
+        "section 7",
+    ),
+    "angle_noise": Decision(
+        "angle_std is 0 unless given",
+        "it is 0.02 rad, when noise is true",
+        "the documentation says 0.02",
+        "D13",
+    ),
+    "scan_copies": Decision(
+        "the arrays of a scan are overwritten by the next one",
+        "they are copies",
+        "a stored scan would change afterwards",
+        "defect 18",
+    ),
+    "touching_sensor": Decision(
+        "a beam that begins on an edge passes it",
+        "it reads 0",
+        "a sensor that touches a wall is blocked",
+        "section 6",
+    ),
+    "fmcw_drawing": Decision(
+        "drawing options of fmcw_lidar2d may stand under plot or beside it",
+        "they stand under plot",
+        "one way to write it",
+        "section 6",
+    ),
 }

@@ -327,6 +327,10 @@ ENTRIES = {
         "3 robot.sensors[0].std: must be >= 0, got -0.1",
         "4 robot.sensors[1].angle_std: must be >= 0, got -1",
     ),
+    "contact sensor": (
+        "robot: {sensors: [{type: contact2d}]}",
+        "1 robot.sensors[0].type: contact mode is not part of the scenario language",
+    ),
     "sensor drawing": (
         "robot:\n  sensors:\n    - {plot: {colour: red}}\n    - {plot: {color: rd}}",
         "3 robot.sensors[0].plot.colour: unknown key (did you mean 'color'?)",

@@ -30,13 +30,15 @@ def code_problems(options: Any) -> list[tuple[str, str]]:
 def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Group, Ints]:
     """Return the group of the agents' range sensors and each agent's member of it.
 
+    Of several range sensors of an agent the first of the file is taken.
+
     Raises:
-        ValueError: An agent has none, or one with other beams.
+        ValueError: An agent has none, or one that differs in its beams or in whether it has noise.
     """
     found = [simulation.scan(int(b)) for b in agents]
     groups = [item[0] for item in found if item is not None]
     if len(groups) < len(found) or any(group is not groups[0] for group in groups):
-        raise ValueError(f"observation '{name}': all learners need range sensors with the same beams")
+        raise ValueError(f"observation '{name}': all learners need range sensors of one kind, with the same beams")
     return groups[0], np.array([item[1] for item in found if item is not None], np.int64)
 
 
