@@ -10,5 +10,5 @@ from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 BEHAVIORS.register("dash", Dash)
 BEHAVIORS.register("rvo", Rvo)
 BEHAVIORS.register("sfm", SocialForce)
-GROUP_BEHAVIORS.register("orca", OrcaGroup, planned=True)
+GROUP_BEHAVIORS.register("orca", OrcaGroup)
 GROUP_BEHAVIORS.register("sfm", SocialForceGroup)

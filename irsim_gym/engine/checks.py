@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.engine import contact, outlines
+from irsim_gym.engine import buckets, contact, outlines
 from irsim_gym.engine.parts import Parts
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import Scenario
@@ -30,6 +30,8 @@ def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, s
     shard = Shard(np.zeros(1, np.int64))
     state.pose[0] = model.start[0]
     outlines.place(parts.everyone, model, state, shard)
+    buckets.empty(model, state, shard)
+    buckets.refresh(parts.everyone, model, state, shard)
     problems = []
     for b in robots:
         model.present[0] = walls

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
 from irsim_gym.engine.cell_contact import find_cell_contacts, measure_cell_clearance
+from irsim_gym.engine.crowd import find_near_contacts
 from irsim_gym.geometry.overlap import outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
@@ -17,22 +18,30 @@ OutlineTables = tuple[Flags, Flags, Flags, Floats, Ints, Ints, Floats, Ints, Int
 
 def find(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write ``state.collided``, ``state.hit`` and ``state.stopped``."""
-    worlds, outline = shard.worlds, _outline(model, state)
-    begin_contacts(worlds, model.static_partner, state.collided, state.hit)
-    find_contacts(worlds, movers, model.movable, *outline, state.pose, state.collided, state.hit)
-    if (cells := model.cells) is not None:
-        touch_cells(movers, cells, model, state, shard)
-    stop_bodies(worlds, movers, model.collision_mode, model.role, state.collided, state.stopped)
+    begin_contacts(shard.worlds, model.static_partner, state.collided, state.hit)
+    _find_pairs(movers, model, state, shard)
+    stop_bodies(shard.worlds, movers, model.collision_mode, model.role, state.collided, state.stopped)
 
 
 def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write ``model.static_partner``: contacts between bodies that never move, once per level."""
-    worlds, outline = shard.worlds, _outline(model, state)
-    state.hit[worlds] = NOBODY
-    find_contacts(worlds, bodies, model.movable, *outline, state.pose, state.collided, state.hit)
+    state.hit[shard.worlds] = NOBODY
+    _find_pairs(bodies, model, state, shard)
+    model.static_partner[shard.worlds] = state.hit[shard.worlds]
+
+
+def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Write who touches whom: all pairs, or near ones through the buckets where there are any; then the map."""
+    outline = _outline(model, state)
+    if model.bucket_frame[3] > 0.0:
+        buckets = (model.bucket_frame, state.bucket_first, state.bucket_next)
+        find_near_contacts(
+            shard.worlds, bodies, model.movable, *outline, state.pose, *buckets, state.collided, state.hit
+        )
+    else:
+        find_contacts(shard.worlds, bodies, model.movable, *outline, state.pose, state.collided, state.hit)
     if (cells := model.cells) is not None:
         touch_cells(bodies, cells, model, state, shard)
-    model.static_partner[worlds] = state.hit[worlds]
 
 
 def touch_cells(bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState, shard: Shard) -> None:

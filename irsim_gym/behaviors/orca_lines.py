@@ -1,0 +1,73 @@
+"""Half-planes of velocities that avoid a disc (van den Berg, Guy, Lin, Manocha 2011, sections 4 and 5).
+
+A half-plane is a row (normal x, normal y, least): it permits the velocities v with normal . v >= least.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.jit import kernel
+
+
+@kernel
+def disc_plane(
+    x: float,
+    y: float,
+    vx: float,
+    vy: float,
+    other_vx: float,
+    other_vy: float,
+    radius: float,
+    horizon: float,
+    share: float,
+    plane: Floats,
+) -> None:
+    """Write the half-plane of velocities that avoid a disc within some time.
+
+    The relative velocities that lead to a collision form a cone cut off by a disc: the velocity obstacle. ``u`` is the
+    least change that takes the relative velocity to its border, where the outward normal is n; ORCA asks of the body
+    that it makes a share of this change: n . v >= n . v_now + share n . u.
+
+    Args:
+        x: Where the other disc is, relative to the body [m].
+        y: Where the other disc is, relative to the body [m].
+        vx: The body's velocity [m/s].
+        vy: The body's velocity [m/s].
+        other_vx: The other's velocity [m/s].
+        other_vy: The other's velocity [m/s].
+        radius: Sum of both radii [m]. Discs that overlap already: see ``horizon``.
+        horizon: Collisions later than this are ignored [s]; for discs that overlap, the time to part them in.
+        share: Part of the change that falls to the body: 0.5 among equals, 1 where the other does not give way.
+        plane: Written, shape ``(3,)``.
+    """
+    wx, wy = vx - other_vx, vy - other_vy
+    distance2 = x * x + y * y
+    cut_x, cut_y = wx - x / horizon, wy - y / horizon
+    ahead = cut_x * x + cut_y * y
+    cut2 = cut_x * cut_x + cut_y * cut_y
+    overlap = distance2 <= radius * radius
+    if overlap or (ahead < 0.0 and ahead * ahead > radius * radius * cut2):
+        length = np.sqrt(cut2)
+        nx, ny = away(cut_x, cut_y, length, x, y)
+        change = radius / horizon - length
+    else:
+        leg = np.sqrt(distance2 - radius * radius)
+        if x * cut_y - y * cut_x > 0.0:
+            nx, ny = -(x * radius + y * leg) / distance2, (x * leg - y * radius) / distance2
+        else:
+            nx, ny = -(x * radius - y * leg) / distance2, -(x * leg + y * radius) / distance2
+        change = -(wx * nx + wy * ny)
+    plane[0], plane[1], plane[2] = nx, ny, nx * vx + ny * vy + share * change
+
+
+@kernel
+def away(dx: float, dy: float, length: float, x: float, y: float) -> tuple[float, float]:
+    """Return the unit vector along (dx, dy); without a length, that away from (x, y), and without either, +x."""
+    if length > 0.0:
+        return dx / length, dy / length
+    distance = np.sqrt(x * x + y * y)
+    if distance > 0.0:
+        return -x / distance, -y / distance
+    return 1.0, 0.0

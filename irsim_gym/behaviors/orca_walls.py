@@ -1,0 +1,215 @@
+"""Half-planes of velocities that avoid walls (van den Berg et al. 2011, section 5: static obstacles).
+
+A wall is a directed edge from a to b that is seen from its right, the outer side of an outline that runs
+counter-clockwise; a thin wall is seen from both sides. All points are relative to the body that looks.
+The velocities that lead to a collision within the horizon are those of the edge, divided by the horizon and grown by the
+body's disc, and all that lie behind it: a blunt cone with a left leg through a, a right leg through b, and a front.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.behaviors.orca_lines import away
+from irsim_gym.jit import kernel
+
+ROUNDING = 1e-9
+EDGE = 10
+"""Numbers of an edge: a, b, and the directions of the edge before it, of itself and of the edge behind it."""
+
+
+@kernel
+def see_edge(segments: Floats, start: int, count: int, s: int, solid: bool, x: float, y: float, edge: Floats) -> bool:
+    """Write segment s of an outline as it is seen from (x, y); return False where its front is not seen.
+
+    Args:
+        segments: x0, y0, x1, y1 [m], shape ``(segment, 4)``.
+        start: First row of the outline.
+        count: Number of its rows.
+        s: The row.
+        solid: The outline bounds an area, and is seen from outside only.
+        x: Position of the body [m].
+        y: Position of the body [m].
+        edge: Written, shape ``(EDGE,)``.
+    """
+    ax, ay, bx, by = segments[s, 0] - x, segments[s, 1] - y, segments[s, 2] - x, segments[s, 3] - y
+    dx, dy, length = direction(segments, s)
+    height = dx * ay - dy * ax
+    if length == 0.0 or height == 0.0 or (height < 0.0 and solid):
+        return False
+    before, behind = neighbour(segments, start, count, s, -1), neighbour(segments, start, count, s, 1)
+    ux, uy, _ = direction(segments, before)
+    vx, vy, _ = direction(segments, behind)
+    if before == s:
+        ux, uy = -dx, -dy
+    if behind == s:
+        vx, vy = -dx, -dy
+    if height > 0.0:
+        edge[0], edge[1], edge[2], edge[3] = ax, ay, bx, by
+        edge[4], edge[5], edge[6], edge[7], edge[8], edge[9] = ux, uy, dx, dy, vx, vy
+    else:
+        edge[0], edge[1], edge[2], edge[3] = bx, by, ax, ay
+        edge[4], edge[5], edge[6], edge[7], edge[8], edge[9] = -vx, -vy, -dx, -dy, -ux, -uy
+    return True
+
+
+@kernel
+def direction(segments: Floats, s: int) -> tuple[float, float, float]:
+    """Return the unit vector along a segment, and its length [m]."""
+    dx, dy = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
+    length = np.sqrt(dx * dx + dy * dy)
+    if length == 0.0:
+        return 0.0, 0.0, 0.0
+    return dx / length, dy / length, length
+
+
+@kernel
+def neighbour(segments: Floats, start: int, count: int, s: int, step: int) -> int:
+    """Return the row before (step -1) or behind (step 1) a segment in its chain; itself at an open end.
+
+    The rows of a chain follow each other and share their vertices; a closed one ends where it begins.
+    """
+    k = s + step
+    if start <= k < start + count and is_joined(segments, min(k, s), max(k, s)):
+        return k
+    k = s
+    while start <= k - step < start + count and is_joined(segments, min(k, k - step), max(k, k - step)):
+        k -= step
+    first, last = (k, s) if step > 0 else (s, k)
+    return k if is_joined(segments, last, first) else s
+
+
+@kernel
+def is_joined(segments: Floats, one: int, other: int) -> bool:
+    """Return whether a segment ends where another begins."""
+    return bool(segments[one, 2] == segments[other, 0] and segments[one, 3] == segments[other, 1])
+
+
+@kernel
+def wall_plane(edge: Floats, vx: float, vy: float, radius: float, horizon: float, plane: Floats) -> bool:
+    """Write the half-plane of velocities that avoid an edge; return False where the edges beside it see to that.
+
+    Args:
+        edge: The edge as ``see_edge`` writes it.
+        vx: The body's velocity [m/s].
+        vy: The body's velocity [m/s].
+        radius: The body's radius [m].
+        horizon: Collisions later than this are ignored [s].
+        plane: Written, shape ``(3,)``.
+    """
+    ax, ay, bx, by, dx, dy = edge[0], edge[1], edge[2], edge[3], edge[6], edge[7]
+    convex_a = edge[4] * dy - edge[5] * dx >= 0.0
+    convex_b = dx * edge[9] - dy * edge[8] >= 0.0
+    before_a, past_b = ax * dx + ay * dy > 0.0, bx * dx + by * dy < 0.0
+    height = dx * ay - dy * ax
+    radius2, gap_a2, gap_b2 = radius * radius, ax * ax + ay * ay, bx * bx + by * by
+    plane[2] = 0.0
+    if before_a and gap_a2 <= radius2:
+        gap = np.sqrt(gap_a2)
+        plane[0], plane[1] = away(-ax, -ay, gap, ax, ay)
+        return bool(convex_a)
+    if past_b and gap_b2 <= radius2:
+        gap = np.sqrt(gap_b2)
+        plane[0], plane[1] = away(-bx, -by, gap, bx, by)
+        return bool(convex_b and bx * edge[9] - by * edge[8] >= 0.0)
+    if height <= radius and not before_a and not past_b:
+        plane[0], plane[1] = dy, -dx
+        return True
+    if height <= radius:
+        if (before_a and not convex_a) or (past_b and not convex_b):
+            return False
+        x, y = (ax, ay) if before_a else (bx, by)
+        return cone_plane(edge, x, y, x, y, True, True, True, vx, vy, radius, horizon, plane)
+    return cone_plane(edge, ax, ay, bx, by, convex_a, convex_b, False, vx, vy, radius, horizon, plane)
+
+
+@kernel
+def cone_plane(
+    edge: Floats,
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    convex_a: bool,
+    convex_b: bool,
+    is_point: bool,
+    vx: float,
+    vy: float,
+    radius: float,
+    horizon: float,
+    plane: Floats,
+) -> bool:
+    """Write the half-plane at the point of the blunt cone's border that is nearest to the velocity.
+
+    Legs are tangents from the body's centre. At a reflex corner the leg runs along the edge, and one that would run into the
+    edge beside it runs along that one; a velocity nearest to such a leg is left to that edge.
+    """
+    dx, dy = edge[6], edge[7]
+    left_x, left_y = tangent(ax, ay, radius, 1.0) if convex_a else (-dx, -dy)
+    right_x, right_y = tangent(bx, by, radius, -1.0) if convex_b else (dx, dy)
+    back_x, back_y, on_x, on_y = -edge[4], -edge[5], edge[8], edge[9]
+    if is_point and ax == edge[2] and ay == edge[3]:
+        back_x, back_y = -dx, -dy
+    elif is_point:
+        on_x, on_y = dx, dy
+    left_foreign = convex_a and left_x * back_y - left_y * back_x >= 0.0
+    right_foreign = convex_b and right_x * on_y - right_y * on_x <= 0.0
+    if left_foreign:
+        left_x, left_y = back_x, back_y
+    if right_foreign:
+        right_x, right_y = on_x, on_y
+    grown = radius / horizon
+    from_a_x, from_a_y = vx - ax / horizon, vy - ay / horizon
+    from_b_x, from_b_y = vx - bx / horizon, vy - by / horizon
+    up_left, up_right = from_a_x * left_x + from_a_y * left_y, from_b_x * right_x + from_b_y * right_y
+    before_a = from_a_x * dx + from_a_y * dy < 0.0
+    past_b = from_b_x * dx + from_b_y * dy > 0.0
+    if (is_point and up_left < 0.0 and up_right < 0.0) or (not is_point and before_a and up_left < 0.0):
+        return round_plane(ax, ay, from_a_x, from_a_y, horizon, grown, plane)
+    if not is_point and past_b and up_right < 0.0:
+        return round_plane(bx, by, from_b_x, from_b_y, horizon, grown, plane)
+    to_front = from_a_x * dy - from_a_y * dx
+    to_left = from_a_x * left_y - from_a_y * left_x
+    to_right = from_b_x * right_y - from_b_y * right_x
+    far = np.inf
+    front2 = far if is_point or before_a or past_b else to_front * to_front
+    left2 = far if up_left < 0.0 else to_left * to_left
+    right2 = far if up_right < 0.0 else to_right * to_right
+    if front2 <= left2 and front2 <= right2:
+        nx, ny, x, y, mine = dy, -dx, ax, ay, True
+    elif left2 <= right2:
+        nx, ny, x, y, mine = -left_y, left_x, ax, ay, not left_foreign
+    else:
+        nx, ny, x, y, mine = right_y, -right_x, bx, by, not right_foreign
+    plane[0], plane[1], plane[2] = nx, ny, (nx * x + ny * y) / horizon + grown
+    return bool(mine)
+
+
+@kernel
+def tangent(x: float, y: float, radius: float, turn: float) -> tuple[float, float]:
+    """Return the direction of the tangent from the origin to a disc around (x, y), to its left (turn 1) or right (-1)."""
+    gap2 = x * x + y * y
+    leg, radius = np.sqrt(max(gap2 - radius * radius, 0.0)), turn * radius
+    return (x * leg - y * radius) / gap2, (x * radius + y * leg) / gap2
+
+
+@kernel
+def round_plane(x: float, y: float, dx: float, dy: float, horizon: float, grown: float, plane: Floats) -> bool:
+    """Write the half-plane at the round end of a cone around (x, y) / horizon, in the direction (dx, dy) from it."""
+    nx, ny = away(dx, dy, np.sqrt(dx * dx + dy * dy), x, y)
+    plane[0], plane[1], plane[2] = nx, ny, (nx * x + ny * y) / horizon + grown
+    return True
+
+
+@kernel
+def is_covered(
+    planes: Floats, count: int, ax: float, ay: float, bx: float, by: float, radius: float, horizon: float
+) -> bool:
+    """Return whether one of the half-planes forbids all velocities that an edge from a to b would forbid."""
+    for i in range(count):
+        least = horizon * planes[i, 2] - radius + ROUNDING
+        nx, ny = planes[i, 0], planes[i, 1]
+        if nx * ax + ny * ay <= least and nx * bx + ny * by <= least:
+            return True
+    return False
