@@ -29,7 +29,7 @@ def find_nearest(
 ) -> int:
     """Write the nearest bodies that a body sees, nearest first; return how many there are.
 
-    The circle that is searched grows until it holds enough bodies, so the cost depends on their number, not on ``reach``.
+    The circle that is searched grows until it holds enough bodies: the cost depends on their number, not on ``reach``.
 
     Args:
         b: The body.

@@ -2,8 +2,8 @@
 
 A wall is a directed edge from a to b that is seen from its right, the outer side of an outline that runs
 counter-clockwise; a thin wall is seen from both sides. All points are relative to the body that looks.
-The velocities that lead to a collision within the horizon are those of the edge, divided by the horizon and grown by the
-body's disc, and all that lie behind it: a blunt cone with a left leg through a, a right leg through b, and a front.
+The velocities that lead to a collision within the horizon are the edge, divided by the horizon and grown by the body's
+disc, and all that lies behind it: a blunt cone with a left leg through a, a right leg through b, and a front.
 """
 
 from __future__ import annotations
@@ -142,8 +142,8 @@ def cone_plane(
 ) -> bool:
     """Write the half-plane at the point of the blunt cone's border that is nearest to the velocity.
 
-    Legs are tangents from the body's centre. At a reflex corner the leg runs along the edge, and one that would run into the
-    edge beside it runs along that one; a velocity nearest to such a leg is left to that edge.
+    Legs are tangents from the body's centre. At a reflex corner the leg runs along the edge, and one that would run
+    into the edge beside it runs along that one; a velocity nearest to such a leg is left to that edge.
     """
     dx, dy = edge[6], edge[7]
     left_x, left_y = tangent(ax, ay, radius, 1.0) if convex_a else (-dx, -dy)
@@ -188,7 +188,7 @@ def cone_plane(
 
 @kernel
 def tangent(x: float, y: float, radius: float, turn: float) -> tuple[float, float]:
-    """Return the direction of the tangent from the origin to a disc around (x, y), to its left (turn 1) or right (-1)."""
+    """Return the direction of the tangent from the origin to a disc around (x, y), on its left (turn 1) or right."""
     gap2 = x * x + y * y
     leg, radius = np.sqrt(max(gap2 - radius * radius, 0.0)), turn * radius
     return (x * leg - y * radius) / gap2, (x * radius + y * leg) / gap2

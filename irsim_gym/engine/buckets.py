@@ -24,6 +24,7 @@ def lay_out(model: WorldModel, is_random: Flags) -> None:
     side = float(np.sqrt((x1 - x0) * (y1 - y0) / n_bodies))
     rows = min(max(1, int((y1 - y0) / side)), n_bodies)
     columns = min(max(1, int((x1 - x0) / side)), n_bodies // rows)
+    side = max((x1 - x0) / columns, (y1 - y0) / rows)
     model.bucket_frame[:] = [x0, y0, side, columns, rows]
     model.bucketed[:] = ~is_random & (model.reach.max(axis=0) <= side)
 

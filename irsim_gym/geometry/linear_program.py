@@ -43,7 +43,7 @@ def choose(
 def solve(planes: Floats, count: int, limit: float, x: float, y: float, farthest: bool) -> tuple[float, float, int]:
     """Return the permitted vector nearest to (x, y), and ``count``; or the last optimum and the row that left none.
 
-    With ``farthest``, (x, y) is a unit vector and the permitted vector that goes farthest in its direction is asked for.
+    With ``farthest``, (x, y) is a unit vector, and what is asked for goes farthest in its direction.
     """
     best_x, best_y = limit * x, limit * y
     if not farthest:
@@ -87,10 +87,7 @@ def best_on_border(
         if low > high + SLACK:
             return 0.0, 0.0, False
     t = x * along_x + y * along_y
-    if farthest:
-        t = high if t > 0.0 else low
-    else:
-        t = min(max(t, low), high)
+    t = (high if t > 0.0 else low) if farthest else min(max(t, low), high)
     return least * nx + t * along_x, least * ny + t * along_y, True
 
 

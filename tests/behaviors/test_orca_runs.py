@@ -1,0 +1,170 @@
+"""Groups that avoid each other and walls: whole runs, some of them side by side with IR-SIM."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import irsim_gym as ig
+
+ORCA = {"name": "orca"}
+DISC = {"shape": {"name": "circle", "radius": 0.2}}
+
+
+def simulation(robot: Any, obstacle: Any = None, n_worlds: int = 1, agents: tuple[int, ...] = (), **world: Any) -> Any:
+    data = {"world": world, "robot": robot, **({"obstacle": obstacle} if obstacle else {})}
+    sim = ig.compile(ig.load_scenario(data), n_worlds, agents=agents)
+    sim.reset()
+    return sim
+
+
+def crowd(drive: str, states: list[Any], goals: list[Any], **more: Any) -> dict[str, Any]:
+    entry = {"number": len(states), "kinematics": {"name": drive}, "group_behavior": ORCA, **DISC, **more}
+    return {**entry, "state": states, "goal": goals}
+
+
+@pytest.mark.parametrize("drive", ["omni", "diff"])
+def test_two_that_meet_head_on_pass(drive: str) -> None:
+    limits = {"vel_max": [1, 1.5], "vel_min": [-1, -1.5]}
+    sim = simulation(crowd(drive, [[1, 5, 0], [9, 5.01, np.pi]], [[9, 5, 0], [1, 5, 0]], **limits))
+    passed = False
+    for _ in range(250):
+        sim.step()
+        assert not sim.state.collided.any()
+        passed = passed or bool(sim.state.arrived.all())
+    assert passed
+
+
+@pytest.mark.parametrize(("drive", "steps"), [("omni", 400), ("diff", 700)])
+def test_twenty_on_a_circle_change_places(drive: str, steps: int) -> None:
+    # IR-SIM's stand still in the middle for ever, as all wait for each other; ours do so without the side step.
+    robot = {
+        **crowd(drive, [], []),
+        "number": 20,
+        "distribution": {"name": "circle"},
+        "vel_max": [1, 1.5],
+        "vel_min": [-1, -1.5],
+    }
+    for key in ("state", "goal"):
+        del robot[key]
+    sim = simulation(robot)
+    arrived = np.zeros(20, np.bool_)
+    for _ in range(steps):
+        sim.step()
+        assert not sim.state.collided.any()
+        arrived |= sim.state.arrived[0]
+    assert arrived.all()
+
+
+@pytest.mark.parametrize("drive", ["omni", "diff"])
+def test_nobody_enters_a_wall(drive: str) -> None:
+    # A room with an inner wall, a box and a pillar; each goal lies behind something.
+    rng = np.random.default_rng(2)
+    states = [[x, y, 0.0] for x in (1.5, 3.0) for y in (1.5, 3.5, 5.5, 7.5)]
+    goals = [[x, y, 0.0] for x, y in rng.uniform([6.5, 1.5], [8.5, 8.5], (8, 2)).tolist()]
+    walls = [
+        {"shape": {"name": "linestring", "vertices": [[1, 1], [9, 1], [9, 9], [1, 9], [1, 1]]}, "state": [0, 0, 0]},
+        {"shape": {"name": "linestring", "vertices": [[4.3, 1], [4.3, 4.2], [5, 5]]}, "state": [0, 0, 0]},
+        {"shape": {"name": "rectangle", "length": 1, "width": 1.2}, "state": [6, 7, 0.4]},
+        {"shape": {"name": "circle", "radius": 0.5}, "state": [6, 2.5]},
+    ]
+    sim = simulation(crowd(drive, states, goals, vel_max=[1, 1.5], vel_min=[-1, -1.5]), walls)
+    start = sim.state.pose[0, :8, 0].copy()
+    for _ in range(300):
+        sim.step()
+        touched = np.isin(sim.state.hit[0, :8], np.arange(8, 12))
+        assert not touched.any()
+    assert (sim.state.pose[0, :8, 0] - start).max() > 3.0
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "avoided"),
+    [
+        ({"shape": {"name": "polygon", "vertices": [[0, 0], [1, 0.4], [1, 1], [0, 0.6]]}, "state": [4, 4.7, 0]}, True),
+        ({"shape": {"name": "linestring", "vertices": [[4, 4.9], [6, 6]]}, "state": [0, 0, 0]}, True),
+        ({"shape": {"name": "circle", "radius": 0.5}, "state": [5, 5.2, 0]}, True),
+        ({"shape": {"name": "circle", "radius": 0.5}, "state": [5, 5.2, 0], "unobstructed": True}, False),
+        (
+            {
+                "shape": {"name": "circle", "radius": 0.5},
+                "state": [5, 5.2, 0],
+                "kinematics": {"name": "diff"},
+                "behavior": {"name": "dash"},
+            },
+            False,
+        ),
+    ],
+)
+def test_what_never_moves_is_avoided(obstacle: dict[str, Any], avoided: bool) -> None:
+    sim = simulation(crowd("omni", [[1, 5, 0]], [[9, 5, 0]]), obstacle, collision_mode="unobstructed")
+    heights = []
+    for _ in range(60):
+        sim.step()
+        heights.append(sim.state.pose[0, 0, 1])
+        assert not (avoided and sim.state.collided.any())
+    straight = sim.state.pose[0, 0, 0] == pytest.approx(7) and heights == pytest.approx([5] * 60)
+    assert straight != avoided
+
+
+def test_an_absent_body_is_not_avoided() -> None:
+    robots = {**crowd("omni", [], [[9, 5, 0]]), "number_range": [1, 2], "state": [[1, 5, 0], [5, 5.1, 0]]}
+    del robots["number"]
+    pillar = {"number_range": [0, 1], "shape": {"name": "circle", "radius": 0.5}, "state": [6.5, 5.2, 0]}
+    sim = simulation(robots, pillar)
+    sim.model.present[0] = [True, False, False]
+    for _ in range(60):
+        sim.step()
+    assert sim.state.pose[0, 0] == pytest.approx([7, 5, 0])
+    assert sim.state.plan[0, 1].tolist() == [0, 0]
+
+
+def test_a_learner_in_the_group_is_avoided_as_it_really_moves() -> None:
+    # The learner comes straight at the other, which makes half of the way around it; standing, it is passed wide.
+    entry = crowd("omni", [[1, 5, 0], [9, 5.05, 0]], [[9, 5, 0], [1, 5, 0]])
+    for speed in (-1.0, 0.0):
+        sim = simulation(entry, agents=(1,))
+        for _ in range(40):
+            sim.step([speed, 0.0])
+        assert sim.state.command[0, 1].tolist() == [speed, 0.0, 0.0]
+        assert sim.state.pose[0, 1, 0] == pytest.approx(9 + 4 * speed)
+        assert sim.state.pose[0, 0, 1] < 4.999
+        assert not sim.state.collided.any()
+
+
+def test_a_body_without_goal_only_gives_way() -> None:
+    robots = [
+        {**DISC, "kinematics": {"name": "omni"}, "group": 3, "group_behavior": ORCA, "state": [5, 5, 0]},
+        {**DISC, "kinematics": {"name": "omni"}, "group": 3, "state": [1, 5.05, 0], "goal": [9, 5, 0]},
+    ]
+    sim = simulation(robots)
+    sim.step()
+    assert np.abs(sim.state.command[0, 0, :2]).max() < 0.2
+    for _ in range(100):
+        sim.step()
+        assert not sim.state.collided.any()
+    assert sim.state.arrived[0, 1]
+
+
+def test_batch_threads_and_single_are_the_same() -> None:
+    robot = {
+        "number": 12,
+        "kinematics": {"name": "diff"},
+        "group_behavior": ORCA,
+        "distribution": {"name": "random"},
+        **DISC,
+    }
+    wall = {"shape": {"name": "polygon", "random_shape": True}, "distribution": {"name": "random"}}
+    data = ig.load_scenario({"world": {}, "robot": robot, "obstacle": wall})
+    batch = ig.compile(data, 4, num_threads=2)
+    single = [ig.compile(data) for _ in range(4)]
+    batch.reset(seed=3)
+    for w, one in enumerate(single):
+        one.reset(seed=3 + w)
+    for _ in range(15):
+        batch.step()
+        for w, one in enumerate(single):
+            one.step()
+            np.testing.assert_array_equal(batch.state.pose[w], one.state.pose[0])
+    assert np.abs(batch.state.pose[0] - batch.state.pose[1]).max() > 0.1
