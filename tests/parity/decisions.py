@@ -104,6 +104,23 @@ DECISIONS = {
         "no place is an error that moves nobody; flags and scans follow",
         "non_overlapping promises it",
         "defect 18",
+    "orca_walls": Decision(
+        "orca sees only the members of its group",
+        "it also avoids all bodies that never move, but for the obstacle map; such a member is one of them",
+        "robots drove into walls",
+        "8.4",
+    ),
+    "orca_commanded": Decision(
+        "a member commanded by hand is thought to follow orca's plan for it",
+        "it is seen as it moves",
+        "it does what it was told",
+        "8.4",
+    ),
+    "orca_sidestep": Decision(
+        "members that meet symmetrically wait for each other for ever",
+        "one whose plan is slower than a tenth of its speed wants to go to its right, unless `sidestep: false`",
+        "20 robots on a circle never changed places",
+        "8.4",
     ),
     "field_of_view": Decision(
         "a body that is wider than the field of view is missed straight ahead",

@@ -407,10 +407,6 @@ DRIVES = {
 }
 DRIVE = "robot:\n  kinematics: {name: diff}\n"
 PLANNED = {
-    "orca": (
-        DRIVE + "  group_behavior: {name: orca, neighborDist: 15}",
-        "3 robot.group_behavior.name: group behavior 'orca' is not supported yet; supported: sfm",
-    ),
     "fog": ("world: {fog_map: true}", "1 world.fog_map: true is not supported yet"),
     "contact mode": (
         "world:\n  collision_mode: contact\n  gravity: 9.81",
