@@ -18,6 +18,8 @@ from irsim_gym.render.patches import Colour, empty_collection, paint
 from irsim_gym.render.scene import BodyView, MapView
 from irsim_gym.render.styles import BodyStyle
 
+NONE: Colour = (0.0, 0.0, 0.0, 0.0)
+
 
 class Bodies:
     """Footprints and their edges.
@@ -34,23 +36,24 @@ class Bodies:
         self._footprints = empty_collection(axes)
 
     def update(self, views: Sequence[BodyView]) -> None:
-        """Show these bodies, the first one lowest."""
-        paths = [shapes.outline_path(view) for view in views]
-        filled = [shapes.is_filled(view) for view in views]
+        """Show these bodies, the first one lowest; one of several parts has no edges where they overlap."""
+        paths, fills, edges, widths, styles = [], [], [], [], []
+        for view in views:
+            style, path, is_filled = view.style, shapes.outline_path(view), shapes.is_filled(view)
+            in_parts = is_filled and style.alpha == 1.0 and len(view.lines) + len(view.discs) > 1
+            width = style.line_width if is_filled else style.wall_width
+            for edge, line in ((_edge(style, is_filled), 2.0 * width), (NONE, 0.0))[: 1 + in_parts]:
+                paths.append(path)
+                fills.append(_fill(style) if is_filled else NONE)
+                edges.append(edge)
+                widths.append(line if in_parts else width)
+                styles.append(style.line_style)
         for shadow in self._shadows:
-            shadow.set_paths([path for path, is_filled in zip(paths, filled, strict=True) if is_filled])
-        styles = [view.style for view in views]
-        fills = [_fill(style) if is_filled else (0.0,) * 4 for style, is_filled in zip(styles, filled, strict=True)]
-        edges = [_edge(style, is_filled) for style, is_filled in zip(styles, filled, strict=True)]
+            shadow.set_paths([path for path, fill in zip(paths, fills, strict=True) if fill is not NONE])
         self._footprints.set_paths(paths)
         paint(self._footprints, fills, edges)
-        self._footprints.set_linewidths(
-            [
-                style.line_width if is_filled else style.wall_width
-                for style, is_filled in zip(styles, filled, strict=True)
-            ]
-        )
-        self._footprints.set_linestyles([style.line_style for style in styles] or ["solid"])
+        self._footprints.set_linewidths(widths)
+        self._footprints.set_linestyles(styles or ["solid"])
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw what the last update gave."""

@@ -45,6 +45,7 @@ class Renderer:
     ) -> None:
         plot = scenario.world.plot
         self._reader = SceneReader(scenario, model, state, sensors, learners)
+        self._cut = plot.saved_figure.bbox_inches == "tight"
         self._axis, self._show_title = not plot.no_axis, bool(plot.show_title)
         self._layout = lay_out(
             model.bounds,
@@ -79,7 +80,7 @@ class Renderer:
         return self._ready(scene).draw(scene)
 
     def save(self, path: Path, world: int = 0, status: str = "", *, dots_per_inch: float = 100.0) -> None:
-        """Write a picture of a world to a file.
+        """Write a picture of a world to a file, without empty margins if the scenario's ``bbox_inches`` is ``tight``.
 
         Args:
             path: File to write: ``.png``, ``.pdf``, ``.svg`` or another format that matplotlib writes.
@@ -88,7 +89,7 @@ class Renderer:
             dots_per_inch: 100 for the size of a frame, 200 for twice as many pixels each way.
         """
         scene = self._reader.read(world, status)
-        self._ready(scene).save(scene, path, dots_per_inch)
+        self._ready(scene).save(scene, path, dots_per_inch, cut=self._cut)
 
     def _ready(self, scene: Scene) -> Stage:
         if self._stage is None:

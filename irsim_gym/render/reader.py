@@ -222,6 +222,8 @@ class SceneReader:
         """Return the point that stays in the middle of the picture."""
         if not isinstance(self._viewpoint, str):
             return self._viewpoint
+        if self._viewpoint not in self._names:
+            return None  # it was taken out of the world by hand
         x, y, _ = self._state.pose[world, self._names.index(self._viewpoint)]
         return float(x), float(y)
 

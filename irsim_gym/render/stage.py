@@ -68,13 +68,14 @@ class Stage:
         self._play(self._canvas.get_renderer(), scene, live)
         return _without_alpha(np.asarray(self._canvas.buffer_rgba()))
 
-    def save(self, scene: Scene, path: Path, dots_per_inch: float) -> None:
+    def save(self, scene: Scene, path: Path, dots_per_inch: float, *, cut: bool = False) -> None:
         """Write a picture of the scene to a file, in the format of its suffix.
 
         Args:
             scene: What it shows.
             path: A format that matplotlib writes, such as ``.png``, ``.pdf`` or ``.svg``; missing folders are made.
             dots_per_inch: 100 for the size of a frame, 200 for twice as many pixels each way.
+            cut: Leave out the empty margins.
         """
         self._look(scene)
         live, fixed, _ = self._layers(scene)
@@ -88,7 +89,8 @@ class Stage:
         self._figure.add_artist(play)
         self._axes.leaves_out_animated = True
         try:
-            self._figure.savefig(path, dpi=self._figure.dpi * dots_per_inch / DOTS_PER_INCH)
+            dpi = self._figure.dpi * dots_per_inch / DOTS_PER_INCH
+            self._figure.savefig(path, dpi=dpi, bbox_inches="tight" if cut else None)
         finally:
             self._axes.leaves_out_animated = False
             play.remove()

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from small_world import world
 
-SMALL = {"plot": {"figure_pixels": [240, 200], "saved_figure": {"dpi": 200, "format": "svg"}}}
+SMALL = {
+    "plot": {"figure_pixels": [240, 200], "saved_figure": {"dpi": 200, "format": "svg", "bbox_inches": "standard"}}
+}
 
 
 def test_frames_are_pictures_of_the_caller() -> None:
@@ -41,12 +43,20 @@ def test_figures(tmp_path: Path) -> None:
 
 
 def test_a_saved_figure_is_what_a_frame_shows(tmp_path: Path) -> None:
-    here = world(world={"plot": {"figure_pixels": [240, 200]}})
+    here = world(world={"plot": {**SMALL["plot"], "saved_figure": {"bbox_inches": "standard"}}})
     for _ in range(3):
         here.step()
     shown = here.render()
     assert np.array_equal(iio.imread(here.save_figure(tmp_path / "one.png"))[..., :3], shown)
     assert np.array_equal(here.render(), shown)
+
+
+def test_a_tight_figure_has_no_empty_margins(tmp_path: Path) -> None:
+    here = world(world={"plot": {"figure_pixels": [400, 200]}})  # a square world in a wide picture
+    height, width = iio.imread(here.save_figure(tmp_path / "one.png")).shape[:2]
+    assert width < 300
+    assert height <= 204
+    assert iio.imread(here.save_figure(tmp_path / "one.png"))[height // 2, width // 2, :3].min() > 200
 
 
 def test_films_have_a_frame_for_each_sample(tmp_path: Path) -> None:

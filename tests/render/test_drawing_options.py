@@ -11,6 +11,7 @@ from irsim_gym.render import Renderer
 from irsim_gym.render.layout import lay_out
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
 from irsim_gym.world.model import ACKERMANN
+from irsim_gym.world.outline import Outline
 
 ROBOT = (0x00, 0x9E, 0x73)
 OBSTACLE = (0x47, 0x55, 0x69)
@@ -240,3 +241,13 @@ def test_cars_have_a_windscreen() -> None:
 def test_arrows_of_thin_bodies() -> None:
     line = Body(wall((4.0, 5.0), (6.0, 5.0)), movable=True, plot=ObjectPlot(show_arrow=True))
     assert len(make_world([line], lidar=False).renderer().scene().moving[0].heading) == 4
+
+
+def test_parts_of_one_body_have_no_edges_within() -> None:
+    outline = Outline(segments=box(4.0, 1.0).segments, discs=np.array([[2.0, 0.0, 1.0]]))
+    world = make_world([Body(outline, (5.0, 5.0, 0.0), plot=ObjectPlot(obj_linewidth=4))], lidar=False)
+    renderer = world.renderer()
+    frame = renderer.frame()
+    for x, y in ((6.0, 5.0), (7.0, 5.0), (7.0, 5.2)):
+        assert colour_at(renderer, frame, x, y) == OBSTACLE, "where an edge of one part lies in the other"
+    assert colour_at(renderer, frame, 4.0, 5.5) not in (OBSTACLE, CARD), "the edge around both"
