@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 import pytest
@@ -24,6 +28,7 @@ GIVEN = {
 OWNERS = {
     "kinematics": {"pose", "twist", "steering", "random"},
     "behavior": {"command"},
+    "group_behavior": {"command", "plan", "random"},
     "sensor": set(),
 }
 
@@ -41,10 +46,17 @@ def simulation(data: dict[str, Any], n_worlds: int, num_threads: int = 1) -> ig.
     return sim
 
 
-def drive(name: str) -> dict[str, Any]:
-    """Return the drive with what it needs."""
-    needs_wheelbase = getattr(families.KINEMATICS.entry(name).kind, "needs_wheelbase", False)
-    return {"name": name, "wheelbase": 0.5} if needs_wheelbase else {"name": name}
+def drives(name: str) -> list[dict[str, Any]]:
+    """Return a drive in each of its modes, with what it needs."""
+    kind = families.KINEMATICS.entry(name).kind
+    given = {"name": name, **({"wheelbase": 0.5} if getattr(kind, "needs_wheelbase", False) else {})}
+    choices = {key: get_args(info.annotation) for key, info in option_fields(kind).items() if is_choice(info)}
+    modes = [{**given, key: value} for key, values in choices.items() for value in values]
+    return modes or [given]
+
+
+def is_choice(info: Any) -> bool:
+    return get_origin(info.annotation) is Literal
 
 
 def scene(family: str, name: str) -> dict[str, Any]:
@@ -60,15 +72,20 @@ def scene(family: str, name: str) -> dict[str, Any]:
         )
     robot = {**ROBOT, "state": [2, 2, 0.4], "goal": [7, 8, 0]}
     if family == "kinematics":
-        drives = [drive(name), {**drive(name), "noise": True}]
-        return {"robot": [{**robot, "kinematics": item, "behavior": {"name": "dash"}} for item in drives]}
-    if family == "behavior":
-        kind = families.BEHAVIORS.entry(name).kind
-        drives = [drive(item) for item in getattr(kind, "kinematics", families.KINEMATICS.names())]
-        robots = [{**robot, "state": [2, 2 + i, 0.4], "kinematics": item} for i, item in enumerate(drives)]
-        return {"robot": [{**item, "behavior": {"name": name}} for item in robots]}
+        modes = [*drives(name), *({**mode, "noise": True} for mode in drives(name))]
+        return {"robot": [{**item, "behavior": {"name": "dash"}} for item in row(robot, modes)]}
+    if family in ("behavior", "group_behavior"):
+        registry = families.BEHAVIORS if family == "behavior" else families.GROUP_BEHAVIORS
+        kinds = getattr(registry.entry(name).kind, "kinematics", families.KINEMATICS.names())
+        robots = row(robot, [mode for item in kinds for mode in drives(item)])
+        return {"robot": [{**item, "group": 0, family: {"name": name}} for item in robots]}
     disc = {"shape": {"name": "circle", "radius": 0.5}, "state": [5, 4, 0]}
     return {"robot": {**robot, "behavior": {"name": "dash"}, "sensors": [{"name": name}]}, "obstacle": disc}
+
+
+def row(robot: dict[str, Any], kinematics: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the robot once for each drive, side by side."""
+    return [{**robot, "state": [2, 1 + i, 0.4], "kinematics": item} for i, item in enumerate(kinematics)]
 
 
 CASES = [
@@ -77,6 +94,7 @@ CASES = [
     *[("distribution", name) for name in running(families.PLACEMENTS)],
     *[("kinematics", name) for name in running(families.KINEMATICS)],
     *[("behavior", name) for name in running(families.BEHAVIORS)],
+    *[("group_behavior", name) for name in running(families.GROUP_BEHAVIORS)],
     *[("sensor", name) for name in running(families.SENSORS)],
 ]
 
@@ -108,8 +126,13 @@ def test_a_kind_writes_only_what_it_owns(family: str, name: str) -> None:
     sim = simulation(scene(family, name), 2)
     for _ in range(3):
         sim.step()
-    groups = {"kinematics": sim.parts.kinematics, "behavior": sim.parts.behaviors, "sensor": sim.sensors}[family]
-    work = {"kinematics": "move", "behavior": "decide", "sensor": "sense"}[family]
+    groups = {
+        "kinematics": sim.parts.kinematics,
+        "behavior": sim.parts.behaviors,
+        "group_behavior": sim.parts.group_behaviors,
+        "sensor": sim.sensors,
+    }[family]
+    work = {"kinematics": "move", "sensor": "sense"}.get(family, "decide")
     constants = {field: getattr(sim.model, field).copy() for field in WorldModel.columns()}
     before = [snapshot(sim, w) for w in range(2)]
     for group in groups:
@@ -128,3 +151,30 @@ def test_readings_have_the_declared_axes(name: str) -> None:
     sim = simulation(scene("sensor", name), 5)
     for group in sim.sensors:
         assert group.arrays[group.kind.reading].shape[:2] == (5, len(group.members))
+
+
+def rollouts() -> dict[str, np.ndarray]:
+    """Return poses, twists and steering angles of a short run of each drive and behaviour."""
+    found = {}
+    for family, name in CASES:
+        if family in ("kinematics", "behavior", "group_behavior"):
+            sim = simulation(scene(family, name), 2)
+            rows = []
+            for _ in range(20 if family == "kinematics" else 3):
+                sim.step()
+                rows.append(np.dstack([sim.state.pose, sim.state.twist, sim.state.steering[..., None]]))
+            found[f"{family} {name}"] = np.array(rows)
+    return found
+
+
+def test_compiled_kernels_do_what_plain_python_does(tmp_path: Path) -> None:
+    file = tmp_path / "plain.npz"
+    plain = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    subprocess.run([sys.executable, __file__, str(file)], env=plain, check=True, timeout=120)
+    expected = np.load(file)
+    for case, found in rollouts().items():
+        np.testing.assert_allclose(found, expected[case], rtol=0, atol=1e-12, err_msg=case)
+
+
+if __name__ == "__main__":
+    np.savez(sys.argv[1], **rollouts())
