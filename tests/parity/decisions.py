@@ -104,6 +104,7 @@ DECISIONS = {
         "no place is an error that moves nobody; flags and scans follow",
         "non_overlapping promises it",
         "defect 18",
+    ),
     "orca_walls": Decision(
         "orca sees only the members of its group",
         "it also avoids all bodies that never move, but for the obstacle map; such a member is one of them",
