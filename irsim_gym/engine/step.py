@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine import arrival, buckets, contact, limits, outlines
 from irsim_gym.engine.parts import Parts
 from irsim_gym.jit import kernel
-from irsim_gym.world.group import Shard
+from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -25,6 +28,11 @@ class Orders:
     bodies: Ints
     commands: Floats
 
+    def others(self, groups: Sequence[Group]) -> list[Group]:
+        """Return the groups of those that still decide for themselves."""
+        free = [np.flatnonzero(~np.isin(group.members, self.bodies)) for group in groups]
+        return [group.select(chosen) for group, chosen in zip(groups, free, strict=True) if len(chosen)]
+
     def give(self, state: WorldState, shard: Shard) -> None:
         """Write them over the decisions."""
         state.command[shard.worlds[:, None], self.bodies] = self.commands[shard.worlds]
@@ -36,7 +44,7 @@ def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, or
     for group in parts.group_behaviors:
         group.kind.decide(group, model, state, shard)
     for turn in parts.turns:
-        for group in turn.behaviors:
+        for group in turn.behaviors if orders is None else orders.others(turn.behaviors):
             group.kind.decide(group, model, state, shard)
         if orders is not None:
             orders.give(state, shard)

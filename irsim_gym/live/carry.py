@@ -68,9 +68,21 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
             rows = int(getattr(old.model, count)[0, was])
             first, target = int(getattr(old.model, start)[was]), int(getattr(new.model, start)[b])
             getattr(new.model, table)[:, target : target + rows] = getattr(old.model, table)[:, first : first + rows]
+    _carry_memories(old, new, dict(zip(here.tolist(), there.tolist(), strict=True)))
     new.state.placed[0, here] = True
     new.parts.goal_bodies = np.flatnonzero(new.model.has_goal)
     new.place(here)
+
+
+def _carry_memories(old: Simulation, new: Simulation, was_at: dict[int, int]) -> None:
+    """Hand over what behaviours written in Python remember."""
+    before = [group for group in (*old.parts.behaviors, *old.parts.group_behaviors) if "memory" in group.arrays]
+    for group in (*new.parts.behaviors, *new.parts.group_behaviors):
+        for source in before:
+            if source.kind is group.kind:
+                for b in map(int, group.members):
+                    if was_at.get(b) in source.members:
+                        group.arrays["memory"][0, b] = source.arrays["memory"][0, was_at[b]]
 
 
 def _draw(new: Simulation, added: Ints) -> None:

@@ -67,7 +67,7 @@ class World(Crowd):
     def _read(self) -> None:
         self._loaded = load_scenario(self._source)
         if self._loaded.world.control_mode == "keyboard":
-            warnings.warn("keys are not read yet: the behaviours drive (control_mode: auto)", NoKeyboardWarning, 5)
+            warnings.warn("keys are not read yet: the behaviours drive (control_mode: auto)", NoKeyboardWarning, 4)
         self._compile()
 
     def _compile(self) -> None:

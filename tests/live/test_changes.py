@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from small_world import DIFF, SCENARIO, world
 
+import irsim_gym
+from irsim_gym import families
 from irsim_gym.errors import PlacementError, ScenarioError, UnknownNameError
 
 RANDOM = {
@@ -143,6 +147,30 @@ def test_obstacles_that_find_no_place_stay() -> None:
     assert all(np.array_equal(body.state, state) for body, state in zip(here.obstacles, before, strict=True))
     here.refresh()
     assert not any(body.collided for body in here)
+
+
+def test_behaviours_in_python_rest_under_an_action_and_remember_through_a_change(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    families.load()
+    monkeypatch.setattr(families.BEHAVIORS, "_entries", dict(families.BEHAVIORS._entries))
+
+    @irsim_gym.behavior("counter")
+    def count(ego: Any, others: Any) -> list[float]:
+        ego.memory["calls"] = ego.memory.get("calls", 0) + 1
+        return [0.1 * ego.memory["calls"], 0.0]
+
+    robot = {**DIFF, "behavior": {"name": "counter"}, "goal": [9, 9]}
+    here = world(robot=[{**robot, "state": [1, 1, 0]}, {**robot, "state": [1, 5, 0]}])
+    here.step()
+    here.step([0.9, 0.0])
+    here.add(state=[9, 1, 0])
+    here.remove("robot_1")
+    here.step()
+    assert here.robot.velocity[0] == pytest.approx(0.2)  # its second call
+    here.reset()
+    here.step()
+    assert here.robot.velocity[0] == pytest.approx(0.1)
 
 
 def test_the_map_stays_the_last_body_until_it_is_removed() -> None:
