@@ -71,6 +71,9 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
     _carry_memories(old, new, dict(zip(here.tolist(), there.tolist(), strict=True)))
     new.state.placed[0, here] = True
     new.parts.goal_bodies = np.flatnonzero(new.model.has_goal)
+    new.parts.loop_returns = np.concatenate(
+        [np.setdiff1d(new.parts.loop_returns, here), here[np.isin(there, old.parts.loop_returns)]]
+    )
     new.place(here)
 
 

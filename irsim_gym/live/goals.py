@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
-from irsim_gym.world.model import LOOP, WorldModel
+from irsim_gym.world.model import LOOP, STATE, WorldModel
 
 
 def read_goals(goal: Any) -> Floats:
@@ -35,11 +36,26 @@ def _is_several(goal: Any) -> bool:
     return len(shape) > 0 and bool(np.prod(shape) > 1)
 
 
+@dataclass(frozen=True)
+class Given:
+    """What a simulation knows of a body's goals.
+
+    Attributes:
+        has_goal: It has any.
+        returns: It loops between one goal and its start.
+        rows: The goals in order, and for one that returns its start [m, m, rad], shape ``(n, 3)``.
+    """
+
+    has_goal: bool
+    returns: bool
+    rows: Floats
+
+
 class Goals:
     """Writes goals into a simulation, and remembers those that a reset brings back."""
 
     def __init__(self) -> None:
-        self._at_start: dict[str, tuple[bool, int, Floats]] = {}
+        self._at_start: dict[str, Given] = {}
 
     def write(self, simulation: Simulation, body: int, goals: Floats, *, init: bool) -> None:
         """Give a body these goals, the first one next; with ``init`` also after a reset."""
@@ -48,11 +64,12 @@ class Goals:
         if init:
             self._at_start.pop(name, None)
         elif name not in self._at_start:
-            kept = bool(model.has_goal[body]), int(model.waypoint_count[0, body]), model.waypoints[0, body].copy()
-            self._at_start[name] = kept
+            rows = model.waypoints[0, body, : model.waypoint_count[0, body]].copy()
+            self._at_start[name] = Given(bool(model.has_goal[body]), body in simulation.parts.loop_returns, rows)
         returns = model.goal_renewal[body] == LOOP and len(goals) == 1
-        rows = np.vstack([goals, [*model.start[0, body, :2], np.nan]]) if returns else goals
-        _put(simulation, body, len(goals) > 0, len(rows), rows)
+        back = model.start[0, body] if model.arrive_mode[body] == STATE else [*model.start[0, body, :2], np.nan]
+        rows = np.vstack([goals, back]) if returns else goals
+        _put(simulation, body, Given(len(goals) > 0, returns, rows))
         state.waypoint[0, body], state.waypoint_end[0, body] = 0, len(goals)
         state.arrived[0, body] = False
         if len(goals):
@@ -61,19 +78,21 @@ class Goals:
 
     def bring_back(self, simulation: Simulation) -> None:
         """Give every body the goals that it has at the start again."""
-        for name, (has_goal, count, rows) in self._at_start.items():
+        for name, given in self._at_start.items():
             if name in simulation.parts.names:
-                _put(simulation, simulation.body(name), has_goal, count, rows)
+                _put(simulation, simulation.body(name), given)
         self._at_start.clear()
 
 
-def _put(simulation: Simulation, body: int, has_goal: bool, count: int, rows: Floats) -> None:
-    model = simulation.model
-    make_room(model, len(rows))
-    model.waypoints[0, body, : len(rows)] = rows
+def _put(simulation: Simulation, body: int, given: Given) -> None:
+    model, parts, count = simulation.model, simulation.parts, len(given.rows)
+    make_room(model, count)
+    model.waypoints[0, body, :count] = given.rows
     model.waypoint_count[0, body] = count
-    model.has_goal[body] = has_goal
-    simulation.parts.goal_bodies = np.flatnonzero(model.has_goal)
+    model.has_goal[body] = given.has_goal
+    others = parts.loop_returns[parts.loop_returns != body]
+    parts.loop_returns = np.append(others, body) if given.returns else others
+    parts.goal_bodies = np.flatnonzero(model.has_goal)
 
 
 def make_room(model: WorldModel, n_goals: int) -> None:

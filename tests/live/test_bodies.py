@@ -190,9 +190,16 @@ def test_set_goal() -> None:
 
 
 def test_a_looping_body_returns_from_a_goal_that_was_set() -> None:
-    here = world(robot={**DIFF, "state": [1, 1, 0], "goal": [9, 1, 0], "behavior": {"name": "dash", "loop": True}})
-    here.robot.set_goal([1.3, 1])
-    for _ in range(5):
+    loop = {**DIFF, "state": [1, 1, 0], "behavior": {"name": "dash", "loop": True}}
+    here = world(robot=[{**loop, "goal": [9, 1, 0]}, {**loop, "state": [1, 3, 0], "goal": [[[2, 3], [3, 3]]]}])
+    back, round_trip = here.robots
+    back.set_goal([1.3, 1])
+    round_trip.set_goal([1.25, 3])
+    here.add(state=[9, 9, 0])
+    for _ in range(4):
         here.step()
-    assert here.robot.goal is not None
-    assert here.robot.goal[:2].tolist() == [1, 1]
+    assert back.goals[0, :2].tolist() == [1, 1]
+    assert round_trip.goals[0, :2].tolist() == [1, 3]
+    here.reset()
+    assert back.goals[:, 0].tolist() == [9]
+    assert round_trip.goals[:, 0].tolist() == [2, 3]
