@@ -60,6 +60,24 @@ DECISIONS = {
         "the documentation says 'linear and angular velocity'",
         "D8",
     ),
+    "omni_variances": Decision(
+        "omni's noise takes the first two of four numbers in alpha",
+        "the first and the last",
+        "the documentation gives four numbers, of which two are 0; one direction would be left without noise",
+        "section 3.1",
+    ),
+    "variance_count": Decision(
+        "alpha may be longer than the drive needs, and a short one crashes when noise is drawn",
+        "it has as many numbers as the drive says, none negative, or an error names it",
+        "a number that nothing reads is a mistake",
+        "section 3.1",
+    ),
+    "python_behaviors": Decision(
+        "register_behavior(kinematics, name) hands out the simulator's own objects; unknown options are ignored",
+        "irsim_gym.behavior(name) hands out read-only views; options and commands are checked",
+        "a behaviour that writes into its neighbours depends on the order of the bodies",
+        "section 8.6",
+    ),
     "unobstructed_is_symmetric": Decision(
         "an unobstructed body is hidden from others, but is itself stopped by them, and behaviours avoid it",
         "it touches nobody, and nobody avoids it",
