@@ -118,11 +118,13 @@ def _term_name(term: Any) -> str:
 
 def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Report) -> Any:
     """Return an observation that needs a range sensor, or what takes its place where there is none."""
-    without = [body.name for body in bodies if not body.sensors]
+    scanners = [[sensor for sensor in body.sensors if sensor.reading == "ranges"] for body in bodies]
+    without = [body.name for body, found in zip(bodies, scanners, strict=True) if not found]
     if not without:
-        beams = {sensor.group_key() for body in bodies for sensor in body.sensors[:1]}
-        if len(beams) > 1:
-            report.add(place, "learners of one task need range sensors with the same beams")
+        if len({(type(found[0]), found[0].group_key()) for found in scanners}) > 1:
+            report.add(
+                place, "learners of one task need range sensors of one kind with the same beams, all noisy or none"
+            )
         return item
     if not item.without_sensor:
         report.add(place, f"'{without[0]}' has no range sensor (without_sensor: names a substitute)")

@@ -81,6 +81,15 @@ def test_absent_bodies_are_not_seen() -> None:
     assert np.flatnonzero(sim.detected(0, chosen)[:, 1]).tolist() == chosen.tolist()
 
 
+def test_the_map_is_not_seen() -> None:
+    cells = np.zeros((10, 10), np.bool_)
+    cells[5, 5] = True
+    robot = {**DIFF, "state": [2, 2, 0], "fov": "2 * pi", "fov_radius": 9}
+    sim = ig.compile(ig.load_scenario({"world": {"obstacle_map": cells}, "robot": robot, "obstacle": disc(4, 2, 0.3)}))
+    sim.reset()
+    assert sim.detected(0).tolist() == [[False, True, False]]
+
+
 def test_a_body_without_a_field_of_view_is_told() -> None:
     sim = ig.compile(ig.load_scenario({"robot": {**DIFF, "state": [2, 2, 0]}}))
     with pytest.raises(UnknownNameError, match="'robot_0' has no field of view"):

@@ -180,7 +180,9 @@ def test_without_a_range_sensor_navigation_observes_bodies() -> None:
 
 def test_learners_need_the_same_beams() -> None:
     other = {**ROBOT, "sensors": [{"name": "lidar2d", "number": 90}]}
-    assert messages(scenario([ROBOT, other], task={"agents": "all"}))[0].endswith("range sensors with the same beams")
+    assert messages(scenario([ROBOT, other], task={"agents": "all"}))[0].endswith(
+        "with the same beams, all noisy or none"
+    )
 
 
 # --- the layout of the parts

@@ -38,7 +38,7 @@ def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Gro
     found = [simulation.scan(int(b)) for b in agents]
     groups = [item[0] for item in found if item is not None]
     if len(groups) < len(found) or any(group is not groups[0] for group in groups):
-        raise ValueError(f"observation '{name}': all learners need range sensors of one kind, with the same beams")
+        raise ValueError(f"observation '{name}': all learners need range sensors of one kind with the same beams")
     return groups[0], np.array([item[1] for item in found if item is not None], np.int64)
 
 
