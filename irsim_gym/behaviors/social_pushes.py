@@ -18,6 +18,7 @@ from irsim_gym.behaviors.surroundings import (
     STANDING,
     Scene,
     centroid_of,
+    is_map_seen,
     is_seen,
     look_of,
     map_walls,
@@ -214,8 +215,7 @@ def push_of_map(scene: Scene, w: int, b: int, options: Any, sides: Floats, neare
 
     Each wall counts once, however fine the cells are, and the two walls of a corridor cancel in its middle.
     """
-    chart = int(scene.map_frame[4])
-    if chart < 0 or not is_seen(scene, w, b, chart, options.target_roles):
+    if not is_map_seen(scene, w, options.target_roles):
         return 0.0, 0.0
     x, y = scene.pose[w, b, 0], scene.pose[w, b, 1]
     r = scene.radius[w % scene.radius.shape[0], b] + MARGIN

@@ -79,6 +79,15 @@ def is_seen(scene: Scene, w: int, b: int, q: int, target_roles: int) -> bool:
 
 
 @kernel
+def is_map_seen(scene: Scene, w: int, target_roles: int) -> bool:
+    """Return whether there is an occupancy map to pay heed to; its body is hidden from all that asks for outlines."""
+    chart = int(scene.map_frame[4])
+    if chart < 0 or not scene.present[w, chart]:
+        return False
+    return bool(target_roles == ALL_ROLES or scene.role[chart] == target_roles - 1)
+
+
+@kernel
 def parts_of(scene: Scene, w: int, q: int) -> tuple[int, int, int, int]:
     """Return a body's first segment, their number, its first disc, their number."""
     n_segments = scene.segment_count[w % scene.segment_count.shape[0], q]
@@ -162,8 +171,7 @@ def look_around(
         if is_seen(scene, w, b, q, target_roles):
             s, n = parts_of(scene, w, q)[:2]
             n_sides = copy_sides(scene.segments[w], s, n, sides, n_sides)
-    chart = int(scene.map_frame[4])
-    if chart >= 0 and is_seen(scene, w, b, chart, target_roles):
+    if is_map_seen(scene, w, target_roles):
         n_sides = map_walls(x, y, sight, scene.map_frame, scene.map_squares, sides, n_sides)
     return n_rounds, n_sides
 

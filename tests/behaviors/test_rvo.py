@@ -140,6 +140,21 @@ def test_a_large_box_is_driven_around() -> None:
     assert not sim.state.collided.any()
 
 
+@pytest.mark.parametrize("drive", ["diff", "omni"])
+def test_a_map_is_driven_around(drive: str) -> None:
+    """A block of 1 x 2 m in the middle of the way; what is meant to see robots alone runs into it."""
+    cells = np.zeros((100, 100), np.bool_)
+    cells[45:55, 40:60] = True
+    for roles, passes in (("all", True), ("robot", False)):
+        driver = robot([1, 5.2, 0], [9, 5.3, 0], drive, target_roles=roles)
+        world = {"width": 10, "height": 10, "obstacle_map": cells}
+        sim = compile(load_scenario({"world": world, "robot": [driver]}), n_worlds=1)
+        sim.reset(seed=0)
+        for _ in range(120):
+            sim.step()
+        assert (sim.state.arrived[0, 0], sim.state.collided[0, 0]) == (passes, not passes)
+
+
 def test_a_wall_across_the_way_is_not_run_into() -> None:
     wall = {"shape": {"name": "linestring", "vertices": [[0, -1], [0, 1]]}, "state": [5, 5, 0]}
     sim = simulation([robot([2, 5.1, 0], [8, 5, 0], "omni")], [wall])

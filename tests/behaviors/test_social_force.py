@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import copy
+from pathlib import Path
+from typing import Any
+
 import numpy as np
+import pytest
 import yaml
+from beside_ir_sim import SAME, count_ties, crowd, silent, theirs
 
 from irsim_gym import compile, load_scenario
 from irsim_gym.engine.simulation import Simulation
+from irsim_gym.errors import IrsimGymError, ScenarioError
 
 GOLDEN = """
 robot: [{kinematics: {name: omni}, shape: {name: circle, radius: 0.2}, state: [1, 5, 0], goal: [9, 5, 0],
@@ -34,3 +41,136 @@ def test_golden_walk_between_a_wall_and_a_disc() -> None:
         sim.step()
         np.testing.assert_allclose(sim.state.pose[0, 0], pose, atol=6e-10)
         np.testing.assert_allclose(sim.state.velocity[0, 0, :2], velocity, atol=6e-10)
+
+
+@pytest.mark.parametrize("drive", ["diff", "omni"])
+def test_decisions_are_those_of_ir_sim(drive: str, tmp_path: Path) -> None:
+    """Ties are pairs at rest, which rounding pushes to a side: one robot in five begins at rest, as do the discs."""
+    random = np.random.default_rng(11)
+    total = ties = 0
+    for roles, safety in (("all", 0.0), ("all", 0.3), ("robot", 0.0), ("obstacle", 0.0)):
+        behavior = {
+            "name": "sfm",
+            "target_roles": roles,
+            "safety_radius": safety,
+            "vmax": 1.2,
+            "lambda_importance": 1.5,
+        }
+        compared, tied = count_ties(crowd(random, behavior, drive), tmp_path)
+        total, ties = total + compared, ties + tied
+    assert total == 24
+    assert ties <= 6
+
+
+PARTIES: dict[str, Any] = {"social_groups": [[0, 2, 5], [1, 3]]}
+
+
+@pytest.mark.parametrize("drive", ["diff", "omni"])
+def test_groups_decide_as_those_of_ir_sim(drive: str, tmp_path: Path) -> None:
+    random = np.random.default_rng(12)
+    total = ties = 0
+    for options in (
+        {},
+        PARTIES,
+        PARTIES | {"target_roles": "robot", "gaze_vision_angle": 20.0, "force_factor_gaze": 1.0},
+        PARTIES | {"group_repulsion_threshold": 2.5, "force_factor_coherence": 0.5},
+    ):
+        scenario = crowd(random, {"name": "sfm"}, drive)
+        for robot in scenario["robot"]:
+            del robot["behavior"]
+            robot.update(group=0, group_behavior={"name": "sfm", **options})
+        compared, tied = count_ties(scenario, tmp_path)
+        total, ties = total + compared, ties + tied
+    assert total == 24
+    assert ties <= 4
+
+
+def test_a_walk_among_walls_is_that_of_ir_sim(tmp_path: Path) -> None:
+    """A free run of 60 steps: four that meet between two walls, none of them ever at rest together."""
+    ways = [([1, 4.8], [9, 5]), ([1.5, 5.3], [9, 5.2]), ([8, 5.1], [1, 4.9]), ([8.6, 4.7], [1, 5])]
+    scenario: dict[str, Any] = {
+        "robot": [
+            {
+                "kinematics": {"name": "omni", "frame": "body"},
+                "shape": {"name": "circle", "radius": 0.2},
+                "state": [*start, 0.3],
+                "goal": [*goal, 0],
+                "velocity": [0.3 * k - 0.5, 0.1],
+                "vel_max": [1.5, 1.5],
+                "vel_min": [-1.5, -1.5],
+                "behavior": {"name": "sfm", "force_factor_obstacle": 3.0},
+            }
+            for k, (start, goal) in enumerate(ways)
+        ],
+        "obstacle": [
+            {"shape": {"name": "linestring", "vertices": [[0, y], [5, y + 0.3], [10, y]]}, "state": [0, 0, 0]}
+            for y in (3, 7)
+        ],
+    }
+    env = theirs(scenario, tmp_path)
+    sim = compile(load_scenario(copy.deepcopy(scenario)), n_worlds=1)
+    sim.reset(seed=0)
+    for _ in range(60):
+        with silent():
+            env.step()
+        sim.step()
+        np.testing.assert_allclose(sim.state.pose[0, :4], [one.state[:3, 0] for one in env.robot_list], atol=SAME)
+
+
+STANDER = """
+robot: [{kinematics: {name: omni}, shape: {name: circle, radius: 0.2}, state: [5, 5, 0], goal: [5, 5, 0],
+         behavior: {name: sfm}}]
+"""
+
+
+@pytest.mark.parametrize(
+    "wall",
+    [
+        "obstacle: [{shape: {name: rectangle, length: 6, width: 1}, state: [5.5, 3.4, 0]}]",
+        "obstacle: [{shape: {name: linestring, vertices: [[1, 3.9], [9, 3.9]]}, state: [0, 0, 0]}]",
+    ],
+)
+def test_walls_push_by_their_nearest_point(wall: str) -> None:
+    """1.1 m away, with a radius of 0.3 m: 0.1 s * 10 m/s2 * exp(-0.8 / 0.8), straight up; a box pushes once."""
+    sim = simulation(STANDER + wall)
+    sim.step()
+    assert sim.state.command[0, 0, :2] == pytest.approx([0, np.exp(-1)])
+
+
+def test_a_map_pushes_once_for_each_direction() -> None:
+    """A floor below and a wall to the right, both 1 m from the centre, whatever the number of cells; hidden by role."""
+    cells = np.zeros((50, 50), np.bool_)
+    cells[:, :20] = cells[30:, :] = True
+    floor = {"width": 10, "height": 10, "obstacle_map": cells}
+    for roles, push in (("all", np.exp(-0.7 / 0.8)), ("robot", 0.0)):
+        robot = yaml.safe_load(STANDER)["robot"][0]
+        robot["behavior"]["target_roles"] = roles
+        sim = compile(load_scenario({"world": floor, "robot": [robot]}), n_worlds=1)
+        sim.reset(seed=0)
+        sim.step()
+        assert sim.state.command[0, 0, :2] == pytest.approx([-push, push])
+
+
+def test_a_member_without_goal_gives_way() -> None:
+    text = """
+robot: {number: 2, distribution: {name: manual}, kinematics: {name: omni}, state: [[5, 5, 0], [5.5, 5, 0]],
+        velocity: [[0, 0], [-1, 0.2]], group_behavior: {name: sfm}}
+"""
+    sim = simulation(text)
+    sim.step()
+    assert sim.state.command[0, 0, 0] < -0.01
+
+
+@pytest.mark.parametrize(
+    ("parties", "message"),
+    [
+        ([[0, 1], [1, 2]], "member 1 is listed twice"),
+        ([[0, -1]], "members are counted from 0, got -1"),
+        ([[0, 3]], "names member 3, but the group has 2 members"),
+    ],
+)
+def test_parties_are_checked(parties: list[list[int]], message: str) -> None:
+    robots = {"number": 2, "kinematics": {"name": "omni"}, "state": [[1, 1, 0], [2, 2, 0]]}
+    robots["group_behavior"] = {"name": "sfm", "social_groups": parties}
+    with pytest.raises((ScenarioError, IrsimGymError), match=message):
+        compile(load_scenario({"robot": robots}))
