@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from irsim_gym.render import Renderer
 
 FILMS = (".mp4", ".gif")
-FIGURES = (".png", ".pdf", ".svg")
+FIGURES = (".png", ".pdf", ".svg", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tiff", ".webp")
 
 
 class Camera:

@@ -328,7 +328,7 @@ class World(Crowd):
         """Write a picture to a file and return its path.
 
         Args:
-            path: ``.png``, ``.pdf`` or ``.svg``; without a suffix the file's ``plot.saved_figure.format`` is used, and
+            path: ``.png``, ``.pdf``, ``.svg`` and so on; without a suffix the file's ``plot.saved_figure.format`` is used, and
                 without a path the world's name.
 
         Raises:

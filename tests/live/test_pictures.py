@@ -34,6 +34,7 @@ def test_figures(tmp_path: Path) -> None:
     saved = here.save_figure(tmp_path / "new" / "one.png")
     assert iio.imread(saved).shape[:2] == (400, 480)  # twice the frame's pixels: 200 dots per inch
     assert here.save_figure(tmp_path / "two.pdf").read_bytes().startswith(b"%PDF")
+    assert here.save_figure(tmp_path / "two.jpg").read_bytes().startswith(b"\xff\xd8")
     vector = here.save_figure(tmp_path / "three")
     assert vector == tmp_path / "three.svg"
     robot = "#009e73"
