@@ -192,9 +192,10 @@ def map_style(style: BodyStyle | None) -> tuple[str, float]:
 
 
 def scan_style(sensor: Any) -> ScanStyle:
-    """Return how a sensor's scan (its options) is drawn."""
-    colour = str(chosen(sensor, "color", theme.BEAM))
-    alpha = float(getattr(sensor, "alpha", 0.3))
+    """Return how a sensor's scan (its options) is drawn; what stands under ``plot`` wins."""
+    plot = getattr(sensor, "plot", None)
+    colour = str(chosen(plot, "color", chosen(sensor, "color", theme.BEAM)))
+    alpha = float(chosen(plot, "alpha", getattr(sensor, "alpha", 0.3)))
     return ScanStyle(colour=colour, alpha=alpha if math.isfinite(alpha) else 0.3)
 
 

@@ -9,6 +9,8 @@ from hand_made import Body, World, box, disc, make_world, wall
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import Renderer
 from irsim_gym.render.layout import lay_out
+from irsim_gym.render.styles import scan_style
+from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
 from irsim_gym.world.model import ACKERMANN
 from irsim_gym.world.outline import Outline
@@ -251,3 +253,11 @@ def test_parts_of_one_body_have_no_edges_within() -> None:
     for x, y in ((6.0, 5.0), (7.0, 5.0), (7.0, 5.2)):
         assert colour_at(renderer, frame, x, y) == OBSTACLE, "where an edge of one part lies in the other"
     assert colour_at(renderer, frame, 4.0, 5.5) not in (OBSTACLE, CARD), "the edge around both"
+
+
+@pytest.mark.parametrize("kind", ["lidar2d", "fmcw_lidar2d"])
+def test_a_sensors_plot_wins_over_its_own_keys(kind: str) -> None:
+    options = [{"color": "red", "alpha": 0.5}, {"color": "red", "plot": {"color": "blue", "alpha": 0.7}}]
+    robot = {"kinematics": {"name": "diff"}, "sensors": [{"name": kind, **one} for one in options]}
+    styles = [scan_style(sensor) for sensor in load_scenario({"robot": robot}).bodies[0].sensors]
+    assert [(style.colour, style.alpha) for style in styles] == [("red", 0.5), ("blue", 0.7)]
