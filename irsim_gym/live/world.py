@@ -328,8 +328,8 @@ class World(Crowd):
         """Write a picture to a file and return its path.
 
         Args:
-            path: ``.png``, ``.pdf``, ``.svg`` and so on; without a suffix the file's ``plot.saved_figure.format`` is used, and
-                without a path the world's name.
+            path: ``.png``, ``.pdf``, ``.svg`` and so on; without a suffix the scenario's
+                ``plot.saved_figure.format`` is used, and without a path the world's name.
 
         Raises:
             ValueError: Another suffix.
