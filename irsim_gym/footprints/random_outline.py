@@ -10,21 +10,58 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints, Words
 from irsim_gym.jit import kernel
 from irsim_gym.rng import integer, normal, uniform
-from irsim_gym.scenario.options import option, unordered_ranges
+from irsim_gym.scenario.options import kind, option, unordered_ranges
+from irsim_gym.world.outline import chain
 
 STEP_TRIES = 32
 LEAST_DISTANCE = 0.01
 
-CENTER_RANGE = option((0.0, 0.0, 0.0, 0.0), unit="m", meaning="Bounds of a random outline's centre: x, y, x, y.")
-RADIUS_RANGE = option((0.1, 1.0), unit="m", meaning="Bounds of the mean distance of vertices from the centre.")
-IRREGULARITY_RANGE = option((0.0, 1.0), meaning="Bounds of the irregularity of the angles between vertices, 0 to 1.")
-SPIKEYNESS_RANGE = option((0.0, 1.0), meaning="Bounds of the relative deviation of the vertices' distances, 0 to 1.")
-NUMBER = option(1, meaning="Outlines in one body: always 1; the entry's own number makes several bodies.")
-NUM_VERTICES_RANGE = option((4, 10), meaning="Bounds of the number of vertices, the upper one excluded.")
 MOST_VERTICES = 1000
 
 
-def outline_problems(options: Any) -> Iterator[tuple[str, str]]:
+@kind
+class VertexShape:
+    """What polygons and linestrings have in common: vertices that are given, or drawn as IR-SIM draws them."""
+
+    vertices: tuple[tuple[float, float], ...] | None = option(
+        None, min_length=2, unit="m", meaning="Points in the body frame; needed unless random_shape is true."
+    )
+    random_shape: bool = option(False, meaning="Draw the outline at each reset.")
+    is_convex: bool = option(False, meaning="The vertices of a random outline are those of a convex polygon.")
+    wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; does not move the outline.")
+    number: int = option(1, meaning="Outlines in one body: always 1; the entry's own number makes several bodies.")
+    center_range: tuple[float, float, float, float] = option(
+        (0.0, 0.0, 0.0, 0.0), unit="m", meaning="Bounds of a random outline's centre: x, y, x, y."
+    )
+    avg_radius_range: tuple[float, float] = option(
+        (0.1, 1.0), unit="m", meaning="Bounds of the mean distance of vertices from the centre."
+    )
+    irregularity_range: tuple[float, float] = option(
+        (0.0, 1.0), meaning="Bounds of the irregularity of the angles between vertices, 0 to 1."
+    )
+    spikeyness_range: tuple[float, float] = option(
+        (0.0, 1.0), meaning="Bounds of the relative deviation of the vertices' distances, 0 to 1."
+    )
+    num_vertices_range: tuple[int, int] = option(
+        (4, 10), meaning="Bounds of the number of vertices, the upper one excluded."
+    )
+
+    @property
+    def is_random(self) -> bool:
+        """True if the outline differs between levels."""
+        return self.random_shape
+
+    def given(self) -> Floats | None:
+        """Return the given vertices [m], shape ``(n, 2)``; None for a random outline."""
+        return None if self.random_shape or self.vertices is None else np.array(self.vertices, np.float64)
+
+    def largest(self) -> Floats:
+        """Return the sides of a regular polygon with the most vertices that a random outline can have."""
+        angles = 2.0 * np.pi * np.arange(self.num_vertices_range[1] - 1) / (self.num_vertices_range[1] - 1)
+        return chain(self.avg_radius_range[1] * np.stack([np.cos(angles), np.sin(angles)], axis=1), closed=True)
+
+
+def outline_problems(options: VertexShape) -> Iterator[tuple[str, str]]:
     """Yield key and message of what cannot be in the options of a polygon or linestring."""
     if options.vertices is None and not options.random_shape:
         yield "vertices", "is required unless random_shape is true"

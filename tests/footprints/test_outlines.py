@@ -105,6 +105,23 @@ def test_random_linestrings_leave_their_last_side_out() -> None:
         assert not np.array_equal(rows[-1, 2:], rows[0, :2])
 
 
+@pytest.mark.parametrize("name", ["polygon", "linestring"])
+def test_random_outlines_are_about_their_centres(name: str) -> None:
+    ranges = {"center_range": [2, -1, 4, 1], "avg_radius_range": [0.1, 0.1], "irregularity_range": [0, 0], "number": 1}
+    sim = drawn({"name": name, "spikeyness_range": [0, 0], **ranges})
+    middles = np.array([rows[:, :2].sum(axis=0) + (rows[-1, 2:] if name == "linestring" else 0) for rows in rings(sim)])
+    counts = np.array([len(rows) + (name == "linestring") for rows in rings(sim)])
+    middles /= counts[:, None]
+    assert np.all((middles >= [2, -1]) & (middles <= [4, 1]))
+    assert np.all(middles.max(axis=0) - middles.min(axis=0) > 1.8)
+
+
+def test_vertices_of_a_convex_linestring_are_those_of_a_convex_polygon() -> None:
+    for rows in rings(drawn({"name": "linestring", "is_convex": True})):
+        points = np.vstack([rows[:, :2], rows[-1:, 2:]])
+        assert shapely.Polygon(points).area == pytest.approx(shapely.MultiPoint(points).convex_hull.area)
+
+
 def test_shapes_are_redrawn_at_each_reset() -> None:
     sim = drawn({"name": "circle"})
     before = sim.state.discs[:, 0, 2].copy()

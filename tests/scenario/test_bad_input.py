@@ -176,7 +176,7 @@ ENTRIES = {
     ),
     "two vertices": (
         "obstacle: {shape: {name: polygon, vertices: [[0, 0], [1, 1]]}}",
-        "1 obstacle.shape.vertices: must have at least 3 values, got 2",
+        "1 obstacle.shape.vertices: a polygon needs three different corners",
     ),
     "same vertices": (
         "obstacle: {shape: {name: polygon, vertices: [[0, 0], [1, 1], [0, 0]]}}",
