@@ -112,11 +112,20 @@ def training_share(steps: int = 1_000_000) -> Figures:
     return measure("cluttered_room", steps)
 
 
+def crowd(behavior: dict[str, Any]) -> Figures:
+    """Microseconds per agent and step of crowds that avoid each other, without sensors; beside IR-SIM if installed."""
+    from crowds import cost
+
+    return cost(behavior)
+
+
 CASES: dict[str, Callable[[], Figures]] = {
     "startup": startup,
     "simulator/cluttered_room": simulator,
     "simulator/dense_room": lambda: simulator("dense_room"),
     "environment/cluttered_room": environment,
     "frames/cluttered_room": frames,
+    "crowd_orca": lambda: crowd({"group_behavior": {"name": "orca"}}),
+    "crowd_rvo": lambda: crowd({"behavior": {"name": "rvo"}}),
     "training_share/cluttered_room": training_share,
 }

@@ -46,7 +46,7 @@ def find_nearest(
     """
     most = nearest.shape[0]
     x, y = pose[b, 0], pose[b, 1]
-    within = min(reach, frame[2] * np.sqrt(most + 1.0)) if frame[3] > 0.0 else reach
+    within = min(reach, frame[2] * np.sqrt(0.5 * (most + 1.0))) if frame[3] > 0.0 else reach
     while True:
         count = 0
         for i in range(find_nearby(x, y, within, frame, first, following, found)):
