@@ -46,7 +46,7 @@ def crowd(behavior: dict[str, Any], n_agents: int) -> dict[str, Any]:
 
 
 def cost(behavior: dict[str, Any]) -> dict[str, float]:
-    """Microseconds of CPU per agent and step, least of all rounds; IR-SIM's in turns with ours, and the ratio of medians."""
+    """Microseconds of CPU per agent and step, least of all rounds; beside IR-SIM the ratio of medians."""
     figures = {}
     for n_agents in SIZES:
         scenario = crowd(behavior, n_agents)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.geometry.buckets import find_nearby
+from irsim_gym.geometry.buckets import find_nearby, gather_nearby
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
 
@@ -49,7 +49,7 @@ def find_nearest(
     within = min(reach, frame[2] * np.sqrt(0.5 * (most + 1.0))) if frame[3] > 0.0 else reach
     while True:
         count = 0
-        for i in range(find_nearby(x, y, within, frame, first, following, found)):
+        for i in range(gather_nearby(x, y, within, frame, first, following, found)):
             q = found[i]
             if q == b or not seen[q] or not present[q]:
                 continue
@@ -64,13 +64,13 @@ def find_nearest(
 
 @kernel
 def put_in_order(item: int, key: float, items: Ints, keys: Floats, count: int, most: int) -> int:
-    """Insert an item into a list sorted by key, of at most so many items; return its new length."""
+    """Insert an item into a list sorted by key, then number, of at most so many items; return its new length."""
     if count < most:
         count += 1
-    elif most == 0 or key >= keys[count - 1]:
+    elif most == 0 or key > keys[count - 1] or (key == keys[count - 1] and item > items[count - 1]):
         return count
     k = count - 1
-    while k > 0 and keys[k - 1] > key:
+    while k > 0 and (keys[k - 1] > key or (keys[k - 1] == key and items[k - 1] > item)):
         items[k], keys[k] = items[k - 1], keys[k - 1]
         k -= 1
     items[k], keys[k] = item, key

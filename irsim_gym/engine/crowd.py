@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.geometry.buckets import find_nearby
+from irsim_gym.geometry.buckets import gather_nearby
 from irsim_gym.geometry.overlap import outlines_overlap
 from irsim_gym.jit import kernel
 
@@ -48,7 +48,7 @@ def find_near_contacts(
             if unobstructed[b] or not present[w, b]:
                 continue
             x, y, within = pose[w, b, 0], pose[w, b, 1], (reaches[b] + frame[2]) * ROUNDING
-            for j in range(find_nearby(x, y, within, frame, bucket_first[w], bucket_next[w], found)):
+            for j in range(gather_nearby(x, y, within, frame, bucket_first[w], bucket_next[w], found)):
                 q = found[j]
                 if q == b or unobstructed[q] or not present[w, q]:
                     continue
