@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from beside_ir_sim import silent, theirs
 
 import irsim_gym as ig
 
@@ -168,3 +170,22 @@ def test_batch_threads_and_single_are_the_same() -> None:
             one.step()
             np.testing.assert_array_equal(batch.state.pose[w], one.state.pose[0])
     assert np.abs(batch.state.pose[0] - batch.state.pose[1]).max() > 0.1
+
+
+@pytest.mark.parametrize("drive", [{"name": "omni", "frame": "body"}, {"name": "diff"}])
+def test_a_free_run_is_ir_sims(drive: dict[str, Any], tmp_path: Path) -> None:
+    # ir-sim's velocities are float32, and differences grow where many meet.
+    states = [[1, 2, 0.1], [1, 5, 0.2], [1.2, 8, 0.3], [9, 1.5, 2.9], [8.8, 5.2, 3.0], [9, 8.1, -3.0]]
+    goals = [[9, 8.5, 0], [9, 5.5, 0], [9, 1, 0], [1, 9, 0], [0.5, 4.7, 0], [1, 1.2, 0]]
+    group = {"name": "orca", "timeHorizon": 4.0, "sidestep": False}
+    robots = {**crowd("diff", states, goals, vel_max=[1.2, 0.9]), "kinematics": drive, "group_behavior": group}
+    sim, env = simulation(robots), theirs({"robot": [robots]}, tmp_path)
+    gaps = []
+    for _ in range(100):
+        sim.step()
+        with silent():
+            env.step()
+        gaps.append(max(np.abs(sim.state.pose[0, b] - one.state[:3, 0]).max() for b, one in enumerate(env.robot_list)))
+    assert max(gaps[:20]) < 1e-5
+    assert max(gaps) < 1e-2
+    assert np.hypot(*(sim.state.pose[0, :, :2] - np.array(states)[:, :2]).T).min() > 3.0
