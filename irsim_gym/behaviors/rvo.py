@@ -10,7 +10,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.behaviors.steering import to_command, wanted_velocity
-from irsim_gym.behaviors.surroundings import MARGIN, Scene, look_around, most_map_walls, scene_of, wall_bodies
+from irsim_gym.behaviors.surroundings import MARGIN, Scene, look_around, most_map_walls, row_of, scene_of, wall_bodies
 from irsim_gym.behaviors.velocity_obstacles import (
     PITCH,
     disc_cones,
@@ -150,7 +150,7 @@ def decide_rvo(
                 pose[0],
                 pose[1],
                 scene.twist[w, b],
-                scene.radius[w % scene.radius.shape[0], b] + MARGIN,
+                scene.radius[row_of(scene.radius, w), b] + MARGIN,
                 wanted_x,
                 wanted_y,
                 options,

@@ -15,7 +15,7 @@ from irsim_gym.behaviors import social_force
 from irsim_gym.behaviors.social_force import reserve
 from irsim_gym.behaviors.social_pushes import follow, planned_velocity
 from irsim_gym.behaviors.steering import wanted_velocity
-from irsim_gym.behaviors.surroundings import MARGIN, Scene, scene_of
+from irsim_gym.behaviors.surroundings import MARGIN, Scene, row_of, scene_of
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
@@ -189,7 +189,7 @@ def force_of_party(scene: Scene, w: int, k: int, members: Ints, party: Ints, opt
     if party[k] < 0:
         return 0.0, 0.0
     b = members[k]
-    x, y, r = scene.pose[w, b, 0], scene.pose[w, b, 1], scene.radius[w % scene.radius.shape[0], b] + MARGIN
+    x, y, r = scene.pose[w, b, 0], scene.pose[w, b, 1], scene.radius[row_of(scene.radius, w), b] + MARGIN
     count, sum_x, sum_y, push_x, push_y = 0, 0.0, 0.0, 0.0, 0.0
     for other in range(members.shape[0]):
         q = members[other]
@@ -200,7 +200,7 @@ def force_of_party(scene: Scene, w: int, k: int, members: Ints, party: Ints, opt
         dx, dy = x - scene.pose[w, q, 0], y - scene.pose[w, q, 1]
         near = options.group_repulsion_threshold
         if np.isnan(near):
-            near = r + (scene.radius[w % scene.radius.shape[0], q] + MARGIN)
+            near = r + (scene.radius[row_of(scene.radius, w), q] + MARGIN)
         if q != b and np.hypot(dx, dy) < near:
             push_x, push_y = push_x + dx, push_y + dy
     if count < 2:

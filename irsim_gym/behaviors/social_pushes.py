@@ -13,17 +13,20 @@ import numpy as np
 from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.behaviors.steering import to_command
 from irsim_gym.behaviors.surroundings import (
+    ALL_ROLES,
     CHAIN,
     MARGIN,
     STANDING,
     Scene,
     centroid_of,
+    is_far,
     is_map_seen,
     is_seen,
     look_of,
     map_walls,
     outline_distance_to,
     parts_of,
+    row_of,
 )
 from irsim_gym.geometry.buckets import find_nearby
 from irsim_gym.geometry.segments import side
@@ -124,13 +127,15 @@ def push_of_bodies(
     the nearest point of its outline.
     """
     x, y, sight = scene.pose[w, b, 0], scene.pose[w, b, 1], options.neighbor_threshold
-    r = scene.radius[w % scene.radius.shape[0], b] + MARGIN
+    r = scene.radius[row_of(scene.radius, w), b] + MARGIN
     reach, frame = FADED * options.sigma_obstacle + r, scene.bucket_frame
     far = max(sight, reach) + frame[2]
     others_x, others_y, walls_x, walls_y = 0.0, 0.0, 0.0, 0.0
     for k in range(find_nearby(x, y, far, frame, scene.bucket_first[w], scene.bucket_next[w], nearby)):
         q = nearby[k]
-        if not is_seen(scene, w, b, q, 0 if among[q] else options.target_roles):
+        if is_far(scene, w, q, x, y, max(sight, reach)):
+            continue
+        if not is_seen(scene, w, b, q, ALL_ROLES if among[q] else options.target_roles):
             continue
         px, py = scene.pose[w, q, 0], scene.pose[w, q, 1]
         if not among[q]:
@@ -138,7 +143,7 @@ def push_of_bodies(
             if look <= CHAIN:
                 continue
             if look == STANDING:
-                distance = outline_distance_to(scene, w, q, x, y, reach)
+                distance = outline_distance_to(scene, w, q, x, y)
                 if distance <= reach:
                     cx, cy = nearest_point(scene, w, q, x, y)
                     fx, fy = push_of_wall(x - cx, y - cy, r, options.sigma_obstacle)
@@ -194,7 +199,7 @@ def push_of_wall(dx: float, dy: float, r: float, sigma: float) -> tuple[float, f
 def push_of_lines(scene: Scene, w: int, b: int, options: Any, among: Flags, lines: Ints) -> tuple[float, float]:
     """Return the push of all segments of linestrings: each pushes by itself."""
     x, y = scene.pose[w, b, 0], scene.pose[w, b, 1]
-    r = scene.radius[w % scene.radius.shape[0], b] + MARGIN
+    r = scene.radius[row_of(scene.radius, w), b] + MARGIN
     reach = FADED * options.sigma_obstacle + r
     sum_x, sum_y = 0.0, 0.0
     for k in range(lines.shape[0]):
@@ -218,7 +223,7 @@ def push_of_map(scene: Scene, w: int, b: int, options: Any, sides: Floats, neare
     if not is_map_seen(scene, w, options.target_roles):
         return 0.0, 0.0
     x, y = scene.pose[w, b, 0], scene.pose[w, b, 1]
-    r = scene.radius[w % scene.radius.shape[0], b] + MARGIN
+    r = scene.radius[row_of(scene.radius, w), b] + MARGIN
     reach = FADED * options.sigma_obstacle + r
     n_sides = map_walls(x, y, reach, scene.map_frame, scene.map_squares, sides, 0)
     for way in range(4):

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from operator import attrgetter
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
 from irsim_gym.geometry.buckets import find_nearby
@@ -16,6 +18,9 @@ from irsim_gym.world.state import WorldState
 MARGIN = 0.1
 """Added to the radius of every disc [m], as in IR-SIM."""
 
+SLACK = 1.0 + 1e-12
+"""What is farther away than a limit times this is certainly beyond it, whatever the rounding."""
+
 NOTHING, CHAIN, STANDING, ROUND = 0, 1, 2, 3
 """How a body looks: not at all, as segments without area, as its outline, as the disc around its centroid."""
 
@@ -24,7 +29,7 @@ ALL_ROLES = 0
 
 
 class Scene(NamedTuple):
-    """The arrays of all worlds that anyone reads who looks around; see ``WorldModel`` and ``WorldState``."""
+    """The arrays of all worlds that anyone reads who looks around: those of ``WorldModel``, then ``WorldState``'s."""
 
     role: Ints
     unobstructed: Flags
@@ -49,9 +54,13 @@ class Scene(NamedTuple):
     twist: Floats
 
 
+_OF_MODEL = attrgetter(*(name for name in Scene._fields if name in WorldModel.__dataclass_fields__))
+_OF_STATE = attrgetter(*(name for name in Scene._fields if name in WorldState.__dataclass_fields__))
+
+
 def scene_of(model: WorldModel, state: WorldState) -> Scene:
     """Return what anyone reads who looks around."""
-    return Scene(*(getattr(model if hasattr(model, name) else state, name) for name in Scene._fields))
+    return Scene(*_OF_MODEL(model), *_OF_STATE(state))
 
 
 def wall_bodies(model: WorldModel) -> Ints:
@@ -68,6 +77,20 @@ def most_map_walls(model: WorldModel, threshold: float) -> int:
         for count, side in zip(model.map_squares.shape[1:], model.map_frame[2:4], strict=True)
     ]
     return int(2.0 * (cells[0] + 1.0) * (cells[1] + 1.0)) + 1
+
+
+@kernel
+def row_of(values: NDArray[Any], w: int) -> int:
+    """Return the row of world w in an array that all worlds may share; a division would take as long as the rest."""
+    return w if w < values.shape[0] else 0
+
+
+@kernel
+def is_far(scene: Scene, w: int, q: int, x: float, y: float, sight: float) -> bool:
+    """Return whether no point of a body can be nearer than ``sight`` [m]."""
+    dx, dy = scene.pose[w, q, 0] - x, scene.pose[w, q, 1] - y
+    far = sight + scene.reach[row_of(scene.reach, w), q]
+    return bool(dx * dx + dy * dy > far * far * SLACK)
 
 
 @kernel
@@ -90,16 +113,16 @@ def is_map_seen(scene: Scene, w: int, target_roles: int) -> bool:
 @kernel
 def parts_of(scene: Scene, w: int, q: int) -> tuple[int, int, int, int]:
     """Return a body's first segment, their number, its first disc, their number."""
-    n_segments = scene.segment_count[w % scene.segment_count.shape[0], q]
-    n_discs = scene.disc_count[w % scene.disc_count.shape[0], q]
+    n_segments = scene.segment_count[row_of(scene.segment_count, w), q]
+    n_discs = scene.disc_count[row_of(scene.disc_count, w), q]
     return scene.segment_start[q], n_segments, scene.disc_start[q], n_discs
 
 
 @kernel
 def look_of(scene: Scene, w: int, q: int) -> int:
     """Return how a body looks: one that never moves and is more than a disc shows its outline."""
-    n_segments = scene.segment_count[w % scene.segment_count.shape[0], q]
-    n_discs = scene.disc_count[w % scene.disc_count.shape[0], q]
+    n_segments = scene.segment_count[row_of(scene.segment_count, w), q]
+    n_discs = scene.disc_count[row_of(scene.disc_count, w), q]
     if n_segments + n_discs == 0:
         return NOTHING
     if n_segments > 0 and not scene.solid[q]:
@@ -111,7 +134,7 @@ def look_of(scene: Scene, w: int, q: int) -> int:
 def centroid_of(scene: Scene, w: int, q: int) -> tuple[float, float]:
     """Return the centre of a body's area in the world frame [m]."""
     pose = scene.pose[w, q]
-    x, y = scene.centroid[w % scene.centroid.shape[0], q]
+    x, y = scene.centroid[row_of(scene.centroid, w), q]
     if x == 0.0 and y == 0.0:
         return pose[0], pose[1]
     cosine, sine = np.cos(pose[2]), np.sin(pose[2])
@@ -151,11 +174,13 @@ def look_around(
     n_rounds, n_sides = 0, 0
     for k in range(n_nearby):
         q = nearby[k]
+        if is_far(scene, w, q, x, y, sight) or not is_seen(scene, w, b, q, target_roles):
+            continue
         look = look_of(scene, w, q)
-        if look <= CHAIN or not is_seen(scene, w, b, q, target_roles):
+        if look <= CHAIN:
             continue
         if look == STANDING:
-            if outline_distance_to(scene, w, q, x, y, sight) < sight:
+            if outline_distance_to(scene, w, q, x, y) < sight:
                 s, n, d, m = parts_of(scene, w, q)
                 n_sides = copy_sides(scene.segments[w], s, n, sides, n_sides)
                 n_rounds = copy_discs(scene.discs[w], d, m, rounds, n_rounds)
@@ -164,7 +189,7 @@ def look_around(
         if (x - cx) * (x - cx) + (y - cy) * (y - cy) < sight * sight:
             rounds[n_rounds, 0], rounds[n_rounds, 1] = cx, cy
             rounds[n_rounds, 2], rounds[n_rounds, 3] = scene.twist[w, q, 0], scene.twist[w, q, 1]
-            rounds[n_rounds, 4] = scene.radius[w % scene.radius.shape[0], q] + MARGIN
+            rounds[n_rounds, 4] = scene.radius[row_of(scene.radius, w), q] + MARGIN
             n_rounds += 1
     for k in range(lines.shape[0]):
         q = lines[k]
@@ -177,12 +202,8 @@ def look_around(
 
 
 @kernel
-def outline_distance_to(scene: Scene, w: int, q: int, x: float, y: float, limit: float) -> float:
-    """Return the distance of a point from a body [m], 0 inside; inf where that is certainly not below the limit."""
-    dx, dy = scene.pose[w, q, 0] - x, scene.pose[w, q, 1] - y
-    far = limit + scene.reach[w % scene.reach.shape[0], q]
-    if dx * dx + dy * dy >= far * far:
-        return np.inf
+def outline_distance_to(scene: Scene, w: int, q: int, x: float, y: float) -> float:
+    """Return the distance of a point from a body [m], 0 inside."""
     s, n, d, m = parts_of(scene, w, q)
     return float(point_outline_distance(x, y, scene.segments[w], s, n, scene.discs[w], d, m, scene.solid[q]))
 

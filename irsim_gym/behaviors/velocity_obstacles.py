@@ -190,10 +190,6 @@ def nearest_free(
             dy = samples[1, j] - wanted_y
             if dx * dx + dy * dy > limit:
                 break
-            distance = np.hypot(dx, dy)
-            place = i * n_y + j
-            if distance > best_distance or (distance == best_distance and place > best):
-                continue
             blocked = False
             if n_cones > 0:
                 blocked = in_cone(cones[last], samples[0, i], samples[1, j])
@@ -203,7 +199,11 @@ def nearest_free(
                 if blocked:
                     last = k
                 k += 1
-            if not blocked:
+            if blocked:
+                continue
+            distance = np.hypot(dx, dy)
+            place = i * n_y + j
+            if distance < best_distance or (distance == best_distance and place < best):
                 best, best_distance = place, distance
                 limit = distance * distance * SLACK
     return best
