@@ -158,7 +158,7 @@ def test_a_world_draws_the_same_alone_in_a_batch_and_sharded() -> None:
 SCRIPT = """
 import sys, numpy as np
 sys.path.insert(0, sys.argv[2])
-from test_noise import NOISY, readings, simulation
+from test_sensor_noise import NOISY, readings, simulation
 sim = simulation(2, *NOISY, steps=3)
 np.savez(sys.argv[1], *readings(sim, 1))
 """
