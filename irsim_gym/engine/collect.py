@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.engine.fog import lay_fog
 from irsim_gym.engine.measures import measure
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.turns import take_turns
@@ -49,6 +50,7 @@ def collect_parts(
     sensors = [(b, sensor) for b, body in bodies for sensor in body.sensors]
     placed = [scenario.placements[body.entry].kind.gives_goal for _, body in bodies]
     single = np.array([gives or len(body.goal) <= 1 for gives, (_, body) in zip(placed, bodies, strict=True)], np.bool_)
+    scanners = _sensors(sensors, outlines, model, n_slots)
     return Parts(
         kinematics=kinematics,
         behaviors=behaviors,
@@ -57,7 +59,7 @@ def collect_parts(
         external=external,
         footprints=group_members([(b, body.shape) for b, body in bodies if body.shape.is_random]),
         placements=_placements(scenario, model, n_slots),
-        sensors=_sensors(sensors, outlines, model, n_slots),
+        sensors=scanners,
         movers=everyone if external else movers,
         fixed=everyone[:0] if external else np.flatnonzero(~model.movable),
         goal_bodies=np.flatnonzero(model.has_goal),
@@ -66,6 +68,7 @@ def collect_parts(
         number_ranges=_number_ranges(scenario),
         loop_returns=np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal),
         ways=guard_ways(scenario, model, agents, n_slots),
+        fog=lay_fog(scenario, scanners, model),
         names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),
     )

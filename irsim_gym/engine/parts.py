@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.engine.fog import Fog
 from irsim_gym.engine.turns import Turn
 from irsim_gym.engine.ways import Ways
 from irsim_gym.world.group import Group
@@ -31,6 +32,7 @@ class Parts:
         number_ranges: First body, fewest, most: entries with ``number_range``, shape ``(n, 3)``.
         loop_returns: Bodies that loop between one goal and their start.
         ways: Agents whose way to the goal is checked when a level is drawn.
+        fog: What the robots have explored; None unless the file asks for it.
         names: The bodies' names.
         places: Name, file and line of each body, for messages.
     """
@@ -51,5 +53,6 @@ class Parts:
     number_ranges: Ints
     loop_returns: Ints
     ways: Ways
+    fog: Fog | None
     names: tuple[str, ...]
     places: tuple[str, ...]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Words
-from irsim_gym.engine import arrival, buckets, contact, measures, outlines, ways
+from irsim_gym.engine import arrival, buckets, contact, fog, measures, outlines, ways
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
@@ -58,6 +58,8 @@ def begin_again(parts: Parts, model: WorldModel, state: WorldState, shard: Shard
 
 def start(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Begin the episode where the bodies stand: clocks, flags, goals and first readings."""
+    if parts.fog is not None:
+        fog.cover(parts.fog, shard)
     buckets.empty(model, state, shard)
     buckets.refresh(parts.everyone, model, state, shard)
     begin_moment(parts, model, state, shard)

@@ -47,6 +47,11 @@ class Simulation:
         return len(self.state.time)
 
     @property
+    def explored(self) -> Flags | None:
+        """What the robots have seen, shape ``(n_worlds, columns, rows)``; None unless the file asks (``fog_map``)."""
+        return None if self.parts.fog is None else self.parts.fog.explored
+
+    @property
     def sensors(self) -> list[Group]:
         """Sensor groups with their readings."""
         return self.parts.sensors

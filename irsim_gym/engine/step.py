@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.engine import arrival, buckets, contact, limits, outlines
+from irsim_gym.engine import arrival, buckets, contact, fog, limits, outlines
 from irsim_gym.engine.parts import Parts
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Group, Shard
@@ -59,6 +59,8 @@ def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, or
     contact.find(parts.movers, model, state, shard)
     arrival.check(parts.goal_bodies, model, state, shard)
     sense(parts, model, state, shard)
+    if parts.fog is not None:
+        fog.reveal(parts.fog, model, state, shard)
     tick(shard.worlds, model.step_time, state.step, state.time)
 
 

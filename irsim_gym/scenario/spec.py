@@ -77,15 +77,12 @@ class WorldSpec:
     step_mode: Literal["internal", "external"] = option(
         "internal", meaning="Who moves the bodies: the step, or the caller by set_state (external; not for learners)."
     )
-    fog_map: bool = option(
-        False, meaning="Keep a map of what the robots have seen; it changes nothing else.", planned=True
-    )
+    fog_map: bool = option(False, meaning="Keep a map of what the robots have seen; it changes nothing else.")
     fog_map_resolution: float | None = option(
         None,
         gt=0.0,
         unit="m",
         meaning="Side of its cells; by default the width of those of obstacle_map, else 0.1 m.",
-        planned=True,
     )
     update: Literal["sequential", "simultaneous"] = option(
         "sequential", meaning="Bodies see earlier ones already moved, or all as they stood."

@@ -183,4 +183,46 @@ DECISIONS = {
         "one way to write it",
         "section 6",
     ),
+    "map_without_holes": Decision(
+        "a body within a block of occupied cells touches nothing, near a cell's corners its bounding box touches",
+        "a body touches a map where its outline meets an occupied cell; touching counts",
+        "cells are exact, closed rectangles",
+        "defect 11",
+    ),
+    "map_is_no_disc": Decision(
+        "rvo and sfm see a map as one disc about its centroid, or not at all when that is far away",
+        "behaviours do not see the map",
+        "the disc covers the whole world, and who stands near its centre finds no way out",
+        "defect 12",
+    ),
+    "map_flag": Decision(
+        "the map's own collision flag looks at its boundary lines only",
+        "the map is in collision with whoever is in collision with it",
+        "contact is mutual",
+        "section 11",
+    ),
+    "map_names": Decision(
+        "cave.png and hm3d_1.png to hm3d_9.png come with the package",
+        "they are refused with the names of maps that are shipped and the way to ir-sim's own",
+        "they are not ours to ship, and another map under the same name would be a trap",
+        "section 11",
+    ),
+    "map_zero_one": Decision(
+        "a map of the numbers 0 and 1 has no occupied cell, since occupied is above 50",
+        "it is refused: truth values, or 0 to 100",
+        "it is never meant",
+        "section 11",
+    ),
+    "perlin_seed": Decision(
+        "a perlin map without a seed is different each time",
+        "it follows from the world's name",
+        "runs can be repeated",
+        "defect 24",
+    ),
+    "fog_ends": Decision(
+        "rounding decides whether a beam's end explores the wall or the free cell before it",
+        "the wall that a beam hits is explored",
+        "walls appear without gaps",
+        "section 11",
+    ),
 }

@@ -407,7 +407,6 @@ DRIVES = {
 }
 DRIVE = "robot:\n  kinematics: {name: diff}\n"
 PLANNED = {
-    "fog": ("world: {fog_map: true}", "1 world.fog_map: true is not supported yet"),
     "contact mode": (
         "world:\n  collision_mode: contact\n  gravity: 9.81",
         "2 world.collision_mode: contact mode is not part of the scenario language",
