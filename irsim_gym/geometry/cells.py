@@ -216,6 +216,30 @@ def segment_cells_distance(cells: CellMap | None, ax: float, ay: float, bx: floa
 
 
 @kernel
+def nearest_cell_point(cells: CellMap | None, x: float, y: float, limit: float) -> tuple[float, float, float]:
+    """Return distance and position [m] of the nearest point of an occupied cell; inf and (x, y) if none is in limit."""
+    if cells is None:
+        return np.inf, x, y
+    frame, squares, _ = cells
+    best, best_x, best_y = np.inf, x, y
+    reach = segment_cells_distance(cells, x, y, x, y, limit) * (1.0 + SLACK)
+    if reach >= limit:
+        return best, best_x, best_y
+    first_i, last_i = cell_range(x - reach, x + reach, frame[0], frame[2], squares.shape[1])
+    first_j, last_j = cell_range(y - reach, y + reach, frame[1], frame[3], squares.shape[2])
+    for i in range(first_i, last_i + 1):
+        for j in range(first_j, last_j + 1):
+            if squares[0, i, j] > 0:
+                continue
+            px = min(max(x, frame[0] + i * frame[2]), frame[0] + (i + 1) * frame[2])
+            py = min(max(y, frame[1] + j * frame[3]), frame[1] + (j + 1) * frame[3])
+            here = np.sqrt((px - x) * (px - x) + (py - y) * (py - y))
+            if here < best:
+                best, best_x, best_y = here, px, py
+    return best, best_x, best_y
+
+
+@kernel
 def outline_meets_cells(
     cells: CellMap | None, segments: Floats, s: int, n: int, discs: Floats, d: int, m: int, solid: bool
 ) -> bool:
@@ -285,7 +309,9 @@ def outline_cells_distance(
     best = limit
     for k in range(d, d + m):
         x, y, radius = discs[k, 0], discs[k, 1], discs[k, 2]
-        best = min(best, max(segment_cells_distance(cells, x, y, x, y, best + radius) - radius, 0.0))
+        near = segment_cells_distance(cells, x, y, x, y, best + radius)
+        if near < best + radius:
+            best = min(best, max(near - radius, 0.0))
     for k in range(s, s + n):
         ax, ay, bx, by = segments[k, 0], segments[k, 1], segments[k, 2], segments[k, 3]
         best = segment_cells_distance(cells, ax, ay, bx, by, best)

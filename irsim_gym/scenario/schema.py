@@ -32,7 +32,7 @@ def json_schema() -> Schema:
     families.load()
     definitions: Schema = {}
     sections = {
-        "world": _optional(_options(WorldSpec, definitions)),
+        "world": _optional(_world(definitions)),
         **{role: _section(role, definitions) for role in ROLES},
         "gui": _optional(_options(GuiSpec, definitions)),
         "plot": _optional(_options(ObjectPlot, definitions)),
@@ -48,6 +48,16 @@ def json_schema() -> Schema:
         "additionalProperties": False,
         "$defs": definitions,
     }
+
+
+def _world(definitions: Schema) -> Schema:
+    """Return the section ``world``, with what ``obstacle_map`` may be."""
+    schema = _options(WorldSpec, definitions)
+    info = schema["properties"]["obstacle_map"]
+    columns: Schema = {"type": "array", "items": {"type": "array"}, "minItems": 1}
+    choices = [{"type": "string"}, _named(families.MAPS, definitions), columns, {"type": "null"}]
+    schema["properties"]["obstacle_map"] = {**info, "anyOf": choices}
+    return schema
 
 
 def _optional(schema: Schema) -> Schema:

@@ -33,7 +33,7 @@ ALLOWED = {
     **dict.fromkeys(("distribution", "kinematics", "shape", "behavior", "group_behavior"), _NAMED),
     "sensors": "a list of mappings with a name, as below",
     "goal": "a list of 2 or 3 numbers, or lists of them",
-    "obstacle_map": "a file, a mapping with a name, or a list of rows",
+    "obstacle_map": "a file, a mapping with a name, or a list of columns",
     "state": "a list of up to 4 numbers",
 }
 _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}

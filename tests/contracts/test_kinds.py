@@ -23,6 +23,9 @@ ROBOT: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circ
 GIVEN = {
     "polygon": {"vertices": [[0, 0], [0.6, 0], [0.3, 0.3], [0.6, 0.6], [0, 0.6]]},
     "linestring": {"vertices": [[0, 0], [0.5, 0.2], [0.5, 0.8]]},
+    "image": {"path": "cavern.png"},
+    "perlin": {"resolution": 0.25, "fill": 0.25},
+    "array": {"cells": [[0, 0, 0], [0, 100, 0], [0, 0, 0], [0, 0, 100]]},
     "compound": {"parts": [{"name": "rectangle"}, {"name": "circle", "radius": 0.4, "pose": [0.5, 0, 0]}]},
 }
 OWNERS = {
@@ -66,6 +69,16 @@ def scene(family: str, name: str) -> dict[str, Any]:
     if family == "random shape":
         shape = {"name": name, "random_shape": True}
         return {"obstacle": {"number": 3, "shape": shape, "distribution": {"name": "random", "min_distance": 0}}}
+    if family == "obstacle map":
+        world = {
+            "name": "kinds",
+            "obstacle_map": {"name": name, **GIVEN.get(name, {})},
+            "mdownsample": 2,
+            "fog_map": True,
+        }
+        there = {"name": "random", "reachable": True, "clearance": 0.05, "min_distance": 0}
+        driver = {**ROBOT, "behavior": {"name": "dash"}, "sensors": [{"name": "lidar2d"}], "distribution": there}
+        return {"world": world, "robot": {**driver, "number": 3}}
     if family == "distribution":
         return (
             {"robot": {**ROBOT, "number": 3, "distribution": {"name": name}}} if name != "manual" else {"robot": ROBOT}
@@ -96,6 +109,7 @@ CASES = [
     *[("behavior", name) for name in running(families.BEHAVIORS)],
     *[("group_behavior", name) for name in running(families.GROUP_BEHAVIORS)],
     *[("sensor", name) for name in running(families.SENSORS)],
+    *[("obstacle map", name) for name in running(families.MAPS)],
 ]
 
 
@@ -103,6 +117,8 @@ def snapshot(sim: ig.Simulation, w: int) -> dict[str, np.ndarray]:
     fields = {name: getattr(sim.state, name)[w].copy() for name in WorldState.columns()}
     for index, group in enumerate(sim.sensors):
         fields[f"reading {index}"] = group.arrays[group.kind.reading][w].copy()
+    if sim.explored is not None:
+        fields["explored"] = sim.explored[w].copy()
     return fields
 
 

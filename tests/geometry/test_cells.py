@@ -7,6 +7,7 @@ from irsim_gym.geometry.cells import (
     find_boxes,
     outline_cells_distance,
     outline_meets_cells,
+    outline_near_cells,
     segment_cells_distance,
 )
 from tests.geometry.cell_maps import cell_map, random_map
@@ -117,6 +118,22 @@ def test_without_a_map_nothing_is_met() -> None:
     assert not capsule_meets_cells(None, 0.0, 0.0, 1.0, 1.0, 0.5)
     assert outline_cells_distance(None, *shape, 3.0) == 3.0
     assert segment_cells_distance(None, 0.0, 0.0, 1.0, 1.0, 2.0) == 2.0
+
+
+def test_what_is_not_nearer_than_the_limit_is_the_limit() -> None:
+    cells = cell_map(np.zeros((3, 2), np.bool_))
+    for radius in np.random.default_rng(6).random(50):
+        assert outline_cells_distance(cells, *disc(1.0, 1.0, radius).arguments, 0.05) == 0.05
+        assert not outline_near_cells(cells, *disc(1.0, 1.0, radius).arguments, 0.05)
+
+
+def test_near_is_closer_than_the_clearance() -> None:
+    cells = cell_map([[1], [0], [0]])
+    assert outline_near_cells(cells, *disc(2.0, 0.5, 0.75).arguments, 0.5)
+    assert not outline_near_cells(cells, *disc(2.0, 0.5, 0.75).arguments, 0.25)
+    assert outline_near_cells(cells, *disc(2.0, 0.5, 1.0).arguments, 0.0)
+    assert not outline_near_cells(cells, *disc(2.0, 0.5, 0.75).arguments, 0.0)
+    assert not outline_near_cells(None, *disc(2.0, 0.5, 9.0).arguments, 1.0)
 
 
 def test_an_empty_map_is_infinitely_far() -> None:

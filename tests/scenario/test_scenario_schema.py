@@ -56,6 +56,8 @@ LANGUAGE: dict[str, str] = {
     ),
     "group behavior orca": ("neighborDist maxNeighbors timeHorizon timeHorizonObst safe_radius maxSpeed"),
     "group behavior sfm": "social_groups vmax",
+    "obstacle map image": "path",
+    "obstacle map perlin": "resolution complexity fill fractal attenuation seed",
     "sensor lidar2d": (
         "range_min range_max angle_range number scan_time noise std angle_std offset alpha color has_velocity"
     ),
@@ -125,6 +127,9 @@ def test_shipped_scenarios_fit(name: str, schema: dict[str, Any]) -> None:
         "task: navigation",
         "plot: {show_goal: true}",
         "world: {plot: {saved_figure: {dpi: 3}}}",
+        "world: {obstacle_map: cavern.png, mdownsample: 2, fog_map: true}",
+        "world: {obstacle_map: {name: perlin, resolution: 1/10, seed: 3}}",
+        "world: {obstacle_map: [[0, 100], [true, false]]}",
     ],
 )
 def test_accepts(text: str, schema: dict[str, Any], tmp_path: Any) -> None:
@@ -148,6 +153,8 @@ def test_accepts(text: str, schema: dict[str, Any], tmp_path: Any) -> None:
         "robot: {sensors: [{name: camera}]}",
         "world: {plot: {saved_figure: {dpy: 3}}}",
         "gui: {keyboard: {backend: qt}}",
+        "world: {obstacle_map: {name: perlin}}",
+        "world: {obstacle_map: 3}",
     ],
 )
 def test_refuses(text: str, schema: dict[str, Any]) -> None:

@@ -220,6 +220,18 @@ def test_nearest_bodies_move_relative_to_the_agent() -> None:
     assert rows[0] == pytest.approx([(4.9 - 2.05) / 10, 0, -0.75, 0, 0.02, 1], abs=1e-6)
 
 
+def test_nearest_bodies_shows_the_nearest_cell_of_a_map() -> None:
+    # 5 x 5 cells of 2 m; the one at x 4 to 6, y 6 to 8 is occupied. The robot looks up from (3, 4).
+    cells = np.zeros((5, 5), np.bool_)
+    cells[2, 3] = True
+    task = only({"name": "nearest_bodies", "count": 3, "range": 10})
+    episodes = play({"state": [3, 4, np.pi / 2]}, BALL | {"state": [3, 9, 0]}, task, obstacle_map=cells)
+    rows = part(episodes, "nearest_bodies").reshape(-1, 6)
+    assert rows[0].tolist() == pytest.approx([0.2, -0.1, 0, 0, 0, 1], abs=1e-6)
+    assert rows[1, 0] == pytest.approx(0.5)
+    assert rows[2, 5] == 0
+
+
 def test_nearest_bodies_keeps_the_nearest_in_order() -> None:
     places = [[9, 9, 0], [2, 6, 0], [7, 5, 0], [2, 2, 0], [4, 5, 0]]
     balls = [{"shape": {"name": "circle", "radius": 0.1}, "state": place} for place in places]

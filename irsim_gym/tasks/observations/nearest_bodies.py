@@ -7,8 +7,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
+from irsim_gym.geometry.cells import nearest_cell_point
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.state import EpisodeState
@@ -58,6 +59,7 @@ class NearestBodies:
             model.bounds,
             model.present,
             model.unobstructed,
+            model.cells,
             model.reach,
             model.segment_start,
             model.segment_count,
@@ -84,6 +86,7 @@ def write_nearest(
     bounds: Floats,
     present: Flags,
     unobstructed: Flags,
+    cells: CellMap | None,
     reach: Floats,
     segment_start: Ints,
     segment_count: Ints,
@@ -109,6 +112,7 @@ def write_nearest(
         bounds: World rectangle [m].
         present: See WorldModel, as are the next arrays up to ``disc_count``.
         unobstructed: Bodies that are not seen.
+        cells: The obstacle map, which counts as one body at its nearest point.
         reach: Bounding radius [m].
         segment_start: First segment of a body.
         segment_count: Number of its segments.
@@ -145,6 +149,7 @@ def write_nearest(
                 if edge_gap < gap:
                     gap, px, py, radius = edge_gap, ex, ey, 0.0
                 keep(gap, px - x, py - y, radius, b, distance, found)
+            keep_cell(cells, x, y, distance, found)
             write_found(w, own, far, speed, pose, twist, stopped, found, column, out[w, a])
 
 
@@ -188,6 +193,15 @@ def keep(gap: float, dx: float, dy: float, radius: float, body: int, distance: F
         k -= 1
     distance[k] = gap
     found[k, 0], found[k, 1], found[k, 2], found[k, 3], found[k, 5] = dx, dy, radius, float(body), 1.0
+
+
+@kernel
+def keep_cell(cells: CellMap | None, x: float, y: float, distance: Floats, found: Floats) -> None:
+    """Insert the nearest occupied cell of the map, at rest, if it is near enough."""
+    if cells is None:
+        return
+    gap, px, py = nearest_cell_point(cells, x, y, distance[distance.shape[0] - 1])
+    keep(gap, px - x, py - y, 0.0, int(cells[0][4]), distance, found)
 
 
 @kernel
