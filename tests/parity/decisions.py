@@ -225,4 +225,22 @@ DECISIONS = {
         "walls appear without gaps",
         "section 11",
     ),
+    "obstacle_sizes": Decision(
+        "rvo and sfm see a standing rectangle or polygon as the disc around it, when its centre is near",
+        "they see its outline, when its surface is near; for sfm it pushes once, from its nearest point",
+        "robots drove into large boxes, and kept away from the empty corners of discs",
+        "D39",
+    ),
+    "compound_seams": Decision(
+        "a sensor inside a compound sees the boundary of the union",
+        "it sees the circles of the compound by themselves",
+        "circles stay exact discs",
+        "compound shapes",
+    ),
+    "orca_precision": Decision(
+        "orca's library computes in single precision",
+        "it is computed in double precision: commands agree to 2e-5 m/s, and free runs drift apart",
+        "positions far from the origin keep their digits",
+        "8.4",
+    ),
 }

@@ -8,6 +8,7 @@ from typing import Any
 
 from irsim_gym.scenario.expressions import evaluate
 
+AVOIDING = ("rvo",)
 NOWHERE = [1e6, 1e6, 0.0]
 NUMERIC = ("angle_range", "state", "goal", "range_low", "range_high", "offset", "pose", "fov", "velocity")
 
@@ -24,6 +25,7 @@ def to_ir_sim(scenario: Mapping[str, Any], decisions: set[str]) -> dict[str, Any
             data[role] = [dict(section)]
         for entry in data.get(role) or []:
             _translate_entry(entry, decisions)
+    _show_outlines(data, decisions)
     return {key: _numbers(value) for key, value in data.items()}
 
 
@@ -40,10 +42,36 @@ def _translate_entry(entry: dict[str, Any], decisions: set[str]) -> None:
             entry["goal"] = list(NOWHERE)
     if entry.get("unobstructed"):
         decisions.add("unobstructed_is_symmetric")
+    for way in _mappings(entry.get("group_behavior")):
+        if way.pop("sidestep", True) and way["name"] == "orca":
+            decisions.add("orca_sidestep")
     for drive in _mappings(entry.get("kinematics")):
         frame = drive.pop("frame", "world")
         if drive.get("name") == "omni" and frame == "world":
             decisions.add("omni_frame")
+
+
+def _show_outlines(data: dict[str, Any], decisions: set[str]) -> None:
+    """Where anyone looks around, write standing rectangles and polygons as their outlines (``obstacle_sizes``).
+
+    ir-sim's rvo sees linestrings as they are; scanners and contact from outside see no difference.
+    """
+    entries = [*(data.get("robot") or []), *(data.get("obstacle") or [])]
+    ways = [way for entry in entries for key in ("behavior", "group_behavior") for way in _mappings(entry.get(key))]
+    if not any(way["name"] in AVOIDING for way in ways):
+        return
+    for entry in entries:
+        for shape in _mappings(entry["shape"]):
+            if not entry.get("kinematics") and shape["name"] in ("rectangle", "polygon"):
+                decisions.add("obstacle_sizes")
+                corners = shape.get("vertices") or _corners(shape.get("length", 1.0), shape.get("width", 1.0))
+                shape.clear()
+                shape.update({"name": "linestring", "vertices": [*corners, corners[0]]})
+
+
+def _corners(length: float, width: float) -> list[list[float]]:
+    x, y = length / 2, width / 2
+    return [[-x, -y], [x, -y], [x, y], [-x, y]]
 
 
 def _mappings(value: Any) -> Iterator[dict[str, Any]]:
