@@ -153,6 +153,12 @@ DECISIONS = {
         "a silently ignored key costs its author hours",
         "section 7",
     ),
+    "avoided_map": Decision(
+        "rvo and sfm see the map as one disc around its middle",
+        "they see its walls: rvo those within neighbor_threshold, sfm the nearest on each of four sides",
+        "a disc around everything hides the ways through",
+        "D39, defect 12",
+    ),
     "map_in_view": Decision(
         "the map counts as a disc around the origin",
         "a field of view never detects the map",
