@@ -6,9 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
 import irsim_gym as ig
 from irsim_gym.errors import ScenarioError
+from irsim_gym.paths.queries import free_path
+from tests.geometry.cell_maps import area
 
 # 5 x 4 cells of 2 x 1 m with lower left corner (1, 2); a wall of two cells in the middle column.
 MAP = np.zeros((5, 4), np.bool_)
@@ -129,3 +132,18 @@ def test_behaviours_do_not_take_the_map_for_a_body() -> None:
     for _ in range(60):
         sim.step()
     assert sim.state.pose[0, 0, 0] == pytest.approx(8.0)
+
+
+@pytest.mark.parametrize("name", ["cave", "floor_plan"])
+def test_every_level_of_the_shipped_scenarios_has_a_way(name: str) -> None:
+    """The ways that are found keep the robot's radius from every occupied cell, by shapely's word."""
+    sim = ig.compile(ig.load_scenario(name), 3, agents=(0,))
+    sim.reset(seed=0)
+    occupied = area(sim.scenario.occupied, *sim.model.map_frame[:4])
+    radius = float(sim.model.reach[0, 0])
+    for w in range(3):
+        start, goal = sim.state.pose[w, 0], sim.state.goal[w, 0]
+        way = free_path(sim.model, sim.state, w, radius, start, goal, cell=0.5 * radius)
+        assert way[0].tolist() == start[:2].tolist()
+        assert way[-1].tolist() == goal[:2].tolist()
+        assert shapely.distance(shapely.LineString(way), occupied) > radius - 1e-9
