@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import imageio.v3 as imageio
 import numpy as np
 import ours
 import ties
@@ -14,6 +15,7 @@ from beams import compare_scans
 from contacts import grazes
 from ir_sim import IrSim, Snapshot
 from translation import to_ir_sim
+from views import compare_fog, compare_views
 
 EXACT = 1e-9
 SINGLE = 2e-5
@@ -47,6 +49,15 @@ class Report:
     event: str = ""
 
 
+def draw_map(rows: list[str], folder: Path) -> str:
+    """Write a picture, one pixel for each letter: # is black, + gray just dark enough, - just not, the rest white."""
+    shades = {"#": 0, "+": 127, "-": 128}
+    pixels = np.array([[shades.get(letter, 255) for letter in row] for row in rows], np.uint8)
+    file = folder / "map.png"
+    imageio.imwrite(file, np.stack([pixels] * 3, axis=-1))
+    return str(file)
+
+
 class Pair:
     """A scenario in both simulators."""
 
@@ -54,6 +65,8 @@ class Pair:
         self.report = Report()
         self.scenario = {key: value for key, value in case.items() if key != "parity"}
         plan = case.get("parity") or {}
+        if "map" in plan:
+            self.scenario["world"] = {**(case.get("world") or {}), "obstacle_map": draw_map(plan["map"], folder)}
         self.steps = int(plan.get("steps", 30))
         self.most_ties = int(plan.get("ties", 0))
         self.actions: dict[int, Any] = plan.get("actions") or {}
@@ -120,6 +133,8 @@ class Pair:
             self.report.ties += len(moved)
             self.compare_flags(after, skip=set(moved))
             compare_scans(self)
+            compare_views(self)
+        compare_fog(self)
         assert self.report.ties <= self.most_ties, self.report
         return self.report
 
@@ -167,7 +182,7 @@ class Pair:
         state, model = self.sim.state, self.sim.model
         grazed = False
         for b, theirs in enumerate(self.reference.objects):
-            if b in skip:
+            if b in skip or theirs.shape == "map":  # decision map_flag
                 continue
             arrived, collided, stopped = after.flags[b]
             where = (self.report.steps, theirs.name)
