@@ -6,8 +6,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.behaviors.orca_planning import command_plans, plan_velocities
+from irsim_gym.behaviors.orca_map import SIGHT
+from irsim_gym.behaviors.orca_planning import Scratch, command_plans, plan_velocities
 from irsim_gym.behaviors.orca_walls import EDGE
+from irsim_gym.behaviors.surroundings import most_map_walls, scene_of
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
@@ -40,6 +42,7 @@ class OrcaGroup:
         is_member = np.zeros(n_bodies, np.bool_)
         is_member[group.members] = True
         is_wall = ~model.movable & ~model.unobstructed
+        n_sides = most_map_walls(model, SIGHT)
         most = min(group.options[0].maxNeighbors, len(group.members))
         group.arrays |= {
             "seen": is_member & model.movable & ~model.unobstructed,
@@ -52,9 +55,12 @@ class OrcaGroup:
             "parts": np.zeros((n_slots, n_parts), np.int64),
             "parts_gap": np.zeros((n_slots, n_parts)),
             "owners": np.zeros((n_slots, n_parts), np.int64),
+            "sides": np.zeros((n_slots, n_sides, 4)),
+            "sides_gap": np.zeros((n_slots, n_sides)),
+            "sides_order": np.zeros((n_slots, n_sides), np.int64),
             "edge": np.zeros((n_slots, EDGE)),
-            "planes": np.zeros((n_slots, n_parts + most, 3)),
-            "spare": np.zeros((n_slots, n_parts + most, 3)),
+            "planes": np.zeros((n_slots, n_parts + n_sides + most, 3)),
+            "spare": np.zeros((n_slots, n_parts + n_sides + most, 3)),
         }
         decides = np.zeros(n_bodies, np.bool_)
         decides[group.arrays["deciding"]] = True
@@ -73,37 +79,15 @@ class OrcaGroup:
             model.step_time,
             model.drive,
             model.velocity_max,
-            model.radius,
             model.has_goal,
-            model.present,
             arrays["seen"],
             arrays["plans"],
-            model.bucket_frame,
-            state.bucket_first,
-            state.bucket_next,
-            state.pose,
-            state.twist,
-            state.goal,
-            state.plan,
             arrays["walls"],
             arrays["is_wall"],
-            model.reach,
-            model.solid,
-            model.segment_start,
-            model.segment_count,
-            state.segments,
-            model.disc_start,
-            model.disc_count,
-            state.discs,
-            arrays["found"][slot],
-            arrays["nearest_gap"][slot],
-            arrays["nearest"][slot],
-            arrays["parts_gap"][slot],
-            arrays["parts"][slot],
-            arrays["owners"][slot],
-            arrays["edge"][slot],
-            arrays["planes"][slot],
-            arrays["spare"][slot],
+            state.goal,
+            state.plan,
+            scene_of(model, state),
+            Scratch(*(arrays[name][slot] for name in Scratch._fields)),
             state.command,
         )
         command_plans(

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.behaviors.orca_lines import away, disc_plane
+from irsim_gym.behaviors.orca_map import SIGHT, add_map
 from irsim_gym.behaviors.orca_neighbors import find_nearest, find_walls
 from irsim_gym.behaviors.orca_walls import is_covered, see_edge, wall_plane
 from irsim_gym.behaviors.steering import to_command
+from irsim_gym.behaviors.surroundings import Scene, row_of
 from irsim_gym.geometry.linear_program import choose
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import DIFFERENTIAL
@@ -64,6 +66,23 @@ def is_held(plan: Floats, speed: float) -> bool:
     return bool(0.0 < planned2 < HELD * HELD * speed * speed)
 
 
+class Scratch(NamedTuple):
+    """Memory of one shard: for a search of bodies, the sides and discs in reach, those of a map, and half-planes."""
+
+    found: Ints
+    nearest_gap: Floats
+    nearest: Ints
+    parts_gap: Floats
+    parts: Ints
+    owners: Ints
+    sides: Floats
+    sides_gap: Floats
+    sides_order: Ints
+    edge: Floats
+    planes: Floats
+    spare: Floats
+
+
 @kernel
 def plan_velocities(
     worlds: Ints,
@@ -72,76 +91,53 @@ def plan_velocities(
     step_time: Floats,
     drive: Ints,
     velocity_max: Floats,
-    radius: Floats,
     has_goal: Flags,
-    present: Flags,
     seen: Flags,
     plans: Flags,
-    frame: Floats,
-    bucket_first: Ints,
-    bucket_next: Ints,
-    pose: Floats,
-    twist: Floats,
-    goal: Floats,
-    plan: Floats,
     walls: Ints,
     is_wall: Flags,
-    reach: Floats,
-    solid: Flags,
-    segment_start: Ints,
-    segment_count: Ints,
-    segments: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    discs: Floats,
-    found: Ints,
-    nearest_gap: Floats,
-    nearest: Ints,
-    parts_gap: Floats,
-    parts: Ints,
-    owners: Ints,
-    edge: Floats,
-    planes: Floats,
-    spare: Floats,
+    goal: Floats,
+    plan: Floats,
+    scene: Scene,
+    scratch: Scratch,
     command: Floats,
 ) -> None:
     """Write the velocities that the members choose, in the world frame, to the first two components of ``command``."""
-    options = params[0]
+    options, planes = params[0], scratch.planes
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        radii = radius[w % radius.shape[0]]
+        radii, pose = scene.radius[row_of(scene.radius, w)], scene.pose[w]
         for k in range(deciding.shape[0]):
             b = deciding[k]
-            if not present[w, b]:
+            if not scene.present[w, b]:
                 continue
-            fastest = velocity_max[w % velocity_max.shape[0], b]
+            fastest = velocity_max[row_of(velocity_max, w), b]
             speed, own = speed_cap(drive[b], fastest, options.maxSpeed), radii[b] + options.safe_radius
-            n_parts, n_hard = 0, 0
+            within, n_hard = options.timeHorizonObst * speed + own, 0
             if walls.shape[0] > 0:
-                n_parts = find_walls(
-                    pose[w, b, 0], pose[w, b, 1], options.timeHorizonObst * speed + own, walls, is_wall, frame,
-                    bucket_first[w], bucket_next[w], present[w], pose[w], reach[w % reach.shape[0]],
-                    segment_start, segment_count[w % segment_count.shape[0]], segments[w],
-                    disc_start, disc_count[w % disc_count.shape[0]], discs[w],
-                    found, parts_gap, parts, owners,
-                )  # fmt: skip
                 n_hard = add_walls(
-                    parts[:n_parts], owners, own, options.timeHorizonObst, pose[w, b], plan[w, b], solid,
-                    segment_start, segment_count[w % segment_count.shape[0]], segments[w], discs[w], edge, planes,
+                    w, walls, is_wall, within, own, options.timeHorizonObst, pose[b], plan[w, b], scene, scratch
+                )
+            if scene.map_frame[4] >= 0.0:
+                n_hard = add_map(
+                    own, options.timeHorizonObst, min(within, SIGHT), pose[b], plan[w, b],
+                    scene.map_frame, scene.map_squares,
+                    scratch.sides, scratch.sides_gap, scratch.sides_order, scratch.edge, planes, n_hard,
                 )  # fmt: skip
             n_near = add_members(
-                b, own, options, step_time[0], frame, bucket_first[w], bucket_next[w], seen, plans, present[w],
-                radii, pose[w], plan[w], twist[w], found, nearest_gap, nearest, planes[n_hard:],
+                b, own, options, step_time[0], scene.bucket_frame, scene.bucket_first[w], scene.bucket_next[w],
+                seen, plans, scene.present[w], radii, pose, plan[w], scene.twist[w],
+                scratch.found, scratch.nearest_gap, scratch.nearest, planes[n_hard:],
             )  # fmt: skip
             wanted_x, wanted_y = 0.0, 0.0
             if has_goal[b]:
                 wanted_x, wanted_y = preferred_velocity(
-                    drive[b], fastest, speed, goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
+                    drive[b], fastest, speed, goal[w, b, 0] - pose[b, 0], goal[w, b, 1] - pose[b, 1]
                 )
             if options.sidestep and is_held(plan[w, b], speed):
                 wanted_x, wanted_y = wanted_y, -wanted_x
             command[w, b, 0], command[w, b, 1] = choose(
-                planes, n_hard, n_hard + n_near, speed, wanted_x, wanted_y, spare
+                planes, n_hard, n_hard + n_near, speed, wanted_x, wanted_y, scratch.spare
             )
 
 
@@ -195,38 +191,45 @@ def add_members(
 
 @kernel
 def add_walls(
-    parts: Ints,
-    owners: Ints,
+    w: int,
+    walls: Ints,
+    is_wall: Flags,
+    within: float,
     radius: float,
     horizon: float,
     pose: Floats,
     velocity: Floats,
-    solid: Flags,
-    segment_start: Ints,
-    segment_count: Ints,
-    segments: Floats,
-    discs: Floats,
-    edge: Floats,
-    planes: Floats,
+    scene: Scene,
+    scratch: Scratch,
 ) -> int:
-    """Write the half-planes of what never moves, as ``find_walls`` found it; return their number.
+    """Write the half-planes of what never moves and is nearer than ``within`` [m]; return their number.
 
     A disc that is touched already need not be left at once, as a wall need not; only going nearer is forbidden.
     """
+    x, y, planes, edge, segments = pose[0], pose[1], scratch.planes, scratch.edge, scene.segments[w]
+    n_segments = scene.segment_count[row_of(scene.segment_count, w)]
+    n_parts = find_walls(
+        x, y, within, walls, is_wall, scene.bucket_frame, scene.bucket_first[w], scene.bucket_next[w],
+        scene.present[w], scene.pose[w], scene.reach[row_of(scene.reach, w)],
+        scene.segment_start, n_segments, segments,
+        scene.disc_start, scene.disc_count[row_of(scene.disc_count, w)], scene.discs[w],
+        scratch.found, scratch.parts_gap, scratch.parts, scratch.owners,
+    )  # fmt: skip
     count = 0
-    for i in range(parts.shape[0]):
-        s, q = parts[i], owners[parts[i]]
+    for i in range(n_parts):
+        s = scratch.parts[i]
+        q = scratch.owners[s]
         if s >= segments.shape[0]:
-            d = s - segments.shape[0]
-            x, y, both = discs[d, 0] - pose[0], discs[d, 1] - pose[1], discs[d, 2] + radius
-            gap2 = x * x + y * y
+            disc = scene.discs[w, s - segments.shape[0]]
+            dx, dy, both = disc[0] - x, disc[1] - y, disc[2] + radius
+            gap2 = dx * dx + dy * dy
             if gap2 <= both * both:
-                planes[count, 0], planes[count, 1] = away(-x, -y, np.sqrt(gap2), x, y)
+                planes[count, 0], planes[count, 1] = away(-dx, -dy, np.sqrt(gap2), dx, dy)
                 planes[count, 2] = 0.0
             else:
-                disc_plane(x, y, velocity[0], velocity[1], 0.0, 0.0, both, horizon, WHOLE, planes[count])
+                disc_plane(dx, dy, velocity[0], velocity[1], 0.0, 0.0, both, horizon, WHOLE, planes[count])
             count += 1
-        elif see_edge(segments, segment_start[q], segment_count[q], s, solid[q], pose[0], pose[1], edge):
+        elif see_edge(segments, scene.segment_start[q], n_segments[q], s, scene.solid[q], x, y, edge):
             covered = is_covered(planes, count, edge[0], edge[1], edge[2], edge[3], radius, horizon)
             if not covered and wall_plane(edge, velocity[0], velocity[1], radius, horizon, planes[count]):
                 count += 1

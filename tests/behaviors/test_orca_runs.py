@@ -189,3 +189,20 @@ def test_a_free_run_is_ir_sims(drive: dict[str, Any], tmp_path: Path) -> None:
     assert max(gaps[:20]) < 1e-5
     assert max(gaps) < 1e-2
     assert np.hypot(*(sim.state.pose[0, :, :2] - np.array(states)[:, :2]).T).min() > 3.0
+
+
+@pytest.mark.parametrize("drive", ["omni", "diff"])
+def test_nobody_enters_an_obstacle_map(drive: str) -> None:
+    # A block in the middle, walls around; each goal lies behind the block.
+    cells = [[100 if row in (0, 19) or column in (0, 19) else 0 for row in range(20)] for column in range(20)]
+    for column in range(8, 12):
+        for row in range(7, 13):
+            cells[column][row] = 100
+    states = [[1.5, y, 0.0] for y in (2.0, 4.0, 6.0, 8.0)] + [[8.5, y, np.pi] for y in (2.2, 4.2, 6.2, 8.2)]
+    goals = [[8.5, 8.0, 0], [8.5, 5.9, 0], [8.5, 4.1, 0], [8.5, 2.0, 0]] + [[1.5, y, 0] for y in (8.2, 6.0, 4.0, 1.8)]
+    sim = simulation(crowd(drive, states, goals, vel_max=[1, 1.5], vel_min=[-1, -1.5]), obstacle_map=cells)
+    start = sim.state.pose[0, :8, 0].copy()
+    for _ in range(300):
+        sim.step()
+        assert not (sim.state.hit[0, :8] == 8).any()
+    assert np.median(np.abs(sim.state.pose[0, :8, 0] - start)) > 5.0
