@@ -125,7 +125,7 @@ DECISIONS = {
     ),
     "orca_walls": Decision(
         "orca sees only the members of its group",
-        "it also avoids all bodies that never move, but for the obstacle map; such a member is one of them",
+        "it also avoids all bodies that never move, and the obstacle map; such a member is one of them",
         "robots drove into walls",
         "8.4",
     ),
