@@ -14,21 +14,20 @@ from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.behaviors.steering import to_command
 from irsim_gym.behaviors.surroundings import (
     ALL_ROLES,
-    CHAIN,
     MARGIN,
+    ROUND,
+    SLACK,
     STANDING,
     Scene,
     centroid_of,
-    is_far,
     is_map_seen,
     is_seen,
     look_of,
     map_walls,
-    outline_distance_to,
-    parts_of,
     row_of,
 )
 from irsim_gym.geometry.buckets import find_nearby
+from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.geometry.segments import side
 from irsim_gym.jit import kernel
 
@@ -85,9 +84,12 @@ def planned_velocity(
         wanted_x, wanted_y = options.vmax * wanted_x / size, options.vmax * wanted_y / size
     pull_x, pull_y = (wanted_x - vx) / options.relaxation_time, (wanted_y - vy) / options.relaxation_time
     others_x, others_y, walls_x, walls_y = push_of_bodies(scene, w, b, options, among, by_hypot, nearby)
-    lines_x, lines_y = push_of_lines(scene, w, b, options, among, lines)
-    map_x, map_y = push_of_map(scene, w, b, options, sides, nearest)
-    walls_x, walls_y = walls_x + (lines_x + map_x), walls_y + (lines_y + map_y)
+    if lines.shape[0] > 0:
+        fx, fy = push_of_lines(scene, w, b, options, among, lines)
+        walls_x, walls_y = walls_x + fx, walls_y + fy
+    if scene.map_frame[4] >= 0.0:
+        fx, fy = push_of_map(scene, w, b, options, sides, nearest)
+        walls_x, walls_y = walls_x + fx, walls_y + fy
     ax = options.force_factor_desired * pull_x + options.force_factor_social * others_x
     ay = options.force_factor_desired * pull_y + options.force_factor_social * others_y
     ax = ax + options.force_factor_obstacle * walls_x + extra_x
@@ -126,37 +128,40 @@ def push_of_bodies(
     The first is seen up to ``neighbor_threshold`` from centre to centroid; the second pushes once for each body, from
     the nearest point of its outline.
     """
-    x, y, sight = scene.pose[w, b, 0], scene.pose[w, b, 1], options.neighbor_threshold
+    pose, twist, frame, sight = scene.pose[w], scene.twist[w], scene.bucket_frame, options.neighbor_threshold
+    role, unobstructed, present = scene.role, scene.unobstructed, scene.present[w]
+    n_segments, n_discs = (
+        scene.segment_count[row_of(scene.segment_count, w)],
+        scene.disc_count[row_of(scene.disc_count, w)],
+    )
+    centroid, reaches = scene.centroid[row_of(scene.centroid, w)], scene.reach[row_of(scene.reach, w)]
+    segments, discs = scene.segments[w], scene.discs[w]
+    x, y, vx, vy = pose[b, 0], pose[b, 1], twist[b, 0], twist[b, 1]
     r = scene.radius[row_of(scene.radius, w), b] + MARGIN
-    reach, frame = FADED * options.sigma_obstacle + r, scene.bucket_frame
-    far = max(sight, reach) + frame[2]
+    reach = FADED * options.sigma_obstacle + r
+    most = max(sight, reach)
     others_x, others_y, walls_x, walls_y = 0.0, 0.0, 0.0, 0.0
-    for k in range(find_nearby(x, y, far, frame, scene.bucket_first[w], scene.bucket_next[w], nearby)):
+    for k in range(find_nearby(x, y, most + frame[2], frame, scene.bucket_first[w], scene.bucket_next[w], nearby)):
         q = nearby[k]
-        if is_far(scene, w, q, x, y, max(sight, reach)):
+        dx, dy, far = pose[q, 0] - x, pose[q, 1] - y, most + reaches[q]
+        roles = ALL_ROLES if among[q] else options.target_roles
+        if dx * dx + dy * dy > far * far * SLACK or not is_seen(b, q, roles, role, unobstructed, present):
             continue
-        if not is_seen(scene, w, b, q, ALL_ROLES if among[q] else options.target_roles):
-            continue
-        px, py = scene.pose[w, q, 0], scene.pose[w, q, 1]
-        if not among[q]:
-            look = look_of(scene, w, q)
-            if look <= CHAIN:
-                continue
-            if look == STANDING:
-                distance = outline_distance_to(scene, w, q, x, y)
-                if distance <= reach:
-                    cx, cy = nearest_point(scene, w, q, x, y)
-                    fx, fy = push_of_wall(x - cx, y - cy, r, options.sigma_obstacle)
-                    if distance == 0.0:
-                        fx, fy = -fx, -fy
-                    walls_x, walls_y = walls_x + fx, walls_y + fy
-                continue
-            px, py = centroid_of(scene, w, q)
-        if (x - px) * (x - px) + (y - py) * (y - py) < sight * sight:
-            ux = scene.twist[w, b, 0] - scene.twist[w, q, 0]
-            uy = scene.twist[w, b, 1] - scene.twist[w, q, 1]
-            fx, fy = push_of_body(px - x, py - y, ux, uy, options, by_hypot)
-            others_x, others_y = others_x + fx, others_y + fy
+        look = ROUND if among[q] else look_of(n_segments[q], n_discs[q], scene.solid[q], scene.movable[q])
+        if look == STANDING:
+            s, n, d, m = scene.segment_start[q], n_segments[q], scene.disc_start[q], n_discs[q]
+            distance = point_outline_distance(x, y, segments, s, n, discs, d, m, scene.solid[q])
+            if distance <= reach:
+                cx, cy = nearest_point(x, y, segments[s : s + n], discs[d : d + m])
+                fx, fy = push_of_wall(x - cx, y - cy, r, options.sigma_obstacle)
+                if distance == 0.0:
+                    fx, fy = -fx, -fy
+                walls_x, walls_y = walls_x + fx, walls_y + fy
+        if look == ROUND:
+            px, py = (pose[q, 0], pose[q, 1]) if among[q] else centroid_of(pose[q], centroid[q])
+            if (x - px) * (x - px) + (y - py) * (y - py) < sight * sight:
+                fx, fy = push_of_body(px - x, py - y, vx - twist[q, 0], vy - twist[q, 1], options, by_hypot)
+                others_x, others_y = others_x + fx, others_y + fy
     return others_x, others_y, walls_x, walls_y
 
 
@@ -203,9 +208,11 @@ def push_of_lines(scene: Scene, w: int, b: int, options: Any, among: Flags, line
     reach = FADED * options.sigma_obstacle + r
     sum_x, sum_y = 0.0, 0.0
     for k in range(lines.shape[0]):
-        if among[lines[k]] or not is_seen(scene, w, b, lines[k], options.target_roles):
+        q = lines[k]
+        seen = is_seen(b, q, options.target_roles, scene.role, scene.unobstructed, scene.present[w])
+        if among[q] or not seen:
             continue
-        s, n = parts_of(scene, w, lines[k])[:2]
+        s, n = scene.segment_start[q], scene.segment_count[row_of(scene.segment_count, w), q]
         for i in range(s, s + n):
             cx, cy = foot_on(x, y, scene.segments[w, i])
             if np.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy)) <= reach:
@@ -220,7 +227,7 @@ def push_of_map(scene: Scene, w: int, b: int, options: Any, sides: Floats, neare
 
     Each wall counts once, however fine the cells are, and the two walls of a corridor cancel in its middle.
     """
-    if not is_map_seen(scene, w, options.target_roles):
+    if not is_map_seen(options.target_roles, scene.map_frame, scene.role, scene.present[w]):
         return 0.0, 0.0
     x, y = scene.pose[w, b, 0], scene.pose[w, b, 1]
     r = scene.radius[row_of(scene.radius, w), b] + MARGIN
@@ -246,21 +253,27 @@ def push_of_map(scene: Scene, w: int, b: int, options: Any, sides: Floats, neare
 
 
 @kernel
-def nearest_point(scene: Scene, w: int, q: int, x: float, y: float) -> tuple[float, float]:
-    """Return the point of a body's boundary that is nearest to a point [m]."""
-    s, n, d, m = parts_of(scene, w, q)
+def nearest_point(x: float, y: float, segments: Floats, discs: Floats) -> tuple[float, float]:
+    """Return the point of a boundary that is nearest to a point [m].
+
+    Args:
+        x: The point [m].
+        y: The point [m].
+        segments: x0, y0, x1, y1 [m], shape ``(n_segments, 4)``.
+        discs: x, y, radius [m], shape ``(n_discs, 3)``.
+    """
     best, best_x, best_y = np.inf, x, y
-    for i in range(s, s + n):
-        cx, cy = foot_on(x, y, scene.segments[w, i])
+    for i in range(segments.shape[0]):
+        cx, cy = foot_on(x, y, segments[i])
         distance = np.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
         if distance < best:
             best, best_x, best_y = distance, cx, cy
-    for i in range(d, d + m):
-        dx, dy, radius = x - scene.discs[w, i, 0], y - scene.discs[w, i, 1], scene.discs[w, i, 2]
+    for i in range(discs.shape[0]):
+        dx, dy, radius = x - discs[i, 0], y - discs[i, 1], discs[i, 2]
         off = np.sqrt(dx * dx + dy * dy)
         if off > 0.0 and np.abs(off - radius) < best:
             best, share = np.abs(off - radius), radius / off
-            best_x, best_y = scene.discs[w, i, 0] + share * dx, scene.discs[w, i, 1] + share * dy
+            best_x, best_y = discs[i, 0] + share * dx, discs[i, 1] + share * dy
     return best_x, best_y
 
 

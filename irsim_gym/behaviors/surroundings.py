@@ -29,7 +29,10 @@ ALL_ROLES = 0
 
 
 class Scene(NamedTuple):
-    """The arrays of all worlds that anyone reads who looks around: those of ``WorldModel``, then ``WorldState``'s."""
+    """The arrays of all worlds that anyone reads who looks around: those of ``WorldModel``, then ``WorldState``'s.
+
+    Kernels take their rows out of it once for each body: passing all of it on costs as much as looking at ten others.
+    """
 
     role: Ints
     unobstructed: Flags
@@ -86,55 +89,36 @@ def row_of(values: NDArray[Any], w: int) -> int:
 
 
 @kernel
-def is_far(scene: Scene, w: int, q: int, x: float, y: float, sight: float) -> bool:
-    """Return whether no point of a body can be nearer than ``sight`` [m]."""
-    dx, dy = scene.pose[w, q, 0] - x, scene.pose[w, q, 1] - y
-    far = sight + scene.reach[row_of(scene.reach, w), q]
-    return bool(dx * dx + dy * dy > far * far * SLACK)
-
-
-@kernel
-def is_seen(scene: Scene, w: int, b: int, q: int, target_roles: int) -> bool:
+def is_seen(b: int, q: int, target_roles: int, role: Ints, unobstructed: Flags, present: Flags) -> bool:
     """Return whether body b pays heed to body q: another one that is there, is an obstruction and has the role."""
-    if q == b or scene.unobstructed[q] or not scene.present[w, q]:
+    if q == b or unobstructed[q] or not present[q]:
         return False
-    return bool(target_roles == ALL_ROLES or scene.role[q] == target_roles - 1)
+    return bool(target_roles == ALL_ROLES or role[q] == target_roles - 1)
 
 
 @kernel
-def is_map_seen(scene: Scene, w: int, target_roles: int) -> bool:
+def is_map_seen(target_roles: int, frame: Floats, role: Ints, present: Flags) -> bool:
     """Return whether there is an occupancy map to pay heed to; its body is hidden from all that asks for outlines."""
-    chart = int(scene.map_frame[4])
-    if chart < 0 or not scene.present[w, chart]:
+    chart = int(frame[4])
+    if chart < 0 or not present[chart]:
         return False
-    return bool(target_roles == ALL_ROLES or scene.role[chart] == target_roles - 1)
+    return bool(target_roles == ALL_ROLES or role[chart] == target_roles - 1)
 
 
 @kernel
-def parts_of(scene: Scene, w: int, q: int) -> tuple[int, int, int, int]:
-    """Return a body's first segment, their number, its first disc, their number."""
-    n_segments = scene.segment_count[row_of(scene.segment_count, w), q]
-    n_discs = scene.disc_count[row_of(scene.disc_count, w), q]
-    return scene.segment_start[q], n_segments, scene.disc_start[q], n_discs
-
-
-@kernel
-def look_of(scene: Scene, w: int, q: int) -> int:
+def look_of(n_segments: int, n_discs: int, solid: bool, movable: bool) -> int:
     """Return how a body looks: one that never moves and is more than a disc shows its outline."""
-    n_segments = scene.segment_count[row_of(scene.segment_count, w), q]
-    n_discs = scene.disc_count[row_of(scene.disc_count, w), q]
     if n_segments + n_discs == 0:
         return NOTHING
-    if n_segments > 0 and not scene.solid[q]:
+    if n_segments > 0 and not solid:
         return CHAIN
-    return STANDING if not scene.movable[q] and (n_segments > 0 or n_discs > 1) else ROUND
+    return STANDING if not movable and (n_segments > 0 or n_discs > 1) else ROUND
 
 
 @kernel
-def centroid_of(scene: Scene, w: int, q: int) -> tuple[float, float]:
+def centroid_of(pose: Floats, centroid: Floats) -> tuple[float, float]:
     """Return the centre of a body's area in the world frame [m]."""
-    pose = scene.pose[w, q]
-    x, y = scene.centroid[row_of(scene.centroid, w), q]
+    x, y = centroid[0], centroid[1]
     if x == 0.0 and y == 0.0:
         return pose[0], pose[1]
     cosine, sine = np.cos(pose[2]), np.sin(pose[2])
@@ -169,43 +153,47 @@ def look_around(
         rounds: Written: x, y, vx, vy, radius with MARGIN [m, m/s], shape ``(n, 5)`` or wider.
         sides: Written: x0, y0, x1, y1 [m], shape ``(n, 4)``.
     """
-    x, y, frame = scene.pose[w, b, 0], scene.pose[w, b, 1], scene.bucket_frame
+    pose, frame, role, unobstructed, present = (
+        scene.pose[w],
+        scene.bucket_frame,
+        scene.role,
+        scene.unobstructed,
+        scene.present[w],
+    )
+    n_segments, n_discs = (
+        scene.segment_count[row_of(scene.segment_count, w)],
+        scene.disc_count[row_of(scene.disc_count, w)],
+    )
+    centroid, radius = scene.centroid[row_of(scene.centroid, w)], scene.radius[row_of(scene.radius, w)]
+    reach, segments, discs = scene.reach[row_of(scene.reach, w)], scene.segments[w], scene.discs[w]
+    x, y = pose[b, 0], pose[b, 1]
     n_nearby = find_nearby(x, y, sight + frame[2], frame, scene.bucket_first[w], scene.bucket_next[w], nearby)
     n_rounds, n_sides = 0, 0
     for k in range(n_nearby):
         q = nearby[k]
-        if is_far(scene, w, q, x, y, sight) or not is_seen(scene, w, b, q, target_roles):
+        dx, dy, far = pose[q, 0] - x, pose[q, 1] - y, sight + reach[q]
+        if dx * dx + dy * dy > far * far * SLACK or not is_seen(b, q, target_roles, role, unobstructed, present):
             continue
-        look = look_of(scene, w, q)
-        if look <= CHAIN:
-            continue
+        look = look_of(n_segments[q], n_discs[q], scene.solid[q], scene.movable[q])
         if look == STANDING:
-            if outline_distance_to(scene, w, q, x, y) < sight:
-                s, n, d, m = parts_of(scene, w, q)
-                n_sides = copy_sides(scene.segments[w], s, n, sides, n_sides)
-                n_rounds = copy_discs(scene.discs[w], d, m, rounds, n_rounds)
-            continue
-        cx, cy = centroid_of(scene, w, q)
-        if (x - cx) * (x - cx) + (y - cy) * (y - cy) < sight * sight:
-            rounds[n_rounds, 0], rounds[n_rounds, 1] = cx, cy
-            rounds[n_rounds, 2], rounds[n_rounds, 3] = scene.twist[w, q, 0], scene.twist[w, q, 1]
-            rounds[n_rounds, 4] = scene.radius[row_of(scene.radius, w), q] + MARGIN
-            n_rounds += 1
+            s, n, d, m = scene.segment_start[q], n_segments[q], scene.disc_start[q], n_discs[q]
+            if point_outline_distance(x, y, segments, s, n, discs, d, m, scene.solid[q]) < sight:
+                n_sides = copy_sides(segments, s, n, sides, n_sides)
+                n_rounds = copy_discs(discs, d, m, rounds, n_rounds)
+        if look == ROUND:
+            cx, cy = centroid_of(pose[q], centroid[q])
+            if (x - cx) * (x - cx) + (y - cy) * (y - cy) < sight * sight:
+                rounds[n_rounds, 0], rounds[n_rounds, 1] = cx, cy
+                rounds[n_rounds, 2], rounds[n_rounds, 3] = scene.twist[w, q, 0], scene.twist[w, q, 1]
+                rounds[n_rounds, 4] = radius[q] + MARGIN
+                n_rounds += 1
     for k in range(lines.shape[0]):
         q = lines[k]
-        if is_seen(scene, w, b, q, target_roles):
-            s, n = parts_of(scene, w, q)[:2]
-            n_sides = copy_sides(scene.segments[w], s, n, sides, n_sides)
-    if is_map_seen(scene, w, target_roles):
+        if is_seen(b, q, target_roles, role, unobstructed, present):
+            n_sides = copy_sides(segments, scene.segment_start[q], n_segments[q], sides, n_sides)
+    if is_map_seen(target_roles, scene.map_frame, role, present):
         n_sides = map_walls(x, y, sight, scene.map_frame, scene.map_squares, sides, n_sides)
     return n_rounds, n_sides
-
-
-@kernel
-def outline_distance_to(scene: Scene, w: int, q: int, x: float, y: float) -> float:
-    """Return the distance of a point from a body [m], 0 inside."""
-    s, n, d, m = parts_of(scene, w, q)
-    return float(point_outline_distance(x, y, scene.segments[w], s, n, scene.discs[w], d, m, scene.solid[q]))
 
 
 @kernel
