@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
@@ -87,16 +88,14 @@ def make_world(
     lidar: bool = True,
     plot: WorldPlot | None = None,
 ) -> World:
-    sizes = {
-        "world": n_worlds,
-        "body": len(bodies),
-        "segment": sum(len(body.outline.segments) for body in bodies),
-        "disc": sum(len(body.outline.discs) for body in bodies),
-        "waypoint": 1,
-        "bucket": 1,
-        "map_column": 1,
-        "map_row": 1,
-    }
+    sizes = defaultdict(  # any axis that a picture does not ask for has length 1
+        lambda: 1,
+        world=n_worlds,
+        body=len(bodies),
+        segment=sum(len(body.outline.segments) for body in bodies),
+        disc=sum(len(body.outline.discs) for body in bodies),
+        waypoint=1,
+    )
     model, state = WorldModel.allocate(sizes), WorldState.allocate(sizes)
     model.bounds[:], model.step_time[:] = bounds, 0.1
     model.goal_threshold[:] = 0.3
