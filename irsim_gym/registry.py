@@ -16,12 +16,10 @@ class Entry:
     Attributes:
         name: Its name in YAML.
         kind: The class; a frozen dataclass made by ``scenario.options.kind``.
-        planned: True for a kind whose options are known but which does not run yet.
     """
 
     name: str
     kind: type[Any]
-    planned: bool = False
 
 
 class Registry:
@@ -31,7 +29,7 @@ class Registry:
         self.family = family
         self._entries: dict[str, Entry] = {}
 
-    def register(self, name: str, kind: type[Any], *, planned: bool = False) -> None:
+    def register(self, name: str, kind: type[Any]) -> None:
         """Add a kind.
 
         Raises:
@@ -42,7 +40,7 @@ class Registry:
             raise IrsimGymError(
                 f"{self.family} '{name}' is registered twice: by {_path(known.kind)} and by {_path(kind)}"
             )
-        self._entries[name] = Entry(name, kind, planned)
+        self._entries[name] = Entry(name, kind)
 
     def entry(self, name: str) -> Entry:
         """Return what is registered under ``name``.
@@ -61,9 +59,9 @@ class Registry:
     def __iter__(self) -> Iterator[Entry]:
         return iter(self._entries.values())
 
-    def names(self, *, planned: bool = False) -> tuple[str, ...]:
-        """Return the names of the kinds that run; with ``planned`` the others as well."""
-        return tuple(entry.name for entry in self if planned or not entry.planned)
+    def names(self) -> tuple[str, ...]:
+        """Return the names of the kinds, in the order of their registration."""
+        return tuple(self._entries)
 
     def name_of(self, kind: type[Any]) -> str:
         """Return the YAML name of a registered class."""

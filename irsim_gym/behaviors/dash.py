@@ -36,7 +36,11 @@ class Dash:
         (10.0, 10.0, np.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
     )
     angle_tolerance: float = option(
-        0.1, ge=0.0, unit="rad", meaning="No turn while the bearing of the goal is smaller than this."
+        0.1,
+        ge=0.0,
+        unit="rad",
+        meaning="No turn while the bearing of the goal is smaller than this.",
+        consequence="Large: it passes its goal by.",
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:

@@ -41,10 +41,26 @@ class RandomPlacement:
         None, unit="m, m, rad", meaning="Upper bounds; by default the world drawn in by 0.5 m, and pi."
     )
     min_distance: float = option(
-        1.0, ge=0.0, unit="m", meaning="Least distance between the origins (and between the goals) of one entry."
+        1.0,
+        ge=0.0,
+        unit="m",
+        meaning="Least distance between the origins (and between the goals) of one entry.",
+        consequence="As clearance.",
     )
-    clearance: float = option(0.0, ge=0.0, unit="m", meaning="Surface distance kept from everything else.")
-    min_goal_distance: float = option(0.0, ge=0.0, unit="m", meaning="Least distance from start to goal.")
+    clearance: float = option(
+        0.0,
+        ge=0.0,
+        unit="m",
+        meaning="Surface distance kept from everything else.",
+        consequence="Large in a full world: levels take long to draw, or cannot be.",
+    )
+    min_goal_distance: float = option(
+        0.0,
+        ge=0.0,
+        unit="m",
+        meaning="Least distance from start to goal.",
+        consequence="Larger than the world: an error that names the body.",
+    )
     reachable: bool = option(
         False, meaning="Hand out only goals that a disc around the body can reach past the static bodies."
     )

@@ -22,7 +22,6 @@ def option(
     meaning: str,
     unit: str = "",
     consequence: str = "",
-    planned: bool = False,
     **bounds: Any,
 ) -> Any:
     """Declare one option.
@@ -32,11 +31,9 @@ def option(
         meaning: What the option does, one sentence.
         unit: SI unit without brackets, e.g. ``"m"``.
         consequence: What a bad value leads to, where validation cannot know.
-        planned: True for a key that is known but does not work yet; giving it another value than
-            its default is refused.
         **bounds: pydantic's constraints: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``allow_inf_nan``, ...
     """
-    extra: dict[str, Any] = {"unit": unit, "consequence": consequence, "planned": planned}
+    extra: dict[str, Any] = {"unit": unit, "consequence": consequence}
     return Field(default, description=meaning, json_schema_extra=extra, **bounds)
 
 

@@ -11,7 +11,6 @@ from irsim_gym.registry import Registry
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import ROLES, WRAPPER
 from irsim_gym.scenario.spec import BodyOptions, GuiSpec, WorldSpec
-from irsim_gym.scenario.validation import is_planned, option_fields
 
 Schema = dict[str, Any]
 
@@ -28,7 +27,7 @@ _TERMS = {"observations": families.OBSERVATIONS, "rewards": families.REWARDS, "e
 
 
 def json_schema() -> Schema:
-    """Return the JSON Schema of scenario files; what does not work yet is not in it."""
+    """Return the JSON Schema of scenario files."""
     families.load()
     definitions: Schema = {}
     sections = {
@@ -69,9 +68,6 @@ def _options(cls: type[Any], definitions: Schema) -> Schema:
     schema = TypeAdapter(cls).json_schema(ref_template=_REFERENCE)
     for name, nested in schema.pop("$defs", {}).items():
         definitions.setdefault(name, _with_expressions(nested))
-    for name, info in option_fields(cls).items():
-        if is_planned(info):
-            schema["properties"].pop(name, None)
     made: Schema = _with_expressions(schema)
     return made
 
@@ -83,7 +79,6 @@ def _with_expressions(schema: Any) -> Any:
     if not isinstance(schema, dict):
         return schema
     kept = {key: value for key, value in schema.items() if key not in ("unit", "consequence") or value != ""}
-    kept.pop("planned", None)
     if schema.get("type") in ("number", "integer"):
         numeric = ("type", "minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
         number = {key: kept.pop(key) for key in numeric if key in kept}
@@ -94,11 +89,9 @@ def _with_expressions(schema: Any) -> Any:
 
 
 def _named(registry: Registry, definitions: Schema, synonym: str = "", default: str = "") -> Schema:
-    """Return the choice between the kinds of a family that run."""
+    """Return the choice between the kinds of a family."""
     choices = []
     for entry in registry:
-        if entry.planned:
-            continue
         key = f"{registry.family}.{entry.name}".replace(" ", "_")
         schema = _options(entry.kind, definitions)
         name = {"const": entry.name, "description": "Which one."}

@@ -12,7 +12,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.scenario.messages import describe, show
 from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure, WorldPlot
 from irsim_gym.scenario.spec import BodyOptions, KeyboardSpec, MouseSpec, WorldSpec
-from irsim_gym.scenario.validation import is_planned, option_fields
+from irsim_gym.scenario.validation import option_fields
 
 MARKER = "<!-- Below: made by irsim-gym options, from the declarations. Do not edit. -->"
 SPECS: dict[str, type[Any]] = {
@@ -50,7 +50,6 @@ class OptionRow:
         allowed: Type and bounds.
         meaning: What it does.
         consequence: What a bad value leads to, where the check cannot know.
-        is_planned: True for a key that is known but does not work yet.
     """
 
     key: str
@@ -59,7 +58,6 @@ class OptionRow:
     allowed: str
     meaning: str
     consequence: str
-    is_planned: bool
 
 
 def option_rows(cls: type[Any]) -> tuple[OptionRow, ...]:
@@ -76,7 +74,7 @@ def option_rows(cls: type[Any]) -> tuple[OptionRow, ...]:
         default = "required" if info.is_required() else _default(info.default)
         allowed = ", ".join([ALLOWED.get(key, describe(info.annotation)), *bounds])
         texts = str(extra.get("unit", "")), allowed, str(info.description or ""), str(extra.get("consequence", ""))
-        rows.append(OptionRow(key, default, *texts, is_planned(info)))
+        rows.append(OptionRow(key, default, *texts))
     return tuple(rows)
 
 
@@ -98,8 +96,7 @@ def _sections() -> Iterator[tuple[str, type[Any]]]:
     yield from SPECS.items()
     for registry in families.every():
         for entry in registry:
-            remark = " (not supported yet)" if entry.planned else ""
-            yield f"{registry.family} {entry.name}{remark}", entry.kind
+            yield f"{registry.family} {entry.name}", entry.kind
 
 
 def markdown() -> str:
@@ -119,8 +116,7 @@ def _table(title: str, cls: type[Any]) -> str:
 
 
 def _cells(row: OptionRow) -> str:
-    meaning = row.meaning + (" Not supported yet." if row.is_planned else "")
-    cells = (f"`{row.key}`", row.default, row.unit, row.allowed, meaning, row.consequence)
+    cells = (f"`{row.key}`", row.default, row.unit, row.allowed, row.meaning, row.consequence)
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 

@@ -62,11 +62,6 @@ def option_fields(cls: type[Any]) -> dict[str, FieldInfo]:
     return dict(cls.__pydantic_fields__)
 
 
-def is_planned(info: FieldInfo) -> bool:
-    """Return whether an option is known but does not work yet."""
-    return isinstance(info.json_schema_extra, dict) and bool(info.json_schema_extra.get("planned"))
-
-
 def frozen(value: Any) -> Any:
     """Return plain data with tuples in place of lists."""
     return tuple(frozen(item) for item in value) if isinstance(value, list | tuple) else value
@@ -154,10 +149,6 @@ def read_field(info: FieldInfo, value: Any, place: Place, report: Report) -> Any
         result = _adapter(_Declared(info)).validate_python(ready)
     except ValidationError as error:
         _tell(error, info, ready, place, report)
-        return BAD
-    if is_planned(info) and result != info.default:
-        shown = "" if isinstance(result, tuple | Mapping) else f"{show(result)} "
-        report.add(place, f"{shown}is not supported yet")
         return BAD
     return result
 
@@ -281,9 +272,4 @@ def build_named(
         report.add((*place, key), f"{error}{extra}")
         return None
     contact = CONTACT_KEYS.get(family, ())
-    made = build(entry.kind, data, place, report, skip={"name", key}, contact=contact)
-    if entry.planned:
-        running = f"; supported: {', '.join(registry.names())}" if registry.names() else ""
-        report.add((*place, key), f"{family} '{name}' is not supported yet{running}")
-        return None
-    return made
+    return build(entry.kind, data, place, report, skip={"name", key}, contact=contact)

@@ -30,13 +30,31 @@ class Lidar2D:
 
     reading: ClassVar[str] = "ranges"
 
-    number: int = option(100, ge=1, le=100_000, meaning="Number of beams.")
-    angle_range: float = option(np.pi, ge=0.0, unit="rad", meaning="Angle between first and last beam; at most 2 pi.")
+    number: int = option(
+        100,
+        ge=1,
+        le=100_000,
+        meaning="Number of beams.",
+        consequence="Many: each step takes longer. Few: thin things slip between beams.",
+    )
+    angle_range: float = option(
+        np.pi,
+        ge=0.0,
+        unit="rad",
+        meaning="Angle between first and last beam; at most 2 pi.",
+        consequence="Degrees given for radians are a full turn.",
+    )
     range_min: float = option(0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this, and are not valid.")
     range_max: float = option(10.0, gt=0.0, unit="m", meaning="Farther things are not seen; a free beam reports this.")
     scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; reported only.")
     noise: bool = option(False, meaning="Add noise to ranges and directions; a beam that meets nothing stays free.")
-    std: float = option(0.2, ge=0.0, unit="m", meaning="Standard deviation of the range noise.")
+    std: float = option(
+        0.2,
+        ge=0.0,
+        unit="m",
+        meaning="Standard deviation of the range noise.",
+        consequence="As large as range_max, ranges say nothing.",
+    )
     angle_std: float = option(
         0.02, ge=0.0, unit="rad", meaning="With noise: deviation of the directions; reported angles stay as they were."
     )

@@ -197,7 +197,7 @@ DECISIONS = {
     ),
     "map_is_no_disc": Decision(
         "rvo and sfm see a map as one disc about its centroid, or not at all when that is far away",
-        "behaviours do not see the map",
+        "they see the borders of the occupied cells near them, as walls",
         "the disc covers the whole world, and who stands near its centre finds no way out",
         "defect 12",
     ),

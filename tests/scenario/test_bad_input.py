@@ -406,7 +406,7 @@ DRIVES = {
     ),
 }
 DRIVE = "robot:\n  kinematics: {name: diff}\n"
-PLANNED = {
+CONTACT = {
     "contact mode": (
         "world:\n  collision_mode: contact\n  gravity: 9.81",
         "2 world.collision_mode: contact mode is not part of the scenario language",
@@ -421,7 +421,7 @@ PLANNED = {
 }
 CASES = {
     f"{group}: {name}": case
-    for group, cases in (("world", WORLD), ("entry", ENTRIES), ("drive", DRIVES), ("planned", PLANNED))
+    for group, cases in (("world", WORLD), ("entry", ENTRIES), ("drive", DRIVES), ("contact", CONTACT))
     for name, case in cases.items()
 }
 

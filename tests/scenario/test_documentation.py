@@ -18,12 +18,6 @@ from irsim_gym.scenario import load_scenario
 def file(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     place = tmp_path / "example.yaml"
     place.write_text(EXAMPLES[request.param], encoding="utf-8")
-    try:
-        load_scenario(place)
-    except irsim_gym.errors.ScenarioError as error:
-        if "not supported yet" in str(error):
-            pytest.skip(str(error))
-        raise
     return place
 
 
