@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -92,3 +93,13 @@ def test_check_prints_notes_below_a_file_that_is_fine(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["check", str(file)])
     assert done.exit_code == 0
     assert f"{file}:2   world.step_time: 2 s is a long step" in done.output
+
+
+def test_the_page_names_each_difference(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The differences that tests/parity relies on are those that a user reads."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "parity"))
+    decisions = importlib.import_module("decisions").DECISIONS
+    page = PAGE.read_text(encoding="utf-8")
+    rows = [f"| `{name}` | {one.theirs} | {one.ours} | {one.why} |" for name, one in decisions.items()]
+    missing = [row for row in rows if row not in page]
+    assert not missing, "add to configs/README.md:\n" + "\n".join(missing)
