@@ -10,7 +10,17 @@ RADIUS, START, GOAL = 0.2, (1.0, 3.0), (5.0, 3.0)
 
 def worlds(*, per_world: frozenset[str]) -> tuple[WorldModel, WorldState]:
     """Return two worlds of 6 x 6 m: a robot, a wall with a way around it and a disc, absent from world 1."""
-    sizes = {"world": 2, "body": 3, "segment": 2, "disc": 1, "waypoint": 1, "bucket": 1, "map_column": 1, "map_row": 1}
+    sizes = {
+        "world": 2,
+        "body": 3,
+        "segment": 2,
+        "disc": 1,
+        "waypoint": 1,
+        "bucket": 1,
+        "map_column": 1,
+        "map_row": 1,
+        "map_box": 1,
+    }
     model, state = WorldModel.allocate(sizes, per_world=per_world), WorldState.allocate(sizes)
     model.bounds[:] = [0.0, 0.0, 6.0, 6.0]
     model.movable[0] = True

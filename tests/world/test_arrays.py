@@ -12,7 +12,17 @@ from irsim_gym.world.group import records
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
-SIZES = {"world": 3, "body": 2, "segment": 5, "disc": 1, "waypoint": 4, "bucket": 1, "map_column": 1, "map_row": 1}
+SIZES = {
+    "world": 3,
+    "body": 2,
+    "segment": 5,
+    "disc": 1,
+    "waypoint": 4,
+    "bucket": 1,
+    "map_column": 1,
+    "map_row": 1,
+    "map_box": 1,
+}
 
 
 @pytest.mark.parametrize("declared", [WorldModel, WorldState])
