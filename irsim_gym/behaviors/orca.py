@@ -32,7 +32,7 @@ class OrcaGroup:
     safe_radius: float = option(0.1, ge=0.0, unit="m", meaning="Distance added around each body.")
     maxSpeed: float | None = option(None, gt=0.0, unit="m/s", meaning="Greatest speed; by default the drive's.")  # noqa: N815
     sidestep: bool = option(
-        True, meaning="A body that others hold up wants to go to its right, so that none wait for each other for ever."
+        False, meaning="A body that others hold up wants to go to its right, so that none wait for each other for ever."
     )
 
     @staticmethod

@@ -71,7 +71,7 @@ def our_velocities(scene: Scene) -> np.ndarray:
         "state": [[*here, 0.0] for here in scene.position.tolist()],
         "goal": [[*goal, 0.0] for goal in scene.goal.tolist()],
         "vel_max": [scene.speed, 1.0],
-        "group_behavior": {"name": "orca", "safe_radius": SAFE, "sidestep": False, **scene.options},
+        "group_behavior": {"name": "orca", "safe_radius": SAFE, **scene.options},
     }
     walls = [("polygon", corners) for corners in scene.polygons] + [("linestring", points) for points in scene.lines]
     obstacles = [

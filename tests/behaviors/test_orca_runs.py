@@ -41,11 +41,12 @@ def test_two_that_meet_head_on_pass(drive: str) -> None:
 
 @pytest.mark.parametrize(("drive", "steps"), [("omni", 400), ("diff", 700)])
 def test_twenty_on_a_circle_change_places(drive: str, steps: int) -> None:
-    # IR-SIM's stand still in the middle for ever, as all wait for each other; ours do so without the side step.
+    # Without the side step all wait for each other in the middle for ever, as in IR-SIM.
     robot = {
         **crowd(drive, [], []),
         "number": 20,
         "distribution": {"name": "circle"},
+        "group_behavior": {**ORCA, "sidestep": True},
         "vel_max": [1, 1.5],
         "vel_min": [-1, -1.5],
     }
@@ -177,7 +178,7 @@ def test_a_free_run_is_ir_sims(drive: dict[str, Any], tmp_path: Path) -> None:
     # ir-sim's velocities are float32, and differences grow where many meet.
     states = [[1, 2, 0.1], [1, 5, 0.2], [1.2, 8, 0.3], [9, 1.5, 2.9], [8.8, 5.2, 3.0], [9, 8.1, -3.0]]
     goals = [[9, 8.5, 0], [9, 5.5, 0], [9, 1, 0], [1, 9, 0], [0.5, 4.7, 0], [1, 1.2, 0]]
-    group = {"name": "orca", "timeHorizon": 4.0, "sidestep": False}
+    group = {"name": "orca", "timeHorizon": 4.0}
     robots = {**crowd("diff", states, goals, vel_max=[1.2, 0.9]), "kinematics": drive, "group_behavior": group}
     sim, env = simulation(robots), theirs({"robot": [robots]}, tmp_path)
     gaps = []
@@ -200,7 +201,9 @@ def test_nobody_enters_an_obstacle_map(drive: str) -> None:
             cells[column][row] = 100
     states = [[1.5, y, 0.0] for y in (2.0, 4.0, 6.0, 8.0)] + [[8.5, y, np.pi] for y in (2.2, 4.2, 6.2, 8.2)]
     goals = [[8.5, 8.0, 0], [8.5, 5.9, 0], [8.5, 4.1, 0], [8.5, 2.0, 0]] + [[1.5, y, 0] for y in (8.2, 6.0, 4.0, 1.8)]
-    sim = simulation(crowd(drive, states, goals, vel_max=[1, 1.5], vel_min=[-1, -1.5]), obstacle_map=cells)
+    group = {**ORCA, "sidestep": True}
+    robots = crowd(drive, states, goals, vel_max=[1, 1.5], vel_min=[-1, -1.5], group_behavior=group)
+    sim = simulation(robots, obstacle_map=cells)
     start = sim.state.pose[0, :8, 0].copy()
     for _ in range(300):
         sim.step()

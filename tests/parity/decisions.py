@@ -135,12 +135,6 @@ DECISIONS = {
         "it does what it was told",
         "8.4",
     ),
-    "orca_sidestep": Decision(
-        "members that meet symmetrically wait for each other for ever",
-        "one whose plan is slower than a tenth of its speed wants to go to its right, unless `sidestep: false`",
-        "20 robots on a circle never changed places",
-        "8.4",
-    ),
     "field_of_view": Decision(
         "a body that is wider than the field of view is missed straight ahead",
         "bearing less half the width that it covers must lie within half the view",

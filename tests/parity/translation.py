@@ -42,9 +42,6 @@ def _translate_entry(entry: dict[str, Any], decisions: set[str]) -> None:
             entry["goal"] = list(NOWHERE)
     if entry.get("unobstructed"):
         decisions.add("unobstructed_is_symmetric")
-    for way in _mappings(entry.get("group_behavior")):
-        if way.pop("sidestep", True) and way["name"] == "orca":
-            decisions.add("orca_sidestep")
     for drive in _mappings(entry.get("kinematics")):
         frame = drive.pop("frame", "world")
         if drive.get("name") == "omni" and frame == "world":
