@@ -9,12 +9,12 @@ from irsim_gym.engine.parts import Parts
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.world.group import Shard
-from irsim_gym.world.model import ROBOT, WorldModel
+from irsim_gym.world.model import ROBOT, UNOBSTRUCTED, WorldModel
 from irsim_gym.world.state import WorldState
 
 
 def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, state: WorldState) -> None:
-    """Refuse a file that puts a robot into an obstacle that never moves.
+    """Refuse a file that puts a robot into an obstacle that never moves, where that would hold it for ever.
 
     Raises:
         ScenarioError: With the line of every such robot.
@@ -25,7 +25,7 @@ def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, s
     )
     robots = np.flatnonzero(given & model.movable & (model.role == ROBOT))
     walls = given & ~model.movable
-    if not len(robots) or not walls.any():
+    if not len(robots) or not walls.any() or model.collision_mode[0] == UNOBSTRUCTED:
         return
     shard = Shard(np.zeros(1, np.int64))
     state.pose[0] = model.start[0]

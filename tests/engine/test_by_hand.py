@@ -81,6 +81,17 @@ def test_starts_in_walls_may_be_allowed() -> None:
     ig.compile(scenario, check_starts=False)
 
 
+def test_a_start_in_a_wall_holds_nobody_where_collisions_do_not_count() -> None:
+    wall = {"shape": {"name": "rectangle", "length": 1, "width": 1}, "state": [1, 1, 0]}
+    world = {"collision_mode": "unobstructed"}
+    sim = ig.compile(ig.load_scenario({"world": world, "robot": DASH, "obstacle": wall}))
+    sim.reset()
+    before = sim.state.pose[0, 0].copy()
+    sim.step()
+    assert sim.state.collided[0].all()
+    assert (sim.state.pose[0, 0] != before).any()
+
+
 def test_nobody_learns_where_nothing_moves() -> None:
     with pytest.raises(ScenarioError, match=r"world\.step_mode: nothing moves by itself"):
         ig.make({"world": {"step_mode": "external"}, "robot": DASH})

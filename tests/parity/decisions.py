@@ -86,7 +86,7 @@ DECISIONS = {
     ),
     "blocked_start": Decision(
         "a robot may start inside an obstacle and is stuck at once",
-        "a given start inside a static obstacle is refused with its line",
+        "a given start inside a static obstacle is refused with its line, except in collision mode unobstructed",
         "such a run is over before it begins",
         "defect 23",
     ),
