@@ -9,9 +9,6 @@ from typing import Any
 
 import yaml
 
-import irsim_gym as ig
-from irsim_gym.errors import ScenarioError
-
 FOLDER = Path(__file__).parent / "scenarios"
 
 
@@ -34,17 +31,3 @@ def plan_of(case: dict[str, Any]) -> dict[str, Any]:
     """Return how a scenario is compared."""
     plan: dict[str, Any] = case.get("parity") or {}
     return plan
-
-
-def refused(name: str) -> bool:
-    """Return whether a scenario of this folder uses a kind that is not supported yet."""
-    return refused_scenario({key: value for key, value in case_of(name).items() if key != "parity"})
-
-
-def refused_scenario(scenario: dict[str, Any]) -> bool:
-    """Return whether a scenario uses a kind that is not supported yet."""
-    try:
-        ig.load_scenario(scenario)
-    except ScenarioError as error:
-        return "not supported yet" in str(error)
-    return False

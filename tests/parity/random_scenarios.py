@@ -123,7 +123,10 @@ def behaviors(draw: Any, drive: str) -> dict[str, Any] | None:
     name = draw(st.sampled_from([None, *fit]))
     if name is None:
         return None
-    behavior: dict[str, Any] = {"name": name, "loop": draw(st.booleans())}
+    behavior: dict[str, Any] = {"name": name, "loop": draw(st.booleans()), "wander": draw(st.integers(0, 5)) == 0}
+    if behavior["wander"]:
+        behavior["range_low"], behavior["range_high"] = [2, 2, -3], [8, 8, 3]
+        behavior["loop"] = False
     if name == "dash" and draw(st.booleans()):
         behavior["angle_tolerance"] = draw(number(0, 0.5))
     if name == "rvo":
@@ -133,6 +136,34 @@ def behaviors(draw: Any, drive: str) -> dict[str, Any] | None:
         behavior["target_roles"] = draw(st.sampled_from(["all", "robot", "obstacle"]))
         behavior["neighbor_threshold"] = draw(st.sampled_from([3.0, 6.0]))
     return behavior
+
+
+@st.composite
+def parties(draw: Any) -> dict[str, Any]:
+    """Robots that decide together."""
+    count, drive = draw(st.integers(2, 3)), draw(st.sampled_from(["diff", "body"]))
+    name = draw(st.sampled_from(GROUP_BEHAVIORS))
+    way: dict[str, Any] = {"name": name}
+    if name == "orca":
+        way |= {
+            "timeHorizon": draw(st.sampled_from([20.0, 4.0])),
+            "maxNeighbors": draw(st.integers(1, 4)),
+        }
+    elif count == 3 and draw(st.booleans()):
+        way["social_groups"] = [[0, 1]]
+    return {
+        "number": count,
+        "kinematics": {"name": "diff"} if drive == "diff" else {"name": "omni", "frame": "body"},
+        "shape": {"name": "circle", "radius": draw(number(0.1, 0.4))},
+        "state": draw(st.lists(POSE, min_size=count, max_size=count, unique_by=lambda pose: tuple(pose[:2]))),
+        "goal": draw(st.lists(POSE, min_size=count, max_size=count)),
+        "velocity": draw(vector(2, 0.1, 0.6)),
+        "vel_max": draw(vector(2, 0.5, 2)),
+        "group_behavior": way,
+    }
+
+
+PICTURE = ["########", "#   #  #", "#      #", "# ##   #", "#      #", "#    ###", "#      #", "########"]
 
 
 @st.composite
@@ -173,5 +204,25 @@ def cases(draw: Any) -> dict[str, Any]:
     entries = [*robots, *obstacles]
     for b in driven:
         entries[b].pop("behavior", None)
-    plan = {"steps": draw(st.integers(2, 5)), "actions": dict.fromkeys(driven, "random"), "ties": 100}
+    plan: dict[str, Any] = {"steps": draw(st.integers(2, 5)), "actions": dict.fromkeys(driven, "random"), "ties": 1.0}
+    company = draw(st.sampled_from([None, None, None, "party", "map"]))
+    if company == "party" and not ghosts:
+        obstacles.append(add_party(draw(parties()), [*robots, *obstacles]))
+    elif company == "map":
+        plan["map"] = PICTURE
+        for body in (*robots, *obstacles):  # who looks around sees a map otherwise here (decision map_is_no_disc)
+            if (body.get("behavior") or {"name": "dash"})["name"] != "dash":
+                body["behavior"] = {"name": "dash"}
+    if any((body.get("behavior") or {}).get("wander") for body in (*robots, *obstacles)):
+        plan["random_placement"] = True
     return {"world": world, "robot": robots, "obstacle": obstacles, "parity": plan}
+
+
+def add_party(party: dict[str, Any], others: list[dict[str, Any]]) -> dict[str, Any]:
+    """Make others such that a party sees them alike: orca avoids what stands (decision ``orca_walls``)."""
+    for body in others:
+        if party["group_behavior"]["name"] == "sfm":
+            show_alike(body)
+        else:
+            body.setdefault("kinematics", {"name": "diff"})
+    return party

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from cases import refused_scenario
 from ours import build
 
 GOLDEN = yaml.safe_load(
@@ -94,8 +93,6 @@ obstacle:
 @pytest.mark.parametrize("name", list(GOLDEN))
 def test_states_and_velocities_are_those_recorded(name: str) -> None:
     golden: dict[str, Any] = GOLDEN[name]
-    if refused_scenario(golden["scenario"]):
-        pytest.skip("not supported yet")
     sim = build(golden["scenario"])
     for pose, velocity in golden["rows"]:
         sim.step()

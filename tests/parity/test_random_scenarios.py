@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from harness import Pair, Report
+from harness import Pair, Report, scenario_of
 from hypothesis import HealthCheck, Phase, given, settings
 from ir_sim import IrSim
 from random_scenarios import cases
@@ -35,7 +35,7 @@ def compare(case: dict[str, Any], folder: Path) -> Report:
 
 def check_blocked_start(case: dict[str, Any], folder: Path) -> None:
     """Decision ``blocked_start``: in ir-sim the robot touches a static obstacle from the start."""
-    reference = IrSim(to_ir_sim({key: value for key, value in case.items() if key != "parity"}, set()), folder)
+    reference = IrSim(to_ir_sim(scenario_of(case, folder), set()), folder)
     reference.env._objects_check_status()
     assert any(one.collision_flag and one.role == "robot" for one in reference.objects)
 
