@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from irsim_gym.cli_tools import import_modules, print_options
 from irsim_gym.errors import IrsimGymError
 
 app = typer.Typer(
@@ -28,6 +29,16 @@ Steps = Annotated[
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of networks, exploration and training levels.")]
 Reference = Annotated[str, typer.Option(help="random, dash, a run's folder or a policy.zip.")]
+Imports = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--import",
+        callback=import_modules,
+        is_eager=True,
+        metavar="MODULE|FILE.py",
+        help="Imported first, e.g. to register behaviours of your own; may be repeated.",
+    ),
+]
 
 
 @app.command("list")
@@ -44,10 +55,14 @@ def list_shipped() -> None:
 
 
 @app.command()
-def check(files: Annotated[list[str], typer.Argument(help="Scenario files or shipped names.")]) -> None:
+def check(
+    files: Annotated[list[str], typer.Argument(help="Scenario files or shipped names.")],
+    modules: Imports = None,
+) -> None:
     """Check scenario files and their tasks, and draw a level of each; print every problem with its line.
 
-    Below a file that is fine stand notes on values that are allowed but seldom meant.
+    Below a file that is fine stand notes on values that are allowed but seldom meant. The exit status is 1 if a file
+    cannot be used; notes leave it at 0.
     """
     from irsim_gym.scenario import load_scenario
     from irsim_gym.scenario.notes import notes
@@ -68,25 +83,32 @@ def check(files: Annotated[list[str], typer.Argument(help="Scenario files or shi
         learned = f"task '{task.name}'" if task is not None else "no robot to learn"
         obstacles = len(scenario.bodies) - robots
         print(f"{file}: fine (robots: {robots}, obstacles: {obstacles}, {learned})")
-        for note in notes(scenario):
+        found = notes(scenario)
+        for note in found:
             print(f"  {file}:{note.line}   {note.path}: {note.message}")
+        if found:
+            print("  (notes only: the file can be used, and the exit status stays 0)")
     if failed:
         raise typer.Exit(1)
 
 
 @app.command()
 def options(
-    page: Annotated[
-        Path | None, typer.Argument(help="Markdown file whose tables are made anew (default: print).")
+    name: Annotated[
+        str | None,
+        typer.Argument(help="Section or kind such as world or rvo, or a Markdown file whose tables are made anew."),
     ] = None,
+    modules: Imports = None,
 ) -> None:
-    """Write the reference of all options, or make the tables of a page such as configs/README.md anew."""
+    """Write the reference of all options, show those of one kind, or renew a page such as configs/README.md."""
     from irsim_gym.scenario.tables import markdown, rewritten
 
-    if page is None:
+    if name is None:
         print(markdown())
-    else:
+    elif (page := Path(name)).suffix == ".md" and page.is_file():
         page.write_text(rewritten(page.read_text(encoding="utf-8")), encoding="utf-8")
+    else:
+        print_options(name)
 
 
 @app.command()
@@ -110,6 +132,7 @@ def train(
     hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in place of the shipped one.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
     dev_levels: Annotated[int, typer.Option(min=0, help="dev levels per checkpoint afterwards; 0 scores none.")] = 1000,
+    modules: Imports = None,
 ) -> None:
     """Train an agent, then score its checkpoints. Ctrl-C leaves a checkpoint for --resume."""
     from irsim_gym.training.commands import run_training
@@ -126,6 +149,7 @@ def evaluate(
     task: Task = None,
     out: Annotated[Path | None, typer.Option(help="Folder for episodes.csv, summary.json, table.txt.")] = None,
     references: Annotated[bool, typer.Option(help="Add the rows random and dash.")] = True,
+    modules: Imports = None,
 ) -> None:
     """Drive policies through levels they never saw, beside random and dash."""
     from irsim_gym.training.commands import run_evaluation
@@ -141,6 +165,7 @@ def record(
     split: Split = "test",
     task: Task = None,
     out: Annotated[Path, typer.Option(help="Film to write, .mp4 or .gif.")] = Path("runs/film.mp4"),
+    modules: Imports = None,
 ) -> None:
     """Film policies on the same levels, side by side."""
     from irsim_gym.training.record import record_film
@@ -170,6 +195,7 @@ def rollout(
     split: Split = "dev",
     task: Task = None,
     frames: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
+    modules: Imports = None,
 ) -> None:
     """Drive a policy through a few levels and print how they ended."""
     from irsim_gym.training.commands import run_rollout
@@ -185,6 +211,7 @@ def run_by_itself(
     ] = 500,
     seed: Annotated[int, typer.Option(min=0, help="Which level is drawn.")] = 0,
     film: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
+    modules: Imports = None,
 ) -> None:
     """Run a file without learning, driven by its own behaviours, and print how its robots stand at the end."""
     from irsim_gym.live import load
@@ -210,6 +237,7 @@ def draw(
     split: Split = "dev",
     task: Task = None,
     out: Annotated[Path | None, typer.Option(help="PNG file (default: SCENARIO.png).")] = None,
+    modules: Imports = None,
 ) -> None:
     """Draw the start of a level."""
     from irsim_gym.training.commands import draw_level
@@ -220,6 +248,7 @@ def draw(
 @app.command()
 def warmup(
     scenarios: Annotated[list[str] | None, typer.Argument(help="Scenarios (default: all that are shipped).")] = None,
+    modules: Imports = None,
 ) -> None:
     """Compile the kernels of scenarios, so that later commands start at once."""
     from irsim_gym.training.commands import compile_scenarios
@@ -243,7 +272,7 @@ def _guarded(command: typer.Typer) -> None:
     try:
         command()
     except IrsimGymError as error:
-        print(error, file=sys.stderr)
+        print(error, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
         sys.exit(128 + error.signal if hasattr(error, "signal") else 1)
 
 

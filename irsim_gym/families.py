@@ -6,9 +6,11 @@ import importlib
 
 from irsim_gym.registry import Registry
 
+_OWN = "; your own is registered by @irsim_gym.{}, on the command line from --import FILE.py"
+
 KINEMATICS = Registry("kinematics")
-BEHAVIORS = Registry("behavior")
-GROUP_BEHAVIORS = Registry("group behavior")
+BEHAVIORS = Registry("behavior", _OWN.format("behavior"))
+GROUP_BEHAVIORS = Registry("group behavior", _OWN.format("group_behavior"))
 FOOTPRINTS = Registry("shape")
 PLACEMENTS = Registry("distribution")
 SENSORS = Registry("sensor")

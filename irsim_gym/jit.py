@@ -20,7 +20,7 @@ from numba.core import event
 config: Any = numba_config
 PACKAGE = Path(__file__).parent
 KEPT_FOLDERS = 4
-WITHOUT_KERNELS = {"scenario", "envs", "evaluation", "training", "render", "cli.py", "__init__.py"}
+WITHOUT_KERNELS = {"scenario", "envs", "evaluation", "training", "render", "live", "__init__.py"}
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -96,7 +96,7 @@ def source_digest() -> str:
     digest = hashlib.blake2b(digest_size=8)
     for file in sorted(PACKAGE.rglob("*.py")):
         place = file.relative_to(PACKAGE)
-        if place.parts[0] not in WITHOUT_KERNELS:
+        if place.parts[0] not in WITHOUT_KERNELS and not place.parts[0].startswith("cli"):
             digest.update(place.as_posix().encode())
             digest.update(file.read_bytes())
     return digest.hexdigest()
@@ -126,7 +126,9 @@ class _CompileNote(event.Listener):
         if self.said or not event.data["dispatcher"].py_func.__module__.startswith("irsim_gym"):
             return
         self.said = True
-        print("irsim_gym: compiling kernels for this machine (first use only, some seconds) ...", file=sys.stderr)
+        print(
+            "irsim_gym: compiling kernels for this machine (half a minute or so, first use only) ...", file=sys.stderr
+        )
 
     def on_end(self, event: event.Event) -> None:
         pass

@@ -23,10 +23,16 @@ class Entry:
 
 
 class Registry:
-    """The kinds of one family, by their YAML names."""
+    """The kinds of one family, by their YAML names.
 
-    def __init__(self, family: str) -> None:
+    Args:
+        family: What they are, in messages.
+        advice: What to do about a name that is missing because nobody has registered it yet.
+    """
+
+    def __init__(self, family: str, advice: str = "") -> None:
         self.family = family
+        self._advice = advice
         self._entries: dict[str, Entry] = {}
 
     def register(self, name: str, kind: type[Any]) -> None:
@@ -51,7 +57,8 @@ class Registry:
         try:
             return self._entries[name]
         except KeyError:
-            raise UnknownNameError(f"no {self.family} named '{name}'{suggestion(name, self._entries)}") from None
+            near = suggestion(name, self._entries)
+            raise UnknownNameError(f"no {self.family} named '{name}'{near}{self._advice}") from None
 
     def __contains__(self, name: str) -> bool:
         return name in self._entries

@@ -84,4 +84,5 @@ def test_the_first_compilation_is_announced_once(tmp_path: Path) -> None:
     script = "from irsim_gym import rng; import numpy as np; rng.mix(np.uint64(1)); rng.later_level(1, 2)"
     done = run(["-c", script], NUMBA_CACHE_DIR=str(tmp_path))
     assert done.stderr.count("compiling kernels") == 1
+    assert "(half a minute or so, first use only)" in done.stderr
     assert "compiling" not in run(["-c", script], NUMBA_CACHE_DIR=str(tmp_path)).stderr

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
@@ -60,8 +61,9 @@ class PythonBehavior:
                 role = ROLES[group.params["target_roles"][k]]
                 seen = others(group, model, state, int(w), group.members[k : k + 1], role)
                 ego = ego_view(group, model, state, int(w), int(b))
-                answer = group.kind.function(ego, seen, **group.kind.own_options(group.options[k]))
-                write_command(group, model, int(b), answer, state.command[w, b])
+                with _told(group, f"'{ego.name}'", state, int(w)):
+                    answer = group.kind.function(ego, seen, **group.kind.own_options(group.options[k]))
+                    write_command(group, model, int(b), answer, state.command[w, b])
 
 
 @kind
@@ -82,12 +84,24 @@ class PythonGroupBehavior:
             here = model.present[w, group.members]
             members = [ego_view(group, model, state, int(w), int(b)) for b in group.members[here]]
             seen = others(group, model, state, int(w), group.members, -1)
-            answers = group.kind.function(members, seen, **group.kind.own_options(group.options[0]))
-            commands = _one_each(group, members, answers)
-            for ego, answer, decides in zip(members, commands, group.arrays["decides"][here], strict=True):
-                if decides:
-                    state.command[w, ego.id] = 0.0
-                    write_command(group, model, ego.id, answer, state.command[w, ego.id])
+            with _told(group, f"the group of '{name_of(group, int(group.members[0]))}'", state, int(w)):
+                answers = group.kind.function(members, seen, **group.kind.own_options(group.options[0]))
+                commands = _one_each(group, members, answers)
+                for ego, answer, decides in zip(members, commands, group.arrays["decides"][here], strict=True):
+                    if decides:
+                        state.command[w, ego.id] = 0.0
+                        write_command(group, model, ego.id, answer, state.command[w, ego.id])
+
+
+@contextmanager
+def _told(group: Group, whose: str, state: WorldState, world: int) -> Iterator[None]:
+    """Add to any error of a function for which body, and when, it was called."""
+    try:
+        yield
+    except Exception as error:
+        step = int(state.step[world]) + 1
+        error.add_note(f"in behavior '{group.kind.behavior_name}' for {whose}, step {step} of world {world}")
+        raise
 
 
 def behavior(name: str, *, kinematics: Sequence[str] | None = None) -> Callable[[F], F]:

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from irsim_gym import cli
+from irsim_gym import cli, families
+from irsim_gym.scenario.tables import MARKER
 
 BROKEN = "world: {height: 10, step_tme: 0.1}\nrobot: {shape: {name: circle, radius: -1}}\n"
 
@@ -134,3 +135,92 @@ def test_scripts_are_the_commands(name: str) -> None:
     found = subprocess.run([sys.executable, str(script), "--help"], capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stderr
     assert "scenario" in found.stdout.lower()
+
+
+OWN = """
+import irsim_gym
+
+@irsim_gym.behavior("ahead_by_{stem}")
+def ahead(ego, others, *, speed: float = 1.0):
+    return [speed, 0.0] if ego.pose[0] < 0.25 else [1 / 0, 0.0]
+"""
+
+
+@pytest.mark.parametrize(("stem", "suffix"), [("own_file", ".py"), ("own_module", "")])
+def test_behaviours_of_ones_own(
+    stem: str, suffix: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    families.load()
+    monkeypatch.setattr(families.BEHAVIORS, "_entries", dict(families.BEHAVIORS._entries))
+    Path(f"{stem}.py").write_text(OWN.format(stem=stem))
+    Path("yard.yaml").write_text(
+        f"robot: {{kinematics: {{name: diff}}, goal: [9, 0], behavior: {{name: ahead_by_{stem}}}}}\n"
+    )
+    assert run(monkeypatch, "check", "yard.yaml") == 1
+    assert "--import FILE.py" in capsys.readouterr().err
+    for command in (["check", "yard.yaml"], ["run", "yard.yaml", "--steps", 2], ["options", f"ahead_by_{stem}"]):
+        assert run(monkeypatch, *command, "--import", stem + suffix) == 0
+    said = capsys.readouterr().out
+    assert "robot_0: under way at (0.20, 0.00, 0.00)" in said
+    assert "speed" in said
+    with pytest.raises(ZeroDivisionError) as caught:
+        run(monkeypatch, "run", "yard.yaml", "--import", stem + suffix)
+    assert caught.value.__notes__ == [f"in behavior 'ahead_by_{stem}' for 'robot_0', step 4 of world 0"]
+    del sys.modules[stem]
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("nowhere.py", "no file"),
+        ("nowhere", "no module named 'nowhere' here or installed; a file is given with its suffix"),
+        ("json.py", "another module named 'json' is loaded already: rename json.py"),
+    ],
+)
+def test_imports_that_cannot_be(
+    name: str, said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    Path("json.py").write_text("")
+    assert run(monkeypatch, "check", "empty_goal", "--import", name) == 1
+    assert said in capsys.readouterr().err
+
+
+def test_what_an_imported_module_misses_is_not_hidden(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    for name in ("own_one.py", "own_two.py"):
+        Path(name).write_text("import nowhere_at_all\n")
+    for name in ("own_one", "own_two.py"):
+        with pytest.raises(ModuleNotFoundError, match="nowhere_at_all"):
+            run(monkeypatch, "check", "empty_goal", "--import", name)
+
+
+def test_options_of_one_kind(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert run(monkeypatch, "options", "rvo") == 0
+    assert "neighbor_threshold" in capsys.readouterr().out
+    assert run(monkeypatch, "options", "robot") == 0
+    assert "goal_threshold" in capsys.readouterr().out
+    assert run(monkeypatch, "options", "rov") == 1
+    assert "named 'rov' (did you mean 'rvo'?)" in capsys.readouterr().err
+    page = tmp_path / "page.md"
+    page.write_text(f"head\n{MARKER}\nold\n")
+    assert run(monkeypatch, "options", page) == 0
+    assert page.read_text().startswith("head\n")
+    assert "### behavior rvo" in page.read_text()
+    assert run(monkeypatch, "options", tmp_path / "none.md") == 1
+    assert "no section, kind or Markdown file" in capsys.readouterr().err
+
+
+def test_notes_leave_the_exit_status(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "odd.yaml"
+    file.write_text("world: {step_time: 2.0}\nrobot: {kinematics: {name: diff}, goal: [9, 0]}\n")
+    assert run(monkeypatch, "check", file) == 0
+    assert "the exit status stays 0" in capsys.readouterr().out

@@ -248,3 +248,35 @@ def test_a_wrong_command_of_a_group_names_its_member() -> None:
     sim = simulation({**OMNI, "number": 2, "state": [[1, 1], [3, 1]], "group_behavior": {"name": "rally"}})
     with pytest.raises(BehaviorError, match="'rally' must return 2 finite numbers for 'robot_1'"):
         sim.step()
+
+
+def test_an_error_of_the_function_tells_behaviour_body_and_step() -> None:
+    def own(ego: EgoView, others: list[BodyView]) -> Any:
+        ego.memory["calls"] = ego.memory.get("calls", 0) + 1
+        return [0.0, 0.0] if ego.id == 0 or ego.memory["calls"] < 3 else [1.0 / 0.0, 0.0]
+
+    register(own)
+    sim = simulation({**OMNI, "number": 2, "state": [[1, 1], [1, 3]], "behavior": {"name": "own"}}, n_worlds=2)
+    sim.step()
+    sim.step()
+    with pytest.raises(ZeroDivisionError) as caught:
+        sim.step()
+    assert caught.value.__notes__ == ["in behavior 'own' for 'robot_1', step 3 of world 0"]
+    assert caught.traceback[-1].name == "own"
+
+
+def test_an_error_of_a_group_tells_behaviour_and_step() -> None:
+    @ig.group_behavior("own")
+    def own(members: list[EgoView], others: list[BodyView]) -> Any:
+        raise KeyError("lost")
+
+    sim = simulation({**OMNI, "number": 2, "state": [[1, 1], [1, 3]], "group_behavior": {"name": "own"}})
+    with pytest.raises(KeyError, match="lost") as caught:
+        sim.step()
+    assert caught.value.__notes__ == ["in behavior 'own' for the group of 'robot_0', step 1 of world 0"]
+
+
+@pytest.mark.parametrize("key", ["behavior", "group_behavior"])
+def test_an_unknown_behaviour_tells_how_to_register_one(key: str) -> None:
+    with pytest.raises(ScenarioError, match=rf"registered by @irsim_gym\.{key}, on the command line from --import"):
+        simulation({**OMNI, key: {"name": "mine"}})

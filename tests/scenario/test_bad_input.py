@@ -141,7 +141,8 @@ ENTRIES = {
     ),
     "behaviour": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {name: dsh}",
-        "3 robot.behavior.name: no behavior named 'dsh' (did you mean 'dash'?)",
+        "3 robot.behavior.name: no behavior named 'dsh' (did you mean 'dash'?); your own is registered by "
+        "@irsim_gym.behavior, on the command line from --import FILE.py",
     ),
     "behaviour without name": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {wander: true}",

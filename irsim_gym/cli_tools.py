@@ -1,0 +1,95 @@
+"""What several commands need: modules of the user's own, and option tables on the screen."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from irsim_gym.errors import IrsimGymError, suggestion
+
+
+def import_modules(names: Sequence[str] | None) -> None:
+    """Import modules, such as those that register behaviours.
+
+    Args:
+        names: Each the path of a ``.py`` file, or the dotted name of a module that is here or installed.
+
+    Raises:
+        IrsimGymError: There is no such file or module.
+    """
+    for name in names or ():
+        if name.endswith(".py"):
+            _import_file(Path(name).resolve())
+        else:
+            _import_module(name)
+
+
+def _import_module(name: str) -> None:
+    _search(Path.cwd())
+    try:
+        importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        if error.name is None or not f"{name}.".startswith(f"{error.name}."):
+            raise  # the module is there, but something that it imports is not
+        raise IrsimGymError(
+            f"--import: no module named '{name}' here or installed; a file is given with its suffix, .py"
+        ) from None
+
+
+def _import_file(file: Path) -> None:
+    if not file.is_file():
+        raise IrsimGymError(f"--import: no file {file}")
+    known = sys.modules.get(file.stem)
+    if known is not None:
+        if getattr(known, "__file__", None) == str(file):
+            return
+        raise IrsimGymError(f"--import: another module named '{file.stem}' is loaded already: rename {file.name}")
+    _search(file.parent)
+    spec = importlib.util.spec_from_file_location(file.stem, file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[file.stem] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[file.stem]
+        raise
+
+
+def _search(folder: Path) -> None:
+    """Let modules of a folder be found, those of a file's neighbours too."""
+    if str(folder) not in sys.path:
+        sys.path.insert(0, str(folder))
+
+
+def print_options(name: str) -> None:
+    """Print the options of a section or kind as tables, e.g. of ``world``, ``rvo`` or ``behavior rvo``.
+
+    Raises:
+        IrsimGymError: There is neither; the message offers the nearest name.
+    """
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    from irsim_gym.scenario.tables import option_tables
+
+    tables = dict(option_tables())
+    names = {title: {title, title.rsplit(" ", 1)[-1], *title.split(", ")} for title in tables}
+    chosen = [title for title, known in names.items() if name in known]
+    if not chosen:
+        near = suggestion(name, sorted(set().union(*names.values())))
+        raise IrsimGymError(f"no section, kind or Markdown file named '{name}'{near}; `irsim-gym options` prints all")
+    console = Console()
+    for title in chosen:
+        table = Table(title=title, title_justify="left")
+        for head in ("key", "default", "allowed", "meaning"):
+            table.add_column(Text(head), no_wrap=head == "key", ratio=2 if head == "meaning" else None)
+        for row in tables[title]:
+            default = f"{row.default} {row.unit and f'[{row.unit}]'}".strip()
+            table.add_row(*map(Text, (row.key, default, row.allowed, f"{row.meaning} {row.consequence}")))
+        console.print(table if tables[title] else f"{title}: no options", markup=False, highlight=False)
