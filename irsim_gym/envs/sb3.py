@@ -41,7 +41,7 @@ def make_vec_env(
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
         num_threads: Threads that share the worlds.
-        render_mode: ``"rgb_array"`` or None; costs nothing until ``render`` is called.
+        render_mode: ``"rgb_array"`` or None; a frame is drawn only where ``render`` is called.
     """
     env = WorldVecEnv(
         Worlds(
@@ -105,7 +105,7 @@ class WorldVecEnv(VecEnv):
         if not self._all_begun or self._actions is None:
             raise ResetNeeded("call reset() and step_async() before step_wait()")
         worlds = self.worlds
-        worlds.episodes.step(self._actions)
+        worlds.step(self._actions)
         self._actions = None
         view = worlds.episodes.view
         rewards = view.reward[:, 0].astype(np.float32)

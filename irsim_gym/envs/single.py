@@ -72,7 +72,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         if rows.shape != self._shape:
             raise ValueError(f"an action must have shape {self._shape}, got {rows.shape}")
         worlds = self.worlds
-        worlds.episodes.step(rows.reshape(self._batch))
+        worlds.step(rows.reshape(self._batch))
         view = worlds.episodes.view
         terminated, truncated = view.terminated.item(0), view.truncated.item(0)
         self._going = not (terminated or truncated)

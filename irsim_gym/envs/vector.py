@@ -128,7 +128,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
                 worlds = np.flatnonzero(self._ended).tolist()
                 raise AssertionError(f"worlds {worlds} have ended: reset them with options['reset_mask']")
             return self._step_next(rows)
-        self.worlds.episodes.step(rows)
+        self.worlds.step(rows)
         return self._transition()
 
     def _step_next(self, rows: NDArray[Any]) -> Step:
@@ -136,7 +136,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         restarted = np.flatnonzero(self._ended)
         going = np.flatnonzero(~self._ended)
         if going.size:
-            self.worlds.episodes.step(rows, going)
+            self.worlds.step(rows, going)
         self.worlds.begin_next(restarted)
         _, rewards, terminations, truncations, _ = step = self._transition()
         rewards[restarted] = 0.0
@@ -146,7 +146,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
     def _step_same(self, rows: NDArray[Any]) -> Step:
         """Step all worlds and restart those that end."""
         worlds = self.worlds
-        worlds.episodes.step(rows)
+        worlds.step(rows)
         rewards, terminations, truncations = self._results()
         ended = terminations | truncations
         infos: dict[str, Any] = {}

@@ -14,8 +14,10 @@ from irsim_gym.engine import compile
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
 from irsim_gym.errors import UnknownNameError, suggestion
 from irsim_gym.scenario import Scenario, load_scenario
+from irsim_gym.scenario.plot_spec import trailing
 from irsim_gym.tasks import Episodes, Outcome, load_task
 from irsim_gym.tasks.levels import check_split
+from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
     from irsim_gym.render import Renderer
@@ -36,7 +38,7 @@ class Worlds:
         max_steps: Time limit [steps]; None for the task's.
         outer_limit: Another time limit [steps], which counts when it is smaller; None or -1 for none.
         num_threads: Threads that share the worlds.
-        render_mode: ``"rgb_array"`` or None.
+        render_mode: ``"rgb_array"`` or None; with it each step notes the poses of bodies whose paths are drawn.
     """
 
     def __init__(
@@ -71,6 +73,10 @@ class Worlds:
         self.begun: Flags = np.zeros(n_worlds, np.bool_)
         self._splits = ["train"] * n_worlds
         self._renderer: Renderer | None = None
+        self._trails: Trails | None = None
+        if render_mode is not None:
+            followed = trailing(self.scenario.bodies, self.simulation.agents.tolist())
+            self._trails = Trails(np.array(followed, np.int64), n_worlds)
 
     @property
     def render_fps(self) -> float:
@@ -115,13 +121,30 @@ class Worlds:
         if following:
             self.episodes.begin_next(np.array(following, np.int64))
         self.begun[list(worlds)] = True
-        self.forget_trails(worlds)
+        self._begin_trails(np.array(worlds, np.int64))
 
     def begin_next(self, worlds: Ints) -> None:
         """Begin the next level of the chain in worlds whose episodes have ended."""
         self.episodes.begin_next(worlds)
-        if self._renderer is not None:
-            self.forget_trails(worlds)
+        self._begin_trails(worlds)
+
+    def step(self, actions: NDArray[Any], worlds: Ints | None = None) -> None:
+        """Advance the given worlds, or all, by one step, see ``Episodes.step``; with a render mode, note the paths."""
+        self.episodes.step(actions, worlds)
+        self._note_trails(worlds)
+
+    def _begin_trails(self, worlds: Ints) -> None:
+        if self._trails is not None:
+            self._trails.clear(worlds)
+            self._note_trails(worlds)
+
+    def _note_trails(self, worlds: Ints | None) -> None:
+        if self._trails is not None:
+            state = self.simulation.state
+            if worlds is None:
+                self._trails.record(np.arange(self.n_worlds), state.step, state.pose)
+            else:
+                self._trails.record(worlds, state.step[worlds], state.pose[worlds])
 
     def observation(self) -> Observation:
         """Return a fresh copy of all observations, ``(n_worlds, n_features)`` or a dict of such arrays."""
@@ -177,17 +200,11 @@ class Worlds:
 
             simulation = self.simulation
             parts = simulation.model, simulation.state, simulation.sensors
-            self._renderer = Renderer(self.scenario, *parts, learners=simulation.agents.tolist())
+            self._renderer = Renderer(self.scenario, *parts, learners=simulation.agents.tolist(), trails=self._trails)
         return self._renderer.frame(w, self._status(w))
 
     def _status(self, w: int) -> str:
         return Outcome(self.episodes.view.infos["outcome"].item(w)).name.lower()
-
-    def forget_trails(self, worlds: Sequence[int] | Ints) -> None:
-        """Clear the trails drawn for worlds that restart."""
-        if self._renderer is not None:
-            for w in worlds:
-                self._renderer.clear(int(w))
 
     def close(self) -> None:
         """Free the renderer; everything else is plain memory."""

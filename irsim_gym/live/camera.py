@@ -11,6 +11,8 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.engine import Simulation
+from irsim_gym.live.track import Track
+from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
     from irsim_gym.render import Renderer
@@ -22,16 +24,18 @@ FIGURES = (".png", ".pdf", ".svg", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tif
 class Camera:
     """Draws one simulation. The renderer is made with the first picture.
 
+    Paths and trails are those of the track, however seldom a picture is made, and stay when bodies come and go.
     Frames that are kept are packed, since flat colours shrink to a few percent.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
+    def __init__(self, simulation: Simulation, track: Track) -> None:
+        self._simulation, self._track = simulation, track
+        self._told = 0
         self._renderer: Renderer | None = None
         self._kept: list[tuple[tuple[int, ...], bytes]] = []
 
     def look_at(self, simulation: Simulation) -> None:
-        """Draw this simulation from now on; trails begin anew, kept frames stay."""
+        """Draw this simulation from now on; kept frames stay."""
         self._simulation = simulation
         self.close()
 
@@ -47,7 +51,8 @@ class Camera:
         self._kept.append((frame.shape, zlib.compress(frame.tobytes(), 1)))
 
     def clear(self) -> None:
-        """Begin new trails."""
+        """Begin new paths and trails."""
+        self._told = 0
         if self._renderer is not None:
             self._renderer.clear()
 
@@ -87,13 +92,21 @@ class Camera:
 
             seen = self._simulation
             self._renderer = Renderer(seen.scenario, seen.model, seen.state, seen.sensors)
+        self._tell(self._renderer.trails)
         return self._renderer
+
+    def _tell(self, trails: Trails) -> None:
+        """Add what the track noted since the last picture."""
+        if len(trails.bodies):
+            for step, poses in self._track.since(self._told, self._simulation.parts.names):
+                trails.record(np.zeros(1, np.int64), np.array([step]), poses[None])
+        self._told = len(self._track)
 
     def close(self) -> None:
         """Free the renderer."""
         if self._renderer is not None:
             self._renderer.close()
-            self._renderer = None
+            self._renderer, self._told = None, 0
 
 
 def _with_suffix(path: Path, known: tuple[str, ...], default: str) -> Path:

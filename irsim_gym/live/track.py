@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
@@ -12,7 +14,7 @@ class Track:
     """The poses of all bodies at each step."""
 
     def __init__(self) -> None:
-        self._rows: list[tuple[tuple[str, ...], Floats]] = []
+        self._rows: list[tuple[int, tuple[str, ...], Floats]] = []
 
     def begin(self, simulation: Simulation) -> None:
         """Forget everything, and note where the bodies start."""
@@ -21,16 +23,40 @@ class Track:
 
     def note(self, simulation: Simulation) -> None:
         """Note where the bodies are."""
-        self._rows.append((simulation.parts.names, simulation.state.pose[0].copy()))
+        state = simulation.state
+        self._rows.append((int(state.step[0]), simulation.parts.names, state.pose[0].copy()))
+
+    def follow(self, simulation: Simulation) -> None:
+        """Note where the bodies are whose list has changed since the last step."""
+        self._rows.pop()
+        self.note(simulation)
 
     def poses_of(self, name: str) -> Floats:
         """Return the poses of a body while it was there [m, m, rad], shape ``(n, 3)``."""
         poses: list[Floats] = []
         names: tuple[str, ...] = ()
         b = -1
-        for here, rows in self._rows:
+        for _, here, rows in self._rows:
             if here is not names:
                 names, b = here, here.index(name) if name in here else -1
             if b >= 0:
                 poses.append(rows[b])
         return np.array(poses).reshape(-1, 3)
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def since(self, first: int, names: tuple[str, ...]) -> Iterator[tuple[int, Floats]]:
+        """Yield step and poses of what was noted from number ``first`` on.
+
+        Args:
+            first: How many notes are left out.
+            names: Whose poses and in which order; those of a body that was not there are NaN.
+        """
+        for step, here, rows in self._rows[first:]:
+            if here is names:
+                yield step, rows
+                continue
+            places = {name: b for b, name in enumerate(here)}
+            nowhere = np.full(3, np.nan)
+            yield step, np.array([rows[places[name]] if name in places else nowhere for name in names]).reshape(-1, 3)

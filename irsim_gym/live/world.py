@@ -60,8 +60,8 @@ class World(Crowd):
         self._source, self._record = scenario, record
         self._seed, self._episode = seed, 0
         self._read()
-        self._camera = Camera(self.simulation)
         self.track = Track()
+        self._camera = Camera(self.simulation, self.track)
         self._begin(self._loaded.world.status)
 
     def _read(self) -> None:
@@ -270,6 +270,7 @@ class World(Crowd):
     def _follow(self, simulation: Simulation) -> None:
         self.simulation = simulation
         self.roster.follow(simulation)
+        self.track.follow(simulation)
         self._camera.look_at(simulation)
 
     def create_robot(self, **entry: Any) -> Body:

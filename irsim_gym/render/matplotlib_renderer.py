@@ -15,6 +15,7 @@ from irsim_gym.render.styles import chosen
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
+from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
@@ -31,6 +32,8 @@ class Renderer:
         learners: Bodies whose goals and trajectories are drawn unless the scenario says otherwise.
         size: Width and height of the frames in pixels, made even; None for ``figure_pixels`` where the
             scenario sets it, else for what the world's proportions ask for (600 x 600 for a square).
+        trails: Where bodies have been, kept by who steps the worlds; by default paths and trails go through the poses
+            at which frames were drawn.
     """
 
     def __init__(
@@ -42,9 +45,10 @@ class Renderer:
         *,
         learners: Collection[int] = (),
         size: tuple[int, int] | None = None,
+        trails: Trails | None = None,
     ) -> None:
         plot = scenario.world.plot
-        self._reader = SceneReader(scenario, model, state, sensors, learners)
+        self._reader = SceneReader(scenario, model, state, sensors, learners, trails)
         self._cut = plot.saved_figure.bbox_inches == "tight"
         self._axis, self._show_title = not plot.no_axis, bool(plot.show_title)
         self._layout = lay_out(
@@ -60,6 +64,11 @@ class Renderer:
     def layout(self) -> Layout:
         """Where the world is on a frame; with a viewpoint, on one that shows the whole world."""
         return self._layout
+
+    @property
+    def trails(self) -> Trails:
+        """Where bodies have been."""
+        return self._reader.trails
 
     def scene(self, world: int = 0, status: str = "") -> Scene:
         """Return what a frame of the world would show, as data."""

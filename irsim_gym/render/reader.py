@@ -11,10 +11,11 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.render.outlines import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
 from irsim_gym.render.scene import BodyView, FieldView, GoalView, LabelView, MapView, ScanView, Scene, TrailView
 from irsim_gym.render.styles import BodyStyle, body_style, field_of_view, is_omni, map_style, scan_style
-from irsim_gym.render.trails import Trails
+from irsim_gym.scenario.plot_spec import trailing
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import ACKERMANN, ROBOT, WorldModel
 from irsim_gym.world.state import WorldState
+from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
@@ -32,6 +33,7 @@ class SceneReader:
         state: Its present state.
         sensors: Its sensor groups; those with ``ranges`` and ``angles`` are drawn.
         learners: Bodies whose goals and trajectories are drawn unless the scenario says otherwise.
+        trails: Where bodies have been, of ``trailing(scenario.bodies, learners)``; by default where scenes were read.
     """
 
     def __init__(
@@ -41,6 +43,7 @@ class SceneReader:
         state: WorldState,
         sensors: Sequence[Group],
         learners: Collection[int] = (),
+        trails: Trails | None = None,
     ) -> None:
         self._model, self._state = model, state
         self._scans = [group for group in sensors if {"ranges", "angles"} <= group.arrays.keys()]
@@ -56,13 +59,14 @@ class SceneReader:
         self._fields = {b: field_of_view(body) for b, body in enumerate(scenario.bodies) if self._styles[b].show_field}
         self._map: MapView | None = None
         self._fixed: dict[int, tuple[bytes, tuple[BodyView, ...]]] = {}
-        tracked = [body for body in self._moving_bodies if _leaves_trail(self._styles[body])]
-        self._trails = Trails(np.array(tracked, np.int64))
+        if trails is None:
+            trails = Trails(np.array(trailing(scenario.bodies, learners), np.int64), len(state.pose))
+        self.trails = trails
 
     def read(self, world: int, status: str = "") -> Scene:
         """Return what world number ``world`` looks like now, and note where its bodies are for their trails."""
         model, state = self._model, self._state
-        self._trails.record(world, int(state.step[world]), model.start[world], state.pose[world])
+        self.trails.record(np.array([world]), state.step[[world]], state.pose[[world]])
         fixed = self._fixed_views(world)
         moving = tuple(self._body_view(world, body) for body in self._moving_bodies if model.present[world, body])
         goals = self._goals(world)
@@ -87,7 +91,7 @@ class SceneReader:
 
     def clear(self, world: int | None = None) -> None:
         """Forget the trails of one world, or of all."""
-        self._trails.clear(world)
+        self.trails.clear(None if world is None else np.array([world]))
 
     def _status(self, world: int) -> str:
         """Return IR-SIM's status: arrived when all robots have, else collision when one collides, else running."""
@@ -229,19 +233,19 @@ class SceneReader:
 
     def _trail_views(self, world: int) -> tuple[TrailView, ...]:
         views = []
-        for index, body in enumerate(self._trails.bodies):
+        for index, body in enumerate(self.trails.bodies):
             style = self._styles[int(body)]
             if style.show_trajectory and self._model.present[world, body]:
-                poses = self._trails.poses(world, index, length=style.trajectory_length)
+                poses = self.trails.poses(world, index, length=style.trajectory_length)
                 views.append(TrailView(poses[:, :2], style))
         return tuple(views)
 
     def _ghosts(self, world: int) -> tuple[BodyView, ...]:
         views = []
-        for index, body in enumerate(int(body) for body in self._trails.bodies):
+        for index, body in enumerate(int(body) for body in self.trails.bodies):
             style = self._styles[body]
             if style.ghost is not None and self._model.present[world, body]:
-                poses = self._trails.poses(world, index, every=style.ghost_every, length=style.ghost_length)
+                poses = self.trails.poses(world, index, every=style.ghost_every, length=style.ghost_length)
                 views += [self._ghost(world, body, pose, style.ghost, style.ghost_shape or "") for pose in poses]
         return tuple(views)
 
@@ -262,10 +266,6 @@ class SceneReader:
             anchor=(float(pose[0]), float(pose[1])),
             style=style,
         )
-
-
-def _leaves_trail(style: BodyStyle) -> bool:
-    return style.show_trajectory or style.ghost is not None
 
 
 def _anchor(pose: Floats, style: BodyStyle, segments: Floats, discs: Floats) -> tuple[float, float]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, Literal
+from collections.abc import Collection, Iterable, Iterator
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -127,3 +127,14 @@ class ObjectPlot:
 
 
 COLOR_KEYS = tuple(name for name in ObjectPlot.__annotations__ if name.endswith(("_color", "_edgecolor")))
+
+
+def trailing(bodies: Iterable[Any], learners: Collection[int] = ()) -> list[int]:
+    """Return the numbers of the bodies (``BodySpec``) of which a path or a trail is drawn: a learner's path unasked."""
+    found = []
+    for b, body in enumerate(bodies):
+        plot = body.plot
+        has_path = b in learners if plot.show_trajectory is None else plot.show_trajectory
+        if (has_path or plot.show_trail) and not body.static:
+            found.append(b)
+    return found

@@ -50,7 +50,7 @@ def test_a_robot_can_be_added_and_driven() -> None:
     assert robot.velocity[0] == pytest.approx(1.0)
     here.step([0.2, 0.1], "late")
     assert robot.velocity.tolist() == [0.2, 0.1]
-    assert robot.trajectory[:, 0].tolist() == pytest.approx([3.1, 3.12])
+    assert robot.trajectory[:, 0].tolist() == pytest.approx([3.0, 3.1, 3.12])
 
 
 def test_removed_bodies_are_gone_and_numbers_stay() -> None:

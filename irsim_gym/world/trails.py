@@ -1,0 +1,82 @@
+"""Where bodies have been, for those who draw their paths."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints
+
+LONGEST = 4096
+FIRST_LENGTH = 64
+
+
+class Trails:
+    """Poses of some bodies since the episode of their world began, as far as they were noted.
+
+    A step count that goes back begins a new episode. The table grows with the episodes, and from ``LONGEST`` steps
+    on the latest poses take the place of the oldest ones.
+
+    Args:
+        bodies: Ids of the bodies to follow, shape ``(n_tracked,)``.
+        n_worlds: Number of worlds.
+    """
+
+    def __init__(self, bodies: Ints, n_worlds: int) -> None:
+        self.bodies = bodies
+        self._poses: Floats = np.empty((n_worlds, FIRST_LENGTH, len(bodies), 3))
+        self._noted: Ints = np.full((n_worlds, FIRST_LENGTH), -1)
+        self._latest: Ints = np.full(n_worlds, -1)
+
+    def record(self, worlds: Ints, steps: Ints, poses: Floats) -> None:
+        """Note where the bodies are; a second note in one step takes the place of the first.
+
+        Args:
+            worlds: Indices of different worlds, shape ``(n,)``.
+            steps: Steps since their episodes began, shape ``(n,)``.
+            poses: Poses of all bodies there [m, m, rad]; NaN where a body is not, shape ``(n, n_bodies, 3)``.
+        """
+        if not len(self.bodies):
+            return
+        self.clear(worlds[steps < self._latest[worlds]])
+        highest = int(steps.max())
+        if highest >= self._noted.shape[1] < LONGEST:
+            self._grow(highest)
+        slots = steps % self._noted.shape[1]
+        self._noted[worlds, slots] = self._latest[worlds] = steps
+        self._poses[worlds, slots] = poses[:, self.bodies]
+
+    def _grow(self, step: int) -> None:
+        """Make room for a step; steps keep their places, since none has come round to the beginning yet."""
+        length = self._noted.shape[1]
+        while length <= step and length < LONGEST:
+            length *= 2
+        noted, poses = self._noted, self._poses
+        self._noted = np.full((len(noted), length), -1)
+        self._noted[:, : noted.shape[1]] = noted
+        self._poses = np.empty((len(noted), length, *poses.shape[2:]))
+        self._poses[:, : noted.shape[1]] = poses
+
+    def poses(self, world: int, index: int, *, every: int = 1, length: int = 0) -> Floats:
+        """Return where the tracked body number ``index`` has been.
+
+        Args:
+            world: Index of the world.
+            index: Position of the body in ``bodies``.
+            every: Only at steps that this number divides.
+            length: Only so many of the latest poses; 0 for all.
+
+        Returns:
+            Poses [m, m, rad], the oldest first, shape ``(n, 3)``.
+        """
+        noted = self._noted[world]
+        slots = np.flatnonzero((noted >= 0) & (noted % every == 0))
+        slots = slots[np.argsort(noted[slots])]
+        rows: Floats = self._poses[world, slots, index]
+        rows = rows[~np.isnan(rows[:, 0])]
+        return rows[-length:] if length else rows
+
+    def clear(self, worlds: Ints | None = None) -> None:
+        """Forget what was noted of some worlds, or of all."""
+        chosen = slice(None) if worlds is None else worlds
+        self._noted[chosen] = -1
+        self._latest[chosen] = -1
