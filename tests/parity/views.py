@@ -38,7 +38,11 @@ def compare_view(pair: Any, one: Any, other: Any, found: bool) -> None:
     if found and half - bearing > one.fov / 2:
         pair.report.decisions.add("field_of_view")
         return
-    margin = min(abs(abs(bearing - half) - one.fov / 2), abs(distance - other.radius - one.fov_radius))
+    margin = (
+        distance
+        if distance <= EDGE
+        else min(abs(abs(bearing - half) - one.fov / 2), abs(distance - other.radius - one.fov_radius))
+    )
     assert margin <= EDGE, (one.name, other.name, found, bearing, half, distance)
 
 
