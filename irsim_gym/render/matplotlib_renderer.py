@@ -11,7 +11,6 @@ from irsim_gym.render.layout import Layout, lay_out
 from irsim_gym.render.reader import SceneReader
 from irsim_gym.render.scene import Scene
 from irsim_gym.render.stage import Stage
-from irsim_gym.render.styles import chosen
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -53,7 +52,7 @@ class Renderer:
         self._axis, self._show_title = not plot.no_axis, bool(plot.show_title)
         self._layout = lay_out(
             model.bounds,
-            size or chosen(plot, "figure_pixels"),
+            size or plot.figure_pixels,
             axis=self._axis,
             title=self._show_title,
             tight=plot.tight,

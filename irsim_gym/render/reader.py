@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
+from irsim_gym.render import theme
 from irsim_gym.render.outlines import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
 from irsim_gym.render.scene import BodyView, FieldView, GoalView, LabelView, MapView, ScanView, Scene, TrailView
-from irsim_gym.render.styles import BodyStyle, body_style, field_of_view, is_omni, map_style, scan_style
+from irsim_gym.render.styles import BodyStyle, body_style, field_of_view, is_omni, scan_style
 from irsim_gym.scenario.plot_spec import trailing
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import ACKERMANN, ROBOT, WorldModel
@@ -218,8 +219,8 @@ class SceneReader:
         if self._map is None and body >= 0:
             occupied = self._model.map_squares[0] == 0
             extent = (x, y, x + width * occupied.shape[0], y + height * occupied.shape[1])
-            styles = self._styles
-            self._map = MapView(extent, occupied, *map_style(styles[int(body)] if body < len(styles) else None))
+            style = self._styles[int(body)] if body < len(self._styles) else BodyStyle(theme.MAP)
+            self._map = MapView(extent, occupied, style.colour, style.alpha)
         return self._map
 
     def _center(self, world: int) -> tuple[float, float] | None:

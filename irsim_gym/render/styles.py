@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from irsim_gym.render import theme
 from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD
 
-UNSET_OBSTACLE_COLOURS = frozenset({"k"})
 GROUND, TOP = 1.0, 1e9
 """Layers: that of obstacles, and that of what covers everything."""
 LINESTYLES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
@@ -122,52 +120,50 @@ class ScanStyle:
 
 def body_style(body: Any, *, learner: bool = False) -> BodyStyle:
     """Return how a body of the scenario (``BodySpec``) is drawn; a learner shows its goal and trajectory unasked."""
-    options = partial(chosen, body.plot)
-    robot, moves = body.role == "robot", not body.static
-    colour = options("obj_color", _body_colour(body, robot, moves))
-    length, width = options("arrow_length", None), options("arrow_width", None)
-    arrow = None if length is None and width is None else (length or 0.4, width or 0.6)
+    plot, robot = body.plot, body.role == "robot"
+    colour = str(body.color if plot.obj_color is None else plot.obj_color)
     label = _short_name(body.name, robot)
+    band = plot.traj_width is not None
     return BodyStyle(
         colour=colour,
-        alpha=options("obj_alpha", 1.0),
-        line_width=options("obj_linewidth", 1.0),
-        wall_width=options("obj_linewidth", 2.2),
-        line_style=_line_style(options("obj_linestyle", "-")),
-        order=float(options("obj_zorder", 3 if robot else 1)),
-        show_goal=options("show_goal", learner),
-        goal_colour=options("goal_color", colour),
-        goal_alpha=options("goal_alpha", 1.0),
-        goal_order=options("goal_zorder", GROUND),
-        show_arrow=options("show_arrow", moves and not is_omni(body)),
-        arrow=arrow,
-        arrow_colour=options("arrow_color", theme.HEADING),
-        arrow_alpha=options("arrow_alpha", 0.95),
-        arrow_order=options("arrow_zorder", None),
-        show_trajectory=options("show_trajectory", learner),
-        trajectory_colour=options("traj_color", colour),
-        trajectory_style=_line_style(options("traj_style", "-")),
-        trajectory_width=options("traj_width", None),
-        trajectory_alpha=options("traj_alpha", 0.85),
-        trajectory_length=options("keep_traj_length", 0),
-        trajectory_order=options("traj_zorder", GROUND),
-        ghost=_ghost(body.plot, colour) if options("show_trail", False) else None,
-        ghost_shape=options("trail_type", None),
-        ghost_every=options("trail_freq", 2),
-        ghost_length=options("keep_trail_length", 0),
-        show_sensor=options("show_sensor", True),
-        show_field=options("show_fov", False),
-        field_colour=options("fov_color", theme.FIELD),
-        field_edge_colour=options("fov_edge_color", theme.FIELD_EDGE),
-        field_alpha=options("fov_alpha", 0.3),
-        field_order=options("fov_zorder", GROUND),
-        label=label if options("show_text", False) else "",
-        goal_label=label if options("show_goal_text", False) else "",
-        label_colour=options("text_color", theme.INK),
-        label_size=float(options("text_size", 8.0)),
-        label_alpha=options("text_alpha", 1.0),
-        label_offset=options("text_position", None),
-        label_order=options("text_zorder", TOP),
+        alpha=plot.obj_alpha,
+        line_width=_or(plot.obj_linewidth, 1.0),
+        wall_width=_or(plot.obj_linewidth, 2.2),
+        line_style=_line_style(plot.obj_linestyle),
+        order=float(_or(plot.obj_zorder, 3 if robot else 1)),
+        show_goal=_or(plot.show_goal, learner),
+        goal_colour=_or(plot.goal_color, colour),
+        goal_alpha=plot.goal_alpha,
+        goal_order=_or(plot.goal_zorder, GROUND),
+        show_arrow=_or(plot.show_arrow, not body.static and not is_omni(body)),
+        arrow=_arrow(plot),
+        arrow_colour=plot.arrow_color,
+        arrow_alpha=plot.arrow_alpha,
+        arrow_order=plot.arrow_zorder,
+        show_trajectory=_or(plot.show_trajectory, learner),
+        trajectory_colour=_or(plot.traj_color, colour),
+        trajectory_style=_line_style(plot.traj_style),
+        trajectory_width=plot.traj_width,
+        trajectory_alpha=_or(plot.traj_alpha, 0.5 if band else 0.85),
+        trajectory_length=plot.keep_traj_length,
+        trajectory_order=_or(plot.traj_zorder, GROUND),
+        ghost=_ghost(plot, colour) if plot.show_trail else None,
+        ghost_shape=plot.trail_type,
+        ghost_every=plot.trail_freq,
+        ghost_length=plot.keep_trail_length,
+        show_sensor=plot.show_sensor,
+        show_field=plot.show_fov,
+        field_colour=plot.fov_color,
+        field_edge_colour=plot.fov_edge_color,
+        field_alpha=plot.fov_alpha,
+        field_order=_or(plot.fov_zorder, GROUND),
+        label=label if plot.show_text else "",
+        goal_label=label if plot.show_goal_text else "",
+        label_colour=plot.text_color,
+        label_size=plot.text_size,
+        label_alpha=plot.text_alpha,
+        label_offset=plot.text_position,
+        label_order=_or(plot.text_zorder, TOP),
     )
 
 
@@ -184,46 +180,35 @@ def field_of_view(body: Any) -> tuple[float, float] | None:
     return None if span is None or depth is None else (min(float(span), 2.0 * math.pi), float(depth))
 
 
-def map_style(style: BodyStyle | None) -> tuple[str, float]:
-    """Return colour and opacity of a map's occupied cells; a colour of its own wins over the theme's."""
-    if style is None or style.colour == theme.OBSTACLE:
-        return theme.MAP, 1.0 if style is None else style.alpha
-    return style.colour, style.alpha
-
-
 def scan_style(sensor: Any) -> ScanStyle:
     """Return how a sensor's scan (its options) is drawn; what stands under ``plot`` wins."""
     plot = getattr(sensor, "plot", None)
-    colour = str(chosen(plot, "color", chosen(sensor, "color", theme.BEAM)))
-    alpha = float(chosen(plot, "alpha", getattr(sensor, "alpha", 0.3)))
-    return ScanStyle(colour=colour, alpha=alpha if math.isfinite(alpha) else 0.3)
+    colour = _or(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
+    return ScanStyle(colour=colour, alpha=_or(getattr(plot, "alpha", None), getattr(sensor, "alpha", 0.3)))
 
 
-def chosen(options: Any, name: str, otherwise: Any = None) -> Any:
-    """Return an option that a scenario sets; ``otherwise`` where it is absent or equal to its default."""
-    value = getattr(options, name, None)
-    declared = getattr(type(options), "__pydantic_fields__", {}).get(name)
-    return otherwise if value is None or (declared is not None and value == declared.default) else value
+def _or(value: Any, otherwise: Any) -> Any:
+    """Return an option that a scenario gives, else what is drawn without it."""
+    return otherwise if value is None else value
 
 
-def _body_colour(body: Any, robot: bool, moves: bool) -> str:
-    """Return the body's colour; IR-SIM's black, the colour of obstacles without one, becomes the theme's."""
-    if not robot and body.color in UNSET_OBSTACLE_COLOURS:
-        return theme.MOVING_OBSTACLE if moves else theme.OBSTACLE
-    return str(body.color)
+def _arrow(plot: Any) -> tuple[float, float] | None:
+    """Return length and width of an arrow [m]; None where the scenario gives neither."""
+    if plot.arrow_length is None and plot.arrow_width is None:
+        return None
+    return _or(plot.arrow_length, 0.4), _or(plot.arrow_width, 0.6)
 
 
 def _ghost(plot: Any, colour: str) -> BodyStyle:
     """Return how the outlines look that a body leaves behind."""
-    options = partial(chosen, plot)
     return BodyStyle(
-        colour=options("trail_color", colour),
-        edge_colour=options("trail_edgecolor", colour),
-        filled=options("trail_fill", False),
-        alpha=options("trail_alpha", 0.7),
-        line_width=options("trail_linewidth", 0.8),
-        wall_width=options("trail_linewidth", 0.8),
-        order=options("trail_zorder", GROUND),
+        colour=_or(plot.trail_color, colour),
+        edge_colour=_or(plot.trail_edgecolor, colour),
+        filled=plot.trail_fill,
+        alpha=plot.trail_alpha,
+        line_width=plot.trail_linewidth,
+        wall_width=plot.trail_linewidth,
+        order=_or(plot.trail_zorder, GROUND),
     )
 
 

@@ -10,7 +10,15 @@ from irsim_gym.families import FOOTPRINTS, KINEMATICS, PLACEMENTS
 from irsim_gym.scenario import checks
 from irsim_gym.scenario.entries import FIELDS, OBSTACLE, OF_ENTRY, Entry
 from irsim_gym.scenario.options import defaults
-from irsim_gym.scenario.plot_spec import CAR_COLOR, CYCLE, OBSTACLE_COLOR, ROBOT_COLOR, ObjectPlot
+from irsim_gym.scenario.plot_spec import (
+    CAR_COLOR,
+    CYCLE,
+    MAP_COLOR,
+    MOVING_OBSTACLE_COLOR,
+    OBSTACLE_COLOR,
+    ROBOT_COLOR,
+    ObjectPlot,
+)
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Waypoint, WorldSpec
 from irsim_gym.scenario.validation import BAD, Report
@@ -55,7 +63,7 @@ def name_of(entry: Entry, i: int, number: int) -> tuple[Place, str]:
 
 def _default_color(body: BodySpec) -> str:
     if body.role == OBSTACLE:
-        return OBSTACLE_COLOR
+        return OBSTACLE_COLOR if body.static else MOVING_OBSTACLE_COLOR
     is_car = body.kinematics is not None and KINEMATICS.name_of(type(body.kinematics)) == "acker"
     return CAR_COLOR if is_car else ROBOT_COLOR
 
@@ -156,7 +164,7 @@ def with_map(
         unobstructed=False,
         group=group,
         group_name=f"{OBSTACLE}_{group}",
-        color=OBSTACLE_COLOR,
+        color=MAP_COLOR,
         description=None,
         fov=None,
         fov_radius=None,

@@ -12,7 +12,7 @@ from irsim_gym.scenario.options import defaults, kind, option
 
 ROBOT_COLOR = "#009E73"
 CAR_COLOR = "#117733"
-OBSTACLE_COLOR = "k"
+OBSTACLE_COLOR, MOVING_OBSTACLE_COLOR, MAP_COLOR = "#475569", "#64748B", "#334155"
 CYCLE = ("#009E73", "#E69F00", "#56B4E9", "#D55E00", "#0072B2", "#CC79A7", "#F0E442", "#000000")
 
 LineStyle = Literal["-", "--", "-.", ":", "solid", "dashed", "dashdot", "dotted"]
@@ -35,9 +35,13 @@ class WorldPlot:
     """Drawing options of the world."""
 
     saved_figure: SavedFigure = option(defaults(SavedFigure), meaning="How figures are saved.")
-    figure_pixels: tuple[Pixels, Pixels] = option((1000, 800), unit="pixel", meaning="Width and height of a picture.")
+    figure_pixels: tuple[Pixels, Pixels] | None = option(
+        None,
+        unit="pixel",
+        meaning="Width and height of a picture; by default [600, 600] for a square world, else as its sides ask for.",
+    )
     show_title: bool = option(True, meaning="Show a title.")
-    title: str | None = option(None, meaning="Text of the title; by default time and status.")
+    title: str | None = option(None, meaning="Text of the title; by default the world's name, time and status.")
     no_axis: bool = option(False, meaning="Leave the axes out.")
     tight: bool = option(True, meaning="Leave no more room around the world than ticks and title need.")
     viewpoint: str | tuple[float, float] | None = option(
@@ -56,33 +60,41 @@ class ObjectPlot:
     )
     obj_color: str | None = option(None, meaning="Colour of the body.")
     obj_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the body.")
-    obj_linewidth: float = option(1.0, ge=0.0, unit="point", meaning="Width of the outline.")
+    obj_linewidth: float | None = option(
+        None, ge=0.0, unit="point", meaning="Width of the outline; by default 1, for a linestring 2.2."
+    )
 
     show_goal: bool | None = option(None, meaning="Draw the goal; by default that of a learner alone.")
     goal_color: str | None = option(None, meaning="Colour of the goal.")
-    goal_alpha: float = option(0.5, ge=0.0, le=1.0, meaning="Opacity of the goal.")
-    goal_zorder: int = option(1, meaning="Layer of the goal; at its default above fixed bodies and below moving ones.")
+    goal_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the goal.")
+    goal_zorder: int | None = option(
+        None, meaning="Layer of the goal; by default above fixed bodies and below moving ones."
+    )
 
     show_text: bool = option(False, meaning="Write the body's short name beside it.")
     show_goal_text: bool = option(False, meaning="Write the body's short name beside its goal.")
-    text_color: str = option("k", meaning="Colour of the text.")
+    text_color: str = option("#1F2933", meaning="Colour of the text.")
     text_size: float = option(10.0, gt=0.0, unit="point", meaning="Size of the text.")
     text_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the text.")
-    text_zorder: int = option(2, meaning="Layer of the text; at its default above everything.")
+    text_zorder: int | None = option(None, meaning="Layer of the text; by default above everything.")
     text_position: tuple[float, float] | None = option(
         None, unit="m", meaning="Place of the text beside the body; by default above the body."
     )
 
     show_arrow: bool | None = option(
         None,
-        meaning="Mark where the body heads: a car's windscreen, an arrow where arrow_length or arrow_width is given; "
-        "by default for bodies that move and can turn.",
+        meaning="Mark where the body heads, by default for bodies that move and can turn: inside the footprint, "
+        "as an arrow where arrow_length or arrow_width is given.",
     )
-    arrow_color: str = option("#F0E442", meaning="Colour of the arrow.")
-    arrow_length: float = option(0.4, ge=0.0, unit="m", meaning="Length of the arrow.")
-    arrow_width: float = option(0.6, ge=0.0, unit="m", meaning="Width of the arrow.")
+    arrow_color: str = option("#FFFFFF", meaning="Colour of the arrow.")
+    arrow_length: float | None = option(
+        None, ge=0.0, unit="m", meaning="Length of the arrow; by default 0.4 where arrow_width is given."
+    )
+    arrow_width: float | None = option(
+        None, ge=0.0, unit="m", meaning="Width of the arrow; by default 0.6 where arrow_length is given."
+    )
     arrow_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the arrow.")
-    arrow_zorder: int = option(3, meaning="Layer of the arrow; at its default that of the body.")
+    arrow_zorder: int | None = option(None, meaning="Layer of the arrow; by default that of the body.")
 
     show_trajectory: bool | None = option(
         None, meaning="Draw the path driven so far; by default that of a learner alone."
@@ -90,10 +102,17 @@ class ObjectPlot:
     traj_color: str | None = option(None, meaning="Colour of the path.")
     traj_style: LineStyle = option("-", meaning="Line style of the path.")
     traj_width: float | None = option(
-        None, gt=0.0, unit="m", meaning="Width of the path; by default that of a thin line."
+        None, gt=0.0, unit="m", meaning="Width of the path; by default a thin line that fades towards its beginning."
     )
-    traj_alpha: float = option(0.5, ge=0.0, le=1.0, meaning="Opacity of the path.")
-    traj_zorder: int = option(0, meaning="Layer of the path; at its default above fixed bodies and below moving ones.")
+    traj_alpha: float | None = option(
+        None,
+        ge=0.0,
+        le=1.0,
+        meaning="Opacity of the path, of a thin one at its end; by default 0.85, or 0.5 with a width.",
+    )
+    traj_zorder: int | None = option(
+        None, meaning="Layer of the path; by default above fixed bodies and below moving ones."
+    )
     keep_traj_length: int = option(0, ge=0, unit="step", meaning="Steps of the path that are kept; 0 keeps all.")
 
     show_trail: bool = option(False, meaning="Leave outlines of the body behind.")
@@ -106,8 +125,8 @@ class ObjectPlot:
     trail_alpha: float = option(0.7, ge=0.0, le=1.0, meaning="Opacity of the trail.")
     trail_fill: bool = option(False, meaning="Fill the trail's outlines.")
     trail_color: str | None = option(None, meaning="Fill colour of the trail.")
-    trail_zorder: int = option(
-        0, meaning="Layer of the trail; at its default above fixed bodies and below moving ones."
+    trail_zorder: int | None = option(
+        None, meaning="Layer of the trail; by default above fixed bodies and below moving ones."
     )
     keep_trail_length: int = option(0, ge=0, meaning="Outlines of the trail that are kept; 0 keeps all.")
 
@@ -116,7 +135,7 @@ class ObjectPlot:
     fov_color: str = option("#56B4E9", meaning="Colour of the field of view.")
     fov_edge_color: str = option("#0072B2", meaning="Edge colour of the field of view.")
     fov_alpha: float = option(0.5, ge=0.0, le=1.0, meaning="Opacity of the field of view.")
-    fov_zorder: int = option(1, meaning="Layer of the field of view; at its default above fixed bodies.")
+    fov_zorder: int | None = option(None, meaning="Layer of the field of view; by default above fixed bodies.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of each colour that is none."""

@@ -128,7 +128,11 @@ class BodyOptions:
     behavior: Any = option(None, meaning="How the body decides; without one it stands still unless an agent drives it.")
     group_behavior: Any = option(None, meaning="How the bodies of a group decide together.")
     role: Literal["robot", "obstacle"] | None = option(None, meaning="The section's own name, or nothing.")
-    color: str | None = option(None, min_length=1, meaning="Colour; 'cycle' gives each body of the entry its own.")
+    color: str | None = option(
+        None,
+        min_length=1,
+        meaning="Colour; 'cycle' gives each body of the entry its own. By default robots are green, obstacles grey.",
+    )
     static: bool = option(False, meaning="The body never moves.")
     vel_min: tuple[float, ...] | None = option(
         None,

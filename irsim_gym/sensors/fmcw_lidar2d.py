@@ -65,7 +65,7 @@ class FmcwLidar2D:
         (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Mount pose in the body frame."
     )
     alpha: float = option(0.3, ge=0.0, le=1.0, meaning="Opacity of the drawn beams.")
-    color: str = option("#CC3311", min_length=1, meaning="Colour of the drawn beams.")
+    color: str = option("#F97316", min_length=1, meaning="Colour of the drawn beams.")
     plot: FmcwPlot | None = option(None, meaning="Drawing options of the sensor.")
 
     def problems(self) -> Iterator[tuple[str, str]]:

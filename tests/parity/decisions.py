@@ -243,4 +243,34 @@ DECISIONS = {
         "positions far from the origin keep their digits",
         "8.4",
     ),
+    "drawing_defaults": Decision(
+        "pictures of 1000 x 800 pixels; gold arrows, red beams, black obstacles, half clear goals",
+        "as large as the world asks for; colours of one theme, opaque goals; what is given is drawn as given",
+        "a world without margins, legible at any size",
+        "drawing defaults",
+    ),
+    "drawn_goals": Decision(
+        "a goal is an outline of the body's shape",
+        "a flag in the circle of the goal's tolerance",
+        "it shows when the goal counts as reached",
+        "section 13",
+    ),
+    "drawn_paths": Decision(
+        "a path is a band as wide as the body, at the lowest layer",
+        "a thin line that fades towards its beginning, above fixed bodies; a band with traj_width",
+        "paths of several bodies can be told apart",
+        "section 13",
+    ),
+    "collision_tint": Decision(
+        "a collision changes the title alone",
+        "the edges of what collides are red, and the world is tinted when a robot collides",
+        "it is seen in a film",
+        "section 13",
+    ),
+    "drawn_title": Decision(
+        "the title tells time and status",
+        "world's name on the left, status and time on the right; title takes the place of all three",
+        "one line",
+        "section 13",
+    ),
 }

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.render import Renderer
-from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
+from irsim_gym.scenario.plot_spec import MOVING_OBSTACLE_COLOR, OBSTACLE_COLOR, ObjectPlot, WorldPlot
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import OBSTACLE, ROBOT, WorldModel
 from irsim_gym.world.outline import Outline, chain
@@ -28,7 +28,7 @@ class Body:
     robot: bool = False
     movable: bool = False
     goal: tuple[float, float] | None = None
-    color: str = "k"
+    color: str | None = None
     plot: ObjectPlot = field(default_factory=ObjectPlot)
     fov: float | None = None
     fov_radius: float | None = None
@@ -129,7 +129,7 @@ def _scenario(bodies: list[Body], plot: WorldPlot) -> Any:
             name=f"{'robot' if body.robot else 'obstacle'}_{b}",
             role="robot" if body.robot else "obstacle",
             static=not body.movable,
-            color=body.color,
+            color=body.color or (MOVING_OBSTACLE_COLOR if body.movable else OBSTACLE_COLOR),
             plot=body.plot,
             kinematics=None,
             sensors=(),

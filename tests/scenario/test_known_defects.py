@@ -242,7 +242,7 @@ def test_d31_headings_are_marked_where_there_is_one() -> None:
 
 def test_d32_the_layer_of_arrows_is_that_of_robots() -> None:
     plot = ObjectPlot()
-    assert plot.arrow_zorder == 3
+    assert plot.arrow_zorder is None
     assert body_style(body(f"robot: {{{DIFF}}}")).order == 3
 
 

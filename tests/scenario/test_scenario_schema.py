@@ -79,7 +79,7 @@ LANGUAGE: dict[str, str] = {
 DEFAULTS = {
     ("world", "sample_time"): "0.1",
     ("world", "status"): "'None'",
-    ("world.plot", "figure_pixels"): "[1000, 800]",
+    ("world.plot", "figure_pixels"): "",
     ("robot, obstacle", "goal_threshold"): "0.1",
     ("robot, obstacle", "angle_range"): "[-3.14159, 3.14159]",
     ("sensor lidar2d", "angle_range"): "3.14159",
@@ -87,7 +87,7 @@ DEFAULTS = {
     ("sensor lidar2d", "angle_std"): "0.02",
     ("behavior rvo", "neighbor_threshold"): "3",
     ("gui.keyboard", "backend"): "'pynput'",
-    ("plot", "arrow_zorder"): "3",
+    ("plot", "arrow_zorder"): "",
     ("plot", "trail_linewidth"): "0.8",
 }
 

@@ -32,7 +32,7 @@ def test_defaults_are_the_documented_ones() -> None:
     assert (robot.angle_range, robot.goal_threshold, robot.arrive_mode) == ((-PI, PI), 0.1, "position")
     assert robot.shape.radius == 0.2
     assert (robot.static, obstacle.static, robot.unobstructed, robot.sensors) == (False, True, False, ())
-    assert (robot.color, obstacle.color) == ("#009E73", "k")
+    assert (robot.color, obstacle.color) == ("#009E73", "#475569")
     assert obstacle.kinematics is None
     assert obstacle.behavior is None
     assert (scenario.task, scenario.custom, scenario.robots) == ({}, None, (0,))
