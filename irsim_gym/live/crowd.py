@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from abc import ABC
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
 from irsim_gym.errors import UnknownNameError
+from irsim_gym.live import hints
 from irsim_gym.live.actions import Reference
 from irsim_gym.live.body import Body
 from irsim_gym.live.goals import Goals
-from irsim_gym.live.reports import ObstacleInfo, RobotInfo
+from irsim_gym.live.reports import ObstacleInfo, OccupancyGrid, RobotInfo, occupancy
 from irsim_gym.live.roster import Roster
 from irsim_gym.live.track import Track
 from irsim_gym.world.model import OBSTACLE, ROBOT
@@ -32,6 +33,13 @@ class Crowd(ABC):
     roster: Roster
     goals: Goals
     track: Track
+
+    if not TYPE_CHECKING:  # a checker of types would otherwise take any name for known
+
+        def __getattr__(self, name: str) -> NoReturn:
+            if name in dir(type(self)) or name.startswith("_"):
+                object.__getattribute__(self, name)  # tells what went wrong in a property
+            raise AttributeError(hints.missing("a world", name, hints.WORLD, dir(self)), name=name, obj=self)
 
     def __getitem__(self, reference: Reference) -> Body:
         """Return the body with some number or name.
@@ -87,6 +95,30 @@ class Crowd(ABC):
     def obstacle_list(self) -> list[Body]:
         """IR-SIM's name for ``obstacles``."""
         return self.obstacles
+
+    @property
+    def robot_number(self) -> int:
+        """How many robots there are."""
+        return len(self.robots)
+
+    @property
+    def obstacle_number(self) -> int:
+        """How many obstacles there are."""
+        return len(self.obstacles)
+
+    @property
+    def static_objects(self) -> list[Body]:
+        """The bodies that never move."""
+        return [body for body in self.objects if body.static]
+
+    @property
+    def dynamic_objects(self) -> list[Body]:
+        """The bodies that can move."""
+        return [body for body in self.objects if not body.static]
+
+    def get_map(self) -> OccupancyGrid | None:
+        """Return the obstacle map as cells, None without one; other bodies are not drawn into it."""
+        return occupancy(self.simulation)
 
     def get_object_by_name(self, name: str) -> Body:
         """Return the body of that name, as ``world[name]`` does."""

@@ -24,7 +24,10 @@ def read_goals(goal: Any) -> Floats:
     """
     if goal is None:
         return np.zeros((0, 3))
-    given = [np.asarray(item, np.float64).reshape(-1) for item in (goal if _is_several(goal) else [goal])]
+    try:
+        given = [np.asarray(item, np.float64).reshape(-1) for item in (goal if _is_several(goal) else [goal])]
+    except (TypeError, ValueError):
+        given = [np.zeros(0)]
     if any(row.size not in (2, 3) or not np.isfinite(row).all() for row in given):
         raise ValueError(f"a goal is [x, y] or [x, y, heading], or a list of such, got {goal!r}")
     return np.array([[row[0], row[1], row[2] if row.size > 2 else np.nan] for row in given]).reshape(-1, 3)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.engine import Simulation
 from irsim_gym.engine.measures import measure
 from irsim_gym.families import FOOTPRINTS, KINEMATICS
 
 FLATTEST = 1e-9
+
+A = TypeVar("A", bound=np.ndarray[Any, Any])
 
 
 @dataclass(frozen=True)
@@ -98,9 +101,9 @@ def robot_info(simulation: Simulation, body: int, number: int, goal: Floats | No
         color=spec.color,
         static=spec.static,
         goal=goal,
-        vel_min=model.velocity_min[0, body, :size].copy(),
-        vel_max=model.velocity_max[0, body, :size].copy(),
-        acce=model.acceleration_limit[0, body, :size].copy(),
+        vel_min=frozen(model.velocity_min[0, body, :size]),
+        vel_max=frozen(model.velocity_max[0, body, :size]),
+        acce=frozen(model.acceleration_limit[0, body, :size]),
         angle_range=spec.angle_range,
         goal_threshold=spec.goal_threshold,
         wheelbase=None if np.isnan(wheelbase) else wheelbase,
@@ -115,15 +118,46 @@ def obstacle_info(simulation: Simulation, body: int) -> ObstacleInfo:
     """Return where a body is."""
     normals, offsets, cone = half_planes(simulation, body)
     return ObstacleInfo(
-        center=simulation.state.pose[0, body, :2].copy(),
-        vertex=outline_rows(simulation, body)[0][:, :2].copy(),
-        velocity=simulation.state.twist[0, body, :2].copy(),
+        center=frozen(simulation.state.pose[0, body, :2]),
+        vertex=frozen(outline_rows(simulation, body)[0][:, :2]),
+        velocity=frozen(simulation.state.twist[0, body, :2]),
         radius=radius(simulation, body),
         G=normals,
         h=offsets,
         cone_type=cone,
         convex_flag=cone is not None,
     )
+
+
+@dataclass(frozen=True)
+class OccupancyGrid:
+    """The obstacle map as cells.
+
+    Attributes:
+        occupied: Which cells are, shape ``(columns, rows)``: columns from the left, rows from the bottom.
+        origin: x, y of the lower left corner [m].
+        cell_size: Width and height of a cell [m].
+    """
+
+    occupied: Flags
+    origin: tuple[float, float]
+    cell_size: tuple[float, float]
+
+
+def occupancy(simulation: Simulation) -> OccupancyGrid | None:
+    """Return the obstacle map, None without one."""
+    cells = simulation.scenario.occupied
+    if cells is None:
+        return None
+    x, y, width, height = map(float, simulation.model.map_frame[:4])
+    return OccupancyGrid(frozen(cells), (x, y), (width, height))
+
+
+def frozen(values: A) -> A:
+    """Return a copy that cannot be written into."""
+    copied = values.copy()
+    copied.flags.writeable = False
+    return copied
 
 
 def is_map(simulation: Simulation, body: int) -> bool:

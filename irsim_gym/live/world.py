@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import sys
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,54 +13,60 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.engine import Simulation, compile
+from irsim_gym.engine import compile
 from irsim_gym.errors import NoKeyboardWarning, UnknownNameError
-from irsim_gym.live import moves, reports
+from irsim_gym.live import hints, moves
 from irsim_gym.live.actions import Actions, Reference, pair_actions
-from irsim_gym.live.body import Body
 from irsim_gym.live.camera import Camera
-from irsim_gym.live.carry import rebuild
-from irsim_gym.live.crowd import Crowd
 from irsim_gym.live.goals import Goals
+from irsim_gym.live.population import Population
 from irsim_gym.live.roster import Roster
 from irsim_gym.live.track import Track
 from irsim_gym.scenario import Scenario, load_scenario
-from irsim_gym.scenario.edit import add_bodies, remove_body
-from irsim_gym.world.model import OBSTACLE
 
 ScenarioSource = str | Path | Mapping[str, Any]
 
 
-class World(Crowd):
+class World(Population):
     """One world of a scenario, run by hand as IR-SIM's users know it.
 
     It is a batch of one of the same simulator that learners use, so a step, a collision or a scan is the same here.
-    These of IR-SIM's names exist: ``step``, ``done``, ``render``, ``reset``, ``reload``, ``refresh``, ``pause``,
-    ``resume``, ``end``, ``close``, ``status``, ``time``, ``step_time``, ``names``, ``robot``, ``robot_list``,
-    ``obstacle_list``, ``objects``, ``get_object_by_name``, ``get_object_by_id``, ``get_group_by_name``,
-    ``get_robot_state``, ``get_lidar_scan``, ``get_lidar_offset``, ``get_robot_info``, ``get_robot_info_list``,
-    ``get_obstacle_info_list``, ``create_robot``, ``create_obstacle``, ``delete_object``, ``random_obstacle_position``,
-    ``set_random_seed``, ``save_figure``. Where IR-SIM has columns, arrays are flat here.
+    IR-SIM's names work where they mean something without a window; the error for another one says what to use.
+    ``help`` lists them all. Where IR-SIM has columns, arrays are flat here.
 
     Args:
-        scenario: A shipped name such as ``cluttered_room``, the path of a YAML file, or the same as plain data.
+        scenario: A shipped name such as ``cluttered_room``, the path of a YAML file, or the same as plain data. By
+            default the YAML file beside the running script that is named as the script is.
         seed: Which level is drawn first; the one that ``irsim_gym.make`` begins with ``reset(seed=seed)``.
         render_mode: None or ``"rgb_array"``: ``render`` returns pictures in either case. There is no window yet.
         record: Keep a frame of the start and of each sample, for ``save_animation``.
+        save_ani: IR-SIM's way: as ``record``, and ``end`` writes the film.
+        **others: IR-SIM's other arguments, such as ``display=False``, where they ask for what is so anyway.
 
     Raises:
         ScenarioError: The file cannot be used; the error lists every problem with its line.
         UnknownNameError: Nothing is shipped under the name.
-        ValueError: Another render mode.
+        ValueError: Another render mode, or a negative seed.
+        TypeError: The seed is no whole number, an argument means nothing here, or no file was given and none is beside
+            the script.
     """
 
     def __init__(
-        self, scenario: ScenarioSource, *, seed: int = 0, render_mode: str | None = None, record: bool = False
+        self,
+        scenario: ScenarioSource | None = None,
+        *,
+        seed: int | None = None,
+        render_mode: str | None = None,
+        record: bool = False,
+        save_ani: bool = False,
+        **others: Any,
     ) -> None:
+        hints.check_arguments(others, inspect.signature(World).parameters)
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode must be None or 'rgb_array' (there is no window yet), got {render_mode!r}")
-        self._source, self._record = scenario, record
-        self._seed, self._episode = seed, 0
+        self._source = _beside_the_script() if scenario is None else scenario
+        self._record, self._save_at_end, self._unsaved = record or save_ani, save_ani, False
+        self._seed, self._episode = _seed(0 if seed is None else seed), 0
         self._read()
         self.track = Track()
         self._camera = Camera(self.simulation, self.track)
@@ -98,9 +106,23 @@ class World(Crowd):
         """Free the renderer. May be called twice; the world can still be used."""
         self._camera.close()
 
-    def end(self, ending_time: float = 0.0) -> None:
-        """Do what ``close`` does; there is no window that could stay open for ``ending_time`` [s]."""
+    def end(self, ending_time: float = 0.0, ani_name: str | Path | None = None) -> Path | None:
+        """Write the film if the world was loaded with ``save_ani`` or a name is given, and close.
+
+        Args:
+            ending_time: Taken for the sake of IR-SIM's scripts [s]; there is no window that could stay open.
+            ani_name: The film's file, as for ``save_animation``.
+
+        Returns:
+            The film's path, None when none was written.
+
+        Raises:
+            ValueError: A film is asked for, but no frames were kept.
+        """
+        asked = ani_name is not None or (self._save_at_end and self._unsaved)
+        film = self.save_animation(ani_name) if asked else None
         self.close()
+        return film
 
     @property
     def scenario(self) -> Scenario:
@@ -237,78 +259,14 @@ class World(Crowd):
         self._begin("Reload")
 
     def set_random_seed(self, seed: int) -> None:
-        """Draw from another stream from now on; the next ``reset(random=True)`` begins with its first level."""
-        self._seed, self._episode = seed, -1
-        self.simulation.state.random[:] = self.simulation.streams(seed)
-
-    def add(self, role: Literal["robot", "obstacle"] = "obstacle", **entry: Any) -> Body:
-        """Add a body; everything else stays as it is, and a reset keeps it.
-
-        Args:
-            role: Which section the entry would stand in.
-            **entry: The keys of an entry, e.g. ``shape={"name": "circle"}, state=[1, 2, 0]``.
+        """Draw from another stream from now on; the next ``reset(random=True)`` begins with its first level.
 
         Raises:
-            ScenarioError: The entry cannot be used; the error names the key, as for a file.
-            PlacementError: A random start found no place among the bodies that are here.
-            ValueError: It would make several bodies.
+            TypeError: The seed is no whole number.
+            ValueError: It is negative.
         """
-        if entry.get("number", 1) != 1 or entry.get("number_range") is not None:
-            raise ValueError("one body at a time: leave number and number_range out")
-        before = set(self.simulation.parts.names)
-        self._follow(rebuild(self.simulation, add_bodies(self.scenario, role, entry, self.roster.next_number)))
-        return Body(self, next(name for name in self.simulation.parts.names if name not in before))
-
-    def remove(self, reference: Reference) -> None:
-        """Remove the body with some number or name; the others keep their numbers.
-
-        Raises:
-            UnknownNameError: There is none.
-        """
-        self._follow(rebuild(self.simulation, remove_body(self.scenario, self.roster.index(reference))))
-
-    def _follow(self, simulation: Simulation) -> None:
-        self.simulation = simulation
-        self.roster.follow(simulation)
-        self.track.follow(simulation)
-        self._camera.look_at(simulation)
-
-    def create_robot(self, **entry: Any) -> Body:
-        """Add a robot; it is in the world at once, so IR-SIM's ``add_object`` is not needed."""
-        return self.add("robot", **entry)
-
-    def create_obstacle(self, **entry: Any) -> Body:
-        """Add an obstacle; it is in the world at once, so IR-SIM's ``add_object`` is not needed."""
-        return self.add("obstacle", **entry)
-
-    def delete_object(self, number: int) -> None:
-        """Remove the body with some number."""
-        self.remove(number)
-
-    def random_obstacle_position(
-        self,
-        range_low: Sequence[float] = (0.0, 0.0, -np.pi),
-        range_high: Sequence[float] = (10.0, 10.0, np.pi),
-        ids: Sequence[Reference] | None = None,
-        non_overlapping: bool = False,
-    ) -> None:
-        """Put obstacles somewhere at random, for now and for later resets without ``random``.
-
-        Args:
-            range_low: Least x, y, heading [m, m, rad].
-            range_high: Greatest.
-            ids: Numbers or names of bodies; by default all obstacles but the map.
-            non_overlapping: Clear of all other bodies.
-
-        Raises:
-            PlacementError: One of them found no place clear of the others; then none has moved.
-        """
-        obstacles = self.roster.present(OBSTACLE) if ids is None else ids
-        bodies = [self.roster.index(reference) for reference in obstacles]
-        if ids is None:
-            bodies = [b for b in bodies if not reports.is_map(self.simulation, b)]
-        moves.scatter(self.simulation, bodies, range_low, range_high, apart=non_overlapping)
-        self.refresh()
+        self._seed, self._episode = _seed(seed), -1
+        self.simulation.state.random[:] = self.simulation.streams(self._seed)
 
     def render(self, interval: float = 0.0) -> Bytes:
         """Return a picture of the world, uint8, shape ``(height, width, 3)``.
@@ -324,6 +282,7 @@ class World(Crowd):
     def _keep_frame(self) -> None:
         if self._record and self.sampling:
             self._camera.keep(self._shown_status())
+            self._unsaved = True
 
     def save_figure(self, path: str | Path | None = None) -> Path:
         """Write a picture to a file and return its path.
@@ -348,9 +307,37 @@ class World(Crowd):
             ValueError: Another suffix, or no frames: a world keeps them when it is loaded with ``record=True``.
         """
         rate = 1.0 / (self._steps_per_sample() * self.step_time) if fps is None else fps
-        return self._camera.save_film(Path(self.name if path is None else path), rate)
+        film = self._camera.save_film(Path(self.name if path is None else path), rate)
+        self._unsaved = False
+        return film
 
 
-def load(scenario: ScenarioSource, *, seed: int = 0, render_mode: str | None = None, record: bool = False) -> World:
+def load(
+    scenario: ScenarioSource | None = None,
+    *,
+    seed: int | None = None,
+    render_mode: str | None = None,
+    record: bool = False,
+    save_ani: bool = False,
+    **others: Any,
+) -> World:
     """Load a scenario to run it by hand, without learning; arguments and errors are those of ``World``."""
-    return World(scenario, seed=seed, render_mode=render_mode, record=record)
+    return World(scenario, seed=seed, render_mode=render_mode, record=record, save_ani=save_ani, **others)
+
+
+def _beside_the_script() -> Path:
+    """Return the YAML file that is named as the running script is."""
+    script = Path(sys.argv[0] or "script.py")
+    for file in (script.with_suffix(".yaml"), Path(script.stem + ".yaml")):
+        if file.is_file():
+            return file
+    raise TypeError(f"no file was given, and no {script.stem}.yaml stands beside the script: load('my_world.yaml')")
+
+
+def _seed(seed: Any) -> int:
+    """Return a seed as a plain number."""
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
+        raise TypeError(f"a seed is a whole number, got {seed!r}")
+    if seed < 0:
+        raise ValueError(f"a seed is 0 or more, got {seed}")
+    return int(seed)

@@ -135,7 +135,7 @@ def test_set_state_lasts_until_the_reset() -> None:
     robot.set_state([4, 4], init=True)
     here.reset()
     assert robot.state.tolist() == [4, 4, 0]
-    with pytest.raises(ValueError, match="up to 3 finite numbers"):
+    with pytest.raises(ValueError, match="2 to 3 finite numbers"):
         robot.set_state([1, 1, 0, 0.1])
 
 
@@ -149,7 +149,7 @@ def test_refresh_looks_again_without_a_step() -> None:
 
 def test_set_velocity() -> None:
     here = world(robot={**DIFF, "state": [1, 1, np.pi / 2], "acce": [1, 1]})
-    here.robot.set_velocity([0.5])
+    here.robot.set_velocity([0.5, 0.0])
     assert here.robot.twist.tolist() == pytest.approx([0, 0.5, 0], abs=1e-12)
     here.step([1.0, 0.0])
     assert here.robot.velocity.tolist() == pytest.approx([0.6, 0.0])  # 1 m/s2 for 0.1 s, from 0.5 m/s

@@ -273,4 +273,16 @@ DECISIONS = {
         "one line",
         "section 13",
     ),
+    "flat_arrays": Decision(
+        "states, velocities and goals are columns, state[0, 0], and writing into state moves the body",
+        "they are flat, state[0], and read-only; set_state, set_velocity and set_goal change a body",
+        "one index for one number, and no change that goes unnoticed",
+        "section 12.3",
+    ),
+    "no_window": Decision(
+        "display, log_level and so on are arguments; set_title, draw_points and so on change the window",
+        "what asks for a window, or for a name that is not here, is an error that says what to use",
+        "there is no window yet; a silently ignored call costs its author hours",
+        "section 12.5",
+    ),
 }

@@ -1,0 +1,160 @@
+"""What to use in place of IR-SIM's names that are not here."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+
+NO_WINDOW = "there is no window: render() returns a picture, save_figure() and save_animation() write files"
+DRAWN = "render() draws bodies as their section `plot` says; for drawings of your own take the array that it returns"
+CONTACTS = "contact mode is not simulated"
+IN_FILE = "it stands in the scenario: world.scenario"
+
+BODY: dict[str, str] = {
+    "lidar": "scan() is its scan, scan_points() its points, lidar_offset its mount",
+    "geometry": "use vertices, radius, length, width",
+    "original_geometry": "use spec.shape",
+    "original_vertices": "use spec.shape; vertices are those of the moment",
+    "centroid": "use position, the origin of its own frame",
+    "max_speed": "use vel_max",
+    "get_vel_range": "use vel_min, vel_max, acce: the step keeps to them",
+    "beh_config": "use spec.behavior",
+    "obj_behavior": "use spec.behavior",
+    "gen_behavior_vel": "the step asks its behaviour",
+    "desired_omni_vel": "use goal and position",
+    "get_desired_omni_vel": "use goal and position",
+    "rvo_state": "use position, twist, radius",
+    "rvo_neighbors": "use external_objects",
+    "rvo_neighbor_state": "use external_objects",
+    "collision_obj": "use hit",
+    "possible_collision_objects": "use external_objects",
+    "check_collision": "use collided after step() or refresh()",
+    "check_collision_status": "flags follow with step() or refresh()",
+    "check_arrive_status": "flags follow with step() or refresh()",
+    "check_status": "flags follow with step() or refresh()",
+    "get_Gh": "use info.G, info.h, info.cone_type, info.convex_flag",
+    "get_init_Gh": "use info.G, info.h: they are in its own frame",
+    "gf": "use shape, vertices, spec.shape",
+    "kf": "use kinematics, spec.kinematics",
+    "init_state": "use trajectory[0]",
+    "original_state": "use trajectory[0]",
+    "set_random_goal": "use set_goal(); a wandering body (behavior: {wander: true}) draws its own",
+    "goal_vertices": "use goal",
+    "step": "use world.step(action, body.name)",
+    "reset": "use world.reset()",
+    "refresh": "use world.refresh()",
+    "remove": "use world.remove(body.name)",
+    "state_dim": "use len(body.state)",
+    "state_shape": "use body.state.shape",
+    "vel_dim": "use len(body.velocity)",
+    "vel_shape": "use body.velocity.shape",
+    "abbr": "use name; the shown text is plot: {text: ...}",
+    "set_text": DRAWN,
+    "set_goal_text": DRAWN,
+    "set_laser_color": DRAWN,
+    "logger": "use Python's own logging",
+    "plot": "use spec.plot; render() draws",
+    "check_arrive": "use arrived after step() or refresh()",
+    "original_centroid": "use position, the origin of its own frame",
+    "part_vertices": "use vertices",
+    "set_original_geometry": "a shape stays: remove the body and add another one",
+    "env_param": "it stands in the scenario: world.scenario",
+    "world_param": "it stands in the scenario: world.scenario",
+    "mass": CONTACTS,
+    "inertia": CONTACTS,
+    "friction": CONTACTS,
+    "restitution": CONTACTS,
+    "contact": CONTACTS,
+    "pushable": CONTACTS,
+    "z": "all bodies are in the plane",
+}
+
+WORLD: dict[str, str] = {
+    "set_title": "the title stands in the file: world: {plot: {title: ...}}",
+    "set_status": "status follows from the robots; pause() and resume() change it",
+    "show": NO_WINDOW,
+    "quit": "leave the loop, then close()",
+    "quit_flag": "leave the loop, then close()",
+    "pause_flag": "use status == 'Pause'",
+    "display": NO_WINDOW,
+    "headless": NO_WINDOW,
+    "disable_all_plot": NO_WINDOW,
+    "save_ani": "load(..., record=True) keeps frames",
+    "key_vel": "keys are not read: there is no window",
+    "key_id": "keys are not read: there is no window",
+    "keyboard": "keys are not read: there is no window",
+    "mouse": NO_WINDOW,
+    "mouse_pos": NO_WINDOW,
+    "mouse_left_pos": NO_WINDOW,
+    "mouse_right_pos": NO_WINDOW,
+    "reset_plot": "render() draws anew each time",
+    "draw_trajectory": DRAWN,
+    "draw_points": DRAWN,
+    "draw_box": DRAWN,
+    "draw_quiver": DRAWN,
+    "draw_quivers": DRAWN,
+    "random_polygon_shape": "add(shape={'name': 'polygon', 'random_shape': True}) draws an outline; "
+    "with random_shape in the file, reset(random=True) draws all of them anew",
+    "load_behavior": "@irsim_gym.behavior registers a function before the file is loaded",
+    "validate_unique_names": "names are always unique",
+    "logger": "use Python's own logging",
+    "contacts": CONTACTS,
+    "config": IN_FILE,
+    "env_config": IN_FILE,
+    "world_param": IN_FILE,
+    "env_param": IN_FILE,
+    "path_param": "paths are yours",
+    "step_mode": "use world.scenario.world.step_mode",
+    "object_factory": "use create_robot() and create_obstacle()",
+    "build_tree": "the step looks for neighbours by itself",
+    "get_msg": "use objects and their states",
+    "receive_msg": "use set_state() and refresh()",
+    "id": "use name; several worlds know nothing of each other",
+}
+
+LOAD: dict[str, tuple[tuple[object, ...], str]] = {
+    "display": ((False,), NO_WINDOW),
+    "headless": ((True,), NO_WINDOW),
+    "disable_all_plot": ((True, False), NO_WINDOW),
+    "full": ((False,), NO_WINDOW),
+    "ani_kwargs": ((None,), "name and rate of a film are arguments of save_animation()"),
+    "log_level": ((), "leave it out: nothing is logged, warnings are Python's own"),
+    "log_file": ((None,), "nothing is logged, warnings are Python's own"),
+    "step_mode": ((None,), "it stands in the file: world: {step_mode: external}"),
+    "projection": ((None,), "all bodies are in the plane"),
+    "world_name": ((), "give the file as the first argument: load('my_world.yaml')"),
+}
+"""For each argument of IR-SIM's that is not one here: values that ask for what is so anyway, and what to do else."""
+
+
+def missing(what: str, name: str, elsewhere: Mapping[str, str], known: Iterable[str]) -> str:
+    """Return what is wrong with a name that is not here, with what to use in its place.
+
+    Args:
+        what: Whose name it would be, e.g. ``a body``.
+        name: The name.
+        elsewhere: What to use for names of IR-SIM's.
+        known: The names that are here.
+    """
+    if name.startswith("plot_"):
+        return f"{what} has no '{name}': {DRAWN}"
+    if name in elsewhere:
+        return f"{what} has no '{name}': {elsewhere[name]}"
+    near = difflib.get_close_matches(name, [one for one in known if not one.startswith("_")], n=1, cutoff=0.6)
+    return f"{what} has no '{name}'" + (f" (did you mean '{near[0]}'?)" if near else "")
+
+
+def check_arguments(others: Mapping[str, object], known: Iterable[str]) -> None:
+    """Let arguments of IR-SIM's pass that ask for what is so anyway.
+
+    Raises:
+        TypeError: One of them asks for something else, or is unknown; the message tells what to do.
+    """
+    for name, value in others.items():
+        harmless, advice = LOAD.get(name, ((), ""))
+        if any(value is one for one in harmless):
+            continue
+        if advice:
+            raise TypeError(f"load() takes no {name}={value!r}: {advice}")
+        near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+        raise TypeError(f"load() takes no '{name}'" + (f" (did you mean '{near[0]}'?)" if near else ""))
