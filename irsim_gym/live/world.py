@@ -272,7 +272,7 @@ class World(Population):
         """Return a picture of the world, uint8, shape ``(height, width, 3)``.
 
         It needs no display. There is no window yet, so there is nothing to wait for: ``interval`` [s] is taken for the
-        sake of IR-SIM's scripts and has no effect.
+        sake of IR-SIM's scripts and has no effect; what is drawn is said by the sections ``plot``, not by arguments.
         """
         return self._camera.frame(self._shown_status())
 
@@ -289,7 +289,8 @@ class World(Population):
 
         Args:
             path: ``.png``, ``.pdf``, ``.svg`` and so on; without a suffix the scenario's
-                ``plot.saved_figure.format`` is used, and without a path the world's name.
+                ``plot.saved_figure.format`` is used, and without a path the world's name. Dots per inch are
+                ``plot.saved_figure.dpi`` there, not an argument as in IR-SIM.
 
         Raises:
             ValueError: Another suffix.
