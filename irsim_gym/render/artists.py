@@ -11,14 +11,13 @@ from matplotlib.backend_bases import RendererBase
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.text import Text
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.render import shapes, theme
 from irsim_gym.render.patches import Colour, empty_collection, paint
-from irsim_gym.render.scene import FieldView, GoalView, LabelView, ScanView, TrailView
+from irsim_gym.render.scene import FieldView, GoalView, LabelView, TrailView
 
 FAINTEST = 0.12
 POLE = Path([(0.0, 0.0), (0.0, 2.0)])
@@ -121,51 +120,6 @@ class Fields:
     def draw(self, renderer: RendererBase) -> None:
         """Draw what the last update gave."""
         self._sectors.draw(renderer)
-
-
-class Scans:
-    """For each scan the area seen and the beams."""
-
-    def __init__(self, axes: Axes) -> None:
-        self._area = PathPatch(Path([(0.0, 0.0)]), linewidth=0.0, animated=True)
-        self._beams = PathPatch(Path([(0.0, 0.0)]), linewidth=0.45, fill=False, animated=True)
-        axes.add_patch(self._area)
-        axes.add_patch(self._beams)
-        self._views: Sequence[ScanView] = ()
-
-    def update(self, views: Sequence[ScanView]) -> None:
-        """Show these scans."""
-        self._views = views
-
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw what the last update gave, one scan after another: collections of few large paths are slow."""
-        for view in self._views:
-            colour, alpha = view.style.colour, view.style.alpha
-            self._area.set(path=shapes.seen_path(view), facecolor=to_rgba(colour, min(0.22 * alpha, 1.0)))
-            self._beams.set(path=shapes.beam_path(view), edgecolor=to_rgba(colour, min(0.9 * alpha, 1.0)))
-            self._area.draw(renderer)
-            self._beams.draw(renderer)
-
-
-class Hits:
-    """The points where beams end on something."""
-
-    def __init__(self, axes: Axes) -> None:
-        self._dots = Line2D([], [], linestyle="none", marker="o", markersize=2.6, markeredgewidth=0.0, animated=True)
-        axes.add_line(self._dots)
-        self._views: Sequence[ScanView] = ()
-
-    def update(self, views: Sequence[ScanView]) -> None:
-        """Show the hits of these scans."""
-        self._views = views
-
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw what the last update gave."""
-        for view in self._views:
-            ends = view.ends[view.hits]
-            self._dots.set_data(ends[:, 0], ends[:, 1])
-            self._dots.set_color(to_rgba(view.style.colour, min(3.0 * view.style.alpha, 1.0)))
-            self._dots.draw(renderer)
 
 
 class Labels:

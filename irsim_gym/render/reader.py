@@ -196,11 +196,15 @@ class SceneReader:
         origin = placed(mount[None, :2], pose)[0]
         angles = group.arrays["angles"] + pose[2] + mount[2]
         ranges = group.arrays["ranges"][world, k].astype(np.float64)
+        hits = ranges < options.range_max - HIT_MARGIN
+        speeds = group.arrays.get("radial_velocity")
         span = float(group.arrays["angles"][-1] - group.arrays["angles"][0])
         return ScanView(
             origin=origin,
             ends=origin + ranges[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]),
-            hits=ranges < options.range_max - HIT_MARGIN,
+            hits=hits,
+            valid=hits & (ranges > getattr(options, "range_min", 0.0)),
+            speeds=np.zeros(len(ranges)) if speeds is None else speeds[world, k].copy(),
             surrounds=span > 2.0 * np.pi * (1.0 - 1.5 / max(len(angles), 2)),
             style=scan_style(options),
         )

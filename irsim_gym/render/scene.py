@@ -66,6 +66,8 @@ class ScanView:
         origin: Where it stands [m], shape ``(2,)``.
         ends: Where its beams end [m], shape ``(n_beams, 2)``.
         hits: Which beams end on something, shape ``(n_beams,)``.
+        valid: Which of them were measured, those that are not too near, shape ``(n_beams,)``.
+        speeds: Radial velocities [m/s], positive away from the sensor; zeros where it has none, shape ``(n_beams,)``.
         surrounds: The beams go all around.
         style: How it looks.
     """
@@ -73,6 +75,8 @@ class ScanView:
     origin: Floats
     ends: Floats
     hits: Flags
+    valid: Flags
+    speeds: Floats
     surrounds: bool
     style: ScanStyle
 

@@ -54,8 +54,13 @@ def sector_path(view: FieldView) -> Path:
 def beam_path(view: ScanView) -> Path:
     """Return the beams as one path, so that where they overlap they are not darker; of many every n-th."""
     ends = view.ends[:: -(-len(view.ends) // MOST_BEAMS)]
+    return rays_path(view.origin, ends)
+
+
+def rays_path(origin: Floats, ends: Floats) -> Path:
+    """Return the lines from a point to others as one path."""
     vertices = np.empty((2 * len(ends), 2))
-    vertices[0::2] = view.origin
+    vertices[0::2] = origin
     vertices[1::2] = ends
     codes = np.tile(np.array([Path.MOVETO, Path.LINETO], Path.code_type), len(ends))
     return Path(vertices, codes)

@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.render import artists, theme
+from irsim_gym.render import artists, scan_artists, theme
 from irsim_gym.render.body_artists import Bodies, Headings, Impacts, MapImage
 from irsim_gym.render.card import TEXT, Play, Ticks, add_frame, make_axes
 from irsim_gym.render.layout import Layout
@@ -45,14 +45,14 @@ class Stage:
         self._ticks = Ticks(self._figure, axes) if axis else None
         self._map = MapImage(axes, layout.scale)
         self._fixed = Bodies(axes, shadows=True)
-        self._scans = artists.Scans(axes)
+        self._scans = scan_artists.Scans(axes)
         self._fields = artists.Fields(axes)
         self._ghosts = Bodies(axes)
         self._goals = artists.Goals(axes)
         self._trails = artists.Trails(axes, layout.scale, dpi / POINTS_PER_INCH)
         self._moving = Bodies(axes)
         self._headings = Headings(axes)
-        self._hits = artists.Hits(axes)
+        self._hits = scan_artists.Hits(axes)
         self._impacts = Impacts(axes)
         self._labels = artists.Labels(axes)
         self._outcome = add_frame(axes, layout, linewidth=2.2, animated=True)

@@ -106,16 +106,52 @@ class BodyStyle:
 
 
 @dataclass(frozen=True)
+class VelocityStyle:
+    """How radial velocities are drawn.
+
+    Attributes:
+        coloured: Beams have the colours of their velocities.
+        rest_colour: Colour of what keeps its distance.
+        away_colour: Colour of what goes away.
+        nearer_colour: Colour of what comes nearer.
+        full_speed: Speed of the full colour [m/s].
+        width: Width of beams that hit.
+        free_colour: Colour of the other beams.
+        free_alpha: Their opacity.
+        free_width: Their width.
+        mark_size: Area of the marks at the points that are hit [point^2]; 0 for none.
+        mark_edge_colour: Colour of their edges.
+        mark_edge_width: Width of their edges.
+    """
+
+    coloured: bool
+    rest_colour: str
+    away_colour: str
+    nearer_colour: str
+    full_speed: float
+    width: float
+    free_colour: str
+    free_alpha: float
+    free_width: float
+    mark_size: float
+    mark_edge_colour: str
+    mark_edge_width: float
+
+
+@dataclass(frozen=True)
 class ScanStyle:
     """How a scan is drawn.
 
     Attributes:
         colour: Colour of beams and hits.
-        alpha: Strength of the beams; 0.3 is what the theme is made for.
+        alpha: Strength of the beams; 0.3 is what the theme is made for. With coloured velocities opacity of those that
+            hit.
+        velocity: How radial velocities are drawn; None for a sensor without.
     """
 
     colour: str = theme.BEAM
     alpha: float = 0.3
+    velocity: VelocityStyle | None = None
 
 
 def body_style(body: Any, *, learner: bool = False) -> BodyStyle:
@@ -182,9 +218,26 @@ def field_of_view(body: Any) -> tuple[float, float] | None:
 
 def scan_style(sensor: Any) -> ScanStyle:
     """Return how a sensor's scan (its options) is drawn; what stands under ``plot`` wins."""
-    plot = getattr(sensor, "plot", None)
+    plot: Any = getattr(sensor, "plot", None)
     colour = _or(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
-    return ScanStyle(colour=colour, alpha=_or(getattr(plot, "alpha", None), getattr(sensor, "alpha", 0.3)))
+    alpha = _or(getattr(plot, "alpha", None), getattr(sensor, "alpha", 0.3))
+    if not hasattr(plot, "velocity_color"):
+        return ScanStyle(colour, alpha)
+    velocity = VelocityStyle(
+        coloured=plot.velocity_color,
+        rest_colour=plot.zero_velocity_color,
+        away_colour=plot.positive_velocity_color,
+        nearer_colour=plot.negative_velocity_color,
+        full_speed=plot.velocity_color_max,
+        width=plot.velocity_linewidth,
+        free_colour=plot.no_hit_color,
+        free_alpha=plot.no_hit_alpha,
+        free_width=plot.no_hit_linewidth,
+        mark_size=plot.velocity_marker_size if plot.show_velocity_markers else 0.0,
+        mark_edge_colour=plot.velocity_marker_edge_color,
+        mark_edge_width=plot.velocity_marker_edge_width,
+    )
+    return ScanStyle(colour, _or(alpha, 1.0 if plot.velocity_color else 0.3), velocity)
 
 
 def _or(value: Any, otherwise: Any) -> Any:

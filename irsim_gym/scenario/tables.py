@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from irsim_gym import families
 from irsim_gym.errors import IrsimGymError
@@ -97,6 +97,18 @@ def _sections() -> Iterator[tuple[str, type[Any]]]:
     for registry in families.every():
         for entry in registry:
             yield f"{registry.family} {entry.name}", entry.kind
+            plot = _plot_options(entry.kind)
+            if plot is not None:
+                yield f"{registry.family} {entry.name}: plot", plot
+
+
+def _plot_options(cls: type[Any]) -> type[Any] | None:
+    """Return what declares the drawing options of a kind, None for a kind without."""
+    info = option_fields(cls).get("plot")
+    if info is None:
+        return None
+    candidates = (info.annotation, *get_args(info.annotation))
+    return next((one for one in candidates if dataclasses.is_dataclass(one) and isinstance(one, type)), None)
 
 
 def markdown() -> str:

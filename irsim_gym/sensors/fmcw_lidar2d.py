@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.scenario.options import kind, option
+from irsim_gym.scenario.options import defaults, kind, option
 from irsim_gym.sensors import hits, reports, scanning
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
@@ -18,23 +18,23 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class FmcwPlot:
-    """How a scanner of radial velocities is drawn; what is not given is taken from the sensor's own options."""
+    """How a scanner of radial velocities is drawn; what has no default is taken from the sensor's own options."""
 
-    alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of the drawn beams.")
-    color: str | None = option(None, min_length=1, meaning="Colour of the drawn beams.")
-    velocity_color: bool | None = option(None, meaning="Colour the beams by their radial velocity.")
-    velocity_color_max: float | None = option(None, gt=0.0, unit="m/s", meaning="Speed of the full colour.")
-    velocity_linewidth: float | None = option(None, ge=0.0, meaning="Line width of valid beams.")
-    no_hit_linewidth: float | None = option(None, ge=0.0, meaning="Line width of other beams.")
-    no_hit_alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of other beams.")
-    show_velocity_markers: bool | None = option(None, meaning="Mark the points that are hit.")
-    velocity_marker_size: float | None = option(None, ge=0.0, meaning="Size of these marks.")
-    velocity_marker_edge_color: str | None = option(None, min_length=1, meaning="Edge colour of these marks.")
-    velocity_marker_edge_width: float | None = option(None, ge=0.0, meaning="Edge width of these marks.")
-    zero_velocity_color: str | None = option(None, min_length=1, meaning="Colour of what keeps its distance.")
-    positive_velocity_color: str | None = option(None, min_length=1, meaning="Colour of what goes away.")
-    negative_velocity_color: str | None = option(None, min_length=1, meaning="Colour of what comes nearer.")
-    no_hit_color: str | None = option(None, min_length=1, meaning="Colour of other beams.")
+    alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of beams that hit; by default the sensor's.")
+    color: str | None = option(None, min_length=1, meaning="Colour without velocity_color; by default the sensor's.")
+    velocity_color: bool = option(True, meaning="Colour the beams by their radial velocity.")
+    velocity_color_max: float = option(2.0, gt=0.0, unit="m/s", meaning="Speed of the full colour.")
+    velocity_linewidth: float = option(1.2, ge=0.0, unit="point", meaning="Line width of beams that hit.")
+    no_hit_linewidth: float = option(0.8, ge=0.0, unit="point", meaning="Line width of other beams.")
+    no_hit_alpha: float = option(0.1, ge=0.0, le=1.0, meaning="Opacity of other beams.")
+    show_velocity_markers: bool = option(True, meaning="Mark the points that are hit.")
+    velocity_marker_size: float = option(12.0, ge=0.0, unit="point^2", meaning="Area of these marks.")
+    velocity_marker_edge_color: str = option("black", min_length=1, meaning="Edge colour of these marks.")
+    velocity_marker_edge_width: float = option(0.4, ge=0.0, unit="point", meaning="Edge width of these marks.")
+    zero_velocity_color: str = option("#56B4E9", min_length=1, meaning="Colour of what keeps its distance.")
+    positive_velocity_color: str = option("#CC3311", min_length=1, meaning="Colour of what goes away.")
+    negative_velocity_color: str = option("#0072B2", min_length=1, meaning="Colour of what comes nearer.")
+    no_hit_color: str = option("lightgray", min_length=1, meaning="Colour of other beams.")
 
 
 @kind
@@ -64,9 +64,11 @@ class FmcwLidar2D:
     offset: tuple[float, float, float] = option(
         (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Mount pose in the body frame."
     )
-    alpha: float = option(0.3, ge=0.0, le=1.0, meaning="Opacity of the drawn beams.")
-    color: str = option("#F97316", min_length=1, meaning="Colour of the drawn beams.")
-    plot: FmcwPlot | None = option(None, meaning="Drawing options of the sensor.")
+    alpha: float | None = option(
+        None, ge=0.0, le=1.0, meaning="Opacity of beams that hit; by default 1, and 0.3 without velocity_color."
+    )
+    color: str = option("#F97316", min_length=1, meaning="Colour of the beams without velocity_color.")
+    plot: FmcwPlot = option(defaults(FmcwPlot), meaning="Drawing options of the sensor.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""

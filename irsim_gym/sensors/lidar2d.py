@@ -20,8 +20,8 @@ from irsim_gym.world.state import WorldState
 class LidarPlot:
     """How a range sensor is drawn; what is not given is taken from the sensor's own options."""
 
-    alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of the drawn beams.")
-    color: str | None = option(None, min_length=1, meaning="Colour of the drawn beams.")
+    alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of the beams; by default the sensor's.")
+    color: str | None = option(None, min_length=1, meaning="Colour of the beams; by default the sensor's.")
 
 
 @kind

@@ -244,7 +244,7 @@ DECISIONS = {
         "8.4",
     ),
     "drawing_defaults": Decision(
-        "pictures of 1000 x 800 pixels; gold arrows, red beams, black obstacles, half clear goals",
+        "pictures of 1000 x 800 pixels; gold arrows, red or thick beams, black obstacles, half clear goals",
         "as large as the world asks for; colours of one theme, opaque goals; what is given is drawn as given",
         "a world without margins, legible at any size",
         "drawing defaults",
