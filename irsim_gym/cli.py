@@ -72,7 +72,7 @@ def check(
     failed = False
     for file in files:
         try:
-            scenario = load_scenario(file)
+            scenario = load_scenario(file, warn=False)
             task = load_task(scenario) if scenario.robots else None
             begin_level(scenario)
         except (IrsimGymError, OSError) as error:

@@ -39,14 +39,30 @@ class ScenarioError(IrsimGymError, ValueError):
 
     def _text(self) -> str:
         count = len(self.problems)
-        head = f"{count} problem{'' if count == 1 else 's'} in {self.file}"
-        places = [f"{self.file}:{p.line}" if p.line else self.file for p in self.problems]
-        width = max((len(place) for place in places), default=0)
-        rows = [
-            f"  {place:<{width}}   {problem.path + ': ' if problem.path else ''}{problem.message}"
-            for place, problem in zip(places, self.problems, strict=True)
-        ]
-        return "\n".join([head, *rows])
+        return listing(f"{count} problem{'' if count == 1 else 's'} in {self.file}", self.file, self.problems)
+
+
+class ScenarioWarning(UserWarning):
+    """Values of a scenario file that are allowed but seldom meant; it lists all of them at once."""
+
+    def __init__(self, file: str, problems: Sequence[Problem]) -> None:
+        self.file = file
+        self.problems = tuple(problems)
+        super().__init__(listing(f"seldom meant in {file}:", file, self.problems))
+
+    def __reduce__(self) -> tuple[type[ScenarioWarning], tuple[str, tuple[Problem, ...]]]:
+        return type(self), (self.file, self.problems)
+
+
+def listing(head: str, file: str, problems: Sequence[Problem]) -> str:
+    """Return problems as text below a headline, each with file and line."""
+    places = [f"{file}:{problem.line}" if problem.line else file for problem in problems]
+    width = max((len(place) for place in places), default=0)
+    rows = [
+        f"  {place:<{width}}   {problem.path + ': ' if problem.path else ''}{problem.message}"
+        for place, problem in zip(places, problems, strict=True)
+    ]
+    return "\n".join([head, *rows])
 
 
 class UnknownNameError(IrsimGymError, KeyError):

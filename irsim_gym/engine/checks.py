@@ -48,5 +48,8 @@ def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, s
 
 def _blocked(scenario: Scenario, robot: int, obstacle: int) -> Problem:
     body, other = scenario.bodies[robot], scenario.bodies[obstacle]
-    message = f"the start lies in '{other.name}' (line {other.line}); a robot must begin clear of static obstacles"
+    is_map = scenario.occupied is not None and obstacle == len(scenario.bodies) - 1
+    name = "the obstacle map" if is_map else f"'{other.name}'"
+    where = f" (line {other.line})" if other.line else ""
+    message = f"the start lies in {name}{where}; a robot must begin clear of static obstacles"
     return Problem(body.line, body.name, message)

@@ -26,7 +26,8 @@ class ImageMap:
 
     path: str = option(
         min_length=1,
-        meaning="Picture file (PNG, JPEG, ...): looked for as given, beside the scenario, then among the shipped maps.",
+        meaning="Picture file (PNG, JPEG, ...): looked for as given, beside the scenario, among the shipped maps, then "
+        "among those of an installed ir-sim.",
     )
 
     def outline(self) -> Outline:

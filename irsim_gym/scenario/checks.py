@@ -13,7 +13,10 @@ from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.validation import BAD, Report
 
 FULL_TURN = 2.0 * math.pi
-TURN_TOLERANCE = 1e-4
+TURN_TOLERANCE = 0.01
+"""How far [rad] a width may be from a full turn: [-3.14, 3.14] is one, and begins at its lower end."""
+
+CURE = "add kinematics or remove the {key}"
 
 Values = Mapping[str, Any]
 Places = Mapping[str, Place]
@@ -42,7 +45,7 @@ def check_body(values: Values, places: Places, report: Report) -> bool:
 
 
 def check_drive(values: Values, places: Places, report: Report) -> bool:
-    """Tell a behaviour that has nothing to drive, or that cannot drive what there is."""
+    """Tell a behaviour that cannot drive what there is; one that has nothing to drive is only doubtful."""
     drive = values["kinematics"]
     good = True
     families: tuple[tuple[str, Registry], ...] = (("behavior", BEHAVIORS), ("group_behavior", GROUP_BEHAVIORS))
@@ -51,8 +54,7 @@ def check_drive(values: Values, places: Places, report: Report) -> bool:
         if behavior is None or values["static"]:
             continue
         if drive is None:
-            report.add(places[key], f"needs a drive: add kinematics ({choices(KINEMATICS.names())}), or static: true")
-            good = False
+            report.doubt(places[key], f"there is nothing to drive, so the body stands still: {CURE.format(key=key)}")
             continue
         drives: Sequence[str] = getattr(behavior, "kinematics", KINEMATICS.names())
         if (name := KINEMATICS.name_of(type(drive))) not in drives:

@@ -8,7 +8,7 @@ from typing import Any
 
 from irsim_gym import families
 from irsim_gym.errors import ScenarioError, suggestion
-from irsim_gym.scenario import library
+from irsim_gym.scenario import library, notes
 from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of, with_map
 from irsim_gym.scenario.entries import read_entry
 from irsim_gym.scenario.map_cells import read_cells, read_map
@@ -20,11 +20,12 @@ from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, GuiSpec, PlacementSpec
 from irsim_gym.scenario.validation import BAD, Report, build
 
 
-def load_scenario(scenario: str | Path | Mapping[str, Any]) -> Scenario:
+def load_scenario(scenario: str | Path | Mapping[str, Any], *, warn: bool = True) -> Scenario:
     """Read and check a scenario.
 
     Args:
         scenario: A shipped name such as ``cluttered_room``, the path of a YAML file, or the same as plain data.
+        warn: Warn of values that are hardly ever meant, such as degrees (``ScenarioWarning``).
 
     Raises:
         ScenarioError: It cannot be used; the error lists every problem with its line. A file that does not exist
@@ -32,11 +33,13 @@ def load_scenario(scenario: str | Path | Mapping[str, Any]) -> Scenario:
         UnknownNameError: Nothing is shipped under the name.
     """
     families.load()
-    if isinstance(scenario, Mapping):
-        return read_scenario(read_mapping(scenario))
-    if not isinstance(scenario, str | Path):
+    if not isinstance(scenario, str | Path | Mapping):
         raise TypeError(f"a scenario is a name, a path or a mapping, got {type(scenario).__name__}")
-    return read_scenario(read_file(library.find(scenario)))
+    is_mapping = isinstance(scenario, Mapping)
+    loaded = read_scenario(read_mapping(scenario) if is_mapping else read_file(library.find(scenario)))
+    if warn:
+        notes.warn(loaded)
+    return loaded
 
 
 def read_scenario(source: Source) -> Scenario:
@@ -64,7 +67,10 @@ def read_scenario(source: Source) -> Scenario:
     assert world is not None
     assert gui is not None
     custom = sections.get("custom")
-    return Scenario(world.name, source.file, world, bodies, placements, gui, task, custom, source, roots, occupied)
+    doubts = tuple(report.doubts)
+    return Scenario(
+        world.name, source.file, world, bodies, placements, gui, task, custom, source, roots, occupied, doubts
+    )
 
 
 def _world(data: Any, place: Place, source: Source, report: Report) -> WorldSpec | None:

@@ -19,6 +19,7 @@ from irsim_gym.scenario.validation import BAD, Report, build_named
 
 MOST_CELLS = 4_000_000
 IRSIM_MAPS = frozenset({"cave.png", *(f"hm3d_{k}.png" for k in range(1, 10))})
+_IRSIM_FOLDER = Path("irsim", "world", "map")
 
 
 def read_map(data: Any, place: Place, report: Report) -> Any:
@@ -65,7 +66,7 @@ def read_cells(world: WorldSpec, place: Place, source: Source, report: Report) -
 
 
 def find_map(name: str, folders: tuple[Path, ...]) -> Path:
-    """Return the file of a map: as given, in one of the folders, or shipped (the suffix may be left out).
+    """Return the file of a map: as given, in one of the folders, shipped (the suffix may be left out), or ir-sim's own.
 
     Raises:
         OptionError: There is none; the message offers what is shipped.
@@ -80,11 +81,13 @@ def find_map(name: str, folders: tuple[Path, ...]) -> Path:
     by_stem = {file.stem: file for file in shipped.values()}
     if name in by_stem:
         return by_stem[name]
+    theirs = _irsim_map(given)
+    if theirs is not None:
+        return theirs
     offer = f"shipped: {', '.join(shipped)}"
     if given.name in IRSIM_MAPS:
-        raise OptionError(
-            "path", f"'{name[:60]}' belongs to IR-SIM and is not shipped here: {_irsim_path(given.name)}; {offer}"
-        )
+        way = f"install ir-sim, copy it beside the scenario, or give its path ({_IRSIM_FOLDER}/.../{given.name})"
+        raise OptionError("path", f"'{name[:60]}' belongs to IR-SIM and is not shipped here: {way}; {offer}")
     near = suggestion(given.name, shipped) or suggestion(given.stem, by_stem)
     raise OptionError("path", f"no map '{name[:60]}': no such file as given or beside the scenario{near}; {offer}")
 
@@ -96,10 +99,15 @@ def _is_file(file: Path) -> bool:
         return False
 
 
-def _irsim_path(name: str) -> str:
-    """Say how to use a map of IR-SIM's package: where it is if that is installed."""
+def _irsim_map(given: Path) -> Path | None:
+    """Return a file of the map folder of an installed ir-sim, which is not imported for it; None when there is none."""
+    if given.is_absolute() or ".." in given.parts:
+        return None
     package = importlib.util.find_spec("irsim")
-    for folder in (package.submodule_search_locations if package is not None else None) or ():
-        for file in sorted((Path(folder) / "world" / "map").rglob(name)):
-            return f"give the path of the installed ir-sim's, {file}"
-    return f"copy it beside the scenario, or give its path in an installed ir-sim (irsim/world/map/.../{name})"
+    for home in (package.submodule_search_locations if package is not None else None) or ():
+        folder = Path(home).parent / _IRSIM_FOLDER
+        below = sorted(folder.glob(f"*/{given.name}")) if given.name in IRSIM_MAPS else []
+        for file in (folder / given, *below):
+            if _is_file(file):
+                return file
+    return None

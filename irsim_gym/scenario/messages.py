@@ -112,6 +112,8 @@ def translate(error: Any, value: Any, hint: Any) -> str:
         return str(error["msg"]).removeprefix("Value error, ").removeprefix("Assertion failed, ")
     simple = {"float_type": "a number", "int_type": "a whole number", "int_from_float": "a whole number"}
     simple |= {"bool_type": "true or false", "string_type": "text", "tuple_type": describe(hint), "missing": ""}
+    if kind.startswith("int_") and isinstance(value, float):
+        return f"must be a whole number, got {value!r}"
     if simple.get(kind):
         return f"must be {simple[kind]}, got {show(value)}{_hint(value)}"
     return f"must be {describe(hint)}, got {show(value)}{_hint(value)}"

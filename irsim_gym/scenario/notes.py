@@ -1,11 +1,13 @@
-"""Values that are allowed but seldom meant: ``irsim-gym check`` mentions them."""
+"""Values that are allowed but seldom meant: loading warns of most, ``irsim-gym check`` mentions all of them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import sys
+import warnings
+from collections.abc import Iterable, Iterator
 
-from irsim_gym.errors import Problem
+from irsim_gym.errors import Problem, ScenarioWarning
 from irsim_gym.families import KINEMATICS
 from irsim_gym.scenario.shorthand import ROLES, split_entries
 from irsim_gym.scenario.source import Place
@@ -14,14 +16,37 @@ from irsim_gym.scenario.validation import Report, read_numbers
 
 FULL_TURN = 2.0 * math.pi + 1e-3
 LONGEST_STEP = 1.0
+IDLE = "has a behavior but no goal: it stands still"
 DEGREES = "angles are radians; pi/2 may be written as it is"
+
+
+def warn(scenario: Scenario) -> None:
+    """Warn of what is hardly ever meant, in one ``ScenarioWarning`` that points to who called this package."""
+    found = doubts(scenario)
+    if not found:
+        return
+    frame, level = sys._getframe(), 1
+    while frame.f_back is not None and str(frame.f_globals.get("__name__")).split(".")[0] in ("irsim_gym", "gymnasium"):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(ScenarioWarning(scenario.source.title, found), stacklevel=level)
 
 
 def notes(scenario: Scenario) -> tuple[Problem, ...]:
     """Return what is worth a second look in a scenario, in the order of its lines; nothing of it is an error."""
-    found = [*_world_notes(scenario), *_view_notes(scenario)]
+    idle = [Problem(body.line, body.name, IDLE) for body in scenario.bodies if _is_idle(body, scenario)]
+    return _in_order([*doubts(scenario), *idle])
+
+
+def doubts(scenario: Scenario) -> tuple[Problem, ...]:
+    """Return what is hardly ever meant, in the order of its lines."""
+    found = [*scenario.doubts, *_world_notes(scenario), *_view_notes(scenario)]
     for body in scenario.bodies:
         found += [Problem(body.line, body.name, message) for message in _body_notes(body, scenario)]
+    return _in_order(found)
+
+
+def _in_order(found: Iterable[Problem]) -> tuple[Problem, ...]:
+    """Return notes by line; what holds for several bodies of an entry is told once."""
     seen: dict[tuple[int, str], Problem] = {}
     for note in found:
         seen.setdefault((note.line, note.message), note)
@@ -52,7 +77,7 @@ def _view_notes(scenario: Scenario) -> Iterator[Problem]:
 
 def _body_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
     yield from _angle_notes(body)
-    if body.kinematics is None or body.static:
+    if body.static:
         return
     drive = KINEMATICS.name_of(type(body.kinematics))
     speed = body.vel_max[0] if drive in ("diff", "acker") else max(body.vel_max[:2])
@@ -62,10 +87,13 @@ def _body_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
             f"a step of {stride:g} m may jump over a goal_threshold of {body.goal_threshold:g} m: "
             "make one larger or the other smaller"
         )
+
+
+def _is_idle(body: BodySpec, scenario: Scenario) -> bool:
+    """Return whether a body decides but has nowhere to go; as a goal may still be set by hand, nobody is warned."""
     decides = body.behavior or body.group_behavior
     places = bool(body.goal) or scenario.placements[body.entry].kind.gives_goal
-    if decides and not places and not getattr(body.behavior, "wander", False):
-        yield "has a behavior but no goal: it stands still"
+    return bool(decides) and not body.static and not places and not getattr(body.behavior, "wander", False)
 
 
 def _angle_notes(body: BodySpec) -> Iterator[str]:

@@ -80,7 +80,7 @@ def share(key: str, value: Any, count: int, place: Place, report: Report) -> Sha
     for the bodies it does not reach. Keys that take a single number read a list of ``count`` numbers as one each.
     """
     if key == "goal":
-        return _share_goals(read_numbers(value), count, place, report)
+        return _share_goals(read_numbers(value), count, place)
     if key == "sensors":
         return _share_sensors(value, count, place)
     if key in VECTORS or key in SCALARS:
@@ -112,14 +112,14 @@ def _share_sensors(value: Any, count: int, place: Place) -> Shared:
     return Shared(((place, value),))
 
 
-def _share_goals(value: Any, count: int, place: Place, report: Report) -> Shared:
-    """One goal is for all; two levels of lists are one goal each; three levels are one list of goals each."""
+def _share_goals(value: Any, count: int, place: Place) -> Shared:
+    """One goal is for all; two levels of lists are one goal each; three levels are one list of goals each.
+
+    Two levels for one body are its goals in order.
+    """
     levels = depth(value)
-    if levels <= 1:
+    if levels <= 1 or (levels == 2 and count == 1):
         return Shared(((place, value),))
-    if levels == 2 and count == 1 and len(value) > 1:
-        report.add(place, "several goals for one body need one more pair of brackets: [[[x, y], [x, y]]]")
-        return Shared(())
     return _one_each(value, count, place)
 
 

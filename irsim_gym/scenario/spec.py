@@ -122,7 +122,7 @@ class BodyOptions:
     goal: tuple[tuple[Coordinate, ...], ...] = option(
         (),
         unit="m, m, rad",
-        meaning="[x, y] or [x, y, heading]; several in order need three levels of lists.",
+        meaning="[x, y] or [x, y, heading]; for one body also a list of them, in order; for several, see above.",
         consequence="Without a goal a behaviour stands still and the body never arrives.",
     )
     behavior: Any = option(None, meaning="How the body decides; without one it stands still unless an agent drives it.")
@@ -327,6 +327,7 @@ class Scenario:
         root: Path of the wrapper key around all sections; empty without one.
         occupied: Occupied cells of the obstacle map, shape ``(columns, rows)``, columns from the left and rows from the
             bottom; None without a map, which is the last body otherwise.
+        doubts: What was met while reading that is allowed but hardly ever meant.
     """
 
     name: str
@@ -340,6 +341,7 @@ class Scenario:
     source: Source = field(repr=False, compare=False)
     root: Mapping[str, Place] = field(repr=False, compare=False, default_factory=dict)
     occupied: NDArray[np.bool_] | None = field(repr=False, compare=False, default=None)
+    doubts: tuple[Problem, ...] = field(repr=False, compare=False, default=())
 
     @property
     def robots(self) -> tuple[int, ...]:

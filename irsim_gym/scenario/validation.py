@@ -39,6 +39,7 @@ class Report:
     def __init__(self, source: Source) -> None:
         self.source = source
         self.problems: dict[Problem, None] = dict.fromkeys(source.problems)
+        self.doubts: dict[Problem, None] = {}
         self._unread = {(problem.line, problem.path) for problem in source.problems}
 
     def add(self, place: Place, message: str) -> None:
@@ -50,6 +51,10 @@ class Report:
             self.problems[problem] = None
         elif len(self.problems) == MAX_PROBLEMS:
             self.problems[Problem(0, "", f"more than {MAX_PROBLEMS} problems: the rest is not shown")] = None
+
+    def doubt(self, place: Place, message: str) -> None:
+        """Tell what is allowed but hardly ever meant; the same is told once."""
+        self.doubts[self.source.problem(place, message)] = None
 
     @property
     def is_full(self) -> bool:

@@ -185,7 +185,7 @@ def test_clearance_is_the_surface_distance() -> None:
 def test_robot_placed_in_a_wall_is_refused_with_its_line() -> None:
     wall = {"shape": {"name": "rectangle", "length": 4, "width": 1}, "state": [5, 5, 0]}
     scenario = ig.load_scenario({"robot": {**DIFF, "state": [5, 5.4, 0]}, "obstacle": wall})
-    with pytest.raises(ScenarioError, match="the start lies in 'obstacle_1'"):
+    with pytest.raises(ScenarioError, match="the start lies in 'obstacle_1'; a robot"):
         ig.compile(scenario)
 
 

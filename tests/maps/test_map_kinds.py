@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -89,8 +91,7 @@ def test_cells_as_numbers() -> None:
 @pytest.mark.parametrize(
     ("obstacle_map", "message"),
     [
-        ("cave.png", "belongs to IR-SIM and is not shipped here: "),
-        ("hm3d_9.png", "shipped: cavern.png, floor_plan.png, warehouse.png"),
+        ("hm3d_10.png", "shipped: cavern.png, floor_plan.png, warehouse.png"),
         ("caverns.png", "did you mean 'cavern.png'?"),
         ("nowhere.png", "no such file as given or beside the scenario; shipped: cavern.png"),
         ({"name": "perln", "resolution": 1}, "no obstacle map named 'perln' (did you mean 'perlin'?)"),
@@ -121,6 +122,26 @@ def test_a_map_beside_the_scenario_and_its_line(tmp_path: Path) -> None:
         else:
             with pytest.raises(ScenarioError, match=r"world.yaml:3 .*cannot be read as a picture"):
                 load_scenario(tmp_path / "world.yaml")
+
+
+@pytest.mark.parametrize("name", ["cave.png", "hm3d_1.png", "hm3d_9.png"])
+def test_maps_of_an_installed_ir_sim(name: str, tmp_path: Path) -> None:
+    assert np.array_equal(cells(name, mdownsample=4), irsim_cells(tmp_path, name, mdownsample=4))
+
+
+def test_ir_sims_maps_come_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "world.yaml").write_text("world: {obstacle_map: cave.png}")
+    save(tmp_path, [[0, 255]], "cave.png")
+    assert load_scenario(tmp_path / "world.yaml").occupied.tolist() == [[True], [False]]
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    for name in ("cave.png", "hm3d_9.png"):
+        with pytest.raises(ScenarioError, match=r"is not shipped here: install ir-sim, .*; shipped: cavern.png"):
+            cells(name)
+
+
+def test_looking_for_a_map_does_not_import_ir_sim() -> None:
+    code = "import sys, irsim_gym as ig; ig.load_scenario({'world': {'obstacle_map': 'cave.png'}});"
+    subprocess.run([sys.executable, "-c", code + "assert 'irsim' not in sys.modules"], check=True)
 
 
 def test_shipped_maps_are_drawn_by_their_script() -> None:

@@ -112,7 +112,7 @@ def test_clearance() -> None:
 
 
 def test_a_start_in_the_wall_is_refused() -> None:
-    with pytest.raises(ScenarioError, match="robot_0: the start lies in 'obstacle_1'"):
+    with pytest.raises(ScenarioError, match="robot_0: the start lies in the obstacle map; a robot"):
         simulation([{**ROBOT, "state": [6, 4, 0]}])
 
 

@@ -203,7 +203,7 @@ DECISIONS = {
     ),
     "map_names": Decision(
         "cave.png and hm3d_1.png to hm3d_9.png come with the package",
-        "they are refused with the names of maps that are shipped and the way to ir-sim's own",
+        "they are taken from an installed ir-sim; without one they are refused with the names of maps that are shipped",
         "they are not ours to ship, and another map under the same name would be a trap",
         "section 11",
     ),
@@ -284,5 +284,29 @@ DECISIONS = {
         "what asks for a window, or for a name that is not here, is an error that says what to use",
         "there is no window yet; a silently ignored call costs its author hours",
         "section 12.5",
+    ),
+    "goals_of_one": Decision(
+        "for one body, `goal: [[5, 1], [5, 5]]` silently means its first goal",
+        "it means both, in order",
+        "the documentation describes this form as several goals",
+        "documentation of goals",
+    ),
+    "angle_range": Decision(
+        "a range not exactly 2 pi wide crashes at the first step",
+        "a width within 0.01 of 2 pi, such as [-3.14, 3.14], is a full turn from its lower end on; others are refused",
+        "everyone writes 3.14, and a narrower range has no meaning for a heading that wraps",
+        "section 4",
+    ),
+    "driveless_behavior": Decision(
+        "a body with a behavior but no kinematics stands still",
+        "likewise, with a warning that names the line",
+        "documented for static objects; but nobody writes a behavior for a wall",
+        "documentation of static",
+    ),
+    "warnings": Decision(
+        "degrees in place of radians, steps of more than 1 s and goals that a step may jump over pass silently",
+        "a ScenarioWarning names each with its line when a file is loaded",
+        "such a run looks right and is not",
+        "reference page",
     ),
 }

@@ -148,10 +148,6 @@ ENTRIES = {
         "robot:\n  kinematics: {name: diff}\n  behavior: {wander: true}",
         "3 robot.behavior.name: is required: 'dash', 'rvo' or 'sfm'",
     ),
-    "behaviour without drive": (
-        "obstacle:\n  - shape: {name: circle}\n    behavior: {name: dash}",
-        f"3 obstacle[0].behavior: needs a drive: add kinematics ({NAMES}), or static: true",
-    ),
     "wander bounds": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {name: dash, range_low: [11, 0, 0]}",
         "3 robot.behavior.range_low: must not exceed range_high, got [11, 0, 0] and [10, 10, 3.14159]",
@@ -219,9 +215,9 @@ ENTRIES = {
     "goal": ("robot: {goal: 3}", "1 robot.goal: must be [x, y] or [x, y, heading], got 3"),
     "short goal": ("robot: {goal: [3]}", "1 robot.goal: must be [x, y] or [x, y, heading], got [3]"),
     "goal of text": ("robot:\n  goal: [3, there]", "2 robot.goal[1]: must be a number, got 'there'"),
-    "goals of one body": (
-        "robot:\n  goal: [[3, 3], [4, 4]]",
-        "2 robot.goal: several goals for one body need one more pair of brackets: [[[x, y], [x, y]]]",
+    "second goal of one body": (
+        "robot:\n  goal: [[3, 3], [4]]",
+        "2 robot.goal[1]: must be [x, y] or [x, y, heading], got [4]",
     ),
     "one of several goals": (
         "robot:\n  number: 2\n  goal:\n    - [[3, 3], [4]]\n    - [[3, 3]]",
@@ -264,6 +260,12 @@ ENTRIES = {
     "velocity": (
         "robot:\n  kinematics: {name: diff}\n  velocity: [1, 2, 3]",
         "3 robot.velocity: must have at most 2 numbers (linear, angular) for 'diff', got [1, 2, 3]",
+    ),
+    "number with a point": ("robot: {number: 100.0}", "1 robot.number: must be a whole number, got 100.0"),
+    "part of a number": ("robot: {number: 2.5}", "1 robot.number: must be a whole number, got 2.5"),
+    "wide angle range": (
+        "robot:\n  angle_range: [0, 6.3]",
+        "2 robot.angle_range: must be a full turn wide (2 pi), such as [-pi, pi], got [0, 6.3]",
     ),
     "angle range": (
         "robot:\n  angle_range: [-1, 1]",

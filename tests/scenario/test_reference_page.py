@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import importlib
+import pickle
 import re
 from collections.abc import Callable
 from pathlib import Path
 
+import gymnasium
 import pytest
 import yaml
 from typer.testing import CliRunner
 
+import irsim_gym
 from irsim_gym.cli import app
 from irsim_gym.engine import compile
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.errors import IrsimGymError, Problem, ScenarioWarning
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.library import configs_folder
 from irsim_gym.scenario.notes import notes
@@ -68,13 +71,63 @@ def test_each_row_has_all_cells() -> None:
             1,
             "may jump over a goal_threshold of 0.1",
         ),
-        ("robot: {kinematics: {name: diff}, behavior: {name: dash}}", 1, "no goal"),
+        (
+            "obstacle:\n  - shape: {name: circle}\n    behavior: {name: dash}",
+            3,
+            "add kinematics or remove the behavior",
+        ),
+        (
+            "robot:\n- number: 3\n  group_behavior: {name: orca}",
+            3,
+            "nothing to drive, so the body stands still: add kinematics or remove the group_behavior",
+        ),
     ],
 )
-def test_values_that_are_seldom_meant_are_noted(text: str, line: int, words: str, load: Load) -> None:
-    (note,) = notes(load(text))
+def test_values_that_are_hardly_ever_meant(text: str, line: int, words: str, tmp_path: Path) -> None:
+    """Loading warns of them once, with the line, from the place of the call; ``check`` reads them without."""
+    file = tmp_path / "my.world.yaml"
+    file.write_text(text, encoding="utf-8")
+    with pytest.warns(ScenarioWarning) as caught:
+        scenario = load_scenario(file)
+    (warning,) = caught
+    assert warning.filename == __file__
+    (note,) = notes(scenario)
+    assert warning.message.problems == (note,) == notes(load_scenario(file, warn=False))
     assert note.line == line
     assert words in note.message
+    assert f"{file}:{line}   " in str(warning.message)
+
+
+def test_a_body_without_a_goal_is_noted_only(load: Load) -> None:
+    (note,) = notes(load("robot: {kinematics: {name: diff}, behavior: {name: dash}}"))
+    assert note.message == "has a behavior but no goal: it stands still"
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda file: irsim_gym.load(file).close(),
+        lambda file: irsim_gym.make(file).close(),
+        lambda file: irsim_gym.make_vec(file, num_envs=2).close(),
+        lambda file: irsim_gym.sb3.make_vec_env(file, n_envs=2).close(),
+        lambda file: gymnasium.make("irsim_gym/World-v0", scenario=file).close(),
+    ],
+)
+def test_every_way_in_warns_once(make: Callable[[str], None], tmp_path: Path) -> None:
+    file = tmp_path / "world.yaml"
+    file.write_text("robot: {kinematics: {name: diff}, state: [1, 1, 45], goal: [5, 5]}", encoding="utf-8")
+    with pytest.warns(ScenarioWarning, match=r"world.yaml:1   robot_0: a heading of 45 is more than a turn") as caught:
+        make(str(file))
+    assert [warning.filename for warning in caught] == [__file__]
+
+
+def test_a_warning_travels_between_processes() -> None:
+    warning = ScenarioWarning("a.yaml", [Problem(3, "robot_0", "a heading of 45 is more than a turn")])
+    assert str(pickle.loads(pickle.dumps(warning))) == str(warning)
+
+
+def test_a_body_that_is_told_to_be_static_may_have_a_behavior(load: Load) -> None:
+    assert load("obstacle: {static: true, behavior: {name: dash}}").doubts == ()
 
 
 def test_nothing_is_noted_in_an_ordinary_file(load: Load) -> None:
