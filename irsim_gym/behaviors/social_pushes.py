@@ -225,7 +225,9 @@ def push_of_lines(scene: Scene, w: int, b: int, options: Any, among: Flags, line
 def push_of_map(scene: Scene, w: int, b: int, options: Any, sides: Floats, nearest: Floats) -> tuple[float, float]:
     """Return the push of an occupancy map: of the nearest wall that looks in each of its four directions.
 
-    Each wall counts once, however fine the cells are, and the two walls of a corridor cancel in its middle.
+    Each wall counts once, however fine the cells are, and the two walls of a corridor cancel in its middle. So do walls
+    that push the same way, such as the two of a corner and the steps of a slanted wall: of all pushes to one of the
+    four sides the strongest holds.
     """
     if not is_map_seen(options.target_roles, scene.map_frame, scene.role, scene.present[w]):
         return 0.0, 0.0
@@ -244,12 +246,12 @@ def push_of_map(scene: Scene, w: int, b: int, options: Any, sides: Floats, neare
         distance2 = (x - cx) * (x - cx) + (y - cy) * (y - cy)
         if distance2 < nearest[way, 0]:
             nearest[way, 0], nearest[way, 1], nearest[way, 2] = distance2, cx, cy
-    sum_x, sum_y = 0.0, 0.0
+    left, right, down, up = 0.0, 0.0, 0.0, 0.0
     for way in range(4):
         if nearest[way, 0] < reach * reach:
             fx, fy = push_of_wall(x - nearest[way, 1], y - nearest[way, 2], r, options.sigma_obstacle)
-            sum_x, sum_y = sum_x + fx, sum_y + fy
-    return sum_x, sum_y
+            left, right, down, up = min(left, fx), max(right, fx), min(down, fy), max(up, fy)
+    return left + right, down + up
 
 
 @kernel

@@ -151,6 +151,55 @@ def test_a_map_pushes_once_for_each_direction() -> None:
         assert sim.state.command[0, 0, :2] == pytest.approx([-push, push])
 
 
+def walk(steps: int, world: dict[str, Any], obstacles: list[dict[str, Any]], goal: list[float]) -> Any:
+    robot = yaml.safe_load(STANDER)["robot"][0]
+    robot |= {"state": [0.6, 4.6, 0], "goal": goal, "vel_max": [1.5, 1.5], "vel_min": [-1.5, -1.5]}
+    sim = compile(load_scenario({"world": world, "robot": [robot], "obstacle": obstacles}), n_worlds=1)
+    sim.reset(seed=0)
+    path = []
+    for _ in range(steps):
+        sim.step()
+        path.append(sim.state.pose[0, 0, :2].copy())
+    return np.array(path)
+
+
+def test_a_corridor_of_cells_is_walked_as_one_of_linestrings() -> None:
+    cells = np.zeros((50, 50), np.bool_)
+    cells[:, :20] = cells[:, 32:] = True
+    lines = [{"shape": {"name": "linestring", "vertices": [[0, y], [10, y]]}, "state": [0, 0, 0]} for y in (4.0, 6.4)]
+    of_cells, of_lines = walk(60, {"obstacle_map": cells}, [], [9.4, 5.6]), walk(60, {}, lines, [9.4, 5.6])
+    np.testing.assert_allclose(of_cells, of_lines, atol=1e-9)
+    assert of_cells[-1, 0] > 8.0
+
+
+def test_a_block_of_cells_pushes_as_the_box_does() -> None:
+    """Also where its corner is nearest: two sides of the block end there, and push once."""
+    cells = np.zeros((50, 50), np.bool_)
+    cells[15:35, :14] = True
+    box = {"shape": {"name": "rectangle", "length": 4, "width": 2.8}, "state": [5, 1.4, 0]}
+    of_cells, of_box = walk(70, {"obstacle_map": cells}, [], [9.4, 3.4]), walk(70, {}, [box], [9.4, 3.4])
+    np.testing.assert_allclose(of_cells, of_box, atol=1e-9)
+    assert of_cells[-1, 0] > 8.0
+
+
+def test_a_slanted_wall_of_cells_pushes_about_as_a_line_does() -> None:
+    """The robot stands still, 1.2 m from the line through the steps' outer corners, which face up and to the left."""
+    cells = np.tril(np.ones((100, 100), np.bool_), -1)
+    push = []
+    for world in ({"obstacle_map": cells}, {}):
+        robot = yaml.safe_load(STANDER)["robot"][0]
+        away = 1.2 / np.sqrt(2.0)
+        robot |= {"state": [5 - away, 5 + away, 0], "goal": [5 - away, 5 + away, 0]}
+        line = {"shape": {"name": "linestring", "vertices": [[0, 0], [10, 10]]}, "state": [0, 0, 0]}
+        data = {"world": world, "robot": [robot], "obstacle": [] if world else [line]}
+        sim = compile(load_scenario(data), n_worlds=1)
+        sim.reset(seed=0)
+        sim.step()
+        push.append(sim.state.command[0, 0, :2].copy())
+    np.testing.assert_allclose(push[0], push[1], rtol=0.1)
+    assert push[1] == pytest.approx([-np.exp(-0.9 / 0.8) / np.sqrt(2), np.exp(-0.9 / 0.8) / np.sqrt(2)])
+
+
 def test_a_member_without_goal_gives_way() -> None:
     text = """
 robot: {number: 2, distribution: {name: manual}, kinematics: {name: omni}, state: [[5, 5, 0], [5.5, 5, 0]],

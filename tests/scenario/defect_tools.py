@@ -18,7 +18,7 @@ from irsim_gym.scenario.spec import BodySpec
 
 def scenario(text: str) -> Scenario:
     """Return the scenario that a YAML text describes."""
-    return load_scenario(yaml.safe_load(text))
+    return load_scenario(yaml.safe_load(text), warn=False)
 
 
 def body(text: str) -> BodySpec:

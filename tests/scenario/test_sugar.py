@@ -130,6 +130,11 @@ def test_one_number_each_for_scalar_keys(load: Load) -> None:
     assert load("robot: {goal_threshold: [0.3]}").bodies[0].goal_threshold == 0.3
 
 
+def test_3_14_is_half_a_turn(load: Load) -> None:
+    low, high = load("robot: {angle_range: [-3.14, 3.14]}").bodies[0].angle_range
+    assert (low, high) == (-3.14, pytest.approx(-3.14 + 2 * PI))
+
+
 @pytest.mark.parametrize(
     ("number", "goal", "expected"),
     [
@@ -137,6 +142,7 @@ def test_one_number_each_for_scalar_keys(load: Load) -> None:
         (1, "[3, 4, pi/2]", [((3, 4, PI / 2),)]),
         (2, "[3, 4, 0]", [((3, 4, 0),), ((3, 4, 0),)]),
         (1, "[[3, 4, 0]]", [((3, 4, 0),)]),
+        (1, "[[3, 4, 0], [5, 6]]", [((3, 4, 0), (5, 6, NAN))]),
         (3, "[[3, 4, 0], [5, 6, 0]]", [((3, 4, 0),), ((5, 6, 0),), ((5, 6, 0),)]),
         (1, "[[[1, 1, 0], [2, 2, 0]]]", [((1, 1, 0), (2, 2, 0))]),
         (2, "[[[1, 1, 0], [2, 2, 0]]]", [((1, 1, 0), (2, 2, 0))] * 2),
