@@ -79,7 +79,7 @@ def our_velocities(scene: Scene) -> np.ndarray:
         for name, points in walls
     ]
     data = {"world": {"step_time": scene.step_time}, "robot": robots, "obstacle": obstacles}
-    sim = ig.compile(ig.load_scenario(data))
+    sim = ig.compile(ig.load_scenario(data, warn=False))
     sim.reset()
     sim.state.plan[0, :count] = scene.velocity
     (group,) = sim.parts.group_behaviors

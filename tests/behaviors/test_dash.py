@@ -69,7 +69,7 @@ GOLDEN: dict[str, tuple[dict[str, Any], list[tuple[list[float], list[float]]]]] 
 
 
 def simulation(robots: Any, n_worlds: int = 1) -> ig.Simulation:
-    sim = ig.compile(ig.load_scenario({"robot": robots}), n_worlds)
+    sim = ig.compile(ig.load_scenario({"robot": robots}, warn=False), n_worlds)
     sim.reset(seed=0)
     return sim
 

@@ -19,7 +19,7 @@ def disc(x: float, y: float, radius: float, **more: Any) -> dict[str, Any]:
 
 def detected(robot: dict[str, Any], obstacles: list[dict[str, Any]]) -> list[bool]:
     data = {"robot": {**DIFF, "state": [2, 2, 0], **robot}, "obstacle": obstacles}
-    sim = ig.compile(ig.load_scenario(data), 2)
+    sim = ig.compile(ig.load_scenario(data, warn=False), 2)
     sim.reset()
     found = sim.detected(0)
     assert found.shape == (2, 1 + len(obstacles))

@@ -97,7 +97,7 @@ def test_followers_see_the_moved_or_the_old_place(update: str, expected: list[li
         {**drive, "state": [0, 3, 0], "behavior": {"name": "follow"}},
     ]
     world = {"width": 20, "height": 20, "step_time": 1.0, "update": update}
-    sim = ig.compile(ig.load_scenario({"world": world, "robot": robots}))
+    sim = ig.compile(ig.load_scenario({"world": world, "robot": robots}, warn=False))
     sim.reset()
     for row in expected:
         sim.step()

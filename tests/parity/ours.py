@@ -18,7 +18,7 @@ SHARD = Shard(np.zeros(1, np.int64))
 
 def build(scenario: Mapping[str, Any], agents: Sequence[int] = ()) -> Any:
     """Compile the scenario and draw its first level."""
-    sim = ig.compile(ig.load_scenario(scenario), agents=tuple(agents))
+    sim = ig.compile(ig.load_scenario(scenario, warn=False), agents=tuple(agents))
     sim.reset(seed=0)
     return sim
 
