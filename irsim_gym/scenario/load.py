@@ -35,8 +35,8 @@ def load_scenario(scenario: str | Path | Mapping[str, Any], *, warn: bool = True
     families.load()
     if not isinstance(scenario, str | Path | Mapping):
         raise TypeError(f"a scenario is a name, a path or a mapping, got {type(scenario).__name__}")
-    is_mapping = isinstance(scenario, Mapping)
-    loaded = read_scenario(read_mapping(scenario) if is_mapping else read_file(library.find(scenario)))
+    source = read_mapping(scenario) if isinstance(scenario, Mapping) else read_file(library.find(scenario))
+    loaded = read_scenario(source)
     if warn:
         notes.warn(loaded)
     return loaded
