@@ -1,8 +1,9 @@
-"""Which colour names there are (matplotlib's), so that a misspelt one is told with its line."""
+"""Which colours there are (matplotlib's names, and numbers), so that a misspelt one is told with its line."""
 
 from __future__ import annotations
 
 import re
+from typing import Any
 
 from irsim_gym.errors import suggestion
 
@@ -29,6 +30,15 @@ _OTHER = re.compile(
     r"|tab:(blue|orange|green|red|purple|brown|pink|gr[ae]y|olive|cyan)",
     re.IGNORECASE,
 )
+
+
+def as_text(color: Any) -> Any:
+    """Return red, green, blue and perhaps opacity from 0 to 1 as ``#rrggbb`` or ``#rrggbbaa``; all else unchanged."""
+    if not isinstance(color, list | tuple) or len(color) not in (3, 4):
+        return color
+    if not all(isinstance(part, int | float) and not isinstance(part, bool) and 0 <= part <= 1 for part in color):
+        return color
+    return "#" + "".join(f"{round(255 * part):02x}" for part in color)
 
 
 def color_problem(name: str | None) -> str:

@@ -9,7 +9,6 @@ from typing import Any
 
 from irsim_gym.families import BEHAVIORS, FOOTPRINTS, GROUP_BEHAVIORS, KINEMATICS, PLACEMENTS, SENSORS
 from irsim_gym.registry import Registry
-from irsim_gym.scenario.colors import color_problem
 from irsim_gym.scenario.images import image_problem
 from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, CONTACT_SENSOR, show
 from irsim_gym.scenario.options import defaults
@@ -17,7 +16,16 @@ from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import RawEntry, depth, share
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import MAX_BODIES, BodyOptions, Waypoint
-from irsim_gym.scenario.validation import BAD, Report, build, build_named, check_keys, option_fields, read_field
+from irsim_gym.scenario.validation import (
+    BAD,
+    Report,
+    build,
+    build_named,
+    check_keys,
+    option_fields,
+    read_color,
+    read_field,
+)
 
 FIELDS = option_fields(BodyOptions)
 OF_ENTRY = frozenset({"number", "number_range", "distribution"})
@@ -148,9 +156,6 @@ def _read_sensors(value: Any, place: Place, report: Report) -> Any:
         return BAD
     paths = [place] if isinstance(value, Mapping) else [(*place, i) for i in range(len(items))]
     made = [_read_sensor(item, where, report) for item, where in zip(items, paths, strict=True)]
-    for sensor, where in zip(made, paths, strict=True):
-        _check_colors(sensor, where, report)
-        _check_colors(getattr(sensor, "plot", None), (*where, "plot"), report)
     return BAD if any(sensor is None for sensor in made) else tuple(made)
 
 
@@ -159,14 +164,6 @@ def _read_sensor(item: Any, place: Place, report: Report) -> Any:
         report.add((*place, "name" if "name" in item else "type"), CONTACT_MESSAGE)
         return None
     return build_named(SENSORS, item, place, report, default="lidar2d", synonym="type")
-
-
-def _check_colors(options: Any, place: Place, report: Report) -> None:
-    """Tell colours that do not exist, in whatever option names one."""
-    for key in getattr(options, "__pydantic_fields__", {}):
-        color = getattr(options, key) if key.endswith("color") else None
-        if isinstance(color, str) and (problem := color_problem(color)):
-            report.add((*place, key), problem)
 
 
 def _read_goal(value: Any, place: Place, report: Report) -> Any:
@@ -205,11 +202,7 @@ def _read_role(value: Any, role: str, place: Place, report: Report) -> Any:
 
 
 def _read_color(value: Any, place: Place, report: Report) -> Any:
-    color = read_field(FIELDS["color"], value, place, report)
-    problem = "" if color is BAD or color == "cycle" else color_problem(color)
-    if problem:
-        report.add(place, problem)
-    return BAD if problem else color
+    return value if value == "cycle" else read_color(FIELDS["color"], value, place, report)
 
 
 def _read_description(value: Any, place: Place, report: Report) -> Any:

@@ -79,6 +79,8 @@ def _with_expressions(schema: Any) -> Any:
     if not isinstance(schema, dict):
         return schema
     kept = {key: value for key, value in schema.items() if key not in ("unit", "consequence") or value != ""}
+    if "properties" in schema:
+        kept["properties"] = {key: _color_or(key, one) for key, one in schema["properties"].items()}
     if schema.get("type") in ("number", "integer"):
         numeric = ("type", "minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
         number = {key: kept.pop(key) for key in numeric if key in kept}
@@ -86,6 +88,17 @@ def _with_expressions(schema: Any) -> Any:
     return {
         key: value if key in ("default", "const", "enum") else _with_expressions(value) for key, value in kept.items()
     }
+
+
+def _color_or(key: str, schema: Any) -> Any:
+    """Let numbers from 0 to 1 stand wherever a colour may."""
+    choices = schema.get("anyOf", [schema])
+    if not key.endswith("color") or not any(one.get("type") == "string" for one in choices):
+        return schema
+    kept = {name: value for name, value in schema.items() if name in ("description", "default", "unit", "title")}
+    plain = [{name: value for name, value in one.items() if name not in kept} for one in choices]
+    part = {"type": "number", "minimum": 0, "maximum": 1}
+    return {**kept, "anyOf": [*plain, {"type": "array", "items": part, "minItems": 3, "maxItems": 4}]}
 
 
 def _named(registry: Registry, definitions: Schema, synonym: str = "", default: str = "") -> Schema:

@@ -131,7 +131,8 @@ class BodyOptions:
     color: str | None = option(
         None,
         min_length=1,
-        meaning="Colour; 'cycle' gives each body of the entry its own. By default robots are green, obstacles grey.",
+        meaning="Colour: a name, '#rrggbb', or 3 or 4 numbers from 0 to 1; 'cycle' gives each body of the entry its "
+        "own. By default robots are green, obstacles grey.",
     )
     static: bool = option(False, meaning="The body never moves.")
     vel_min: tuple[float, ...] | None = option(

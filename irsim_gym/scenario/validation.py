@@ -13,6 +13,7 @@ from pydantic.fields import FieldInfo
 
 from irsim_gym.errors import Problem, UnknownNameError
 from irsim_gym.registry import Registry
+from irsim_gym.scenario.colors import as_text, color_problem
 from irsim_gym.scenario.expressions import evaluate
 from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, choices, describe, show, translate, unknown_key
 from irsim_gym.scenario.options import OPTIONS_CONFIG
@@ -111,7 +112,8 @@ def build(
     is_good = True
     for key, info in fields.items():
         if key not in ignored and data.get(key) is not None:
-            values[key] = read_field(info, data[key], (*place, key), report)
+            read = read_color if key.endswith("color") else read_field
+            values[key] = read(info, data[key], (*place, key), report)
             is_good = is_good and values[key] is not BAD
         elif info.is_required() and key not in ignored:
             report.add((*place, key), "is required")
@@ -156,6 +158,19 @@ def read_field(info: FieldInfo, value: Any, place: Place, report: Report) -> Any
         _tell(error, info, ready, place, report)
         return BAD
     return result
+
+
+def read_color(info: FieldInfo, value: Any, place: Place, report: Report) -> Any:
+    """Return an option that is a colour as text; BAD after telling that there is none such."""
+    text = as_text(read_numbers(value)) if isinstance(value, list | tuple) else value
+    if isinstance(text, list | tuple):
+        report.add(place, f"must be a name, '#rrggbb', or 3 or 4 numbers from 0 to 1, got {show(value)}")
+        return BAD
+    color = read_field(info, text, place, report)
+    problem = color_problem(color) if isinstance(color, str) else ""
+    if problem:
+        report.add(place, problem)
+    return BAD if problem else color
 
 
 class _Declared:

@@ -289,6 +289,11 @@ ENTRIES = {
     "arrive mode": ("robot: {arrive_mode: pose}", "1 robot.arrive_mode: must be 'position' or 'state', got 'pose'"),
     "group": ("robot: {group: -1}", "1 robot.group: must be >= 0, got -1"),
     "colour": ("robot: {color: blu}", "1 robot.color: no colour named 'blu' (did you mean 'blue'?)"),
+    "colour from 0 to 255": (
+        "robot: {color: [255, 0, 0]}",
+        "1 robot.color: must be a name, '#rrggbb', or 3 or 4 numbers from 0 to 1, got [255, 0, 0]",
+    ),
+    "cycle for a sensor": ("robot: {sensors: [{color: cycle}]}", "1 robot.sensors[0].color: no colour named 'cycle'"),
     "second colour": (
         "robot:\n  number: 2\n  color:\n    - red\n    - gren",
         "5 robot.color[1]: no colour named 'gren' (did you mean 'green'?)",

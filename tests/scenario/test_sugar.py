@@ -223,6 +223,17 @@ def test_vectors_of_a_body_without_drive_are_not_measured(load: Load) -> None:
     assert load("obstacle: {vel_max: [1, 1, 1], state_dim: 3, role: obstacle}").bodies[0].vel_max == (1, 1)
 
 
+def test_colours_may_be_numbers(load: Load) -> None:
+    text = """
+robot: {number: 2, color: [[0.2, 0.4, 0.6], [1, 0, 0, 1/2]], plot: {goal_color: [0, 0, 1]},
+        sensors: [{color: [1, 1, 1]}]}
+"""
+    one, other = load(text).bodies
+    assert (one.color, other.color) == ("#336699", "#ff000080")
+    assert (one.plot.goal_color, one.sensors[0].color) == ("#0000ff", "#ffffff")
+    assert load("robot: {number: 3, color: [0.2, 0.4, 0.6]}").bodies[2].color == "#336699"
+
+
 def test_colours(load: Load) -> None:
     bodies = load("robot: {number: 9, color: cycle}").bodies
     assert len({body.color for body in bodies}) == 8
