@@ -207,7 +207,7 @@ def _read_color(value: Any, place: Place, report: Report) -> Any:
 
 def _read_description(value: Any, place: Place, report: Report) -> Any:
     image = read_field(FIELDS["description"], value, place, report)
-    problem = "" if image is BAD else image_problem(image, report.source.file)
+    problem = "" if image is BAD or image is None else image_problem(image, report.source.file)
     if problem:
         report.add(place, problem)
     return BAD if problem else image

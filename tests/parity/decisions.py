@@ -50,7 +50,7 @@ DECISIONS = {
     ),
     "omni_frame": Decision(
         "omni takes forward and lateral velocity in the body frame",
-        "omni takes [vx, vy] in the world frame; `frame: body` gives the other",
+        "[vx, vy] in the world frame; limits bind there, also for behaviours; `frame: body` gives IR-SIM's run",
         "the documentation says 'along the x and y axes'",
         "D6",
     ),
@@ -149,7 +149,7 @@ DECISIONS = {
     ),
     "avoided_map": Decision(
         "rvo and sfm see the map as one disc around its middle",
-        "they see its walls: rvo those within neighbor_threshold, sfm the nearest on each of four sides",
+        "its walls: rvo those within neighbor_threshold, sfm the nearest on each of four sides, once to each side",
         "a disc around everything hides the ways through",
         "D39, defect 12",
     ),
@@ -220,14 +220,14 @@ DECISIONS = {
         "defect 24",
     ),
     "fog_ends": Decision(
-        "rounding decides whether a beam's end explores the wall or the free cell before it",
+        "with `fog_map`, rounding decides whether a beam's end explores the wall or the free cell before it",
         "the wall that a beam hits is explored",
         "walls appear without gaps",
         "section 11",
     ),
     "obstacle_sizes": Decision(
         "rvo and sfm see a standing rectangle or polygon as the disc around it, when its centre is near",
-        "they see its outline, when its surface is near; for sfm it pushes once, from its nearest point",
+        "they see its outline when its surface is near; for sfm it pushes once, from its nearest point: runs differ",
         "robots drove into large boxes, and kept away from the empty corners of discs",
         "D39",
     ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -83,6 +84,7 @@ SCENARIOS = st.fixed_dictionaries(
         "task": DATA,
     },
 )
+pytestmark = pytest.mark.filterwarnings("ignore::irsim_gym.errors.ScenarioWarning")
 QUICK = settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 
 

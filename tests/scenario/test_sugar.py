@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from irsim_gym.scenario import Scenario, library, load_scenario
+from irsim_gym.scenario.plot_spec import ROBOT_COLOR
 
 Load = Callable[[str], Scenario]
 PI = math.pi
@@ -221,6 +222,12 @@ def test_a_static_body_may_have_a_behaviour(load: Load) -> None:
 
 def test_vectors_of_a_body_without_drive_are_not_measured(load: Load) -> None:
     assert load("obstacle: {vel_max: [1, 1, 1], state_dim: 3, role: obstacle}").bodies[0].vel_max == (1, 1)
+
+
+def test_a_list_may_hold_nothing_for_a_body(load: Load) -> None:
+    one, other = load("robot: {number: 2, description: [null, car_red.png], color: [null, red]}").bodies
+    assert (one.description, other.description) == (None, "car_red.png")
+    assert (one.color, other.color) == (ROBOT_COLOR, "red")
 
 
 def test_colours_may_be_numbers(load: Load) -> None:

@@ -49,7 +49,7 @@ def scene(seed: int, shapes: list[dict[str, Any]]) -> dict[str, Any]:
 
 def both(data: dict[str, Any], folder: Path) -> list[tuple[dict[str, Any], dict[str, Any], Any, Any]]:
     """Return the reports and points of all sensors after some steps: ours, theirs."""
-    sim = ig.compile(ig.load_scenario(data))
+    sim = ig.compile(ig.load_scenario(data, warn=False))
     sim.reset()
     with ir_sim_world(data, folder) as world:
         for _ in range(STEPS):
@@ -87,7 +87,7 @@ def test_ranges_to_discs_agree_within_the_depth_of_a_64_gon(tmp_path: Path) -> N
     radius, n_discs = 0.8, 0
     data = scene(1, [{"name": "circle", "radius": radius}])
     data["robot"][0]["sensors"] = [{"number": 720, "angle_range": 2 * np.pi, "has_velocity": True}]
-    sim = ig.compile(ig.load_scenario(data))
+    sim = ig.compile(ig.load_scenario(data, warn=False))
     sim.reset()
     with ir_sim_world(data, tmp_path) as world:
         theirs = world.robot.lidar.get_scan()["ranges"]
@@ -113,7 +113,7 @@ def test_fields_of_view_agree_but_for_wide_bodies(tmp_path: Path) -> None:
     for seed in range(5):
         data = scene(seed, [*SHAPES, {"name": "circle", "radius": 0.4}])
         data["robot"][0] |= {"fov": 2.0, "fov_radius": 4.0}
-        sim = ig.compile(ig.load_scenario(data))
+        sim = ig.compile(ig.load_scenario(data, warn=False))
         sim.reset()
         found = sim.detected(0)[0]
         with ir_sim_world(data, tmp_path) as world:
