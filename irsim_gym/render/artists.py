@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,12 +21,14 @@ from irsim_gym.render.patches import Colour, empty_collection, paint
 from irsim_gym.render.scene import FieldView, GoalView, LabelView, TrailView
 
 FAINTEST = 0.12
+FLAG = (6.5, 10.5)
+"""Width and height of a goal's flag, from its foot [point]."""
 POLE = Path([(0.0, 0.0), (0.0, 2.0)])
 PENNANT = Path([(0.0, 2.0), (1.25, 1.55), (0.0, 1.1), (0.0, 2.0)], closed=True)
 
 
 class Trails:
-    """Trajectories that fade towards their beginning."""
+    """Trajectories: thin ones fade towards their beginning, those with a width are one band."""
 
     def __init__(self, axes: Axes, pixels_per_metre: float, pixels_per_point: float) -> None:
         self._lines: Any = LineCollection([], capstyle="butt", joinstyle="round", animated=True)
@@ -40,9 +43,9 @@ class Trails:
         widths: list[float] = []
         styles: list[str] = []
         for view in views:
-            parts = shapes.pieces(shapes.thinned(view.points, self._apart))
-            strengths = np.linspace(FAINTEST, 1.0, len(parts)) * view.style.trajectory_alpha
-            width = view.style.trajectory_width
+            points, width = shapes.thinned(view.points, self._apart), view.style.trajectory_width
+            parts = shapes.pieces(points) if width is None else [points][: len(points) > 1]
+            strengths = np.linspace(1.0 if width else FAINTEST, 1.0, len(parts)) * view.style.trajectory_alpha
             pieces += parts
             colours += [to_rgba(view.style.trajectory_colour, strength) for strength in strengths]
             widths += [1.9 if width is None else max(width * self._points_per_metre, 0.3)] * len(parts)
@@ -141,6 +144,24 @@ class Labels:
             self._text.set(position=(view.x, view.y), text=view.text, color=style.label_colour, alpha=style.label_alpha)
             self._text.set_fontsize(style.label_size)
             self._text.draw(renderer)
+
+
+def clear_of_flags(label: LabelView, goals: Sequence[GoalView], point: float) -> LabelView:
+    """Return a label, below its body where it would stand on the flag of a goal.
+
+    Args:
+        label: The label.
+        goals: The goals that are shown.
+        point: A point of type [m].
+    """
+    height = 1.3 * label.style.label_size * point
+    half = 0.35 * label.style.label_size * len(label.text) * point
+    for goal in goals:
+        beside = goal.x + FLAG[0] * point < label.x - half or goal.x > label.x + half
+        apart = goal.y + FLAG[1] * point < label.y or goal.y > label.y + height
+        if label.under is not None and not beside and not apart:
+            return replace(label, y=label.under - height)
+    return label
 
 
 def _faded(colour: Colour, share: float) -> Colour:

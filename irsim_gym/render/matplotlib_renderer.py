@@ -49,7 +49,7 @@ class Renderer:
         plot = scenario.world.plot
         self._reader = SceneReader(scenario, model, state, sensors, learners, trails)
         self._cut = plot.saved_figure.bbox_inches == "tight"
-        self._axis, self._show_title = not plot.no_axis, bool(plot.show_title)
+        self._axis, self._show_title, self._titled = not plot.no_axis, bool(plot.show_title), plot.title is not None
         self._layout = lay_out(
             model.bounds,
             size or plot.figure_pixels,
@@ -101,7 +101,13 @@ class Renderer:
 
     def _ready(self, scene: Scene) -> Stage:
         if self._stage is None:
-            self._stage = Stage(self._layout, scene.title, axis=self._axis, show_title=self._show_title)
+            self._stage = Stage(
+                self._layout,
+                titled=self._titled,
+                axis=self._axis,
+                show_title=self._show_title,
+                clipped=scene.center is None,
+            )
         return self._stage
 
     def clear(self, world: int | None = None) -> None:

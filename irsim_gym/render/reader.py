@@ -54,7 +54,7 @@ class SceneReader:
         self._fixed_bodies = [body for body in order if not model.movable[body]]
         self._moving_bodies = [body for body in order if model.movable[body]]
         self._robots = [body for body in order if model.role[body] == ROBOT]
-        self._title = scenario.world.plot.title or scenario.name
+        self._title = scenario.name if scenario.world.plot.title is None else scenario.world.plot.title
         self._viewpoint = scenario.world.plot.viewpoint
         self._turns_with_motion = [is_omni(body) for body in scenario.bodies]
         self._fields = {b: field_of_view(body) for b, body in enumerate(scenario.bodies) if self._styles[b].show_field}
@@ -282,9 +282,19 @@ def _anchor(pose: Floats, style: BodyStyle, segments: Floats, discs: Floats) -> 
     return (x, y) if extent is None else (0.5 * (extent[0] + extent[2]), extent[3] + 0.08)
 
 
+def _foot(view: BodyView) -> float | None:
+    """Return the lowest ordinate of a footprint; None without one."""
+    lowest = [float(line[:, 1].min()) for line in view.lines] + [float(y - radius) for _, y, radius in view.discs]
+    return min(lowest, default=None)
+
+
 def _labels(bodies: Sequence[BodyView], goals: Sequence[GoalView]) -> tuple[LabelView, ...]:
     """Return the texts beside bodies and below goals."""
-    beside = [LabelView(*view.anchor, view.style.label, view.style) for view in bodies if view.style.label]
+    beside = [
+        LabelView(*view.anchor, view.style.label, view.style, None if view.style.label_offset else _foot(view))
+        for view in bodies
+        if view.style.label
+    ]
     below = [
         LabelView(view.x, view.y - view.tolerance, view.style.goal_label, view.style)
         for view in goals

@@ -124,12 +124,14 @@ class LabelView:
         y: Ordinate of its foot [m].
         text: The words.
         style: How its body looks.
+        under: Below which ordinate it may stand instead [m], or None.
     """
 
     x: float
     y: float
     text: str
     style: BodyStyle
+    under: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

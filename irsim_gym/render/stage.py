@@ -7,15 +7,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox, TransformedBbox
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import artists, scan_artists, theme
+from irsim_gym.render.artists import clear_of_flags
 from irsim_gym.render.body_artists import Bodies, Headings, Impacts, MapImage
-from irsim_gym.render.card import TEXT, Play, Ticks, add_frame, make_axes
+from irsim_gym.render.card import Play, Ticks, add_frame, make_axes
+from irsim_gym.render.head import Head
 from irsim_gym.render.layout import Layout
 from irsim_gym.render.scene import BodyView, LabelView, Scene
 from irsim_gym.render.styles import GROUND, TOP
@@ -23,6 +28,8 @@ from irsim_gym.render.styles import GROUND, TOP
 DOTS_PER_INCH = 100.0
 POINTS_PER_INCH = 72.0
 REMEMBERED_BACKDROPS = 8
+HALF_A_WALL = 1.1
+"""Half the width of a wall's line [point]: one along the border is drawn whole."""
 
 
 class Stage:
@@ -32,12 +39,15 @@ class Stage:
 
     Args:
         layout: Where things stand on it.
-        title: Heading of the picture.
+        titled: The heading is a title alone.
         axis: Draw ticks and the world's frame.
         show_title: Draw heading and status line.
+        clipped: Cut what reaches beyond the world's rectangle.
     """
 
-    def __init__(self, layout: Layout, title: str, *, axis: bool = True, show_title: bool = True) -> None:
+    def __init__(
+        self, layout: Layout, *, titled: bool = False, axis: bool = True, show_title: bool = True, clipped: bool = True
+    ) -> None:
         dpi = DOTS_PER_INCH * layout.enlargement
         self._figure = Figure(figsize=(layout.width / dpi, layout.height / dpi), dpi=dpi, facecolor=theme.PAPER)
         self._canvas: Any = FigureCanvasAgg(self._figure)
@@ -56,7 +66,11 @@ class Stage:
         self._impacts = Impacts(axes)
         self._labels = artists.Labels(axes)
         self._outcome = add_frame(axes, layout, linewidth=2.2, animated=True)
-        self._head = _Head(self._figure, layout, title) if show_title else None
+        self._head = Head(self._figure, layout, titled=titled) if show_title else None
+        if clipped:
+            _clip((self._scans, self._hits, self._fields, self._ghosts, self._trails), _world_box(axes, layout, 0.0))
+            bodies = self._fixed, self._moving, self._headings, self._impacts
+            _clip(bodies, _world_box(axes, layout, HALF_A_WALL * dpi / POINTS_PER_INCH / layout.scale))
         self._layout, self._limits = layout, (0.0, 0.0, 0.0, 0.0)
         self._backdrops: dict[int, tuple[tuple[Any, ...], Any]] = {}
 
@@ -106,12 +120,15 @@ class Stage:
 
     def _play(self, renderer: RendererBase, scene: Scene, live: list[tuple[float, int, Any, list[Any]]]) -> None:
         """Draw what is drawn anew, and how the scene stands."""
+        colour = theme.status_colour(scene.status) if theme.ends_episode(scene.status) else None
+        if colour is not None:
+            self._outcome.set(facecolor=to_rgba(colour, 0.07), edgecolor="none")
+            self._outcome.draw(renderer)
         for _, _, part, views in live:
             part.update(views)
             part.draw(renderer)
-        if theme.ends_episode(scene.status):
-            colour = theme.status_colour(scene.status)
-            self._outcome.set(facecolor=to_rgba(colour, 0.07), edgecolor=to_rgba(colour, 0.9))
+        if colour is not None:
+            self._outcome.set(facecolor="none", edgecolor=to_rgba(colour, 0.9))
             self._outcome.draw(renderer)
         if self._head is not None:
             self._head.draw(renderer, scene)
@@ -151,7 +168,9 @@ class Stage:
     def _visible(self, scene: Scene) -> list[LabelView]:
         """Return the labels that stand in the part of the world that is shown."""
         x_min, y_min, x_max, y_max = self._limits
-        return [view for view in scene.labels if x_min <= view.x <= x_max and y_min <= view.y <= y_max]
+        point = DOTS_PER_INCH / POINTS_PER_INCH * self._layout.enlargement / self._layout.scale
+        labels = [clear_of_flags(view, scene.goals, point) for view in scene.labels]
+        return [view for view in labels if x_min <= view.x <= x_max and y_min <= view.y <= y_max]
 
     def _look(self, scene: Scene) -> None:
         """Show the part of the world around the scene's centre."""
@@ -189,28 +208,21 @@ def _heading_order(view: BodyView) -> float:
     return view.style.order if view.style.arrow_order is None else view.style.arrow_order
 
 
-class _Head:
-    """The line above the drawing area: title on the left, status and time on the right."""
+def _world_box(axes: Axes, layout: Layout, margin: float) -> TransformedBbox:
+    """Return the world's rectangle, wider by a margin [m], where it is on the canvas."""
+    x_min, y_min, x_max, y_max = layout.bounds
+    return TransformedBbox(
+        Bbox.from_extents(x_min - margin, y_min - margin, x_max + margin, y_max + margin), axes.transData
+    )
 
-    def __init__(self, figure: Figure, layout: Layout, title: str) -> None:
-        y = 1.0 - 21.0 * layout.enlargement / layout.height
-        left = layout.left / layout.width
-        right = (layout.left + layout.plot_width) / layout.width
-        common: dict[str, Any] = {**TEXT, "va": "center"}
-        figure.text(left, y, title, color=theme.INK, fontsize=9.5, weight="bold", ha="left", **common)
-        self._time = figure.text(right, y, "", color=theme.INK, fontsize=9.0, ha="right", animated=True, **common)
-        self._status = figure.text(
-            right - 66.0 * layout.enlargement / layout.width, y, "", fontsize=9.0, ha="right", animated=True, **common
-        )
 
-    def draw(self, renderer: RendererBase, scene: Scene) -> None:
-        """Draw the scene's status and time."""
-        for text, words, colour in (
-            (self._time, f"{scene.time:.1f} s", theme.INK),
-            (self._status, f"\N{BLACK CIRCLE} {scene.status.replace('_', ' ')}", theme.status_colour(scene.status)),
-        ):
-            text.set(text=words, color=colour)
-            text.draw(renderer)
+def _clip(parts: Sequence[Any], box: TransformedBbox) -> None:
+    """Cut the artists of some parts at a box."""
+    for part in parts:
+        held = [item for value in vars(part).values() for item in (value if isinstance(value, list) else [value])]
+        for artist in held:
+            if isinstance(artist, Artist) and not isinstance(artist, Axes):
+                artist.set_clip_box(box)
 
 
 def _without_alpha(rgba: Bytes) -> Bytes:
