@@ -74,14 +74,16 @@ def read_entry(raw: RawEntry, plot: Mapping[str, Any], report: Report) -> Entry:
         report: Collects the problems.
     """
     entry = Entry(raw)
-    check_keys(raw.data, FIELDS, raw.place, report, CONTACT_KEYS["body"])
+    spelt = check_keys(raw.data, FIELDS, raw.place, report, CONTACT_KEYS["body"])
+    known = {own: key for key, own in spelt.items()}
     _read_number(entry, report)
     entry.placement = _read_placement(raw, report)
-    for key, value in raw.data.items():
+    for own, value in raw.data.items():
+        key = known.get(own, own)
         if key not in FIELDS or key in OF_ENTRY or value is None or value == {}:
             continue
         read = _reader(key, raw.role, plot)
-        shared = share(key, value, entry.count, (*raw.place, key), report)
+        shared = share(key, value, entry.count, (*raw.place, own), report)
         entry.values[key] = [(place, read(item, place, report)) for place, item in shared.values]
     if plot and not entry.values.get("plot"):
         default = build(ObjectPlot, plot, (*raw.place, "plot"), Report(report.source))

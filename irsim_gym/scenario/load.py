@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym import families
-from irsim_gym.errors import ScenarioError, suggestion
+from irsim_gym.errors import ScenarioError, nearest, suggestion
 from irsim_gym.scenario import library, notes
 from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of, with_map
 from irsim_gym.scenario.entries import read_entry
@@ -50,15 +50,13 @@ def read_scenario(source: Source) -> Scenario:
     """
     report = Report(source)
     sections, roots = split_sections(source.data, report)
-    for name in sections:
-        if name not in SECTIONS and not report.is_full:
-            report.add((*roots[name], name), unknown_key(name, [*SECTIONS, WRAPPER]))
-    world = _world(sections.get("world"), (*roots.get("world", ()), "world"), source, report)
-    gui = build(GuiSpec, sections.get("gui"), (*roots.get("gui", ()), "gui"), report)
-    task = _task(sections.get("task"), (*roots.get("task", ()), "task"), report)
-    bodies, placements = _bodies(sections, roots, report)
-    _check_viewpoint(world, bodies, (*roots.get("world", ()), "world", "plot", "viewpoint"), report)
-    map_place = (*roots.get("world", ()), "world", "obstacle_map")
+    places = _places(sections, roots, report)
+    world = _world(sections.get("world"), places["world"], source, report)
+    gui = build(GuiSpec, sections.get("gui"), places["gui"], report)
+    task = _task(sections.get("task"), places["task"], report)
+    bodies, placements = _bodies(sections, places, report)
+    _check_viewpoint(world, bodies, (*places["world"], "plot", "viewpoint"), report)
+    map_place = (*places["world"], "obstacle_map")
     occupied = read_cells(world, map_place, source, report) if world is not None else None
     if world is not None and occupied is not None:
         bodies, placements = with_map(world, bodies, placements, source.line(map_place))
@@ -71,6 +69,19 @@ def read_scenario(source: Source) -> Scenario:
     return Scenario(
         world.name, source.file, world, bodies, placements, gui, task, custom, source, roots, occupied, doubts
     )
+
+
+def _places(sections: dict[str, Any], roots: Mapping[str, Place], report: Report) -> dict[str, Place]:
+    """Return the path of each section; a misspelt one is told, and read under the name that it stands for."""
+    places: dict[str, Place] = {name: (*roots.get(name, ()), name) for name in SECTIONS}
+    for name in [name for name in sections if name not in SECTIONS]:
+        if report.is_full:
+            break
+        report.add((*roots[name], name), unknown_key(name, [*SECTIONS, WRAPPER]))
+        near = nearest(name, SECTIONS)
+        if near is not None and near not in sections:
+            sections[near], places[near] = sections[name], (*roots[name], name)
+    return places
 
 
 def _world(data: Any, place: Place, source: Source, report: Report) -> WorldSpec | None:
@@ -109,17 +120,17 @@ def _task(data: Any, place: Place, report: Report) -> Mapping[str, Any]:
 
 
 def _bodies(
-    sections: Mapping[str, Any], roots: Mapping[str, Place], report: Report
+    sections: Mapping[str, Any], places: Mapping[str, Place], report: Report
 ) -> tuple[tuple[BodySpec, ...], tuple[PlacementSpec, ...]]:
     plot = sections.get("plot")
-    if build(ObjectPlot, plot, (*roots.get("plot", ()), "plot"), report) is None or plot is None:
+    if build(ObjectPlot, plot, places["plot"], report) is None or plot is None:
         plot = {}
     bodies: list[BodySpec] = []
     placements: list[PlacementSpec] = []
     total, next_group = 0, 0
     names: list[tuple[Place, str]] = []
     for role in ROLES:
-        raws = split_entries(role, sections.get(role), (*roots.get(role, ()), role), report)
+        raws = split_entries(role, sections.get(role), places[role], report)
         entries = [read_entry(raw, plot, report) for raw in raws]
         for k, entry in enumerate(entries):
             if total + entry.count > MAX_BODIES:

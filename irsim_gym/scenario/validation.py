@@ -11,7 +11,7 @@ from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
-from irsim_gym.errors import Problem, UnknownNameError
+from irsim_gym.errors import Problem, UnknownNameError, nearest
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.colors import as_text, color_problem
 from irsim_gym.scenario.expressions import evaluate
@@ -107,13 +107,14 @@ def build(
         report.add(place, f"must be a mapping of options, got {show(data)}")
         return None
     fields, ignored = option_fields(cls), set(skip)
-    check_keys(data, [*fields, *ignored], place, report, contact)
+    spelt = check_keys(data, [*fields, *ignored], place, report, contact)
     values: dict[str, Any] = {}
     is_good = True
     for key, info in fields.items():
-        if key not in ignored and data.get(key) is not None:
+        own = spelt.get(key, key)
+        if key not in ignored and data.get(own) is not None:
             read = read_color if key.endswith("color") else read_field
-            values[key] = read(info, data[key], (*place, key), report)
+            values[key] = read(info, data[own], (*place, own), report)
             is_good = is_good and values[key] is not BAD
         elif info.is_required() and key not in ignored:
             report.add((*place, key), "is required")
@@ -137,14 +138,22 @@ def _construct(cls: type[T], values: Mapping[str, Any], place: Place, report: Re
 
 def check_keys(
     data: Mapping[str, Any], known: Iterable[str], place: Place, report: Report, contact: Iterable[str] = ()
-) -> None:
-    """Tell the keys that nobody reads."""
+) -> dict[str, str]:
+    """Tell the keys that nobody reads; return by known key the misspelt one that stands for it.
+
+    What a misspelt key holds is read as well, so that its mistakes are told at once.
+    """
     known, foreign = list(known), set(contact)
+    spelt: dict[str, str] = {}
     for key in data:
         if key in foreign:
             report.add((*place, key), CONTACT_MESSAGE)
         elif key not in known and not report.is_full:
             report.add((*place, key), unknown_key(key, known))
+            near = nearest(key, known)
+            if near is not None and near not in data:
+                spelt.setdefault(near, key)
+    return spelt
 
 
 def read_field(info: FieldInfo, value: Any, place: Place, report: Report) -> Any:

@@ -45,7 +45,7 @@ WORLD = {
         "2 world.control_mode: must be 'auto' or 'keyboard', got ['auto']",
     ),
     "plot key": (
-        "world:\n  plot: {show_titel: 1}",
+        "world:\n  plot: {show_titel: true}",
         "2 world.plot.show_titel: unknown key (did you mean 'show_title'?)",
     ),
     "deep plot key": (
@@ -289,6 +289,26 @@ ENTRIES = {
     "arrive mode": ("robot: {arrive_mode: pose}", "1 robot.arrive_mode: must be 'position' or 'state', got 'pose'"),
     "group": ("robot: {group: -1}", "1 robot.group: must be >= 0, got -1"),
     "colour": ("robot: {color: blu}", "1 robot.color: no colour named 'blu' (did you mean 'blue'?)"),
+    "inside a misspelt key": (
+        "robot:\n  shpae: {name: circle, raduis: 1}",
+        "2 robot.shpae: unknown key (did you mean 'shape'?)",
+        "2 robot.shpae.raduis: unknown key (did you mean 'radius'?)",
+    ),
+    "inside a misspelt section": (
+        "wrold:\n  widht: 0\nrobots:\n  - {kinematics: {name: dif}}",
+        "1 wrold: unknown key (did you mean 'world'?)",
+        "2 wrold.widht: must be > 0, got 0",
+        "2 wrold.widht: unknown key (did you mean 'width'?)",
+        "3 robots: unknown key (did you mean 'robot'?)",
+        "4 robots[0].kinematics.name: no kinematics named 'dif' (did you mean 'diff'?)",
+    ),
+    "a colour and more": (
+        "robot:\n  plot: {traj_color: nope, show_trajectry: 3, goal_alpha: 2}",
+        "2 robot.plot.goal_alpha: must be <= 1, got 2",
+        "2 robot.plot.show_trajectry: must be true or false, got 3",
+        "2 robot.plot.show_trajectry: unknown key (did you mean 'show_trajectory'?)",
+        "2 robot.plot.traj_color: no colour named 'nope'",
+    ),
     "colour from 0 to 255": (
         "robot: {color: [255, 0, 0]}",
         "1 robot.color: must be a name, '#rrggbb', or 3 or 4 numbers from 0 to 1, got [255, 0, 0]",
