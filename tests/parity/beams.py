@@ -110,9 +110,13 @@ def outline_of(geometry: Any) -> Any:
 
 
 def touches_an_edge(objects: list[Any], carrier: Any, origin: Any) -> bool:
-    """Return whether a sensor stands on the edge of another body (``touching_sensor``)."""
-    others = [one for one in objects if one is not carrier and not one.unobstructed]
-    return any(shapely.distance(outline_of(one._geometry), shapely.Point(origin)) <= TOUCH for one in others)
+    """Return whether a sensor stands on the edge of another body (``touching_sensor``), which may be a disc's."""
+    for one in objects:
+        if one is not carrier and not one.unobstructed:
+            room = INSET * one.gf.radius if one.shape == "circle" else 0.0
+            if shapely.distance(outline_of(one._geometry), shapely.Point(origin)) <= TOUCH + room:
+                return True
+    return False
 
 
 def in_a_compound(pair: Any, origin: Any) -> bool:
