@@ -18,8 +18,8 @@ from translation import to_ir_sim
 from views import compare_fog, compare_views
 
 EXACT = 1e-9
-SINGLE = 2e-5
-"""For what orca plans: ir-sim's library computes in single precision (decision ``orca_precision``)."""
+SINGLE = 2e-6
+"""Rounding of positions [m] in single precision, in which ir-sim's orca computes (decision ``orca_precision``)."""
 
 HOLD = 5
 RARE = 0.005
@@ -185,7 +185,7 @@ class Pair:
     def tolerance(self, b: int) -> float:
         """Return how far apart a body's states may be."""
         planned = any(b in members for members in self.reference.groups_of_planners)
-        return SINGLE if planned else EXACT
+        return SINGLE / float(self.sim.model.step_time[0]) if planned else EXACT
 
     def apart(self, b: int, after: Snapshot) -> float:
         """Return the largest difference between the body's states: pose, steering, velocity and twist."""
