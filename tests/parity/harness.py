@@ -185,7 +185,7 @@ class Pair:
     def tolerance(self, b: int) -> float:
         """Return how far apart a body's states may be."""
         planned = any(b in members for members in self.reference.groups_of_planners)
-        return SINGLE / float(self.sim.model.step_time[0]) if planned else EXACT
+        return SINGLE / min(0.1, float(self.sim.model.step_time[0])) if planned else EXACT
 
     def apart(self, b: int, after: Snapshot) -> float:
         """Return the largest difference between the body's states: pose, steering, velocity and twist."""
