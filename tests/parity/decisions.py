@@ -147,12 +147,6 @@ DECISIONS = {
         "a silently ignored key costs its author hours",
         "section 7",
     ),
-    "avoided_map": Decision(
-        "rvo and sfm see the map as one disc around its middle",
-        "its walls: rvo those within neighbor_threshold, sfm the nearest on each of four sides, once to each side",
-        "a disc around everything hides the ways through",
-        "D39, defect 12",
-    ),
     "map_in_view": Decision(
         "the map counts as a disc around the origin",
         "a field of view never detects the map",
@@ -191,7 +185,7 @@ DECISIONS = {
     ),
     "map_is_no_disc": Decision(
         "rvo and sfm see a map as one disc about its centroid, or not at all when that is far away",
-        "they see the borders of the occupied cells near them, as walls",
+        "its walls: rvo those within neighbor_threshold, sfm the nearest on each of four sides, once to each side",
         "the disc covers the whole world, and who stands near its centre finds no way out",
         "defect 12",
     ),
