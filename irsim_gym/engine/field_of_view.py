@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.engine.measures import measure_bodies
+from irsim_gym.engine.measures import measure_into
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -30,19 +30,8 @@ def detect(
         detected: Written, shape ``(n_worlds, n_bodies)``.
     """
     radius, centroid = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)
-    measure_bodies(
-        worlds if len(radius) > 1 else np.zeros(1, np.int64),
-        np.arange(model.present.shape[1], dtype=np.int64),
-        model.solid,
-        model.segment_start,
-        model.segment_count,
-        model.local_segments,
-        model.disc_start,
-        model.disc_count,
-        model.local_discs,
-        radius,
-        centroid,
-    )
+    everyone = np.arange(model.present.shape[1], dtype=np.int64)
+    measure_into(worlds, everyone, model, radius, centroid)
     find_in_sector(worlds, body, fov, depth, model.map_frame, model.present, state.pose, radius, detected)
 
 

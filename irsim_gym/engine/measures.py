@@ -12,7 +12,12 @@ from irsim_gym.world.model import WorldModel
 
 def measure(worlds: Ints, bodies: Ints, model: WorldModel) -> None:
     """Write ``model.radius`` and ``model.centroid`` of bodies from their outlines."""
-    rows = worlds if len(model.radius) > 1 else worlds[:1]
+    measure_into(worlds, bodies, model, model.radius, model.centroid)
+
+
+def measure_into(worlds: Ints, bodies: Ints, model: WorldModel, radius: Floats, centroid: Floats) -> None:
+    """Write radius and centroid of bodies from their outlines, in arrays shaped as the model's."""
+    rows = worlds if len(radius) > 1 else worlds[:1]
     measure_bodies(
         rows,
         bodies,
@@ -23,8 +28,8 @@ def measure(worlds: Ints, bodies: Ints, model: WorldModel) -> None:
         model.disc_start,
         model.disc_count,
         model.local_discs,
-        model.radius,
-        model.centroid,
+        radius,
+        centroid,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.engine import Simulation, buckets, compile, contact, restart
+from irsim_gym.engine import Simulation, buckets, compile, contact, measures, restart
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
 from irsim_gym.live.goals import make_room
@@ -14,8 +14,9 @@ from irsim_gym.world.group import Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
-NOT_CARRIED = frozenset({"segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit"})
-"""Fields about bodies that hold row numbers, bodies or buckets; they are worked out anew."""
+ROW_NUMBERS = ("segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit")
+NOT_CARRIED = frozenset({*ROW_NUMBERS, "radius", "centroid"})
+"""Fields about bodies that hold row numbers, bodies or buckets, or that not every world asks for; worked out anew."""
 
 PLACE_TRIES = 20
 
@@ -44,6 +45,8 @@ def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
         restart.start(new.parts, new.model, new.state, Shard(np.zeros(1, np.int64)))
         _carry(old, new, here, there)
         new.state.random[:] = random
+    if len(new.parts.measured):
+        measures.measure(np.zeros(1, np.int64), new.parts.measured, new.model)
     _look(old, new, here, there)
     return new
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.engine import Simulation
-from irsim_gym.engine.measures import measure
+from irsim_gym.engine.measures import measure_into
 from irsim_gym.families import FOOTPRINTS, KINEMATICS
 
 FLATTEST = 1e-9
@@ -182,8 +182,10 @@ def outline_rows(simulation: Simulation, body: int, *, local: bool = False) -> t
 
 def radius(simulation: Simulation, body: int) -> float:
     """Return the radius of the least circle around a body [m]."""
-    measure(np.zeros(1, np.int64), np.array([body], np.int64), simulation.model)
-    return float(simulation.model.radius[0, body])
+    model = simulation.model
+    found, centroid = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)
+    measure_into(np.zeros(1, np.int64), np.array([body], np.int64), model, found, centroid)
+    return float(found[0, body])
 
 
 def extent(simulation: Simulation, body: int) -> tuple[float, float]:

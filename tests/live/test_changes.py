@@ -191,3 +191,35 @@ def test_the_map_stays_the_last_body_until_it_is_removed() -> None:
     here.remove("obstacle_2")
     here.step([0.0, 0.0])
     assert not here.robot.collided
+
+
+NEIGHBOR: dict[str, Any] = {**DIFF, "kinematics": {"name": "omni"}, "behavior": {"name": "rvo"}, "goal": [9, 2]}
+COMPOUND: dict[str, Any] = {
+    "name": "compound",
+    "parts": [
+        {"name": "circle", "radius": 0.6, "pose": [0.5, 0.3, 0]},
+        {"name": "rectangle", "length": 1.2, "width": 0.4},
+    ],
+}
+
+
+def test_the_first_body_that_looks_at_others_sees_their_sizes() -> None:
+    obstacle = {"shape": COMPOUND, "state": [5, 5, 0]}
+    here = world(obstacle=obstacle)
+    there = world(obstacle=obstacle, robot=[*SCENARIO["robot"], {**NEIGHBOR, "state": [1, 2, 0]}])
+    here.create_robot(**NEIGHBOR, state=[1, 2, 0])
+    here.add(**RANDOM)
+    model, whole = here.simulation.model, there.simulation.model
+    for name, other in (("robot_0", "robot_0"), ("obstacle_2", "obstacle_3")):
+        b, c = here.simulation.body(name), there.simulation.body(other)
+        assert model.radius[0, b] == whole.radius[0, c] > 0.0
+        assert np.array_equal(model.centroid[0, b], whole.centroid[0, c])
+    drawn = here.simulation.body("obstacle_4")
+    assert model.radius[0, drawn] == here["obstacle_4"].radius
+
+
+def test_reading_a_radius_changes_nothing() -> None:
+    here = world(obstacle={"shape": COMPOUND, "state": [5, 5, 0]}, robot={**NEIGHBOR, "state": [1, 2, 0]})
+    before = here.simulation.model.centroid.copy()
+    assert here["obstacle_1"].radius > 0.6
+    assert np.array_equal(here.simulation.model.centroid, before)
