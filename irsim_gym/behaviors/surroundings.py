@@ -221,7 +221,8 @@ def copy_sides(segments: Floats, start: int, count: int, sides: Floats, n_sides:
 def map_walls(x: float, y: float, threshold: float, frame: Floats, squares: Bytes, sides: Floats, n_sides: int) -> int:
     """Append the borders between occupied and free cells near a point to ``sides``; return how many those are now.
 
-    Borders in a line are one segment, with the free cells to its left. What lies outside of the map is free.
+    Borders in a line are one segment, with the free cells to its left. What lies outside of the map is free. Those for
+    which ``sides`` has no more rows are left out.
 
     Args:
         x: The point [m].
@@ -254,6 +255,8 @@ def map_walls(x: float, y: float, threshold: float, frame: Floats, squares: Byte
                 if border == going:
                     continue
                 if going != 0:
+                    if n_sides == sides.shape[0]:
+                        return n_sides
                     along0, along1 = across + start * width, across + cell * width
                     if (going > 0) == (axis == 0):
                         along0, along1 = along1, along0

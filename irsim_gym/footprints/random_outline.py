@@ -15,6 +15,8 @@ from irsim_gym.world.outline import chain
 
 STEP_TRIES = 32
 LEAST_DISTANCE = 0.01
+FARTHEST_SHARE = 2.0
+"""A vertex is at most this many mean radii away from the centre."""
 
 MOST_VERTICES = 1000
 
@@ -56,9 +58,12 @@ class VertexShape:
         return None if self.random_shape or self.vertices is None else np.array(self.vertices, np.float64)
 
     def largest(self) -> Floats:
-        """Return the sides of a regular polygon with the most vertices that a random outline can have."""
+        """Return the sides of a regular polygon: as many, and as far away, as those of a random outline can be."""
         angles = 2.0 * np.pi * np.arange(self.num_vertices_range[1] - 1) / (self.num_vertices_range[1] - 1)
-        return chain(self.avg_radius_range[1] * np.stack([np.cos(angles), np.sin(angles)], axis=1), closed=True)
+        x_min, y_min, x_max, y_max = self.center_range
+        off_center = np.hypot(max(abs(x_min), abs(x_max)), max(abs(y_min), abs(y_max)))
+        farthest = off_center + FARTHEST_SHARE * self.avg_radius_range[1]
+        return chain(farthest * np.stack([np.cos(angles), np.sin(angles)], axis=1), closed=True)
 
 
 def outline_problems(options: VertexShape) -> Iterator[tuple[str, str]]:
@@ -128,7 +133,8 @@ def draw_vertices(random: Words, w: int, bounds: Any, rows: Floats) -> int:
     draw_angle_steps(random, w, n, irregularity, rows)
     angle = uniform(random, w, 0.0, 2.0 * np.pi)
     for v in range(n):
-        distance = min(max(normal(random, w, radius, spikeyness * radius), LEAST_DISTANCE * radius), 2.0 * radius)
+        distance = normal(random, w, radius, spikeyness * radius)
+        distance = min(max(distance, LEAST_DISTANCE * radius), FARTHEST_SHARE * radius)
         rows[v, 0], rows[v, 1] = x + distance * np.cos(angle), y + distance * np.sin(angle)
         angle += rows[v, 2]
     return n

@@ -261,3 +261,11 @@ def test_map_walls_are_the_borders_of_occupied_cells() -> None:
     assert count == 6
     near = map_walls(10.5, 23.0, 0.6, frame, squares, sides, 0)
     assert sides[:near].tolist() == [[11.0, 22.0, 11.0, 24.0]]
+
+
+def test_map_walls_end_with_the_rows_for_them() -> None:
+    squares = np.where(np.indices((9, 9)).sum(axis=0) % 2, 0, 1).astype(np.uint8)[None].repeat(4, axis=0)
+    sides = np.full((8, 4), -1.0)
+    assert map_walls(4.5, 4.5, 9.0, np.array([0.0, 0.0, 1.0, 1.0, 0.0]), squares, sides[:7], 0) == 7
+    assert (sides[:7] >= 0).all()
+    assert (sides[7] == -1).all()

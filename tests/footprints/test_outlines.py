@@ -129,3 +129,14 @@ def test_shapes_are_redrawn_at_each_reset() -> None:
     assert not np.any(before == sim.state.discs[:, 0, 2])
     sim.reset(seed=0)
     np.testing.assert_array_equal(before, sim.state.discs[:, 0, 2])
+
+
+@pytest.mark.parametrize("name", ["polygon", "linestring"])
+def test_no_random_outline_reaches_farther_than_its_largest(name: str) -> None:
+    shape = {"name": name, "center_range": [-3, 0, 1, 2], "avg_radius_range": [0.5, 1], "spikeyness_range": [0.9, 1]}
+    obstacle = {"shape": {**shape, "random_shape": True}, "state": [5, 5, 0.7]}
+    sim = ig.compile(ig.load_scenario({"obstacle": obstacle}), N_WORLDS)
+    largest = sim.model.reach.max()
+    assert largest == pytest.approx(2 + np.hypot(3, 2))
+    sim.reset()
+    assert 0.7 * largest < sim.model.reach.max() <= largest
