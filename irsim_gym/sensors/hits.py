@@ -19,14 +19,19 @@ SAME = 1e-4
 
 
 def prepare(group: Group, n_slots: int) -> None:
-    """Allocate ``hit``: the body that each beam hits, -1 for none, shape ``(n_worlds, n_members, n_beams)``."""
+    """Allocate ``hit``: the body that each beam hits, -1 for none, shape ``(n_worlds, n_members, n_beams)``.
+
+    Beams are cast down to distance 0 then: who comes first below range_min is not told from ranges that end there.
+    """
     table = group.arrays
+    table["cast_params"] = table["cast_params"].copy()
+    table["cast_params"]["range_min"] = 0.0
     table["hit"] = np.full(table["ranges"].shape, -1, np.int64)
     table["nearest"] = np.zeros((n_slots, table["beams_x"].shape[1]), np.float32)
 
 
 def find(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Write which body each beam hits, from ranges without noise."""
+    """Write which body each beam hits, from ranges without noise and below range_min too."""
     table = group.arrays
     find_hits(
         shard.worlds,
@@ -50,6 +55,22 @@ def find(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
         table["nearest"][shard.slot],
         table["hit"],
     )
+
+
+def clip(group: Group, shard: Shard) -> None:
+    """Bring the ranges that ``find`` needed as they are into the sensor's band."""
+    raise_ranges(shard.worlds, group.params, group.arrays["ranges"])
+
+
+@kernel
+def raise_ranges(worlds: Ints, params: Any, ranges: Rays) -> None:
+    """Report range_min for what is nearer."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(params.shape[0]):
+            shortest = np.float32(params[k].range_min)
+            for j in range(ranges.shape[2]):
+                ranges[w, k, j] = max(ranges[w, k, j], shortest)
 
 
 @kernel

@@ -130,3 +130,5 @@ def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
         hits.find(group, model, state, shard)
     if is_noisy:
         noise.blur_ranges(group, state, shard)
+    elif "hit" in table:
+        hits.clip(group, shard)

@@ -120,3 +120,25 @@ def test_radial_velocities_of_invalid_beams_are_zero() -> None:
     sim.step([0.4, 0])
     report = sim.scan_report(0, 0)
     assert (report["valid"].tolist(), report["radial_velocity"].tolist()) == ([False], [0.0])
+
+
+@pytest.mark.parametrize("noise", [{}, {"noise": True, "std": 0.0, "angle_std": 0.0}])
+@pytest.mark.parametrize(("wall", "name"), [(2.55, "map"), (2.85, "obstacle_1"), (3.6, "obstacle_1")])
+def test_what_is_hit_below_range_min_is_the_nearest(noise: dict[str, Any], wall: float, name: str) -> None:
+    # A disc stands 0.7 m ahead, nearer than range_min; a wall of the map stands before or behind it.
+    cells = np.zeros((200, 200), np.bool_)
+    cells[int(wall * 20)] = True
+    sensor = {"number": 1, "range_min": 1.0, "has_velocity": True, **noise}
+    disc = {"shape": {"name": "circle", "radius": 0.1}, "kinematics": {"name": "omni"}, "state": [2.8, 5, 0]}
+    data = {
+        "world": {"obstacle_map": cells.tolist(), "collision_mode": "unobstructed"},
+        "robot": {**DIFF, "state": [2, 5, 0], "sensors": [sensor]},
+        "obstacle": {**disc, "velocity": [0.5, 0]},
+    }
+    sim = ig.compile(ig.load_scenario(data))
+    sim.reset()
+    group, member = sim.scan(0)
+    hit = group.arrays["hit"][0, member, 0]
+    assert hit == (1 if name == "obstacle_1" else sim.model.map_frame[4])
+    report = sim.scan_report(0, 0)
+    assert (report["ranges"].tolist(), report["valid"].tolist()) == ([1.0], [False])
