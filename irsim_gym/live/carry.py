@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.engine import Simulation, buckets, compile, contact, measures, restart
+from irsim_gym.engine import Simulation, arrival, buckets, compile, contact, measures, restart
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
 from irsim_gym.live.goals import make_room
@@ -41,8 +41,8 @@ def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
     _carry(old, new, here, there)
     if len(added):
         _draw(new, added)
+        _begin(new, added)
         random = new.state.random.copy()
-        restart.start(new.parts, new.model, new.state, Shard(np.zeros(1, np.int64)))
         _carry(old, new, here, there)
         new.state.random[:] = random
     if len(new.parts.measured):
@@ -71,6 +71,7 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
             rows = int(getattr(old.model, count)[0, was])
             first, target = int(getattr(old.model, start)[was]), int(getattr(new.model, start)[b])
             getattr(new.model, table)[:, target : target + rows] = getattr(old.model, table)[:, first : first + rows]
+    _carry_fog(old, new)
     _carry_memories(old, new, dict(zip(here.tolist(), there.tolist(), strict=True)))
     new.state.placed[0, here] = True
     new.parts.goal_bodies = np.flatnonzero(new.model.has_goal)
@@ -78,6 +79,13 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
         [np.setdiff1d(new.parts.loop_returns, here), here[np.isin(there, old.parts.loop_returns)]]
     )
     new.place(here)
+
+
+def _carry_fog(old: Simulation, new: Simulation) -> None:
+    """Hand over what was explored, unless the cells have changed with the map."""
+    before, now = old.explored, new.explored
+    if before is not None and now is not None and before.shape == now.shape:
+        now[:] = before
 
 
 def _carry_memories(old: Simulation, new: Simulation, was_at: dict[int, int]) -> None:
@@ -113,6 +121,18 @@ def _draw(new: Simulation, added: Ints) -> None:
         if failed[0] == 0:
             return
     raise PlacementError(f"no place found for {parts.places[failed[0] - 1]} among the bodies that are here")
+
+
+def _begin(new: Simulation, added: Ints) -> None:
+    """Begin the episode for new bodies: velocities, and first goals, which only they draw."""
+    parts, model, state, shard = new.parts, new.model, new.state, Shard(np.zeros(1, np.int64))
+    parts.goal_bodies = np.intersect1d(parts.goal_bodies, added)
+    buckets.empty(model, state, shard)
+    buckets.refresh(parts.everyone, model, state, shard)
+    restart.begin_moment(parts, model, state, shard)
+    for group in parts.kinematics:
+        group.kind.begin(group, model, state, shard)
+    arrival.measure(parts.goal_bodies, state, shard)
 
 
 def _look(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:

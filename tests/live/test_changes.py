@@ -223,3 +223,31 @@ def test_reading_a_radius_changes_nothing() -> None:
     before = here.simulation.model.centroid.copy()
     assert here["obstacle_1"].radius > 0.6
     assert np.array_equal(here.simulation.model.centroid, before)
+
+
+def test_what_was_explored_stays_explored() -> None:
+    here = world(world={"fog_map": True, "fog_map_resolution": 0.5})
+    for _ in range(10):
+        here.step()
+    assert here.simulation.explored is not None
+    before = here.simulation.explored.copy()
+    here.robot.set_state([8, 2, 0])
+    here.add(state=[9, 1, 0])
+    here.remove("obstacle_2")
+    after = here.simulation.explored
+    assert before.any()
+    assert after[before].all()
+
+
+def test_added_wanderers_draw_one_goal_after_the_other_from_the_worlds_stream() -> None:
+    here = world()
+    wanderer = {**DIFF, "behavior": {"name": "dash", "wander": True}}
+    added = [here.create_robot(**wanderer, state=[x, 3, 0]) for x in (3, 5)]
+    first = [body.goal for body in added]
+    assert not np.array_equal(first[0], first[1])
+    here.create_robot(**wanderer, state=[7, 3, 0])
+    assert all(np.array_equal(body.goal, goal) for body, goal in zip(added, first, strict=True))
+    added[0].set_state(first[0])
+    here.step()
+    here.step()
+    assert not any(np.array_equal(added[0].goal, goal) for goal in first)
