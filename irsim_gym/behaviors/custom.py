@@ -12,7 +12,7 @@ import numpy as np
 
 from irsim_gym import families
 from irsim_gym.arraytypes import Floats
-from irsim_gym.behaviors.views import EgoView, ego_view, name_of, others
+from irsim_gym.behaviors.views import EgoView, ego_view, forget, name_of, others
 from irsim_gym.errors import BehaviorError
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.options import REQUIRED, crossed_bounds, kind, option
@@ -51,6 +51,11 @@ class PythonBehavior:
         group.arrays["memory"] = np.full((len(model.present), len(model.movable)), None, dtype=object)
 
     @staticmethod
+    def begin(group: Group, shard: Shard) -> None:
+        """Empty the members' memories."""
+        forget(group, shard)
+
+    @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Ask the function for the command of each member that can move, world by world."""
         for w in shard.worlds:
@@ -76,6 +81,11 @@ class PythonGroupBehavior:
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
         """Make room for the members' memories."""
         group.arrays["memory"] = np.full((len(model.present), len(model.movable)), None, dtype=object)
+
+    @staticmethod
+    def begin(group: Group, shard: Shard) -> None:
+        """Empty the members' memories."""
+        forget(group, shard)
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym import rng
 from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.world.group import Group
+from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import ROBOT, WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -158,11 +158,16 @@ class EgoView(BodyView):
 
 
 def ego_view(group: Group, model: WorldModel, state: WorldState, world: int, body: int) -> EgoView:
-    """Return the view of a body that decides; its memory is empty at the start of each episode."""
+    """Return the view of a body that decides, with its memory; see ``forget``."""
     memories = group.arrays["memory"]
-    if memories[world, body] is None or state.step[world] == 0:
+    if memories[world, body] is None:
         memories[world, body] = {}
     return EgoView(model, state, world, body, name_of(group, body), memories[world, body])
+
+
+def forget(group: Group, shard: Shard) -> None:
+    """Let nothing be remembered at the start of an episode, not even by bodies that others command at first."""
+    group.arrays["memory"][shard.worlds] = None
 
 
 def others(group: Group, model: WorldModel, state: WorldState, world: int, unseen: Ints, role: int) -> list[BodyView]:

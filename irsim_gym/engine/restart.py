@@ -65,9 +65,17 @@ def start(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> N
     begin_moment(parts, model, state, shard)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)
+    begin_behaviors(parts, shard)
     contact.find_static(parts.fixed, model, state, shard)
     arrival.measure(parts.goal_bodies, state, shard)
     sense(parts, model, state, shard)
+
+
+def begin_behaviors(parts: Parts, shard: Shard) -> None:
+    """Tell behaviours that remember anything, those with a ``begin``, that episodes begin."""
+    for group in (*parts.behaviors, *parts.group_behaviors):
+        if hasattr(group.kind, "begin"):
+            group.kind.begin(group, shard)
 
 
 def _failure(place: str) -> str:

@@ -206,6 +206,27 @@ def test_memory_and_random_numbers_are_the_worlds_own() -> None:
     np.testing.assert_array_equal(batch.state.pose, first[0])
 
 
+@pytest.mark.parametrize("again", ["reset", "reset_to_start"])
+@pytest.mark.parametrize("register_one", ["behavior", "group_behavior"])
+def test_memory_is_empty_in_a_new_episode_that_begins_by_hand(register_one: str, again: str) -> None:
+    counts = []
+
+    def own(ego: Any, others: list[BodyView]) -> Any:
+        for one in ego if isinstance(ego, list) else [ego]:
+            one.memory["count"] = one.memory.get("count", 0) + 1
+            counts.append(one.memory["count"])
+        return [[0.0, 0.0]] if isinstance(ego, list) else [0.0, 0.0]
+
+    getattr(ig, register_one)("own")(own)
+    sim = simulation({**OMNI, "state": [1, 1], register_one: {"name": "own"}})
+    sim.step()
+    sim.step()
+    getattr(sim, again)()
+    sim.step([[0.0, 0.0]], bodies=np.array([0]))
+    sim.step()
+    assert counts == ([1, 2, 1] if register_one == "behavior" else [1, 2, 1, 2])
+
+
 def test_wander_and_loop_are_the_simulators() -> None:
     def own(ego: EgoView, others: list[BodyView]) -> Any:
         assert ego.goal is not None
