@@ -38,8 +38,7 @@ class Body(BodyNames):
             ValueError: There are too few or too many numbers, one is not finite, or it is the obstacle map.
         """
         simulation, b = self._simulation, self._b
-        if reports.is_map(simulation, b):
-            raise ValueError(f"'{self._name}' is the obstacle map: its cells stay where they are")
+        reports.refuse_map(simulation, b)
         names = STATE[: getattr(self.spec.kinematics, "state_size", 3)]
         row = _numbers(state, 2, names, f"a state of '{self._name}'")
         simulation.state.pose[0, b], simulation.state.steering[0, b] = row[:3], row[3]

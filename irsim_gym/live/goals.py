@@ -79,11 +79,14 @@ class Goals:
             state.goal[0, body] = goals[0]
             state.goal_distance[0, body] = np.linalg.norm(goals[0, :2] - state.pose[0, body, :2])
 
+    def follow(self, simulation: Simulation) -> None:
+        """Forget the bodies that are gone, so that others may have their names."""
+        self._at_start = {name: given for name, given in self._at_start.items() if name in simulation.parts.names}
+
     def bring_back(self, simulation: Simulation) -> None:
         """Give every body the goals that it has at the start again."""
         for name, given in self._at_start.items():
-            if name in simulation.parts.names:
-                _put(simulation, simulation.body(name), given)
+            _put(simulation, simulation.body(name), given)
         self._at_start.clear()
 
 

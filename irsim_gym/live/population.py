@@ -59,6 +59,7 @@ class Population(Crowd):
     def _follow(self, simulation: Simulation) -> None:
         self.simulation = simulation
         self.roster.follow(simulation)
+        self.goals.follow(simulation)
         self.track.follow(simulation)
         self._camera.look_at(simulation)
 
@@ -110,10 +111,13 @@ class Population(Crowd):
 
         Raises:
             PlacementError: One of them found no place clear of the others; then none has moved.
+            ValueError: One of them is the obstacle map.
         """
         obstacles = self.roster.present(OBSTACLE) if ids is None else ids
         bodies = [self.roster.index(reference) for reference in obstacles]
         if ids is None:
             bodies = [b for b in bodies if not reports.is_map(self.simulation, b)]
+        for b in bodies:
+            reports.refuse_map(self.simulation, b)
         moves.scatter(self.simulation, bodies, range_low, range_high, apart=non_overlapping)
         self.refresh()

@@ -165,6 +165,17 @@ def is_map(simulation: Simulation, body: int) -> bool:
     return int(simulation.model.map_frame[4]) == body
 
 
+def refuse_map(simulation: Simulation, body: int) -> None:
+    """Raise an error where a body is to be moved that cannot be.
+
+    Raises:
+        ValueError: It is the obstacle map.
+    """
+    if is_map(simulation, body):
+        name = simulation.parts.names[body]
+        raise ValueError(f"'{name}' is the obstacle map: its cells stay where they are")
+
+
 def command_size(simulation: Simulation, body: int) -> int:
     """Return the number of velocities of a body's drive; 2 without one."""
     drive = simulation.scenario.bodies[body].kinematics

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
+
+NOBODY = ""
+"""Stands for the name of a body that is gone."""
 
 
 class Track:
@@ -27,9 +30,21 @@ class Track:
         self._rows.append((int(state.step[0]), simulation.parts.names, state.pose[0].copy()))
 
     def follow(self, simulation: Simulation) -> None:
-        """Note where the bodies are whose list has changed since the last step."""
-        self._rows.pop()
+        """Note where the bodies are whose list has changed since the last step, and forget those that are gone."""
+        before = self._rows.pop()[1]
+        gone = set(before).difference(simulation.parts.names)
+        if gone:
+            self._forget(gone)
         self.note(simulation)
+
+    def _forget(self, gone: Set[str]) -> None:
+        """Leave the poses of bodies without a name, so that others may have theirs."""
+        names: tuple[str, ...] = ()
+        kept: tuple[str, ...] = ()
+        for i, (step, here, poses) in enumerate(self._rows):
+            if here is not names:
+                names, kept = here, tuple(NOBODY if name in gone else name for name in here)
+            self._rows[i] = step, kept, poses
 
     def poses_of(self, name: str) -> Floats:
         """Return the poses of a body while it was there [m, m, rad], shape ``(n, 3)``."""

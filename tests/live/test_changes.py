@@ -187,6 +187,8 @@ def test_the_map_stays_the_last_body_until_it_is_removed() -> None:
     assert here.robot.hit == here["obstacle_2"]
     here.random_obstacle_position([7, 7, 0], [8, 8, 1])
     with pytest.raises(ValueError, match="its cells stay"):
+        here.random_obstacle_position(ids=["obstacle_3", "obstacle_2"])
+    with pytest.raises(ValueError, match="its cells stay"):
         here["obstacle_2"].set_state([1, 1, 0])
     here.remove("obstacle_2")
     here.step([0.0, 0.0])
@@ -251,3 +253,19 @@ def test_added_wanderers_draw_one_goal_after_the_other_from_the_worlds_stream() 
     here.step()
     here.step()
     assert not any(np.array_equal(added[0].goal, goal) for goal in first)
+
+
+def test_a_name_that_is_given_again_inherits_nothing() -> None:
+    here = world()
+    here.robot.set_goal([2, 2])
+    here["robot_1"].set_goal([5, 5])
+    for _ in range(3):
+        here.step()
+    here.remove("robot_1")
+    late = here.create_robot(name="robot_1", **DIFF, state=[2, 7, 0], goal=[7, 7])
+    here.step()
+    assert late.trajectory[:, :2].tolist() == [[2, 7], [2, 7]]
+    assert len(here.robot.trajectory) == 5
+    here.reset()
+    assert late.goals[:, 0].tolist() == [7]
+    assert here.robot.goals[:, 0].tolist() == [9]
