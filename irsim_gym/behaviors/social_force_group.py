@@ -6,7 +6,8 @@ The forces within a party are those of Moussaid et al. (2010), as in IR-SIM: coh
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, ClassVar, Literal
+from dataclasses import replace
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 
@@ -67,6 +68,11 @@ class SocialForceGroup:
             yield "social_groups", f"member {member} is listed twice"
         if any(member < 0 for member in listed):
             yield "social_groups", f"members are counted from 0, got {min(listed)}"
+
+    def without_member(self, member: int) -> Self:
+        """Return the same for a group that has lost a member; those after it move up by one."""
+        parties = (tuple(one - (one > member) for one in party if one != member) for party in self.social_groups)
+        return replace(self, social_groups=tuple(party for party in parties if party))
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:

@@ -12,7 +12,7 @@ from irsim_gym.scenario.entries import read_entry
 from irsim_gym.scenario.messages import choices
 from irsim_gym.scenario.shorthand import ROLES, RawEntry, split_sections
 from irsim_gym.scenario.source import read_mapping
-from irsim_gym.scenario.spec import MAX_BODIES, PlacementSpec, Scenario
+from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenario
 from irsim_gym.scenario.validation import Report
 
 
@@ -79,6 +79,15 @@ def remove_body(scenario: Scenario, number: int) -> Scenario:
             entries[entry] = len(placements)
             number_range = spec.number_range if len(members) == len(spec.members) else None
             placements.append(replace(spec, members=members, number_range=number_range))
-    kept = tuple(replace(body, entry=entries[body.entry]) for body in bodies)
+    gone = scenario.bodies[number]
+    counted = sum(body.group == gone.group for body in scenario.bodies[:number])
+    left = (_without(body, counted) if body.group == gone.group else body for body in bodies)
+    kept = tuple(replace(body, entry=entries[body.entry]) for body in left)
     occupied = None if is_map else scenario.occupied
     return replace(scenario, bodies=kept, placements=tuple(placements), occupied=occupied)
+
+
+def _without(body: BodySpec, member: int) -> BodySpec:
+    """Return a body whose group has lost a member; some group behaviours tell members by their number."""
+    recount = getattr(body.group_behavior, "without_member", None)
+    return body if recount is None else replace(body, group_behavior=recount(member))

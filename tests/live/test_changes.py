@@ -269,3 +269,27 @@ def test_a_name_that_is_given_again_inherits_nothing() -> None:
     here.reset()
     assert late.goals[:, 0].tolist() == [7]
     assert here.robot.goals[:, 0].tolist() == [9]
+
+
+def test_small_groups_stay_together_when_a_member_is_removed() -> None:
+    def companions() -> list[set[str]]:
+        (group,) = here.simulation.parts.group_behaviors
+        names, party = np.array(here.names)[group.members], group.arrays["party"]
+        return [set(names[party == number].tolist()) for number in sorted(set(party[party >= 0].tolist()))]
+
+    walkers = {"number": 5, **DIFF, "distribution": {"name": "circle", "radius": 4}}
+    here = world(
+        robot=[
+            {**DIFF, "state": [5, 5, 0]},
+            {**walkers, "group_behavior": {"name": "sfm", "social_groups": [[3, 4], [0, 2]]}},
+        ],
+        obstacle=None,
+    )
+    assert companions() == [{"robot_4", "robot_5"}, {"robot_1", "robot_3"}]
+    here.remove("robot_0")
+    assert companions() == [{"robot_4", "robot_5"}, {"robot_1", "robot_3"}]
+    here.remove("robot_1")
+    assert companions() == [{"robot_4", "robot_5"}, {"robot_3"}]
+    here.remove("robot_3")
+    assert companions() == [{"robot_4", "robot_5"}]
+    here.step()
