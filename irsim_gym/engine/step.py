@@ -40,9 +40,9 @@ class Orders:
 
 def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, orders: Orders | None = None) -> None:
     """Advance the shard's worlds by one step_time. This order is the specification."""
-    arrival.renew(parts.goal_bodies, parts.loop_returns, model, state, shard)
     for group in parts.group_behaviors:
         group.kind.decide(group, model, state, shard)
+    arrival.renew(parts.goal_bodies, parts.loop_returns, model, state, shard)
     for turn in parts.turns:
         for group in turn.behaviors if orders is None else orders.others(turn.behaviors):
             group.kind.decide(group, model, state, shard)

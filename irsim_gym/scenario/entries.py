@@ -169,6 +169,8 @@ def _read_sensor(item: Any, place: Place, report: Report) -> Any:
 
 
 def _read_goal(value: Any, place: Place, report: Report) -> Any:
+    if value is None:
+        return ()
     levels = depth(value)
     if levels == 0:
         report.add(place, f"must be [x, y] or [x, y, heading], got {show(value)}")

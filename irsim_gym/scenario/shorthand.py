@@ -123,10 +123,8 @@ def _share_goals(value: Any, count: int, place: Place) -> Shared:
     return _one_each(value, count, place)
 
 
-def depth(value: Any) -> int:
-    """Return the levels of lists around the first number."""
-    levels = 0
-    while isinstance(value, list) and levels < 4:
-        levels += 1
-        value = value[0] if value else None
-    return levels
+def depth(value: Any, most: int = 4) -> int:
+    """Return the levels of lists around the numbers, ``most`` at the most; null among them has none."""
+    if not isinstance(value, list) or most == 0:
+        return 0
+    return 1 + max((depth(item, most - 1) for item in value), default=0)
