@@ -37,6 +37,11 @@ class Orders:
         """Write them over the decisions."""
         state.command[shard.worlds[:, None], self.bodies] = self.commands[shard.worlds]
 
+    def show(self, state: WorldState, shard: Shard) -> None:
+        """Let who asks for the bodies' plans see how they moved: nobody followed what was planned."""
+        rows = shard.worlds[:, None]
+        state.plan[rows, self.bodies] = state.twist[rows, self.bodies, :2]
+
 
 def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, orders: Orders | None = None) -> None:
     """Advance the shard's worlds by one step_time. This order is the specification."""
@@ -53,6 +58,8 @@ def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, or
             group.kind.move(group, model, state, shard)
         outlines.place(turn.movers, model, state, shard)
         buckets.refresh(turn.movers, model, state, shard)
+    if orders is not None:
+        orders.show(state, shard)
     if parts.external:
         outlines.place(parts.everyone, model, state, shard)
         buckets.refresh(parts.everyone, model, state, shard)

@@ -209,3 +209,16 @@ def test_nobody_enters_an_obstacle_map(drive: str) -> None:
         sim.step()
         assert not (sim.state.hit[0, :8] == 8).any()
     assert np.median(np.abs(sim.state.pose[0, :8, 0] - start)) > 5.0
+
+
+def test_members_that_are_commanded_by_hand_are_seen_as_they_move() -> None:
+    # The second wants to go left, but is told to stand: the first goes around a disc that stands.
+    robot = crowd("omni", [[2, 5, 0], [4, 5.05, 0]], [[9, 5, 0], [1, 5, 0]])
+    ordered, driven = simulation(robot), simulation(robot, agents=(1,))
+    for _ in range(40):
+        ordered.step([[0.0, 0.0]], bodies=np.array([1]))
+        driven.step([[0.0, 0.0]])
+        assert ordered.state.plan[0, 1].tolist() == [0.0, 0.0]
+    np.testing.assert_array_equal(ordered.state.pose[0, 0], driven.state.pose[0, 0])
+    ordered.step([[0.3, -0.2]], bodies=np.array([1]))
+    assert ordered.state.plan[0, 1].tolist() == pytest.approx([0.3, -0.2])
