@@ -22,6 +22,7 @@ def disc_plane(
     radius: float,
     horizon: float,
     share: float,
+    side: float,
     plane: Floats,
 ) -> None:
     """Write the half-plane of velocities that avoid a disc within some time.
@@ -40,6 +41,7 @@ def disc_plane(
         radius: Sum of both radii [m]. Discs that overlap already: see ``horizon``.
         horizon: Collisions later than this are ignored [s]; for discs that overlap, the time to part them in.
         share: Part of the change that falls to the body: 0.5 among equals, 1 where the other does not give way.
+        side: 1 or -1, the other sign for the other body: which way along x to part from the same place and velocity.
         plane: Written, shape ``(3,)``.
     """
     wx, wy = vx - other_vx, vy - other_vy
@@ -51,6 +53,8 @@ def disc_plane(
     if overlap or (ahead < 0.0 and ahead * ahead > radius * radius * cut2):
         length = np.sqrt(cut2)
         nx, ny = away(cut_x, cut_y, length, x, y)
+        if length == 0.0 and distance2 == 0.0:
+            nx = side
         change = radius / horizon - length
     else:
         leg = np.sqrt(distance2 - radius * radius)

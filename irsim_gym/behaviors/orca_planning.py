@@ -184,6 +184,7 @@ def add_members(
             both,
             step_time if overlap else options.timeHorizon,
             HALF,
+            1.0 if b < q else -1.0,
             planes[j],
         )
     return count
@@ -227,7 +228,7 @@ def add_walls(
                 planes[count, 0], planes[count, 1] = away(-dx, -dy, np.sqrt(gap2), dx, dy)
                 planes[count, 2] = 0.0
             else:
-                disc_plane(dx, dy, velocity[0], velocity[1], 0.0, 0.0, both, horizon, WHOLE, planes[count])
+                disc_plane(dx, dy, velocity[0], velocity[1], 0.0, 0.0, both, horizon, WHOLE, 1.0, planes[count])
             count += 1
         elif see_edge(segments, scene.segment_start[q], n_segments[q], s, scene.solid[q], x, y, edge):
             covered = is_covered(planes, count, edge[0], edge[1], edge[2], edge[3], radius, horizon)

@@ -222,3 +222,13 @@ def test_members_that_are_commanded_by_hand_are_seen_as_they_move() -> None:
     np.testing.assert_array_equal(ordered.state.pose[0, 0], driven.state.pose[0, 0])
     ordered.step([[0.3, -0.2]], bodies=np.array([1]))
     assert ordered.state.plan[0, 1].tolist() == pytest.approx([0.3, -0.2])
+
+
+def test_two_in_the_same_place_with_the_same_goal_part() -> None:
+    robot = crowd("omni", [[2, 5, 0]] * 2, [[9, 5, 0]] * 2)
+    sim = simulation(robot, collision_mode="unobstructed")
+    for _ in range(3):
+        sim.step()
+    first, second = sim.state.pose[0, :2, :2]
+    assert np.hypot(*(second - first)) > 0.4
+    assert first[0] > second[0]
