@@ -32,8 +32,8 @@ def collect_parts(
     """Return the groups and lists of a scenario whose constants are written already."""
     bodies = list(enumerate(scenario.bodies))
     group_behaviors = _group_behaviors(scenario, model, agents, n_slots)
-    led = {int(b) for group in group_behaviors for b in group.members}
-    deciding = [(b, body.behavior) for b, body in bodies if body.behavior is not None and b not in (*agents, *led)]
+    led = {*agents, *(int(b) for group in group_behaviors for b in group.members)}
+    deciding = [(b, body.behavior) for b, body in bodies if body.behavior is not None and b not in led]
     behaviors = _behaviors([member for member in deciding if model.movable[member[0]]], model)
     names = tuple(body.name for _, body in bodies)
     for group in (*group_behaviors, *behaviors):
@@ -102,8 +102,10 @@ def _group_behaviors(scenario: Scenario, model: WorldModel, agents: tuple[int, .
     ``arrays["decides"]`` marks the members whose commands they write; the others are only seen by them.
     """
     groups = []
-    for number in sorted({body.group for body in scenario.bodies}):
-        members = [b for b, body in enumerate(scenario.bodies) if body.group == number]
+    by_number: dict[int, list[int]] = {}
+    for b, body in enumerate(scenario.bodies):
+        by_number.setdefault(body.group, []).append(b)
+    for _, members in sorted(by_number.items()):
         options = scenario.bodies[members[0]].group_behavior
         if options is None:
             continue
