@@ -136,7 +136,9 @@ def _sensors(members: Sequence[Member], outlines: Sequence[Outline], model: Worl
 
 
 def _placements(scenario: Scenario, model: WorldModel, n_slots: int) -> list[Group]:
-    """Return the entries in the order of placement: what is given, then random obstacles, then random robots.
+    """Return the entries in the order of placement: what has the least choice comes first.
+
+    What is given, what is shifted about given places, random obstacles, random robots.
 
     Raises:
         ScenarioError: A distribution does not fit the world.
@@ -156,9 +158,9 @@ def _placements(scenario: Scenario, model: WorldModel, n_slots: int) -> list[Gro
 
 
 def _turn(spec: PlacementSpec) -> int:
-    if not spec.kind.is_random:
-        return 0
-    return 2 if spec.role == "robot" else 1
+    if not spec.kind.roams:
+        return 1 if spec.kind.is_random else 0
+    return 3 if spec.role == "robot" else 2
 
 
 def _number_ranges(scenario: Scenario) -> Ints:

@@ -81,8 +81,8 @@ def begin_behaviors(parts: Parts, shard: Shard) -> None:
 def _failure(place: str) -> str:
     return (
         f"no place found for {place}, or no way to its goal, in {LEVEL_TRIES} draws of the level: "
-        "the world is too full, or the bounds, min_distance, clearance or min_goal_distance of its distribution "
-        "leave no room for its size"
+        "the world is too full, or the bounds, min_distance, clearance, min_goal_distance or radius of its "
+        "distribution leave no room for its size"
     )
 
 

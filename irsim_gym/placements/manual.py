@@ -19,6 +19,7 @@ class ManualPlacement:
     """Poses and goals as they stand in the file."""
 
     is_random: ClassVar[bool] = False
+    roams: ClassVar[bool] = False
     ensures_way: ClassVar[bool] = False
     gives_goal: ClassVar[bool] = False
 

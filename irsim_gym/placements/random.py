@@ -32,6 +32,7 @@ class RandomPlacement:
     """Uniform draws without any overlap; a draw that fails too often is an error that names the body."""
 
     is_random: ClassVar[bool] = True
+    roams: ClassVar[bool] = True
     gives_goal: ClassVar[bool] = True
 
     range_low: tuple[float, float, float] | None = option(
