@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 
-OUTCOMES = ("success", "collision", "timeout", "left_world")
+OUTCOMES = ("success", "collision", "timeout", "left_world", "deadlock")
 HITS = ("obstacle", "moving obstacle", "robot")
 CONFIDENCE = 0.95
 
@@ -62,11 +62,11 @@ class EpisodeRow:
 
 @dataclass(frozen=True)
 class Rate:
-    """A share of episodes with its 95 % Wilson interval.
+    """A share with its 95 % interval, Wilson's unless something else is said.
 
     Attributes:
-        count: Episodes counted.
-        value: Share of all episodes.
+        count: How many were counted.
+        value: Their share of all.
         low: Lower end of the interval.
         high: Upper end of the interval.
     """
@@ -77,7 +77,7 @@ class Rate:
     high: float
 
 
-def wilson(count: int, total: int, confidence: float = CONFIDENCE) -> tuple[float, float]:
+def wilson(count: float, total: float, confidence: float = CONFIDENCE) -> tuple[float, float]:
     """Return the score interval of a share (Wilson 1927): it stays inside [0, 1] and is right near its ends."""
     if total == 0:
         return 0.0, 1.0
@@ -107,6 +107,7 @@ class Summary:
         collision: Share that ended in a collision; ``collision_with`` splits it by what was hit.
         timeout: Share cut by the time limit.
         left_world: Share that left the world's rectangle.
+        deadlock: Share that the task's ending ``deadlocked`` ended.
         spl: Mean of success weighted by path length, over all episodes.
         time: Mean duration of the successes [s]; NaN without any.
         path_length: Mean distance driven by the successes [m]; NaN without any.
@@ -121,6 +122,7 @@ class Summary:
     collision_with: dict[str, Rate]
     timeout: Rate
     left_world: Rate
+    deadlock: Rate
     spl: float
     time: float
     path_length: float
@@ -133,7 +135,7 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
     total = len(rows)
     counts = {outcome: sum(row.outcome == outcome for row in rows) for outcome in OUTCOMES}
     hits = {hit: sum(row.outcome == "collision" and row.hit == hit for row in rows) for hit in HITS}
-    assert sum(counts.values()) == total, "success + collision + timeout + left the world must be all episodes"
+    assert sum(counts.values()) == total, "success + collision + timeout + left + deadlock must be all episodes"
     assert sum(hits.values()) == counts["collision"], "every collision must be with something"
     successes = [row for row in rows if row.outcome == "success"]
     return Summary(
@@ -144,6 +146,7 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
         collision_with={hit: rate(count, total) for hit, count in hits.items()},
         timeout=rate(counts["timeout"], total),
         left_world=rate(counts["left_world"], total),
+        deadlock=rate(counts["deadlock"], total),
         spl=mean([row.spl for row in rows]),
         time=mean([row.time for row in successes]),
         path_length=mean([row.path_length for row in successes]),

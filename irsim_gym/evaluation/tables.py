@@ -89,6 +89,8 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
     hits = [hit for hit in HITS if any(summary.collision_with[hit].count for summary in summaries)]
     split = hits if len(hits) > 1 else []
     shares = ["success", "95 %\ninterval", "collision", *(f"with {hit}" for hit in split), "timeout", "left"]
+    gave_up = any(summary.deadlock.count for summary in summaries)
+    shares += ["deadlock"] if gave_up else []
     for head in [*(f"{share}\n[%]" for share in shares), "SPL", "time\n[s]", "path\nratio", "clear.\n[m]"]:
         table.add_column(Text(head), justify="right")
     for summary in summaries:
@@ -101,6 +103,7 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
             *(_percent(summary.collision_with[hit]) for hit in split),
             _percent(summary.timeout),
             _percent(summary.left_world),
+            *([_percent(summary.deadlock)] if gave_up else []),
             _number(summary.spl, 3),
             _number(summary.time, 2),
             _number(summary.path_ratio, 3),

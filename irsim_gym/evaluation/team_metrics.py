@@ -1,0 +1,249 @@
+"""What is counted of a team: a row per agent and level, a row per level, and the summary of many levels.
+
+Vocabulary of Stern et al. 2019 (Multi-agent pathfinding, arXiv:1906.08291) and POGEMA (Skrynnik et al. 2024,
+arXiv:2407.14931): individual and cooperative success, makespan, flowtime ("sum of costs"). Extra time to goal as in
+Everett, Chen, How 2018 (arXiv:1805.01956).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Container, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow, Rate, mean, rate, wilson
+
+TEAM_HITS = ("robot", "obstacle", "moving obstacle", "map")
+PERCENTILES = (50, 75, 90)
+COMPARED = 0.5
+"""Extra times are compared on the levels that every policy solved; one that solves a smaller share of them than this is
+left out of that, because it would leave next to no level."""
+
+
+@dataclass(frozen=True)
+class AgentRow:
+    """What became of one agent in one level.
+
+    Attributes:
+        agent: Its name.
+        episode: Its own episode; the time [s] ends when it arrives, collides or gives up.
+        straight_distance: Length of the straight way from its start through its goals [m].
+        top_speed: Its greatest linear speed [m/s].
+        deadlocked: Its episode ended, by the time limit or as a deadlock, after it had stood still away from its goal.
+    """
+
+    agent: str
+    episode: EpisodeRow
+    straight_distance: float
+    top_speed: float
+    deadlocked: bool
+
+    @property
+    def arrival_time(self) -> float:
+        """When it arrived [s]; NaN if it never did."""
+        return self.episode.time if self.episode.outcome == "success" else math.nan
+
+    @property
+    def extra_time(self) -> float:
+        """Arrival time beyond that of the straight way at the greatest speed [s]; NaN if it never arrived.
+
+        It may fall a little below 0, because an agent has arrived within the goal's tolerance.
+        """
+        return self.arrival_time - self.straight_distance / self.top_speed
+
+
+@dataclass(frozen=True)
+class TeamRow:
+    """One level, played by a team.
+
+    Attributes:
+        level: Index of the level in its split.
+        limit: The time limit [s].
+        agents: What became of each agent, in the order of the task.
+    """
+
+    level: int
+    limit: float
+    agents: tuple[AgentRow, ...]
+
+    @property
+    def arrived(self) -> int:
+        """Number of agents that arrived."""
+        return sum(row.episode.outcome == "success" for row in self.agents)
+
+    @property
+    def is_success(self) -> bool:
+        """Whether all of them did."""
+        return self.arrived == len(self.agents)
+
+    @property
+    def makespan(self) -> float:
+        """When the last agent arrived [s]; the time limit if any never did."""
+        return max(self._costs())
+
+    @property
+    def flowtime(self) -> float:
+        """Sum of the arrival times [s], with the time limit for each agent that never arrived."""
+        return math.fsum(self._costs())
+
+    @property
+    def deadlocked(self) -> int:
+        """Number of agents whose episode ended while they stood still."""
+        return sum(row.deadlocked for row in self.agents)
+
+    def _costs(self) -> list[float]:
+        return [row.arrival_time if row.episode.outcome == "success" else self.limit for row in self.agents]
+
+
+@dataclass(frozen=True)
+class ExtraTime:
+    """Extra times to the goal of the agents that arrived [s].
+
+    Attributes:
+        levels: Number of levels looked at.
+        arrivals: Number of arrivals in them.
+        p50: Median; NaN without arrivals, as are all that follow.
+        p75: 75th percentile.
+        p90: 90th percentile.
+    """
+
+    levels: int
+    arrivals: int
+    p50: float
+    p75: float
+    p90: float
+
+
+@dataclass(frozen=True)
+class TeamSummary:
+    """The figures of one policy that drives teams through one set of levels.
+
+    Shares of agents have an interval of their own, see ``rate_of_agents``.
+
+    Attributes:
+        policy: Name of the policy.
+        levels: Number of levels.
+        agents: Number of agents in each.
+        cooperative_success: CSR, the share of levels in which every agent arrived, with Wilson's interval.
+        individual_success: ISR, the share of agents that arrived.
+        collision: Share of agents that collided; ``collision_with`` splits it by what was hit.
+        timeout: Share of agents cut by the time limit.
+        left_world: Share of agents that left the world's rectangle.
+        deadlock: Share of agents that the task's ending ``deadlocked`` ended.
+        deadlocked: Share of agents that stood still when the time limit or that ending came.
+        makespan: Mean over levels of the time of the last arrival, the limit if any agent never arrives [s].
+        flowtime: Mean over levels of the sum of arrival times, the limit for each that never arrives [s].
+        extra_time: Over all levels.
+        common_extra_time: Over the levels that all compared policies solved; None where this one is not compared.
+        spl: Mean over agents of success weighted by path length.
+        path_length: Mean distance driven by the agents that arrived [m].
+        path_ratio: Mean of path length / optimum over the agents that arrived.
+        min_clearance: Mean over agents of the smallest clearance [m].
+    """
+
+    policy: str
+    levels: int
+    agents: int
+    cooperative_success: Rate
+    individual_success: Rate
+    collision: Rate
+    collision_with: dict[str, Rate]
+    timeout: Rate
+    left_world: Rate
+    deadlock: Rate
+    deadlocked: Rate
+    makespan: float
+    flowtime: float
+    extra_time: ExtraTime
+    common_extra_time: ExtraTime | None
+    spl: float
+    path_length: float
+    path_ratio: float
+    min_clearance: float
+
+
+def rate_of_agents(counts: Sequence[int], team: int) -> Rate:
+    """Return a share of agents with an interval for agents that share their levels.
+
+    Agents of one level are not independent, so that levels are the unit: the interval is Wilson's for as many
+    independent agents as would make the mean over levels spread as it does (the effective sample size of cluster
+    samples, Kish 1965, Survey Sampling), not Wilson's for all agents. Where nobody or everybody is counted the spread
+    tells nothing, and it is Wilson's for as many agents as there are levels, as if all of a level fared alike.
+
+    Args:
+        counts: How many agents are counted in each level.
+        team: Number of agents in each level.
+    """
+    levels, total = len(counts), sum(counts)
+    if total in (0, team * levels):
+        return Rate(total, float(total > 0), *wilson(total / team, levels))
+    shares = np.array(counts) / team
+    value = total / (team * levels)
+    spread = float(shares.var(ddof=1)) / levels if levels > 1 else math.inf
+    size = min(value * (1.0 - value) / spread, team * levels) if spread > 0.0 else float(team * levels)
+    return Rate(total, value, *wilson(value * max(size, 1.0), max(size, 1.0)))
+
+
+def summarize_teams(results: Mapping[str, Sequence[TeamRow]]) -> list[TeamSummary]:
+    """Summarise the levels of several policies, which all played the same ones."""
+    solved = {policy: {row.level for row in rows if row.is_success} for policy, rows in results.items()}
+    compared = [policy for policy, levels in solved.items() if len(levels) >= max(COMPARED * len(results[policy]), 1)]
+    common = set.intersection(*(solved[policy] for policy in compared)) if len(compared) > 1 else None
+    return [summarize_team(policy, rows, common if policy in compared else None) for policy, rows in results.items()]
+
+
+def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] | None = None) -> TeamSummary:
+    """Summarise the levels of one policy.
+
+    Args:
+        policy: Its name.
+        rows: The levels it played, all with as many agents.
+        common: Levels that all compared policies solved, this one among them; None where it is not compared.
+    """
+    agents = [agent for row in rows for agent in row.agents]
+    episodes = [agent.episode for agent in agents]
+    team = len(rows[0].agents) if rows else 1
+    assert all(len(row.agents) == team for row in rows), "every level must have as many agents"
+    shares = _rates(rows, OUTCOMES, lambda agent: agent.episode.outcome)
+    hits = _rates(rows, TEAM_HITS, lambda agent: agent.episode.hit)
+    assert sum(share.count for share in shares.values()) == len(agents), "the outcomes must be those of all agents"
+    assert sum(hit.count for hit in hits.values()) == shares["collision"].count, (
+        "every collision must be with something"
+    )
+    arrivals = [episode for episode in episodes if episode.outcome == "success"]
+    return TeamSummary(
+        policy=policy,
+        levels=len(rows),
+        agents=team,
+        cooperative_success=rate(sum(row.is_success for row in rows), len(rows)),
+        individual_success=shares["success"],
+        collision=shares["collision"],
+        collision_with=hits,
+        timeout=shares["timeout"],
+        left_world=shares["left_world"],
+        deadlock=shares["deadlock"],
+        deadlocked=rate_of_agents([row.deadlocked for row in rows], team),
+        makespan=mean([row.makespan for row in rows]),
+        flowtime=mean([row.flowtime for row in rows]),
+        extra_time=_extra_time(rows),
+        common_extra_time=None if common is None else _extra_time([row for row in rows if row.level in common]),
+        spl=mean([episode.spl for episode in episodes]),
+        path_length=mean([episode.path_length for episode in arrivals]),
+        path_ratio=mean([episode.path_ratio for episode in arrivals]),
+        min_clearance=mean([episode.min_clearance for episode in episodes]),
+    )
+
+
+def _rates(rows: Sequence[TeamRow], names: Sequence[str], read: Callable[[AgentRow], str]) -> dict[str, Rate]:
+    """Return the share of agents for each thing that may have become of them."""
+    team = len(rows[0].agents) if rows else 1
+    counts = {name: [sum(read(agent) == name for agent in row.agents) for row in rows] for name in names}
+    return {name: rate_of_agents(count, team) for name, count in counts.items()}
+
+
+def _extra_time(rows: Sequence[TeamRow]) -> ExtraTime:
+    found = [agent.extra_time for row in rows for agent in row.agents if agent.episode.outcome == "success"]
+    points = np.percentile(found, PERCENTILES).tolist() if found else [math.nan] * len(PERCENTILES)
+    return ExtraTime(len(rows), len(found), *points)
