@@ -1,31 +1,47 @@
-"""Numbers written as expressions: digits, pi, ``+ - * /`` and brackets, nothing else."""
+"""Numbers written as expressions: digits, pi, ``+ - * /``, brackets, ``min``, ``max``, ``floor`` and ``$name``."""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Mapping
 
 LONGEST = 80
-_TOKEN = re.compile(r"[ ]*([0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?|\.[0-9]+(?:[eE][+-]?[0-9]+)?|pi|[-+*/()])[ ]*")
+_NUMBER = r"[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?|\.[0-9]+(?:[eE][+-]?[0-9]+)?"
+_TOKEN = re.compile(rf"[ ]*({_NUMBER}|pi|min|max|floor|\$[A-Za-z_][A-Za-z0-9_]*|[-+*/(),])[ ]*", re.ASCII)
+_FUNCTIONS: dict[str, Callable[..., float | int]] = {"min": min, "max": max, "floor": math.floor}
+
+Number = float | int
+Values = Mapping[str, Number]
 
 
-def evaluate(text: str) -> float | int | None:
+def evaluate(text: str, values: Values | None = None) -> Number | None:
     """Return the value of an expression such as ``-3*pi/4``; None when the text is not one.
 
-    Only whole numbers without division give an ``int``. A value that is not finite is None.
+    Only whole numbers without division, and ``floor``, give an ``int``. A value that is not finite is None.
+
+    Args:
+        text: The expression.
+        values: What ``$name`` stands for.
     """
-    tokens = _tokens(text) if len(text) <= LONGEST else []
+    tokens = _tokens(text)
     if not tokens:
         return None
     try:
-        value, position = _sum(tokens, 0)
-    except (IndexError, ValueError, ZeroDivisionError, OverflowError):
+        value, position = _sum(tokens, 0, values or {})
+    except (IndexError, KeyError, TypeError, ValueError, ZeroDivisionError, OverflowError):
         return None
     return value if position == len(tokens) and math.isfinite(value) else None
 
 
+def names_in(text: str) -> tuple[str, ...]:
+    """Return the names after ``$`` in a text that consists of the words of an expression; nothing for another text."""
+    return tuple(token[1:] for token in _tokens(text) if token[0] == "$")
+
+
 def _tokens(text: str) -> list[str]:
-    tokens, position = [], 0
+    tokens: list[str] = []
+    position = 0 if len(text) <= LONGEST else len(text)
     while position < len(text):
         match = _TOKEN.match(text, position)
         if match is None:
@@ -35,34 +51,55 @@ def _tokens(text: str) -> list[str]:
     return tokens
 
 
-def _sum(tokens: list[str], position: int) -> tuple[float | int, int]:
-    value, position = _product(tokens, position)
+def _sum(tokens: list[str], position: int, values: Values) -> tuple[Number, int]:
+    value, position = _product(tokens, position, values)
     while position < len(tokens) and tokens[position] in "+-":
         sign = tokens[position]
-        term, position = _product(tokens, position + 1)
+        term, position = _product(tokens, position + 1, values)
         value = value + term if sign == "+" else value - term
     return value, position
 
 
-def _product(tokens: list[str], position: int) -> tuple[float | int, int]:
-    value, position = _factor(tokens, position)
+def _product(tokens: list[str], position: int, values: Values) -> tuple[Number, int]:
+    value, position = _factor(tokens, position, values)
     while position < len(tokens) and tokens[position] in "*/":
         sign = tokens[position]
-        factor, position = _factor(tokens, position + 1)
+        factor, position = _factor(tokens, position + 1, values)
         value = value * factor if sign == "*" else value / factor
     return value, position
 
 
-def _factor(tokens: list[str], position: int) -> tuple[float | int, int]:
+def _factor(tokens: list[str], position: int, values: Values) -> tuple[Number, int]:
     token = tokens[position]
     if token in "+-":
-        value, position = _factor(tokens, position + 1)
+        value, position = _factor(tokens, position + 1, values)
         return (-value if token == "-" else value), position
     if token == "(":
-        value, position = _sum(tokens, position + 1)
-        if tokens[position] != ")":
-            raise ValueError(token)
-        return value, position + 1
+        value, position = _sum(tokens, position + 1, values)
+        return value, _closed(tokens, position)
+    if token in _FUNCTIONS:
+        return _call(tokens, position, values)
     if token == "pi":
         return math.pi, position + 1
+    if token[0] == "$":
+        return values[token[1:]], position + 1
     return (int(token) if token.isdigit() else float(token)), position + 1
+
+
+def _call(tokens: list[str], position: int, values: Values) -> tuple[Number, int]:
+    """Return ``min(a, b, ...)``, ``max(a, b, ...)`` or ``floor(a)``."""
+    function = _FUNCTIONS[tokens[position]]
+    found: list[Number] = []
+    if tokens[position + 1] != "(":
+        raise ValueError(tokens[position])
+    position += 1
+    while not found or tokens[position] == ",":
+        value, position = _sum(tokens, position + 1, values)
+        found.append(value)
+    return function(*found), _closed(tokens, position)
+
+
+def _closed(tokens: list[str], position: int) -> int:
+    if tokens[position] != ")":
+        raise ValueError(tokens[position])
+    return position + 1

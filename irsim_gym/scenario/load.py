@@ -13,6 +13,7 @@ from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of, with_m
 from irsim_gym.scenario.entries import read_entry
 from irsim_gym.scenario.map_cells import read_cells, read_map
 from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, show, unknown_key
+from irsim_gym.scenario.parameters import fill_in
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import ROLES, SECTIONS, WRAPPER, split_entries, split_sections
 from irsim_gym.scenario.source import Place, Source, read_file, read_mapping
@@ -20,34 +21,39 @@ from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, GuiSpec, PlacementSpec
 from irsim_gym.scenario.validation import BAD, Report, build
 
 
-def load_scenario(scenario: str | Path | Mapping[str, Any], *, warn: bool = True) -> Scenario:
+def load_scenario(
+    scenario: str | Path | Mapping[str, Any], parameters: Mapping[str, Any] | None = None, *, warn: bool = True
+) -> Scenario:
     """Read and check a scenario.
 
     Args:
         scenario: A shipped name such as ``cluttered_room``, the path of a YAML file, or the same as plain data.
+        parameters: Values for its parameters, e.g. ``{"n_robots": 16}``; the others keep their defaults.
         warn: Warn of values that are hardly ever meant, such as degrees (``ScenarioWarning``).
 
     Raises:
         ScenarioError: It cannot be used; the error lists every problem with its line. A file that does not exist
             raises a ScenarioError that is a FileNotFoundError as well.
-        UnknownNameError: Nothing is shipped under the name.
+        UnknownNameError: Nothing is shipped under the name, or the scenario has no such parameter.
     """
     families.load()
     if not isinstance(scenario, str | Path | Mapping):
         raise TypeError(f"a scenario is a name, a path or a mapping, got {type(scenario).__name__}")
     source = read_mapping(scenario) if isinstance(scenario, Mapping) else read_file(library.find(scenario))
-    loaded = read_scenario(source)
+    loaded = read_scenario(source, parameters or {})
     if warn:
         notes.warn(loaded)
     return loaded
 
 
-def read_scenario(source: Source) -> Scenario:
+def read_scenario(source: Source, parameters: Mapping[str, Any] | None = None) -> Scenario:
     """Check plain data and return the scenario that it describes.
 
     Raises:
         ScenarioError: It cannot be used; the error lists every problem with its line.
+        UnknownNameError: It has no such parameter.
     """
+    source, values = fill_in(source, parameters or {})
     report = Report(source)
     sections, roots = split_sections(source.data, report)
     places = _places(sections, roots, report)
@@ -67,7 +73,7 @@ def read_scenario(source: Source) -> Scenario:
     custom = sections.get("custom")
     doubts = tuple(report.doubts)
     return Scenario(
-        world.name, source.file, world, bodies, placements, gui, task, custom, source, roots, occupied, doubts
+        world.name, source.file, world, bodies, placements, gui, task, custom, source, roots, occupied, doubts, values
     )
 
 

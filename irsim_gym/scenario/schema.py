@@ -8,13 +8,16 @@ from pydantic import TypeAdapter
 
 from irsim_gym import families
 from irsim_gym.registry import Registry
+from irsim_gym.scenario.parameters import SECTION, ParameterSpec
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import ROLES, WRAPPER
 from irsim_gym.scenario.spec import BodyOptions, GuiSpec, WorldSpec
 
 Schema = dict[str, Any]
 
-EXPRESSION: Schema = {"type": "string", "pattern": r"^[-+*/() .0-9eEpi]+$"}
+_PARAMETER = r"\$[A-Za-z_][A-Za-z0-9_]*"
+EXPRESSION: Schema = {"type": "string", "pattern": rf"^(?:[-+*/(), .0-9eE]|pi|min|max|floor|{_PARAMETER})+$"}
+PARAMETER: Schema = {"type": "string", "pattern": f"^{_PARAMETER}$"}
 _REFERENCE = "#/$defs/{model}"
 _KINDS = {
     "kinematics": families.KINEMATICS,
@@ -37,6 +40,7 @@ def json_schema() -> Schema:
         "plot": _optional(_options(ObjectPlot, definitions)),
         "task": _task(definitions),
         "custom": {"description": "Anything; the simulator does not read it."},
+        SECTION: _optional(_parameters()),
     }
     wrapped = {"type": "object", "properties": sections, "additionalProperties": False}
     return {
@@ -47,6 +51,13 @@ def json_schema() -> Schema:
         "additionalProperties": False,
         "$defs": definitions,
     }
+
+
+def _parameters() -> Schema:
+    """Return the section ``parameters``."""
+    schema: Schema = _with_expressions(TypeAdapter(ParameterSpec).json_schema())
+    names = {"pattern": "^[A-Za-z_][A-Za-z0-9_]*$"}
+    return {"type": "object", "propertyNames": names, "additionalProperties": {**schema, "additionalProperties": False}}
 
 
 def _world(definitions: Schema) -> Schema:
@@ -85,6 +96,9 @@ def _with_expressions(schema: Any) -> Any:
         numeric = ("type", "minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
         number = {key: kept.pop(key) for key in numeric if key in kept}
         return {"anyOf": [number, EXPRESSION], **kept}
+    if schema.get("type") == "boolean" or "enum" in schema:
+        one = {key: kept.pop(key) for key in ("type", "enum") if key in kept}
+        return {"anyOf": [one, PARAMETER], **kept}
     return {
         key: value if key in ("default", "const", "enum") else _with_expressions(value) for key, value in kept.items()
     }
@@ -115,7 +129,10 @@ def _named(registry: Registry, definitions: Schema, synonym: str = "", default: 
         schema["title"] = f"{registry.family} {entry.name}"
         definitions[key] = schema
         choices.append({"$ref": _REFERENCE.format(model=key)})
-    return {"anyOf": choices} if choices else {"not": {}}
+    if not choices:
+        return {"not": {}}
+    by_parameter = {"type": "object", "properties": {"name": PARAMETER}, "required": ["name"]}
+    return {"anyOf": [*choices, by_parameter]}
 
 
 def _section(role: str, definitions: Schema) -> Schema:

@@ -12,7 +12,7 @@ from irsim_gym.scenario.validation import Report, read_numbers
 
 WRAPPER = "irsim"
 ROLES = ("robot", "obstacle")
-SECTIONS = ("world", *ROLES, "gui", "plot", "task", "custom")
+SECTIONS = ("world", *ROLES, "gui", "plot", "task", "custom", "parameters")
 VECTORS = frozenset({"state", "velocity", "vel_min", "vel_max", "acce", "angle_range"})
 SCALARS = frozenset({"goal_threshold", "fov", "fov_radius", "group", "state_dim", "vel_dim", "static", "unobstructed"})
 

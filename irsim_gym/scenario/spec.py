@@ -329,6 +329,7 @@ class Scenario:
         occupied: Occupied cells of the obstacle map, shape ``(columns, rows)``, columns from the left and rows from the
             bottom; None without a map, which is the last body otherwise.
         doubts: What was met while reading that is allowed but hardly ever meant.
+        parameters: Values of its parameters by name: those given, else the defaults.
     """
 
     name: str
@@ -343,6 +344,7 @@ class Scenario:
     root: Mapping[str, Place] = field(repr=False, compare=False, default_factory=dict)
     occupied: NDArray[np.bool_] | None = field(repr=False, compare=False, default=None)
     doubts: tuple[Problem, ...] = field(repr=False, compare=False, default=())
+    parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
 
     @property
     def robots(self) -> tuple[int, ...]:

@@ -10,6 +10,7 @@ from typing import Any, get_args
 from irsim_gym import families
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.scenario.messages import describe, show
+from irsim_gym.scenario.parameters import ParameterSpec
 from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure, WorldPlot
 from irsim_gym.scenario.spec import BodyOptions, KeyboardSpec, MouseSpec, WorldSpec
 from irsim_gym.scenario.validation import option_fields
@@ -23,9 +24,11 @@ SPECS: dict[str, type[Any]] = {
     "plot": ObjectPlot,
     "gui.keyboard": KeyboardSpec,
     "gui.mouse": MouseSpec,
+    "parameters": ParameterSpec,
 }
 SUMMARIES = {
     "robot, obstacle": "The keys of an entry.",
+    "parameters": "What stands below the name of a parameter.",
     "plot": "Drawing options: in an entry for its bodies, at the top of the file for all.",
 }
 _NAMED = "a mapping with a name, as below"

@@ -1,0 +1,284 @@
+"""Parameters of a scenario: declared in the section ``parameters``, used as ``$name`` in the rest of the file."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.errors import Problem, ScenarioError, UnknownNameError, suggestion
+from irsim_gym.scenario.expressions import evaluate, names_in
+from irsim_gym.scenario.messages import show
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.scenario.shorthand import WRAPPER
+from irsim_gym.scenario.source import Place, Source
+from irsim_gym.scenario.validation import Report, build, read_numbers
+
+SECTION = "parameters"
+ARGUMENTS = frozenset(
+    (
+        *("scenario", "id", "name", "task", "parameters", "seed", "split", "level", "mode", "team", "kwargs"),
+        *("num_envs", "n_envs", "n_worlds", "num_threads", "render_mode", "record", "save_ani", "wrappers"),
+        *("max_steps", "max_episode_steps", "max_cycles", "outer_limit", "autoreset_mode"),
+        *("disable_env_checker", "vectorization_mode", "vector_kwargs"),
+    )
+)
+"""Names that stand for something else where environments are made."""
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
+_WITHIN = re.compile(r"\$\{[ ]*([A-Za-z_][A-Za-z0-9_]*)[ ]*\}", re.ASCII)
+_BARE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)", re.ASCII)
+
+Value = bool | int | float | str
+
+
+@kind
+class ParameterSpec:
+    """One parameter."""
+
+    default: bool | int | float | str = option(
+        meaning="Its value where none is given. The type follows it: a whole number, a number, true or false, text."
+    )
+    min: float | None = option(None, meaning="Least value, for numbers.")
+    max: float | None = option(None, meaning="Greatest value, for numbers.")
+    choices: tuple[bool | int | float | str, ...] | None = option(
+        None, min_length=1, meaning="The only values that it may have; in place of min and max."
+    )
+    unit: str = option("", meaning="SI unit, for the reader.")
+    meaning: str = option(min_length=1, meaning="What it does, one sentence; messages show it.")
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what does not fit together."""
+        bounds = [key for key in ("min", "max") if getattr(self, key) is not None]
+        is_number = type(self.default) in (int, float)
+        if bounds and self.choices is not None:
+            yield "choices", "cannot stand beside min or max"
+        elif bounds and not is_number:
+            yield bounds[0], f"is for numbers, but the default is {show(self.default)}"
+        elif len(bounds) == 2 and self.min > self.max:  # type: ignore[operator]
+            yield "min", f"must not exceed max, got {self.min:g} and {self.max:g}"
+        elif any(type(self.convert(one)) is not type(self.default) for one in self.choices or ()):
+            yield "choices", f"must be of the type of the default, {show(self.default)}"
+        elif self.refusal(self.default):
+            yield "default", self.refusal(self.default)
+
+    @property
+    def allowed(self) -> str:
+        """What a value may be, in words."""
+        if self.choices is not None:
+            shown = [show(one) for one in self.choices]
+            return " or ".join([", ".join(shown[:-1]), shown[-1]] if len(shown) > 1 else shown)
+        words = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}[type(self.default)]
+        if self.min is not None and self.max is not None:
+            return f"{words} from {self.min:g} to {self.max:g}"
+        return (
+            words
+            + (f" >= {self.min:g}" if self.min is not None else "")
+            + (f" <= {self.max:g}" if self.max is not None else "")
+        )
+
+    def convert(self, value: Any) -> Any:
+        """Return a value in the default's type where it can be: numbers may be written as text, e.g. ``"pi/2"``."""
+        value = value.item() if isinstance(value, np.generic) else value
+        if isinstance(value, str) and isinstance(self.default, bool):
+            return {"true": True, "false": False}.get(value.strip().lower(), value)
+        if isinstance(value, str) and not isinstance(self.default, str):
+            value = read_numbers(value)
+        if isinstance(self.default, float) and type(value) is int:
+            return float(value) if abs(value) < 1e300 else math.inf
+        return value
+
+    def refusal(self, value: Any) -> str:
+        """Return why a converted value cannot be used; nothing when it can."""
+        good = type(value) is type(self.default)
+        if good and type(value) in (int, float):
+            low, high = -math.inf if self.min is None else self.min, math.inf if self.max is None else self.max
+            good = low <= value <= high and (type(value) is int or math.isfinite(value))
+        if good and self.choices is not None:
+            good = value in [self.convert(one) for one in self.choices]
+        near = suggestion(value, [str(one) for one in self.choices or ()]) if isinstance(value, str) else ""
+        return "" if good else f"must be {self.allowed}, got {show(value)}{near}"
+
+
+def fill_in(source: Source, given: Mapping[str, Any]) -> tuple[Source, dict[str, Value]]:
+    """Put values in the places of parameters; return the data without any ``$name``, and the values.
+
+    Args:
+        source: A file's data. Mistakes of the file itself are added to its problems.
+        given: Values to use in place of defaults.
+
+    Raises:
+        UnknownNameError: A given name is not declared; the message lists those that are.
+        ScenarioError: A given value is not allowed; the message lists what is.
+    """
+    report = Report(source)
+    declared = _declarations(source, report)
+    values = _chosen(source, declared, given)
+    filler = _Filler(declared, values, report)
+    data = filler.sections(source.data, ())
+    for place, name in _sections(source.data):
+        if name in values and name not in filler.used:
+            report.add((*place, name), "is declared but never used")
+    return replace(source, data=data, problems=tuple(report.problems)), values
+
+
+def describe_parameters(source: Source, values: Mapping[str, Value] | None = None) -> list[str]:
+    """Return a line for each parameter: its name and value (by default the default's), bounds and meaning."""
+    declared = _declarations(source, Report(source))
+    return _lines({name: spec for name, spec in declared.items() if spec is not None}, values or {})
+
+
+def _lines(specs: Mapping[str, ParameterSpec], values: Mapping[str, Value]) -> list[str]:
+    cells = [
+        (
+            f"{name} = {show(values.get(name, spec.default))}" + (f" [{spec.unit}]" if spec.unit else ""),
+            spec.allowed,
+            spec.meaning,
+        )
+        for name, spec in specs.items()
+    ]
+    first, second = (max((len(row[i]) for row in cells), default=0) for i in (0, 1))
+    return [f"{value:<{first}}   {allowed:<{second}}   {meaning}" for value, allowed, meaning in cells]
+
+
+def _sections(data: Any) -> Iterator[tuple[Place, str]]:
+    """Yield the path of the section and the name of each parameter."""
+    inner = data.get(WRAPPER) if isinstance(data, Mapping) else None
+    for around, place in ((data, (SECTION,)), (inner, (WRAPPER, SECTION))):
+        section = around.get(SECTION) if isinstance(around, Mapping) else None
+        for name in section if isinstance(section, Mapping) else ():
+            yield place, name
+
+
+def _declarations(source: Source, report: Report) -> dict[str, ParameterSpec | None]:
+    """Return what is declared; None for a declaration that cannot be used, which is told."""
+    declared: dict[str, ParameterSpec | None] = {}
+    inner = source.data.get(WRAPPER) if isinstance(source.data, Mapping) else None
+    for around, place in ((source.data, (SECTION,)), (inner, (WRAPPER, SECTION))):
+        section = around.get(SECTION) if isinstance(around, Mapping) else None
+        if section is not None and not isinstance(section, Mapping):
+            report.add(place, f"must be a mapping such as {{n: {{default: 4, meaning: ...}}}}, got {show(section)}")
+            continue
+        for name, data in (section or {}).items():
+            declared[name] = _declaration(name, data, (*place, name), report)
+    return declared
+
+
+def _declaration(name: str, data: Any, place: Place, report: Report) -> ParameterSpec | None:
+    if _NAME.fullmatch(name) is None:
+        report.add(place, "a name consists of letters, digits and _, and does not begin with a digit")
+    elif name in ARGUMENTS:
+        report.add(place, "environments have an argument of this name: choose another one")
+    elif not isinstance(data, Mapping):
+        report.add(place, f"must be a mapping such as {{default: 4, meaning: ...}}, got {show(data)}")
+    else:
+        numbers = {key: read_numbers(data[key]) for key in ("default", "choices") if key in data}
+        texts = [value for value in numbers.values() if isinstance(value, str) and _BARE.search(value)]
+        if not texts:
+            return build(ParameterSpec, {**data, **numbers}, place, report)
+        report.add((*place, "default"), "a parameter cannot be made of others")
+    return None
+
+
+def _chosen(source: Source, declared: Mapping[str, ParameterSpec | None], given: Mapping[str, Any]) -> dict[str, Value]:
+    """Return the value of each parameter that is declared rightly."""
+    specs = {name: spec for name, spec in declared.items() if spec is not None}
+    known = "\n".join(f"    {line}" for line in _lines(specs, {}))
+    listed = f"; it has\n{known}" if known else "; it has none"
+    unknown = [name for name in given if name not in declared]
+    if unknown:
+        names = ", ".join(f"'{name}'{suggestion(name, [*declared, *ARGUMENTS])}" for name in unknown)
+        raise UnknownNameError(f"{source.title} has no parameter {names}{listed}")
+    values = {name: spec.convert(given.get(name, spec.default)) for name, spec in specs.items()}
+    problems = sorted(
+        source.problem((*place, name), specs[name].refusal(values[name]))
+        for place, name in _sections(source.data)
+        if name in given and name in specs and specs[name].refusal(values[name])
+    )
+    if problems:
+        last = problems[-1]
+        problems[-1] = Problem(last.line, last.path, f"{last.message}; its parameters are\n{known}")
+        raise ScenarioError(source.title, problems)
+    return values
+
+
+class _Filler:
+    """Replaces ``$name`` in the values of a file."""
+
+    def __init__(
+        self, declared: Mapping[str, ParameterSpec | None], values: Mapping[str, Value], report: Report
+    ) -> None:
+        self.used: set[str] = set()
+        self._declared, self._values, self._report = declared, values, report
+        self._numbers = {name: value for name, value in values.items() if not isinstance(value, str | bool)}
+
+    def sections(self, data: Any, place: Place) -> Any:
+        """Return the file with all sections filled in but that of the parameters themselves."""
+        if not isinstance(data, Mapping):
+            return data
+        filled = {}
+        for name, section in data.items():
+            if name == WRAPPER and not place:
+                filled[name] = self.sections(section, (WRAPPER,))
+            else:
+                filled[name] = section if name == SECTION else self._value(section, (*place, name), name == "custom")
+        return filled
+
+    def _value(self, value: Any, place: Place, is_custom: bool) -> Any:
+        if isinstance(value, Mapping):
+            return {key: self._value(item, (*place, key), is_custom) for key, item in value.items()}
+        if isinstance(value, list):
+            if place[-1] == "obstacle_map":
+                return value  # cells, and many of them
+            return [self._value(item, (*place, i), is_custom) for i, item in enumerate(value)]
+        return self._text(value, place, is_custom) if isinstance(value, str) and "$" in value else value
+
+    def _text(self, text: str, place: Place, is_custom: bool) -> Any:
+        """Return what a text with ``$`` in it stands for; None after telling why it cannot be."""
+        within, names = _WITHIN.findall(text), names_in(text)
+        bare = [name for name in _BARE.findall(text) if name in self._declared]
+        unknown = [name for name in (*within, *names) if name not in self._declared]
+        if unknown and is_custom:
+            return text
+        if unknown:
+            self._report.add(place, self._unknown(unknown[0]))
+            return None
+        self.used.update(within, names, bare)
+        if any(name not in self._values for name in (*within, *names)):
+            return None
+        if within:
+            return _WITHIN.sub(lambda match: _plain(self._values[match.group(1)]), text)
+        if names:
+            return self._expression(text, names, place)
+        if bare and not is_custom:
+            self._report.add(place, f"is no expression; within text it is written ${{{bare[0]}}}, got {show(text)}")
+        return text
+
+    def _expression(self, text: str, names: tuple[str, ...], place: Place) -> Any:
+        if text.strip() == f"${names[0]}":
+            return self._values[names[0]]
+        for name in names:
+            if name not in self._numbers:
+                self._report.add(place, f"'{name}' is {show(self._values[name])}, which is no number")
+                return None
+        value = evaluate(text, self._numbers)
+        if value is None:
+            settings = ", ".join(f"{name} = {show(self._numbers[name])}" for name in dict.fromkeys(names))
+            self._report.add(place, f"cannot be worked out with {settings}, got {show(text)}")
+        return value
+
+    def _unknown(self, name: str) -> str:
+        near = suggestion(name, self._declared)
+        others = f"; declared: {', '.join(self._declared)}" if self._declared else f": there is no section '{SECTION}'"
+        return f"no parameter named '{name[:40]}'{near or others}"
+
+
+def _plain(value: Value) -> str:
+    """Return a value as it stands within text."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return f"{value:g}" if isinstance(value, float) else str(value)
