@@ -72,7 +72,7 @@ def make(scenario: str | Path | Mapping[str, Any], **kwargs: Any) -> gymnasium.E
 
     Args:
         scenario: What to make.
-        **kwargs: Options of ``WorldEnv`` and of ``gymnasium.make``.
+        **kwargs: Options of ``WorldEnv`` and of ``gymnasium.make``, and values for the scenario's parameters.
     """
     one, kwargs = _resolve(scenario, kwargs)
     return gymnasium.make(one, **kwargs)
@@ -86,7 +86,8 @@ def make_vec(
     Args:
         scenario: What to make.
         num_envs: Number of worlds.
-        **kwargs: Options of ``WorldVectorEnv`` and of ``gymnasium.make_vec``.
+        **kwargs: Options of ``WorldVectorEnv`` and of ``gymnasium.make_vec``, and values for the scenario's
+            parameters.
     """
     one, kwargs = _resolve(scenario, kwargs)
     return gymnasium.make_vec(one, num_envs=num_envs, **kwargs)

@@ -31,6 +31,7 @@ def make_vec_env(
     max_steps: int | None = None,
     num_threads: int = 1,
     render_mode: str | None = "rgb_array",
+    **parameters: Any,
 ) -> WorldVecEnv:
     """Make the worlds of a scenario for Stable-Baselines3.
 
@@ -42,6 +43,7 @@ def make_vec_env(
         max_steps: Time limit [steps]; None for the task's.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"`` or None; a frame is drawn only where ``render`` is called.
+        **parameters: Values for the scenario's parameters.
     """
     env = WorldVecEnv(
         Worlds(
@@ -51,6 +53,7 @@ def make_vec_env(
             max_steps=max_steps,
             num_threads=num_threads,
             render_mode=render_mode,
+            parameters=parameters,
         )
     )
     if seed is not None:

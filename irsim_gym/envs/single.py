@@ -29,6 +29,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
         render_mode: ``"rgb_array"`` or None.
+        **parameters: Values for the scenario's parameters.
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012
@@ -39,8 +40,9 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         task: TaskSource = None,
         max_steps: int | None = None,
         render_mode: str | None = None,
+        **parameters: Any,
     ) -> None:
-        self.worlds = Worlds(scenario, task=task, max_steps=max_steps, render_mode=render_mode)
+        self.worlds = Worlds(scenario, task=task, max_steps=max_steps, render_mode=render_mode, parameters=parameters)
         self.render_mode = render_mode
         self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": self.worlds.render_fps}
         self.observation_space = self.worlds.observation_space

@@ -36,6 +36,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         autoreset_mode: An ``AutoresetMode`` or its value: ``"NextStep"``, ``"SameStep"``, ``"Disabled"``.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"`` or None.
+        **parameters: Values for the scenario's parameters.
     """
 
     metadata = {  # noqa: RUF012
@@ -54,6 +55,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         num_threads: int = 1,
         render_mode: str | None = None,
+        **parameters: Any,
     ) -> None:
         self.autoreset_mode = checked_autoreset(autoreset_mode)
         worlds = Worlds(
@@ -64,6 +66,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
             outer_limit=max_episode_steps,
             num_threads=num_threads,
             render_mode=render_mode,
+            parameters=parameters,
         )
         self.worlds = worlds
         self.num_envs = num_envs

@@ -39,6 +39,11 @@ class Worlds:
         outer_limit: Another time limit [steps], which counts when it is smaller; None or -1 for none.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"`` or None; with it each step notes the poses of bodies whose paths are drawn.
+        parameters: Values for the scenario's parameters; a loaded scenario has them already.
+
+    Raises:
+        UnknownNameError: The scenario has no such parameter; the message lists those that it has.
+        ScenarioError: The scenario or its task cannot be used, or a parameter cannot have such a value.
     """
 
     def __init__(
@@ -51,10 +56,11 @@ class Worlds:
         outer_limit: int | None = None,
         num_threads: int = 1,
         render_mode: str | None = None,
+        parameters: Mapping[str, Any] | None = None,
     ) -> None:
         if render_mode not in (None, *RENDER_MODES):
             raise ValueError(f"render_mode must be None or one of {RENDER_MODES}, got {render_mode!r}")
-        self.scenario = scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
+        self.scenario = _loaded(scenario, parameters or {})
         self.task = load_task(self.scenario, task, max_steps)
         if outer_limit not in (None, -1) and outer_limit < self.task.max_steps:
             self.task = load_task(self.scenario, task, outer_limit)
@@ -214,6 +220,15 @@ class Worlds:
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_renderer": None}
+
+
+def _loaded(scenario: ScenarioSource, parameters: Mapping[str, Any]) -> Scenario:
+    if not isinstance(scenario, Scenario):
+        return load_scenario(scenario, parameters)
+    if parameters:
+        names = ", ".join(f"'{name}'" for name in parameters)
+        raise UnknownNameError(f"{names}: parameters are for load_scenario(); '{scenario.name}' is loaded already")
+    return scenario
 
 
 def read_options(options: Mapping[str, Any]) -> tuple[str | None, int | None]:

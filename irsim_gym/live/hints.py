@@ -144,17 +144,14 @@ def missing(what: str, name: str, elsewhere: Mapping[str, str], known: Iterable[
     return f"{what} has no '{name}'" + (f" (did you mean '{near[0]}'?)" if near else "")
 
 
-def check_arguments(others: Mapping[str, object], known: Iterable[str]) -> None:
-    """Let arguments of IR-SIM's pass that ask for what is so anyway.
+def check_arguments(others: Mapping[str, object]) -> dict[str, object]:
+    """Let arguments of IR-SIM's pass that ask for what is so anyway; return the rest, meant for the scenario.
 
     Raises:
-        TypeError: One of them asks for something else, or is unknown; the message tells what to do.
+        TypeError: One of them asks for something else; the message tells what to do.
     """
     for name, value in others.items():
         harmless, advice = LOAD.get(name, ((), ""))
-        if any(value is one for one in harmless):
-            continue
-        if advice:
+        if advice and not any(value is one for one in harmless):
             raise TypeError(f"load() takes no {name}={value!r}: {advice}")
-        near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
-        raise TypeError(f"load() takes no '{name}'" + (f" (did you mean '{near[0]}'?)" if near else ""))
+    return {name: value for name, value in others.items() if name not in LOAD}

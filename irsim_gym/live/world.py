@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import sys
 import warnings
 from collections.abc import Mapping, Sequence
@@ -41,11 +40,12 @@ class World(Population):
         render_mode: None or ``"rgb_array"``: ``render`` returns pictures in either case. There is no window yet.
         record: Keep a frame of the start and of each sample, for ``save_animation``.
         save_ani: IR-SIM's way: as ``record``, and ``end`` writes the film.
-        **others: IR-SIM's other arguments, such as ``display=False``, where they ask for what is so anyway.
+        **others: Values for the scenario's parameters, and IR-SIM's other arguments, such as ``display=False``, where
+            they ask for what is so anyway.
 
     Raises:
         ScenarioError: The file cannot be used; the error lists every problem with its line.
-        UnknownNameError: Nothing is shipped under the name.
+        UnknownNameError: Nothing is shipped under the name, or the scenario has no such parameter.
         ValueError: Another render mode, or a negative seed.
         TypeError: The seed is no whole number, an argument means nothing here, or no file was given and none is beside
             the script.
@@ -61,7 +61,7 @@ class World(Population):
         save_ani: bool = False,
         **others: Any,
     ) -> None:
-        hints.check_arguments(others, inspect.signature(World).parameters)
+        self._parameters = hints.check_arguments(others)
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode must be None or 'rgb_array' (there is no window yet), got {render_mode!r}")
         self._source = _beside_the_script() if scenario is None else scenario
@@ -73,7 +73,7 @@ class World(Population):
         self._begin(self._loaded.world.status)
 
     def _read(self) -> None:
-        self._loaded = load_scenario(self._source)
+        self._loaded = load_scenario(self._source, self._parameters)
         if self._loaded.world.control_mode == "keyboard":
             warnings.warn("keys are not read yet: the behaviours drive (control_mode: auto)", NoKeyboardWarning, 4)
         self._compile()

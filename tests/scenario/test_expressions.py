@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from irsim_gym.scenario.expressions import evaluate
+from irsim_gym.scenario.expressions import evaluate, names_in
 
 
 @pytest.mark.parametrize(
@@ -25,6 +25,10 @@ from irsim_gym.scenario.expressions import evaluate
         ("1e-3", 0.001),
         ("1.", 1.0),
         ("007", 7),
+        ("min(3, 2*2, 5)", 3),
+        ("-max(1, (2), 0.5) * 3", -6),
+        ("floor(7 / 2) + floor(-0.5)", 2),
+        ("max(min(1, 2), 0.5)", 1),
     ],
 )
 def test_arithmetic(text: str, value: float) -> None:
@@ -54,14 +58,52 @@ def test_arithmetic(text: str, value: float) -> None:
             "tau",
             "e",
         ],
-        *["1_000", "abs(1)", "__import__('os')", "1;2", "1,2", "pi.real", "0x10", "٣", "1" * 81, "(" * 80, "1\n+1"],
+        *[
+            "1_000",
+            "abs(1)",
+            "__import__('os')",
+            "1;2",
+            "1,2",
+            "pi.real",
+            "0x10",
+            "٣",
+            "min",
+            "min 1",
+            "min(1)",
+            "min()",
+            "min(1,)",
+            "max(,1)",
+            "floor(1, 2)",
+            "(1, 2)",
+            "min(1, 2",
+            "$n",
+            "$",
+            "1" * 81,
+            "(" * 80,
+            "1\n+1",
+        ],
     ],
 )
 def test_anything_else_is_no_number(text: str) -> None:
     assert evaluate(text) is None
 
 
-@given(st.text(alphabet="0123456789.eEpi+-*/() ", max_size=90))
+@pytest.mark.parametrize(
+    ("text", "value"), [("$n", 4), ("2*$n - $half", 7.5), ("max($n,10)", 10), ("floor($half)", 0), ("-$n/8", -0.5)]
+)
+def test_names_stand_for_given_values(text: str, value: float) -> None:
+    result = evaluate(text, {"n": 4, "half": 0.5})
+    assert result == value
+    assert type(result) is type(value)
+    assert evaluate(text, {}) is None
+
+
+def test_names_of_an_expression() -> None:
+    assert names_in("2 * $n + min($m_2, pi)") == ("n", "m_2")
+    assert [names_in(text) for text in ("2 * pi", "robot $n", "$n$", "${n}", "$2")] == [()] * 5
+
+
+@given(st.text(alphabet="0123456789.eEpi+-*/(), mnaxflor$", max_size=90))
 def test_never_fails_and_never_gives_nan(text: str) -> None:
     result = evaluate(text)
     assert result is None or math.isfinite(result)

@@ -130,6 +130,8 @@ def test_shipped_scenarios_fit(name: str, schema: dict[str, Any]) -> None:
         "world: {obstacle_map: cavern.png, mdownsample: 2, fog_map: true}",
         "world: {obstacle_map: {name: perlin, resolution: 1/10, seed: 3}}",
         "world: {obstacle_map: [[0, 100], [true, false]]}",
+        "parameters: {n: {default: 4, min: pi, choices: [a, 2], meaning: Some.}}",
+        "robot: {number: $n, kinematics: {name: $drive, noise: $noise}, vel_max: [$v, 'max(2, $w_2)'], static: $s}",
     ],
 )
 def test_accepts(text: str, schema: dict[str, Any], tmp_path: Any) -> None:
@@ -155,6 +157,10 @@ def test_accepts(text: str, schema: dict[str, Any], tmp_path: Any) -> None:
         "gui: {keyboard: {backend: qt}}",
         "world: {obstacle_map: {name: perlin}}",
         "world: {obstacle_map: 3}",
+        "world: {width: $}",
+        "parameters: {n: {default: 4}}",
+        "parameters: {2n: {default: 4, meaning: Some.}}",
+        "parameters: {n: 4}",
     ],
 )
 def test_refuses(text: str, schema: dict[str, Any]) -> None:
