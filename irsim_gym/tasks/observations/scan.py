@@ -37,7 +37,7 @@ class Scan:
         "", meaning="Observation that takes the place of this one, with its defaults, where a learner has no sensor."
     )
 
-    def check(self) -> list[tuple[str, str]]:
+    def problems(self) -> list[tuple[str, str]]:
         """Return what is wrong with options that are right one by one: key and message."""
         return code_problems(self)
 
