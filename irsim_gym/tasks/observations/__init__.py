@@ -7,11 +7,13 @@ from irsim_gym.tasks.observations.goal_heading import GoalHeading
 from irsim_gym.tasks.observations.goal_record import GoalRecord
 from irsim_gym.tasks.observations.last_action import LastAction
 from irsim_gym.tasks.observations.nearest_bodies import NearestBodies
+from irsim_gym.tasks.observations.past_scans import PastScans
 from irsim_gym.tasks.observations.scan import Scan
 from irsim_gym.tasks.observations.trail import Trail
 from irsim_gym.tasks.observations.velocity import Velocity
 
 OBSERVATIONS.register("scan", Scan)
+OBSERVATIONS.register("past_scans", PastScans)
 OBSERVATIONS.register("free_travel", FreeTravel)
 OBSERVATIONS.register("goal", Goal)
 OBSERVATIONS.register("goal_heading", GoalHeading)

@@ -1,0 +1,194 @@
+"""Past scans: what the range sensor saw a while ago, as it would be seen from where the agent is now."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, shared_sensors
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+LONGEST = 1000
+
+
+@kind
+class PastScans:
+    """Earlier scans, seen from where the agent is now: free depth in sectors, encoded as in ``scan``.
+
+    What was hit then is put where it would be seen now, by the way that the agent itself has gone since. What stands
+    still therefore reads as in the present scan, and what differs has moved: a policy without memory sees who goes
+    where. As long as an episode is younger than that, its first scan is taken.
+    """
+
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = True
+
+    ago: tuple[int, ...] = option((3, 6), unit="steps", meaning="How long ago the scans were taken, one each.")
+    sectors: int = option(36, ge=1, le=1024, meaning="Number of sectors; the first one begins straight behind.")
+    code: Code = option("inverse", meaning="How a depth becomes a number; see scan.")
+    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: depth at which the code has half its slope.")
+    zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (m + near) that becomes 0.")
+    without_sensor: str = option(
+        "", meaning="Observation that takes the place of this one, with its defaults, where a learner has no sensor."
+    )
+
+    def problems(self) -> list[tuple[str, str]]:
+        """Return what is wrong with options that are right one by one: key and message."""
+        problems = code_problems(self)
+        if not self.ago or not all(1 <= steps <= LONGEST for steps in self.ago):
+            problems.append(("ago", f"must be whole numbers from 1 to {LONGEST}, got {list(self.ago)}"))
+        return problems
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return the live ranges, who has which, the beams in the body frame, and the memory.
+
+        The memory holds the latest scans [m] ``(n_worlds, n_agents, n_kept, n_beams)``, the poses [m, m, rad] that
+        they were taken from, and how many have been taken.
+        """
+        group, members = shared_sensors(simulation, agents, "past_scans")
+        table, mounts = group.arrays, [group.options[k] for k in members]
+        turned = np.array([table["angles"] + mount.offset[2] for mount in mounts])
+        shape = (simulation.n_worlds, len(agents))
+        kept = max(self.ago, default=0) + 1
+        return {
+            "ranges": table["ranges"],
+            "members": members,
+            "beams": np.stack([np.cos(turned), np.sin(turned)], axis=1),
+            "mount": np.array([mount.offset[:2] for mount in mounts], np.float64),
+            "reach": simulation.model.reach[:, agents].max(axis=0),
+            "far": np.array([mount.range_max for mount in mounts], np.float32),
+            "ago": np.array(self.ago, np.int64),
+            "scans": np.zeros((*shape, kept, len(table["angles"])), np.float32),
+            "poses": np.zeros((*shape, kept, 3)),
+            "count": np.zeros(shape, np.int64),
+        }
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the codes of the greatest depth and of contact."""
+        width = self.sectors * len(self.ago)
+        far = term.arrays["far"].max()
+        low, high = np.full(width, far, np.float32), np.zeros(width, np.float32)
+        for values in (low, high):
+            encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), far)
+        return low, high
+
+    @staticmethod
+    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Forget all scans."""
+        term.arrays["count"][shard.worlds] = 0
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Remember the present scan, and write the sectors of earlier ones."""
+        options, table = term.options, term.arrays
+        memory = (table["scans"], table["poses"], table["count"])
+        note_scans(shard.worlds, term.agents, table["members"], table["ranges"], state.pose, *memory)
+        write_past(
+            shard.worlds,
+            term.agents,
+            term.column,
+            options.sectors,
+            code_number(options.code),
+            options.near,
+            options.zero,
+            table["far"],
+            table["reach"],
+            table["mount"],
+            table["beams"],
+            table["ago"],
+            state.pose,
+            *memory,
+            episode.observation,
+        )
+
+
+@kernel
+def note_scans(
+    worlds: Ints, agents: Ints, members: Ints, ranges: Rays, pose: Floats, scans: Rays, poses: Floats, count: Ints
+) -> None:
+    """Put each agent's scan, and the pose that it was taken from, in place of the oldest one."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            slot = count[w, a] % scans.shape[2]
+            for k in range(scans.shape[3]):
+                scans[w, a, slot, k] = ranges[w, members[a], k]
+            for axis in range(3):
+                poses[w, a, slot, axis] = pose[w, agents[a], axis]
+            count[w, a] += 1
+
+
+@kernel
+def write_past(
+    worlds: Ints,
+    agents: Ints,
+    column: int,
+    sectors: int,
+    code: int,
+    near: float,
+    zero: float,
+    far: Rays,
+    reach: Floats,
+    mount: Floats,
+    beams: Floats,
+    ago: Ints,
+    pose: Floats,
+    scans: Rays,
+    poses: Floats,
+    count: Ints,
+    out: Rays,
+) -> None:
+    """Write the depths of earlier scans, encoded; ``PastScans.arrays`` tells what the arguments are."""
+    near_32, zero_32 = np.float32(near), np.float32(zero)
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            newest = count[w, a] - 1
+            for j in range(ago.shape[0]):
+                slot = (newest - min(ago[j], newest)) % scans.shape[2]
+                row = out[w, a, column + j * sectors : column + (j + 1) * sectors]
+                row[:] = far[a]
+                project(scans[w, a, slot], poses[w, a, slot], pose[w, agents[a]], mount[a], beams[a], far[a],
+                        reach[a], row)  # fmt: skip
+                encode(row, code, near_32, zero_32, far[a])
+
+
+@kernel
+def project(
+    scan: Rays, then: Floats, now: Floats, mount: Floats, beams: Floats, far: np.float32, reach: float, row: Rays
+) -> None:
+    """Lower the sectors' depths [m] to what a scan shows from another pose.
+
+    Args:
+        scan: Ranges [m], ``(n_beams,)``.
+        then: Pose of the body when it was taken [m, m, rad].
+        now: Pose from which it is looked at.
+        mount: Position of the sensor in the body frame [m].
+        beams: Directions in the body frame, ``(2, n_beams)``.
+        far: Range from which on a beam has met nothing [m].
+        reach: Depth 0 [m], measured from the body's origin.
+        row: Written, ``(n_sectors,)``; the first sector begins straight behind.
+    """
+    n_sectors = row.shape[0]
+    turn = then[2] - now[2]
+    cosine, sine = np.cos(turn), np.sin(turn)
+    ahead, left = np.cos(now[2]), np.sin(now[2])
+    dx, dy = then[0] - now[0], then[1] - now[1]
+    along, aside = ahead * dx + left * dy, ahead * dy - left * dx
+    for k in range(scan.shape[0]):
+        if scan[k] >= far:
+            continue
+        x, y = mount[0] + scan[k] * beams[0, k], mount[1] + scan[k] * beams[1, k]
+        there_x, there_y = along + cosine * x - sine * y, aside + sine * x + cosine * y
+        depth = np.float32(max(np.sqrt(there_x * there_x + there_y * there_y) - reach, 0.0))
+        sector = int((np.arctan2(there_y, there_x) / (2.0 * np.pi) + 0.5) * n_sectors) % n_sectors
+        row[sector] = min(row[sector], depth)
