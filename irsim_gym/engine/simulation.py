@@ -10,7 +10,7 @@ import numpy as np
 
 from irsim_gym import rng
 from irsim_gym.arraytypes import Flags, Floats, Ints, Words
-from irsim_gym.engine import buckets, contact, field_of_view, outlines, restart
+from irsim_gym.engine import buckets, contact, field_of_view, outlines, respawn, restart
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.step import Orders, advance, refresh
@@ -155,6 +155,18 @@ class Simulation:
     def advance(self, shard: Shard) -> None:
         """Advance the shard's worlds by one step."""
         advance(self.parts, self.model, self.state, shard)
+
+    def vanish(self, shard: Shard, bodies: Ints, gone: Flags) -> None:
+        """Take bodies away until their world begins again; ``gone`` says which, shape ``(n_worlds, n_bodies)``."""
+        respawn.vanish(bodies, gone, self.model, self.state, shard)
+
+    def respawn(self, shard: Shard, bodies: Ints, chosen: Flags) -> None:
+        """Let bodies begin anew at drawn places while their worlds go on; ``chosen`` is as in ``vanish``.
+
+        Raises:
+            PlacementError: There is no room for one of them.
+        """
+        respawn.respawn(self.parts, self.model, self.state, shard, bodies, chosen)
 
     def clearance(self, shard: Shard, bodies: Ints, distance: Floats, limit: float | Floats = np.inf) -> None:
         """Write the bodies' surface distances [m] into ``distance``, shape ``(n_worlds, n_bodies)``.

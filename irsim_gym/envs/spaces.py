@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import Space
 from gymnasium.spaces import Box, Dict, Discrete
 
-from irsim_gym.arraytypes import Rays
+from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.tasks import Episodes
 
 Observation: TypeAlias = Rays | dict[str, Rays]
@@ -20,11 +20,11 @@ class Layout:
     """Where each observation term stands in the flat observation, and which form the user asked for.
 
     Attributes:
-        slices: Columns of each term, by name, in order.
+        columns: Columns of each term, by name, in order.
         flat: True for one vector, False for a dict of vectors.
     """
 
-    slices: dict[str, slice]
+    columns: dict[str, slice | Ints]
     flat: bool
 
     def fresh(self, rows: Rays) -> Observation:
@@ -33,34 +33,54 @@ class Layout:
         Args:
             rows: Flat observations, shape ``(..., n_features)``.
         """
-        if self.flat:
-            return rows.copy()
-        return {name: rows[..., columns].copy() for name, columns in self.slices.items()}
+        if not self.flat:
+            return {name: np.array(rows[..., columns], order="C") for name, columns in self.columns.items()}
+        if any(not isinstance(columns, slice) for columns in self.columns.values()):
+            return np.ascontiguousarray(
+                rows[..., np.concatenate([np.r_[columns] for columns in self.columns.values()])]
+            )
+        return rows.copy()
 
 
-def observation_layout(episodes: Episodes) -> Layout:
-    """Return the layout of the observations of a task."""
-    slices: dict[str, slice] = {}
+def observation_layout(episodes: Episodes, agent: int | None = None) -> Layout:
+    """Return the layout of the observations of a task.
+
+    Args:
+        episodes: The task.
+        agent: Leave out the columns that mean nothing to this agent; None for those of the richest.
+    """
+    columns: dict[str, slice | Ints] = {}
     start = 0
     for name, low, _ in episodes.observation_terms:
-        slices[name] = slice(start, start + low.size)
+        used = np.ones(low.size, np.bool_) if agent is None else _used(episodes, agent, start, low.size)
+        if used.any():
+            columns[name] = slice(start, start + low.size) if used.all() else start + np.flatnonzero(used)
         start += low.size
-    return Layout(slices, episodes.task.observation_form == "flat")
+    return Layout(columns, episodes.task.observation_form == "flat")
 
 
-def observation_space(episodes: Episodes) -> Space[Any]:
-    """Return a ``Box`` for flat observations, else a ``Dict`` with a ``Box`` for each term."""
-    terms = episodes.observation_terms
+def observation_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:
+    """Return a ``Box`` for flat observations, else a ``Dict`` with one for each term; see ``observation_layout``."""
+    boxes, start = {}, 0
+    for name, low, high in episodes.observation_terms:
+        used = np.ones(low.size, np.bool_) if agent is None else _used(episodes, agent, start, low.size)
+        start += low.size
+        if used.any():
+            boxes[name] = low[used], high[used]
     if episodes.task.observation_form == "flat":
-        low = np.concatenate([low for _, low, _ in terms])
-        high = np.concatenate([high for _, _, high in terms])
+        low, high = (np.concatenate(bounds) for bounds in zip(*boxes.values(), strict=True))
         return Box(low, high, dtype=np.float32)
-    return Dict({name: Box(low, high, dtype=np.float32) for name, low, high in terms})
+    return Dict({name: Box(low, high, dtype=np.float32) for name, (low, high) in boxes.items()})
 
 
-def action_space(episodes: Episodes) -> Space[Any]:
-    """Return ``Discrete(n)`` or the ``Box`` [-1, 1] of a task's actions."""
+def _used(episodes: Episodes, agent: int, start: int, width: int) -> Flags:
+    return np.asarray(episodes.feature_mask[agent, start : start + width])
+
+
+def action_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:
+    """Return ``Discrete(n)`` or the ``Box`` [-1, 1] of a task's actions: one agent's, or that of the largest drive."""
     if episodes.action_kind == "discrete":
         return Discrete(episodes.n_discrete)
     low, high = (np.asarray(bound, np.float32) for bound in (episodes.action_low, episodes.action_high))
-    return Box(low, high, dtype=np.float32)
+    size = len(low) if agent is None else int(episodes.action_sizes[agent])
+    return Box(low[:size], high[:size], dtype=np.float32)

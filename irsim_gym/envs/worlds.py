@@ -29,7 +29,7 @@ RENDER_MODES = ["rgb_array"]
 
 
 class Worlds:
-    """Independent worlds of one scenario with one learner each.
+    """Independent worlds of one scenario with the same learners each.
 
     Args:
         scenario: Shipped name, path of a YAML file, plain data or a loaded scenario.
@@ -39,6 +39,7 @@ class Worlds:
         outer_limit: Another time limit [steps], which counts when it is smaller; None or -1 for none.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"`` or None; with it each step notes the poses of bodies whose paths are drawn.
+        team: All robots learn, unless the task names some; else there has to be one learner.
         parameters: Values for the scenario's parameters; a loaded scenario has them already.
 
     Raises:
@@ -56,20 +57,22 @@ class Worlds:
         outer_limit: int | None = None,
         num_threads: int = 1,
         render_mode: str | None = None,
+        team: bool = False,
         parameters: Mapping[str, Any] | None = None,
     ) -> None:
         if render_mode not in (None, *RENDER_MODES):
             raise ValueError(f"render_mode must be None or one of {RENDER_MODES}, got {render_mode!r}")
         self.scenario = _loaded(scenario, parameters or {})
-        self.task = load_task(self.scenario, task, max_steps)
+        self.task = load_task(self.scenario, task, max_steps, team=team)
         if outer_limit not in (None, -1) and outer_limit < self.task.max_steps:
-            self.task = load_task(self.scenario, task, outer_limit)
+            self.task = load_task(self.scenario, task, outer_limit, team=team)
         self.simulation = compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
         self.episodes = Episodes(self.simulation, self.task)
-        if self.episodes.n_agents != 1:
+        if self.episodes.n_agents != 1 and not team:
             raise ValueError(
                 f"a single-agent environment needs one learner, but task '{self.task.name}' has "
-                f"{self.episodes.n_agents}: name one robot in 'task.agents'"
+                f"{self.episodes.n_agents}: name one robot in 'task.agents', or use parallel_env, make_batch or "
+                "sb3.make_multi_agent_vec_env"
             )
         self.n_worlds = n_worlds
         self.render_mode = render_mode
@@ -77,6 +80,7 @@ class Worlds:
         self.action_space = action_space(self.episodes)
         self.layout = observation_layout(self.episodes)
         self.begun: Flags = np.zeros(n_worlds, np.bool_)
+        self.agent_names = self.episodes.agent_names
         self._splits = ["train"] * n_worlds
         self._renderer: Renderer | None = None
         self._trails: Trails | None = None
@@ -153,26 +157,26 @@ class Worlds:
                 self._trails.record(worlds, state.step[worlds], state.pose[worlds])
 
     def observation(self) -> Observation:
-        """Return a fresh copy of all observations, ``(n_worlds, n_features)`` or a dict of such arrays."""
+        """Return a fresh copy of the first agents' observations, ``(n_worlds, n_features)`` or a dict of arrays."""
         return self.layout.fresh(self.episodes.view.observation[:, 0])
 
-    def observation_of(self, w: int) -> Observation:
-        """Return a fresh copy of one world's observation."""
-        return self.layout.fresh(self.episodes.view.observation[w, 0])
+    def observation_of(self, w: int, agent: int = 0) -> Observation:
+        """Return a fresh copy of an agent's observation, in the space that all agents share."""
+        return self.layout.fresh(self.episodes.view.observation[w, agent])
 
-    def info_of(self, w: int) -> dict[str, Any]:
-        """Return what is known about one world, as Python numbers: a dict of its own at each call."""
+    def info_of(self, w: int, agent: int = 0) -> dict[str, Any]:
+        """Return what is known about an agent of a world, as Python numbers: a dict of its own at each call."""
         view = self.episodes.view
-        info: dict[str, Any] = {key: values.item(w) for key, values in view.infos.items()}
-        info["reward_terms"] = dict(zip(self.episodes.reward_names, view.reward_terms[w, 0].tolist(), strict=True))
+        info: dict[str, Any] = {key: values.item(w, agent) for key, values in view.infos.items()}
+        info["reward_terms"] = dict(zip(self.episodes.reward_names, view.reward_terms[w, agent].tolist(), strict=True))
         return info
 
-    def infos_of(self, worlds: Ints) -> list[dict[str, Any]]:
-        """Return ``info_of`` for several worlds."""
+    def infos_of(self, worlds: Ints, agents: int | Ints = 0) -> list[dict[str, Any]]:
+        """Return ``info_of`` for several worlds, each with the same agent or one of its own."""
         view, names = self.episodes.view, self.episodes.reward_names
-        columns = [values[worlds, 0].tolist() for values in view.infos.values()]
+        columns = [values[worlds, agents].tolist() for values in view.infos.values()]
         infos = [dict(zip(view.infos, row, strict=True)) for row in zip(*columns, strict=True)]
-        for info, terms in zip(infos, view.reward_terms[worlds, 0].tolist(), strict=True):
+        for info, terms in zip(infos, view.reward_terms[worlds, agents].tolist(), strict=True):
             info["reward_terms"] = dict(zip(names, terms, strict=True))
         return infos
 
@@ -210,7 +214,12 @@ class Worlds:
         return self._renderer.frame(w, self._status(w))
 
     def _status(self, w: int) -> str:
-        return Outcome(self.episodes.view.infos["outcome"].item(w)).name.lower()
+        """Return the outcome of a world's agent; of a team, that of one of those that have ended last in the list."""
+        outcomes = self.episodes.view.infos["outcome"][w].tolist()
+        if Outcome.RUNNING in outcomes or len(set(outcomes)) == 1:
+            return Outcome.RUNNING.name.lower() if Outcome.RUNNING in outcomes else Outcome(outcomes[0]).name.lower()
+        arrived = outcomes.count(Outcome.SUCCESS)
+        return f"{arrived} of {len(outcomes)} arrived"
 
     def close(self) -> None:
         """Free the renderer; everything else is plain memory."""

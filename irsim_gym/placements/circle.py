@@ -120,7 +120,7 @@ def draw_shifted(
         turned = uniform(random, w, 0.0, 2.0 * np.pi) if options.turn else 0.0
         for k in range(members.shape[0]):
             b = members[k]
-            if failed[w] > 0 or not present[w, b]:
+            if failed[w] > 0 or not present[w, b] or placed[w, b]:
                 continue
             angle = turned + 2.0 * np.pi * params[k].index / circle[3]
             placed[w, b] = shift_start(w, b, angle, options.jitter, circle, shapes, targets, scene, random) and (
@@ -194,7 +194,7 @@ def shift_goal(
         y = -circle[2] * np.sin(angle) + along * np.sin(direction)
         goal = waypoints[w, b, 0]
         goal[0], goal[1], goal[2] = circle[0] + x, circle[1] + y, np.arctan2(y, x)
-        if are_goals_apart(w, k, members, clearance, shapes[0], shapes[2], waypoints) and is_goal_free(
+        if are_goals_apart(w, b, members, clearance, shapes[0], shapes[2], scene[3], waypoints) and is_goal_free(
             w, b, clearance, shapes, targets, scene
         ):
             return True
@@ -203,14 +203,14 @@ def shift_goal(
 
 @kernel
 def are_goals_apart(
-    w: int, k: int, members: Ints, clearance: float, present: Any, reach: Floats, waypoints: Floats
+    w: int, b: int, members: Ints, clearance: float, present: Any, reach: Floats, placed: Any, waypoints: Floats
 ) -> bool:
-    """Return whether member k has room at its goal beside those of the earlier members at theirs."""
-    b, row = members[k], w % reach.shape[0]
-    for earlier in range(k):
-        q = members[earlier]
+    """Return whether body b has room at its goal beside the other members that are placed, at theirs."""
+    row = w % reach.shape[0]
+    for k in range(members.shape[0]):
+        q = members[k]
         dx, dy = waypoints[w, q, 0, 0] - waypoints[w, b, 0, 0], waypoints[w, q, 0, 1] - waypoints[w, b, 0, 1]
         room = reach[row, b] + reach[row, q] + clearance
-        if present[w, q] and dx * dx + dy * dy < room * room:
+        if q != b and placed[w, q] and present[w, q] and dx * dx + dy * dy < room * room:
             return False
     return True

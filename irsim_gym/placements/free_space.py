@@ -18,13 +18,12 @@ from irsim_gym.world.model import KEEP_GOAL, WANDER
 
 
 @kernel
-def is_spaced(points: Floats, members: Ints, k: int, spacing: float, present: Flags) -> bool:
-    """Return whether point ``members[k]`` keeps its distance from those of the earlier members."""
-    b = members[k]
-    for earlier in range(k):
-        q = members[earlier]
+def is_spaced(points: Floats, members: Ints, b: int, spacing: float, present: Flags, placed: Flags) -> bool:
+    """Return whether point ``b`` keeps its distance from those of the other members that are placed."""
+    for other in range(members.shape[0]):
+        q = members[other]
         dx, dy = points[q, 0] - points[b, 0], points[q, 1] - points[b, 1]
-        if present[q] and dx * dx + dy * dy < spacing * spacing:
+        if q != b and present[q] and placed[q] and dx * dx + dy * dy < spacing * spacing:
             return False
     return True
 

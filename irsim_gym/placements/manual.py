@@ -36,11 +36,13 @@ class ManualPlacement:
 
 @kernel
 def put_on_start(worlds: Ints, members: Ints, start: Floats, pose: Floats, placed: Flags) -> None:
-    """Copy starts to poses."""
+    """Copy starts to the poses of members that have no place yet."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
+            if placed[w, b]:
+                continue
             for axis in range(3):
                 pose[w, b, axis] = start[w, b, axis]
             placed[w, b] = True

@@ -149,13 +149,13 @@ def draw_members(
     random: Words,
     failed: Ints,
 ) -> None:
-    """Place one member after the other in each world, until one finds no place."""
+    """Place one member after the other in each world, those that have no place yet, until one finds none."""
     present, has_goal, placed, options = shapes[0], targets[0], scene[3], params[0]
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            if failed[w] > 0 or not present[w, b]:
+            if failed[w] > 0 or not present[w, b] or placed[w, b]:
                 continue
             for _ in range(PATH_TRIES if has_goal[b] else 1):
                 placed[w, b] = draw_start(w, k, members, options, low, high, shapes, targets, scene, random) and (
@@ -184,12 +184,12 @@ def draw_start(
 ) -> bool:
     """Draw a pose for member k that is clear of everything placed so far; return whether there is one."""
     _, _, _, segment_start, segment_count, local_segments, disc_start, disc_count, local_discs = shapes
-    pose, segments, discs, _, _ = scene
+    pose, segments, discs, placed, _ = scene
     b = members[k]
     for _ in range(START_TRIES):
         for axis in range(3):
             pose[w, b, axis] = uniform(random, w, low[axis], high[axis])
-        if not is_spaced(pose[w], members, k, options.min_distance, shapes[0][w]):
+        if not is_spaced(pose[w], members, b, options.min_distance, shapes[0][w], placed[w]):
             continue
         place_outline(
             local_segments[w % local_segments.shape[0]],
@@ -232,7 +232,7 @@ def draw_goal(
         dx, dy = goal[0] - pose[w, b, 0], goal[1] - pose[w, b, 1]
         if dx * dx + dy * dy < options.min_goal_distance * options.min_goal_distance:
             continue
-        if not is_spaced(waypoints[w, :, 0], members, k, options.min_distance, shapes[0][w]):
+        if not is_spaced(waypoints[w, :, 0], members, b, options.min_distance, shapes[0][w], scene[3][w]):
             continue
         if is_goal_free(w, b, options.clearance, shapes, targets, scene):
             return True

@@ -16,12 +16,16 @@ def open_books(
     pose: Floats,
     bodies_goal_distance: Floats,
     clearance: Floats,
+    began: Flags,
     position: Floats,
     min_clearance: Floats,
     path_length: Floats,
     goal_distance: Floats,
     steps: Ints,
+    stalled: Floats,
+    deadlocked: Flags,
     hit: Ints,
+    hit_kind: Ints,
     outcome: Ints,
     success: Flags,
     over: Flags,
@@ -30,7 +34,7 @@ def open_books(
     reward_term: Floats,
     reward: Floats,
 ) -> None:
-    """Begin an episode for all agents of the worlds.
+    """Begin an episode for the agents of the worlds that ``began`` names.
 
     Args:
         worlds: The worlds to treat.
@@ -38,12 +42,16 @@ def open_books(
         pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
         bodies_goal_distance: ``(n_worlds, n_bodies)`` [m].
         clearance: ``(n_worlds, n_agents)`` [m].
+        began: Whose episode begins, ``(n_worlds, n_agents)``.
         position: Written, as are all that follow; see ``EpisodeState``.
         min_clearance: [m].
         path_length: [m].
         goal_distance: [m].
         steps: Counted from 0.
+        stalled: 0 [s].
+        deadlocked: False.
         hit: -1.
+        hit_kind: NOTHING.
         outcome: RUNNING.
         success: False.
         over: False.
@@ -56,10 +64,13 @@ def open_books(
         w = worlds[i]
         for a in range(agents.shape[0]):
             b = agents[a]
+            if not began[w, a]:
+                continue
             position[w, a, 0], position[w, a, 1] = pose[w, b, 0], pose[w, b, 1]
             min_clearance[w, a], path_length[w, a] = clearance[w, a], 0.0
             goal_distance[w, a] = bodies_goal_distance[w, b]
-            steps[w, a], hit[w, a], outcome[w, a] = 0, -1, RUNNING
+            stalled[w, a], deadlocked[w, a] = 0.0, False
+            steps[w, a], hit[w, a], hit_kind[w, a], outcome[w, a] = 0, -1, 0, RUNNING
             success[w, a], over[w, a], terminated[w, a], truncated[w, a] = False, False, False, False
             for k in range(reward_term.shape[2]):
                 reward_term[w, a, k] = 0.0
@@ -82,6 +93,7 @@ def keep_books(
     pose: Floats,
     bodies_goal_distance: Floats,
     bodies_hit: Ints,
+    kinds: Ints,
     clearance: Floats,
     outcome: Ints,
     position: Floats,
@@ -90,6 +102,7 @@ def keep_books(
     goal_distance: Floats,
     steps: Ints,
     hit: Ints,
+    hit_kind: Ints,
     over: Flags,
 ) -> None:
     """Add a step to the books of the agents whose episode is under way.
@@ -100,6 +113,7 @@ def keep_books(
         pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
         bodies_goal_distance: ``(n_worlds, n_bodies)`` [m].
         bodies_hit: ``(n_worlds, n_bodies)``.
+        kinds: HitKind of each body, ``(n_bodies,)``.
         clearance: ``(n_worlds, n_agents)`` [m].
         outcome: ``(n_worlds, n_agents)``, of the step before.
         position: Written, as are all that follow; see ``EpisodeState``.
@@ -108,6 +122,7 @@ def keep_books(
         goal_distance: [m].
         steps: Counted from 0.
         hit: Body that is touched, -1 for none.
+        hit_kind: What that is, a HitKind.
         over: The episode had ended before this step.
     """
     for i in range(worlds.shape[0]):
@@ -122,7 +137,52 @@ def keep_books(
             position[w, a, 0], position[w, a, 1] = pose[w, b, 0], pose[w, b, 1]
             min_clearance[w, a] = min(min_clearance[w, a], clearance[w, a])
             goal_distance[w, a], hit[w, a] = bodies_goal_distance[w, b], bodies_hit[w, b]
+            hit_kind[w, a] = kinds[hit[w, a]] if hit[w, a] >= 0 else 0
             steps[w, a] += 1
+
+
+@kernel
+def watch_standstill(
+    worlds: Ints,
+    agents: Ints,
+    step_time: Floats,
+    slow: float,
+    patience: float,
+    has_goal: Flags,
+    arrived: Flags,
+    stopped: Flags,
+    twist: Floats,
+    outcome: Ints,
+    stalled: Floats,
+    deadlocked: Flags,
+) -> None:
+    """Measure for how long agents have hardly moved away from their goals.
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent, ``(n_agents,)``.
+        step_time: Duration of a step [s], ``(1,)``.
+        slow: Speed below which an agent stands still [m/s].
+        patience: Time after which it is deadlocked [s].
+        has_goal: Bodies with a goal.
+        arrived: Bodies at their goal, ``(n_worlds, n_bodies)``.
+        stopped: Bodies that are held in place.
+        twist: Velocities in the world frame [m/s].
+        outcome: ``(n_worlds, n_agents)``, of the step before.
+        stalled: Written [s], ``(n_worlds, n_agents)``.
+        deadlocked: Written, the same shape.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            b = agents[a]
+            if outcome[w, a] != RUNNING:
+                continue
+            vx, vy = twist[w, b, 0], twist[w, b, 1]
+            is_slow = stopped[w, b] or vx * vx + vy * vy < slow * slow
+            stands = is_slow and has_goal[b] and not arrived[w, b]
+            stalled[w, a] = stalled[w, a] + step_time[0] if stands else 0.0
+            deadlocked[w, a] = stands and stalled[w, a] > patience - 0.5 * step_time[0]
 
 
 @kernel
@@ -179,3 +239,20 @@ def add_up(worlds: Ints, over: Flags, reward_term: Floats, reward: Floats) -> No
                     reward_term[w, a, k] = 0.0
                 total += reward_term[w, a, k]
             reward[w, a] = total
+
+
+@kernel
+def share_rewards(worlds: Ints, share: float, over: Flags, reward_term: Floats) -> None:
+    """Replace the part ``share`` of each agent's terms by the mean over all agents of its world.
+
+    An agent whose episode had ended before counts with 0 in the mean.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        n_agents = reward_term.shape[1]
+        for k in range(reward_term.shape[2]):
+            total = 0.0
+            for a in range(n_agents):
+                total += 0.0 if over[w, a] else reward_term[w, a, k]
+            for a in range(n_agents):
+                reward_term[w, a, k] = (1.0 - share) * reward_term[w, a, k] + share * (total / n_agents)

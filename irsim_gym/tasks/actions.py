@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.families import ACTIONS
 from irsim_gym.jit import kernel
@@ -40,7 +40,7 @@ class VelocityAction:
     @staticmethod
     def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Take over the learner's numbers, cut to [-1, 1]."""
-        take_given(shard.worlds, episode.given, episode.action, episode.previous_action)
+        take_given(shard.worlds, term.action_sizes, episode.given, episode.action, episode.previous_action)
 
 
 @kind
@@ -66,12 +66,19 @@ class DiscreteAction:
         return self.linear * self.lateral * self.angular
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return the action, in [-1, 1], of every choice, shape ``(n_choices, n_components)``."""
-        size = len(simulation.scenario.bodies[int(agents[0])].kinematics.command_names)
+        """Return the action, in [-1, 1], of every choice, shape ``(n_agents, n_choices, n_components)``."""
+        sizes = [len(simulation.scenario.bodies[int(b)].kinematics.command_names) for b in agents]
+        grid = np.zeros((len(sizes), self.n_choices, max(sizes)))
+        for a, size in enumerate(sizes):
+            grid[a, :, :size] = self._grid(size)
+        return {"grid": grid}
+
+    def _grid(self, size: int) -> Floats:
+        """Return the choices of a drive with ``size`` components, shape ``(n_choices, size)``."""
         first = np.linspace(-1.0, 1.0, self.linear) if self.linear > 1 else np.ones(1)
         between, last = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in (self.lateral, self.angular))
         axes = (first, last) if size == 2 else (first, between, last)
-        return {"grid": np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)}
+        return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
 
     @staticmethod
     def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
@@ -84,12 +91,15 @@ ACTIONS.register("discrete", DiscreteAction)
 
 
 @kernel
-def all_finite(worlds: Ints, given: Floats) -> bool:
-    """Return whether the actions ``(n_worlds, n_agents, n_components)`` of all given worlds are finite."""
+def all_finite(worlds: Ints, sizes: Ints, given: Floats) -> bool:
+    """Return whether the actions ``(n_worlds, n_agents, n_components)`` of all given worlds are finite.
+
+    Components that an agent's drive does not have, from ``sizes[a]`` on, are not looked at.
+    """
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(given.shape[1]):
-            for c in range(given.shape[2]):
+            for c in range(sizes[a]):
                 if not np.isfinite(given[w, a, c]):
                     return False
     return True
@@ -107,14 +117,17 @@ def all_within(worlds: Ints, count: int, choice: Ints) -> bool:
 
 
 @kernel
-def take_given(worlds: Ints, given: Floats, action: Floats, previous_action: Floats) -> None:
-    """Move the latest action to ``previous_action`` and write the new one, cut to [-1, 1]."""
+def take_given(worlds: Ints, sizes: Ints, given: Floats, action: Floats, previous_action: Floats) -> None:
+    """Move the latest action to ``previous_action`` and write the new one, cut to [-1, 1].
+
+    Components from ``sizes[a]`` on, which the agent's drive does not have, are not looked at and become 0.
+    """
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(action.shape[1]):
             for c in range(action.shape[2]):
                 previous_action[w, a, c] = action[w, a, c]
-                action[w, a, c] = min(max(given[w, a, c], -1.0), 1.0)
+                action[w, a, c] = min(max(given[w, a, c], -1.0), 1.0) if c < sizes[a] else 0.0
 
 
 @kernel
@@ -125,7 +138,7 @@ def take_choice(worlds: Ints, grid: Floats, choice: Ints, action: Floats, previo
         for a in range(action.shape[1]):
             for c in range(action.shape[2]):
                 previous_action[w, a, c] = action[w, a, c]
-                action[w, a, c] = grid[choice[w, a], c]
+                action[w, a, c] = grid[a, choice[w, a], c]
 
 
 @kernel
@@ -186,15 +199,18 @@ def rest(
     agents: Ints,
     velocity_min: Floats,
     velocity_max: Floats,
+    began: Flags,
     action: Floats,
     previous_action: Floats,
 ) -> None:
-    """Write the action that asks for standing still, or for the slowest command there is, as the latest ones."""
+    """Write the action that asks for standing still, or for the slowest command there is, where episodes begin."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         slowest, fastest = velocity_min[w % velocity_min.shape[0]], velocity_max[w % velocity_max.shape[0]]
         for a in range(agents.shape[0]):
             b = agents[a]
+            if not began[w, a]:
+                continue
             for c in range(action.shape[2]):
                 low, high = slowest[b, c], fastest[b, c]
                 still = -(low + high) / (high - low) if high > low else 0.0

@@ -62,8 +62,6 @@ def check_fit(
     for b, body in zip(agents, bodies, strict=True):
         for message in _body_problems(body, scenario.placements[body.entry], b):
             merged.outside.append((scenario.source.title, Problem(body.line, body.name, message)))
-    if len({type(body.kinematics) for body in bodies}) > 1:
-        merged.report.add(("agents",), "learners of one task need the same kinematics")
     goalless = [b for b in agents if not _has_goal(scenario, b)]
     needing = [term for item in terms.values() for _, term in item if term.needs_goal]
     if goalless and needing:
@@ -84,10 +82,12 @@ def check_fit(
 
 def check_action(scenario: Scenario, agents: Sequence[int], action: Any, report: Report) -> None:
     """Tell choices of a component that the learners' drive does not have."""
-    drive = scenario.bodies[agents[0]].kinematics
-    if drive is not None and len(drive.command_names) < 3 and getattr(action, "lateral", 1) > 1:
-        names = ", ".join(drive.command_names)
-        report.add(("action", "lateral"), f"must be 1 for a drive with {len(drive.command_names)} components ({names})")
+    drives = [scenario.bodies[b].kinematics for b in agents]
+    small = [drive for drive in drives if drive is not None and len(drive.command_names) < 3]
+    if small and getattr(action, "lateral", 1) > 1:
+        names = ", ".join(small[0].command_names)
+        message = f"must be 1 for a drive with {len(small[0].command_names)} components ({names})"
+        report.add(("action", "lateral"), message)
 
 
 def _body_problems(body: BodySpec, placement: PlacementSpec, b: int) -> list[str]:
@@ -136,8 +136,14 @@ def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Rep
         return item
 
 
-def check_terms(terms: Terms, audit: bool, report: Report) -> None:
+def check_terms(terms: Terms, audit: bool, own_share: float, report: Report) -> None:
     """Tell what is missing, and what a learner would exploit.
+
+    Args:
+        terms: The terms by family, with their places.
+        audit: Whether to look at what rewards lead to.
+        own_share: How much of its own rewards and penalties an agent gets itself; 1 without ``team_reward``.
+        report: Collects the problems.
 
     The audit: a reward may be positive only as a difference of potentials or as the bonus for success, which the
     kinds' roles and weights >= 0 see to; and what a whole episode can cost by and by must be less than any failure
@@ -156,8 +162,8 @@ def check_terms(terms: Terms, audit: bool, report: Report) -> None:
     for _, ending in terms["endings"]:
         if ending.outcome == Outcome.SUCCESS or running == 0.0:
             continue
-        penalty = sum(
-            reward.weight
+        penalty = own_share * sum(
+            getattr(reward, "least", reward.weight)
             for _, reward in terms["rewards"]
             if reward.role == "penalty" and reward.outcome == ending.outcome
         )

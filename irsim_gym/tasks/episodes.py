@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
-from irsim_gym.registry import Registry
 from irsim_gym.rng import stream_base
-from irsim_gym.tasks import account, actions
+from irsim_gym.tasks import account, actions, team_state
+from irsim_gym.tasks.binding import action_sizes, bind, hit_kinds, place_observations
 from irsim_gym.tasks.levels import check_split, take_levels
 from irsim_gym.tasks.outcome import PRECEDENCE
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.task import Task
-from irsim_gym.tasks.term import HasArrays, MindsClearance, Remembers, Term
+from irsim_gym.tasks.term import MindsClearance, Remembers
 from irsim_gym.tasks.transition import transition_of
 from irsim_gym.world.model import OMNI_WORLD
 
@@ -36,6 +35,10 @@ class Episodes:
         view: The latest transition.
         observation_terms: Name, least and greatest values of each part of the observation, in order.
         reward_names: Names of the reward terms, in order.
+        agent_names: Names of the agents' bodies, in order.
+        action_sizes: Components of each agent's actions, shape ``(n_agents,)``; its surplus ones are not looked at.
+        feature_mask: Columns of the observation that mean something to an agent, shape ``(n_agents, n_features)``; the
+            others are 0.
     """
 
     def __init__(self, simulation: Simulation, task: Task) -> None:
@@ -44,21 +47,24 @@ class Episodes:
         self.simulation = simulation
         self.task = task
         self._agents = np.array(task.agents, np.int64)
-        self._size = len(simulation.scenario.bodies[task.agents[0]].kinematics.command_names)
+        self.agent_names = tuple(simulation.parts.names[b] for b in task.agents)
+        self.action_sizes = action_sizes(simulation, self._agents)
+        self._size = int(self.action_sizes.max())
         is_turned = simulation.model.drive[self._agents] == OMNI_WORLD
         self._turned = self._agents[is_turned & (getattr(task.action, "frame", "command") == "body")]
-        self._action = self._bind(ACTIONS, [task.action])[0]
-        self._observations = self._bind(OBSERVATIONS, task.observations)
-        self._rewards = self._bind(REWARDS, task.rewards)
+        self._action = bind(ACTIONS, [task.action], simulation, task)[0]
+        self._observations = bind(OBSERVATIONS, task.observations, simulation, task)
+        self._rewards = bind(REWARDS, task.rewards, simulation, task)
         by_precedence = sorted(task.endings, key=lambda ending: PRECEDENCE.index(ending.outcome))
-        self._endings = self._bind(ENDINGS, by_precedence)
+        self._endings = bind(ENDINGS, by_precedence, simulation, task)
+        self._hit_kinds = hit_kinds(simulation)
         self._outcomes = np.array([int(term.options.outcome) for term in self._endings], np.int64)
         terms = [*self._observations, *self._rewards]
         self._minded_clearance = max(
             (term.options.clearance_range for term in terms if isinstance(term.options, MindsClearance)), default=0.0
         )
         self._remembering = [term for term in terms if isinstance(term.options, Remembers)]
-        self.observation_terms = self._place_observations()
+        self.observation_terms, self.feature_mask = place_observations(self._observations, simulation)
         self.reward_names = tuple(term.name for term in self._rewards)
         self.state = self._allocate()
         self.state.base[:] = stream_base(simulation.scenario.name, "train")
@@ -100,6 +106,40 @@ class Episodes:
         """Greatest values of a continuous action, shape ``(n_components,)``."""
         return np.ones(self._size, np.float32)
 
+    @property
+    def team_state_size(self) -> int:
+        """Length of a world's ``team_state``."""
+        return team_state.WIDTH * self.n_agents
+
+    def team_state(self, worlds: Ints | None = None) -> Rays:
+        """Return the state of whole teams in [-1, 1], as a centralised critic sees it.
+
+        Args:
+            worlds: Which worlds, shape ``(n,)``; all by default.
+
+        Returns:
+            A fresh array of shape ``(n, team_state_size)``, ten numbers for each agent; see ``tasks/team_state.py``.
+        """
+        model, world = self.simulation.model, self.simulation.state
+        chosen = np.arange(self.n_worlds) if worlds is None else np.asarray(worlds, np.int64)
+        states = np.zeros((len(chosen), self.team_state_size), np.float32)
+        team_state.write_team_state(
+            chosen,
+            self._agents,
+            model.bounds,
+            model.velocity_max,
+            model.velocity_min,
+            model.has_goal,
+            world.stopped,
+            world.pose,
+            world.twist,
+            world.goal,
+            self.state.outcome,
+            model.present,
+            states,
+        )
+        return states
+
     def begin(self, worlds: Ints, levels: Ints, split: str = "train") -> None:
         """Begin a level in some worlds; later ones of these worlds follow from it, within the same split.
 
@@ -136,6 +176,32 @@ class Episodes:
         self.state.episode[worlds] += 1
         self.simulation.run(self._begin, worlds)
 
+    def respawn(self, agents: Flags) -> None:
+        """Give agents a new start and goal in their running worlds at once, and begin an episode of theirs.
+
+        Where they start is drawn from the world's random stream by the distribution of their entry, clear of
+        everything that is there; where that leaves no room, anywhere in the world. Sensors and observations of all
+        agents of these worlds are renewed.
+
+        Args:
+            agents: Which ones, shape ``(n_worlds, n_agents)``.
+
+        Raises:
+            ValueError: The shape is wrong.
+            PlacementError: There is no room for one of them.
+        """
+        chosen = np.asarray(agents, np.bool_)
+        if chosen.shape != self.state.began.shape:
+            raise ValueError(f"agents must have shape {self.state.began.shape}, got {chosen.shape}")
+        worlds = np.flatnonzero(chosen.any(axis=1))
+        if len(worlds):
+            self.state.began[:] = chosen
+            self.simulation.run(self._respawn, worlds)
+
+    def _respawn(self, shard: Shard) -> None:
+        self.simulation.respawn(shard, self._agents, self.state.began)
+        self._open(shard)
+
     def step(self, given: NDArray[Any], worlds: Ints | None = None) -> None:
         """Play one step.
 
@@ -162,7 +228,7 @@ class Episodes:
         for shard in self.simulation.shards.all if worlds is None else (Shard(worlds),):
             if self.n_discrete and not actions.all_within(shard.worlds, self.n_discrete, self._given):
                 raise ValueError(f"an action is not a choice from 0 to {self.n_discrete - 1}")
-            if not self.n_discrete and not actions.all_finite(shard.worlds, self._given):
+            if not self.n_discrete and not actions.all_finite(shard.worlds, self.action_sizes, self._given):
                 raise ValueError("an action is not finite")
 
     def _begin(self, shard: Shard) -> None:
@@ -170,21 +236,31 @@ class Episodes:
         simulation, state, worlds = self.simulation, self.state, shard.worlds
         take_levels(worlds, state.base, state.first_level, state.episode, state.level, state.stream)
         simulation.begin(shard, state.stream)
+        state.began[worlds] = True
+        self._open(shard)
+
+    def _open(self, shard: Shard) -> None:
+        """Begin the episodes of the agents that ``state.began`` names, where their bodies stand."""
+        simulation, model, state, worlds = self.simulation, self.simulation.model, self.state, shard.worlds
         simulation.clearance(shard, self._agents, state.clearance)
-        model = simulation.model
-        actions.rest(worlds, self._agents, model.velocity_min, model.velocity_max, state.action, state.previous_action)
+        limits = model.velocity_min, model.velocity_max
+        actions.rest(worlds, self._agents, *limits, state.began, state.action, state.previous_action)
         account.open_books(
             worlds,
             self._agents,
             simulation.state.pose,
             simulation.state.goal_distance,
             state.clearance,
+            state.began,
             state.position,
             state.min_clearance,
             state.path_length,
             state.goal_distance,
             state.steps,
+            state.stalled,
+            state.deadlocked,
             state.hit,
+            state.hit_kind,
             state.outcome,
             state.success,
             state.over,
@@ -196,6 +272,7 @@ class Episodes:
         for term in self._remembering:
             term.options.begin(term, model, simulation.state, state, shard)
         self._observe(shard)
+        state.began[worlds] = False
 
     def _step(self, shard: Shard) -> None:
         """Play one step in the shard's worlds. This order is the specification."""
@@ -221,8 +298,12 @@ class Episodes:
         )
         for term in self._rewards:
             term.options.pay(term, model, world, state, shard)
+        if self.task.team_reward > 0.0 and self.n_agents > 1:
+            account.share_rewards(shard.worlds, self.task.team_reward, state.over, state.reward_term)
         account.add_up(shard.worlds, state.over, state.reward_term, state.reward)
         self._observe(shard)
+        if self.task.ended == "vanish":
+            simulation.vanish(shard, self._agents, state.terminated | state.truncated)
 
     def _act(self, shard: Shard) -> None:
         model, state = self.simulation.model, self.state
@@ -247,6 +328,7 @@ class Episodes:
             world.pose,
             world.goal_distance,
             world.hit,
+            self._hit_kinds,
             state.clearance,
             state.outcome,
             state.position,
@@ -255,32 +337,27 @@ class Episodes:
             state.goal_distance,
             state.steps,
             state.hit,
+            state.hit_kind,
             state.over,
+        )
+        account.watch_standstill(
+            shard.worlds,
+            self._agents,
+            self.simulation.model.step_time,
+            self.task.deadlock_speed,
+            self.task.deadlock_time,
+            self.simulation.model.has_goal,
+            world.arrived,
+            world.stopped,
+            world.twist,
+            state.outcome,
+            state.stalled,
+            state.deadlocked,
         )
 
     def _observe(self, shard: Shard) -> None:
         for term in self._observations:
             term.options.write(term, self.simulation.model, self.simulation.state, self.state, shard)
-
-    def _bind(self, family: Registry, options: Sequence[Any]) -> list[Term]:
-        """Return the terms of kinds, with their own arrays; the column is the place in the list."""
-        terms = []
-        for column, item in enumerate(options):
-            term = Term(family.name_of(type(item)), item, self._agents, self.task.max_steps, self._size, column)
-            if isinstance(item, HasArrays):
-                term.arrays = item.arrays(self.simulation, self._agents)
-            terms.append(term)
-        return terms
-
-    def _place_observations(self) -> tuple[tuple[str, Rays, Rays], ...]:
-        """Give each part of the observation its columns, and return names and bounds."""
-        parts, column = [], 0
-        for term in self._observations:
-            term.column = column
-            low, high = term.options.bounds(term, self.simulation.model)
-            parts.append((term.name, low, high))
-            column += len(low)
-        return tuple(parts)
 
     def _allocate(self) -> EpisodeState:
         return EpisodeState.allocate(

@@ -8,7 +8,8 @@ from enum import IntEnum
 class Outcome(IntEnum):
     """What became of an agent; the numbers are part of the public face.
 
-    If several things happen in the same step, the first of collision, left the world, success and timeout counts.
+    If several things happen in the same step, the first of collision, left the world, success, deadlock and timeout
+    counts.
     """
 
     RUNNING = 0
@@ -16,9 +17,20 @@ class Outcome(IntEnum):
     COLLISION = 2
     TIMEOUT = 3
     LEFT_WORLD = 4
+    DEADLOCK = 5
 
 
-PRECEDENCE = (Outcome.COLLISION, Outcome.LEFT_WORLD, Outcome.SUCCESS)
+class HitKind(IntEnum):
+    """What an agent touches; the numbers are part of the public face."""
+
+    NOTHING = 0
+    OBSTACLE = 1
+    MOVING_OBSTACLE = 2
+    ROBOT = 3
+    MAP = 4
+
+
+PRECEDENCE = (Outcome.COLLISION, Outcome.LEFT_WORLD, Outcome.SUCCESS, Outcome.DEADLOCK)
 """The outcomes that endings may declare, the one that wins first; the time limit comes after all of them."""
 
 RUNNING = int(Outcome.RUNNING)
@@ -26,3 +38,4 @@ SUCCESS = int(Outcome.SUCCESS)
 COLLISION = int(Outcome.COLLISION)
 TIMEOUT = int(Outcome.TIMEOUT)
 LEFT_WORLD = int(Outcome.LEFT_WORLD)
+DEADLOCK = int(Outcome.DEADLOCK)

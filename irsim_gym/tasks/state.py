@@ -31,9 +31,15 @@ class EpisodeState(Arrays):
     path_length: Floats = column("world agent", np.float64, "m", "distance travelled")
     goal_distance: Floats = column("world agent", np.float64, "m", "distance to the goal that is next")
     steps: Ints = column("world agent", np.int64, "", "steps taken")
+    stalled: Floats = column("world agent", np.float64, "s", "how long it has hardly moved, away from its goal")
+    deadlocked: Flags = column("world agent", np.bool_, "", "it has been stalled for as long as the task says")
     hit: Ints = column("world agent", np.int64, "", "the body that is touched (lowest id), -1 for none")
+    hit_kind: Ints = column("world agent", np.int64, "", "what that is, a HitKind")
     outcome: Ints = column("world agent", np.int64, "", "an Outcome")
     success: Flags = column("world agent", np.bool_, "", "the outcome is SUCCESS")
+    began: Flags = column(
+        "world agent", np.bool_, "", "the agent's episode begins now, what is remembered is forgotten"
+    )
     over: Flags = column("world agent", np.bool_, "", "the agent's episode had ended before the latest step")
     ending: Flags = column("world agent ending", np.bool_, "", "which endings apply now")
     terminated: Flags = column("world agent", np.bool_, "", "the task has ended")

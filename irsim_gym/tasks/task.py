@@ -35,6 +35,19 @@ class TaskOptions:
     observation_form: Literal["flat", "dict"] = option(
         "flat", meaning="One vector, or a dictionary with one vector for each observation."
     )
+    ended: Literal["stay", "vanish"] = option(
+        "stay", meaning="What the body of an agent does whose episode has ended, while the others go on."
+    )
+    team_reward: float = option(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        meaning="Share of each reward term that is the mean over all agents of the world; the rest is its own.",
+    )
+    deadlock_speed: float = option(
+        0.05, ge=0.0, unit="m/s", meaning="An agent that is slower than this, away from its goal, counts as stalled."
+    )
+    deadlock_time: float = option(5.0, gt=0.0, unit="s", meaning="An agent that is stalled for so long is deadlocked.")
     audit: bool = option(True, meaning="Refuse rewards under which a crash or an escape would pay more than going on.")
 
 
@@ -51,6 +64,10 @@ class Task:
         rewards: Instances of registered rewards, in order.
         endings: Instances of registered endings.
         observation_form: ``flat`` or ``dict``.
+        ended: What the body of an agent does whose episode has ended: ``stay`` or ``vanish``.
+        team_reward: Share of each reward term that is the mean over the agents of a world.
+        deadlock_speed: Speed below which an agent counts as stalled [m/s].
+        deadlock_time: Time after which a stalled agent is deadlocked [s].
     """
 
     name: str
@@ -61,6 +78,10 @@ class Task:
     rewards: tuple[Any, ...]
     endings: tuple[Any, ...]
     observation_form: Literal["flat", "dict"] = "flat"
+    ended: Literal["stay", "vanish"] = "stay"
+    team_reward: float = 0.0
+    deadlock_speed: float = 0.05
+    deadlock_time: float = 5.0
 
 
 def load_task(
@@ -98,12 +119,24 @@ def load_task(
             terms["observations"] = check_fit(scenario, agents, name, terms, merged)
             check_action(scenario, agents, action, report)
         if is_sound:
-            check_terms(terms, options.audit, report)
+            own_share = 1.0 - options.team_reward * (1.0 - 1.0 / max(len(agents), 1))
+            check_terms(terms, options.audit, own_share, report)
     merged.refuse(_title(scenario))
     assert options is not None
     parts = {key: tuple(item for _, item in items) for key, items in terms.items()}
     limit = options.max_steps if max_steps is None else max_steps
-    return Task(name, agents, limit, action, **parts, observation_form=options.observation_form)
+    return Task(
+        name,
+        agents,
+        limit,
+        action,
+        **parts,
+        observation_form=options.observation_form,
+        ended=options.ended,
+        team_reward=options.team_reward,
+        deadlock_speed=options.deadlock_speed,
+        deadlock_time=options.deadlock_time,
+    )
 
 
 def _title(scenario: Scenario) -> str:

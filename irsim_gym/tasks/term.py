@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.state import EpisodeState
@@ -30,7 +30,8 @@ class Term:
         options: The kind's instance.
         agents: Body of each agent, shape ``(n_agents,)``.
         max_steps: Steps of a full episode.
-        action_size: Components of an action, and of the command that it becomes.
+        action_size: Components of an action, and of the command that it becomes; the largest of all agents.
+        action_sizes: The same for each agent by itself, shape ``(n_agents,)``; it has no use for others.
         column: Where the term writes: first column of the observation, column of the reward or of the ending.
         arrays: The term's own arrays: tables, memory, live readings of sensors.
     """
@@ -40,6 +41,7 @@ class Term:
     agents: Ints
     max_steps: int
     action_size: int
+    action_sizes: Ints
     column: int = 0
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
 
@@ -58,7 +60,15 @@ class Remembers(Protocol):
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Prepare ``term.arrays`` for the levels that begin in the shard's worlds."""
+        """Prepare ``term.arrays`` for episodes that begin in the shard's worlds, those of ``episode.began`` agents."""
+
+
+@runtime_checkable
+class HasUnused(Protocol):
+    """An observation some of whose elements mean nothing to some agents; these are 0."""
+
+    def used(self, term: Term) -> Flags:
+        """Return which elements each agent has, shape ``(n_agents, width)``."""
 
 
 @runtime_checkable
@@ -129,3 +139,10 @@ class EndingKind(Protocol):
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write column ``term.column`` of ``episode.ending``."""
+
+
+def forget(memory: NDArray[Any], value: Any, episode: EpisodeState, shard: Shard) -> None:
+    """Write ``value`` into the rows of a memory ``(n_worlds, n_agents, ...)`` whose agents' episodes begin."""
+    rows = memory[shard.worlds]
+    rows[episode.began[shard.worlds]] = value
+    memory[shard.worlds] = rows

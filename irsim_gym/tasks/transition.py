@@ -22,8 +22,10 @@ class Transition:
         terminated: The task has ended, shape ``(n_worlds, n_agents)``.
         truncated: The time limit has cut the episode, shape ``(n_worlds, n_agents)``.
         reward_terms: The terms that ``reward`` is the sum of, shape ``(n_worlds, n_agents, n_terms)``.
-        infos: Arrays of shape ``(n_worlds, n_agents)``: outcome, hit, path_length [m], min_clearance [m],
-            goal_distance [m], is_success, steps, level.
+        over: The agent's episode had ended before the step, so its row is no experience, shape
+            ``(n_worlds, n_agents)``.
+        infos: Arrays of shape ``(n_worlds, n_agents)``: outcome, hit, hit_kind, path_length [m], min_clearance [m],
+            goal_distance [m], is_success, steps, stalled [s], deadlocked, level.
     """
 
     observation: Rays
@@ -31,7 +33,13 @@ class Transition:
     terminated: Flags
     truncated: Flags
     reward_terms: Floats
+    over: Flags
     infos: Mapping[str, NDArray[Any]]
+
+    @property
+    def live(self) -> Flags:
+        """Agents whose episode is under way, a fresh array of shape ``(n_worlds, n_agents)``."""
+        return ~(self.terminated | self.truncated)
 
 
 def transition_of(state: EpisodeState) -> Transition:
@@ -39,11 +47,16 @@ def transition_of(state: EpisodeState) -> Transition:
     infos = {
         "outcome": state.outcome,
         "hit": state.hit,
+        "hit_kind": state.hit_kind,
         "path_length": state.path_length,
         "min_clearance": state.min_clearance,
         "goal_distance": state.goal_distance,
         "is_success": state.success,
         "steps": state.steps,
+        "stalled": state.stalled,
+        "deadlocked": state.deadlocked,
         "level": state.level,
     }
-    return Transition(state.observation, state.reward, state.terminated, state.truncated, state.reward_term, infos)
+    return Transition(
+        state.observation, state.reward, state.terminated, state.truncated, state.reward_term, state.over, infos
+    )

@@ -21,12 +21,14 @@ def test_types_of_a_step():
     assert observation.dtype == np.float32
     result = env.step(REST)
     assert [type(value) for value in result[1:]] == [float, bool, bool, dict]
-    keys = {"outcome", "hit", "path_length", "min_clearance", "goal_distance", "is_success", "steps", "level"}
+    whole = {"outcome", "hit", "hit_kind", "steps", "level"}
+    real = {"path_length", "min_clearance", "goal_distance", "stalled"}
+    keys = whole | real | {"is_success", "deadlocked"}
     assert info.keys() == result[4].keys() == keys | {"reward_terms"}
     types = {key: type(value) for key, value in result[4].items()}
-    assert {types[key] for key in ("outcome", "hit", "steps", "level")} == {int}
-    assert {types[key] for key in ("path_length", "min_clearance", "goal_distance")} == {float}
-    assert types["is_success"] is bool
+    assert {types[key] for key in whole} == {int}
+    assert {types[key] for key in real} == {float}
+    assert types["is_success"] is types["deadlocked"] is bool
     assert {type(value) for value in result[4]["reward_terms"].values()} == {float}
 
 

@@ -45,7 +45,7 @@ def test_discrete_choices_run_over_the_grid() -> None:
 
 def test_grids_of_one_value() -> None:
     grid = DiscreteAction(linear=1, angular=1).arrays(play().simulation, np.zeros(1, np.int64))["grid"]
-    assert grid.tolist() == [[1.0, 0.0]]
+    assert grid.tolist() == [[[1.0, 0.0]]]
 
 
 @pytest.mark.parametrize("choice", [-1, 15])

@@ -81,10 +81,10 @@ def test_an_end_in_the_last_step_is_no_truncation() -> None:
     assert not episodes.view.truncated[0, 0]
 
 
-@pytest.mark.parametrize("flags", range(8))
+@pytest.mark.parametrize("flags", range(16))
 @pytest.mark.parametrize("late", [False, True])
 def test_precedence(flags: int, late: bool) -> None:
-    ending = np.array([[[bool(flags >> k & 1) for k in range(3)]]])
+    ending = np.array([[[bool(flags >> k & 1) for k in range(4)]]])
     outcome, success, terminated, truncated = (
         np.zeros((1, 1), dtype) for dtype in (np.int64, np.bool_, np.bool_, np.bool_)
     )
@@ -98,7 +98,7 @@ def test_precedence(flags: int, late: bool) -> None:
     assert terminated[0, 0] == (flags > 0)
     assert truncated[0, 0] == (late and flags == 0)
     assert success[0, 0] == (expected == Outcome.SUCCESS)
-    assert [item.name for item in PRECEDENCE] == ["COLLISION", "LEFT_WORLD", "SUCCESS"]
+    assert [item.name for item in PRECEDENCE] == ["COLLISION", "LEFT_WORLD", "SUCCESS", "DEADLOCK"]
 
 
 def test_an_ended_agent_stands_still_and_keeps_its_books() -> None:

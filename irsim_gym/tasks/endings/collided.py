@@ -2,26 +2,66 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Literal
 
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.engine import Shard
-from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.endings.body_flag import copy_flag
-from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.outcome import HitKind, Outcome
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
+Touched = Literal["obstacle", "moving_obstacle", "robot", "map"]
+
 
 @kind
 class Collided:
-    """End with failure when the agent touches another body."""
+    """End with failure when the agent touches another body.
+
+    Of several bodies that are touched in the same step the one that stands first in the file counts.
+    """
 
     outcome: ClassVar[Outcome] = Outcome.COLLISION
     needs_goal: ClassVar[bool] = False
 
+    bodies: tuple[Touched, ...] = option(
+        ("obstacle", "moving_obstacle", "robot", "map"),
+        min_length=1,
+        meaning="Which bodies end the episode: obstacles that stand still or move, other robots, the obstacle map.",
+        consequence="Where collisions do not end it, a robot in collision mode stop may be held for the whole episode.",
+    )
+
+    def arrays(self, simulation: object, agents: Ints) -> dict[str, Flags]:
+        """Return which kinds of bodies count, by HitKind."""
+        counts = np.zeros(len(HitKind), np.bool_)
+        counts[[HitKind[name.upper()] for name in self.bodies]] = True
+        return {"counts": counts}
+
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""
-        copy_flag(shard.worlds, term.agents, term.column, state.collided, episode.ending)
+        find_hits(
+            shard.worlds,
+            term.agents,
+            term.column,
+            term.arrays["counts"],
+            state.collided,
+            episode.hit_kind,
+            episode.ending,
+        )
+
+
+@kernel
+def find_hits(
+    worlds: Ints, agents: Ints, column: int, counts: Flags, collided: Flags, hit_kind: Ints, ending: Flags
+) -> None:
+    """Write a column of ``ending``: the agent touches a body of a kind that counts."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            ending[w, a, column] = collided[w, agents[a]] and counts[hit_kind[w, a]]

@@ -12,7 +12,7 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import Term, forget
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -44,7 +44,7 @@ class GoalRecord:
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Forget the record."""
-        term.arrays["nearest"][shard.worlds] = np.inf
+        forget(term.arrays["nearest"], np.inf, episode, shard)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
@@ -27,6 +27,10 @@ class LastAction:
         """Return the bounds, one element for each component of the command."""
         size = term.action_size
         return np.full(size, -1.0, np.float32), np.ones(size, np.float32)
+
+    def used(self, term: Term) -> Flags:
+        """Return which components each agent's drive has, ``(n_agents, action_size)``."""
+        return np.arange(term.action_size) < term.action_sizes[:, None]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

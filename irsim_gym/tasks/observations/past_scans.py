@@ -52,7 +52,7 @@ class PastScans:
         """Return the live ranges, who has which, the beams in the body frame, and the memory.
 
         The memory holds the latest scans [m] ``(n_worlds, n_agents, n_kept, n_beams)``, the poses [m, m, rad] that
-        they were taken from, and how many have been taken.
+        they were taken from; the slot of a scan is the number of its step modulo ``n_kept``.
         """
         group, members = shared_sensors(simulation, agents, "past_scans")
         table, mounts = group.arrays, [group.options[k] for k in members]
@@ -69,7 +69,6 @@ class PastScans:
             "ago": np.array(self.ago, np.int64),
             "scans": np.zeros((*shape, kept, len(table["angles"])), np.float32),
             "poses": np.zeros((*shape, kept, 3)),
-            "count": np.zeros(shape, np.int64),
         }
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
@@ -82,16 +81,11 @@ class PastScans:
         return low, high
 
     @staticmethod
-    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Forget all scans."""
-        term.arrays["count"][shard.worlds] = 0
-
-    @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Remember the present scan, and write the sectors of earlier ones."""
         options, table = term.options, term.arrays
-        memory = (table["scans"], table["poses"], table["count"])
-        note_scans(shard.worlds, term.agents, table["members"], table["ranges"], state.pose, *memory)
+        memory = (table["scans"], table["poses"])
+        note_scans(shard.worlds, term.agents, table["members"], table["ranges"], state.pose, episode.steps, *memory)
         write_past(
             shard.worlds,
             term.agents,
@@ -106,6 +100,7 @@ class PastScans:
             table["beams"],
             table["ago"],
             state.pose,
+            episode.steps,
             *memory,
             episode.observation,
         )
@@ -113,18 +108,17 @@ class PastScans:
 
 @kernel
 def note_scans(
-    worlds: Ints, agents: Ints, members: Ints, ranges: Rays, pose: Floats, scans: Rays, poses: Floats, count: Ints
+    worlds: Ints, agents: Ints, members: Ints, ranges: Rays, pose: Floats, steps: Ints, scans: Rays, poses: Floats
 ) -> None:
     """Put each agent's scan, and the pose that it was taken from, in place of the oldest one."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            slot = count[w, a] % scans.shape[2]
+            slot = steps[w, a] % scans.shape[2]
             for k in range(scans.shape[3]):
                 scans[w, a, slot, k] = ranges[w, members[a], k]
             for axis in range(3):
                 poses[w, a, slot, axis] = pose[w, agents[a], axis]
-            count[w, a] += 1
 
 
 @kernel
@@ -142,9 +136,9 @@ def write_past(
     beams: Floats,
     ago: Ints,
     pose: Floats,
+    steps: Ints,
     scans: Rays,
     poses: Floats,
-    count: Ints,
     out: Rays,
 ) -> None:
     """Write the depths of earlier scans, encoded; ``PastScans.arrays`` tells what the arguments are."""
@@ -152,7 +146,7 @@ def write_past(
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            newest = count[w, a] - 1
+            newest = steps[w, a]
             for j in range(ago.shape[0]):
                 slot = (newest - min(ago[j], newest)) % scans.shape[2]
                 row = out[w, a, column + j * sectors : column + (j + 1) * sectors]

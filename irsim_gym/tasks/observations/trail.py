@@ -12,7 +12,7 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import Term, forget
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -46,7 +46,7 @@ class Trail:
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Forget all marks."""
-        term.arrays["count"][shard.worlds] = 0
+        forget(term.arrays["count"], 0, episode, shard)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -40,6 +40,10 @@ class Velocity:
             low[:2], high[:2] = -1.0, 1.0
         return low, high
 
+    def used(self, term: Term) -> Flags:
+        """Return which components each agent's drive has, ``(n_agents, action_size)``."""
+        return np.arange(term.action_size) < term.action_sizes[:, None]
+
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the velocity."""

@@ -4,6 +4,7 @@ from irsim_gym.families import REWARDS
 from irsim_gym.tasks.rewards.arrival import Arrival
 from irsim_gym.tasks.rewards.clearance import Clearance
 from irsim_gym.tasks.rewards.collision import Collision
+from irsim_gym.tasks.rewards.deadlock import Deadlock
 from irsim_gym.tasks.rewards.left_world import LeftWorldPenalty
 from irsim_gym.tasks.rewards.progress import Progress
 from irsim_gym.tasks.rewards.smoothness import Smoothness
@@ -12,6 +13,7 @@ from irsim_gym.tasks.rewards.time import Time
 REWARDS.register("progress", Progress)
 REWARDS.register("arrival", Arrival)
 REWARDS.register("collision", Collision)
+REWARDS.register("deadlock", Deadlock)
 REWARDS.register("left_world", LeftWorldPenalty)
 REWARDS.register("time", Time)
 REWARDS.register("clearance", Clearance)

@@ -13,7 +13,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Role, Term
+from irsim_gym.tasks.term import Role, Term, forget
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -28,15 +28,31 @@ class Collision:
     needs_ending: ClassVar[bool] = False
 
     weight: float = option(4.0, ge=0.0, meaning="Penalty for a collision.")
+    robot: float | None = option(None, ge=0.0, meaning="Penalty when it is with a robot; none: weight.")
+    obstacle: float | None = option(None, ge=0.0, meaning="Penalty when it is with an obstacle; none: weight.")
+    map: float | None = option(None, ge=0.0, meaning="Penalty when it is with the obstacle map; none: weight.")
+
+    @property
+    def least(self) -> float:
+        """Penalty of the cheapest collision."""
+        return min(self._amounts()[1:])
+
+    def _amounts(self) -> tuple[float, ...]:
+        """Return the penalties by HitKind."""
+        robot, obstacle, cells = (
+            self.weight if given is None else given for given in (self.robot, self.obstacle, self.map)
+        )
+        return 0.0, obstacle, obstacle, robot, cells
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return the memory of who was touching something one step ago, ``(n_worlds, n_agents)``."""
-        return {"touching": np.zeros((simulation.n_worlds, len(agents)), np.bool_)}
+        """Return the penalties by HitKind, and the memory of who was touching something one step ago."""
+        touching = np.zeros((simulation.n_worlds, len(agents)), np.bool_)
+        return {"touching": touching, "amounts": -np.array(self._amounts())}
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Forget; who touches something in the first step has begun to."""
-        term.arrays["touching"][shard.worlds] = False
+        forget(term.arrays["touching"], False, episode, shard)
 
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
@@ -45,8 +61,9 @@ class Collision:
             shard.worlds,
             term.agents,
             term.column,
-            -term.options.weight,
+            term.arrays["amounts"],
             state.collided,
+            episode.hit_kind,
             term.arrays["touching"],
             episode.reward_term,
         )
@@ -54,12 +71,19 @@ class Collision:
 
 @kernel
 def pay_onset(
-    worlds: Ints, agents: Ints, column: int, amount: float, collided: Flags, touching: Flags, out: Floats
+    worlds: Ints,
+    agents: Ints,
+    column: int,
+    amounts: Floats,
+    collided: Flags,
+    hit_kind: Ints,
+    touching: Flags,
+    out: Floats,
 ) -> None:
-    """Write ``amount`` where a collision begins, and remember who collides."""
+    """Write the amount for what is touched where a collision begins, and remember who collides."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
             now = collided[w, agents[a]]
-            out[w, a, column] = amount if now and not touching[w, a] else 0.0
+            out[w, a, column] = amounts[hit_kind[w, a]] if now and not touching[w, a] else 0.0
             touching[w, a] = now

@@ -12,6 +12,7 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.paths.geodesic import distance_field, field_at
 from irsim_gym.paths.grid import Grid
+from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -31,13 +32,13 @@ def field_arrays(simulation: Simulation, n_agents: int, cell: float) -> dict[str
     }
 
 
-def note_fields(term: Term, model: WorldModel, state: WorldState, shard: Shard, afresh: bool) -> None:
-    """Draw the fields of all agents, or of those whose goal has changed, and note goals and distances."""
+def note_fields(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+    """Draw the fields of agents whose episode begins or whose goal has changed, and note goals and distances."""
     table, slot = term.arrays, shard.slot
     draw_fields(
         shard.worlds,
         term.agents,
-        afresh,
+        episode.began,
         model.present,
         model.stands,
         model.unobstructed,
@@ -83,7 +84,7 @@ def pay_field_gain(term: Term, model: WorldModel, state: WorldState, shard: Shar
 def draw_fields(
     worlds: Ints,
     agents: Ints,
-    afresh: bool,
+    began: Flags,
     present: Flags,
     stands: Flags,
     unobstructed: Flags,
@@ -106,7 +107,7 @@ def draw_fields(
     field: Floats,
     potential: Floats,
 ) -> None:
-    """Write field, noted goal and distance [m] where the goal is new, or ``afresh`` for all.
+    """Write field, noted goal and distance [m] where the goal is new or the episode begins.
 
     Where the field knows no way from the agent the straight distance takes its place.
     """
@@ -115,7 +116,7 @@ def draw_fields(
         for a in range(agents.shape[0]):
             own = agents[a]
             x, y, goal_x, goal_y = pose[w, own, 0], pose[w, own, 1], goal[w, own, 0], goal[w, own, 1]
-            if not afresh and goal_x == target[w, a, 0] and goal_y == target[w, a, 1]:
+            if not began[w, a] and goal_x == target[w, a, 0] and goal_y == target[w, a, 1]:
                 continue
             target[w, a, 0], target[w, a, 1] = goal_x, goal_y
             for b in range(blocks.shape[0]):

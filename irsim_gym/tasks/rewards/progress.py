@@ -48,7 +48,7 @@ class Progress:
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Note goals and distances."""
         if term.options.potential == "geodesic":
-            note_fields(term, model, state, shard, afresh=True)
+            note_fields(term, model, state, episode, shard)
         else:
             memory = term.arrays
             note(shard.worlds, term.agents, state.pose, state.goal, memory["target"], memory["potential"])
@@ -58,7 +58,7 @@ class Progress:
         """Write the gain since the step before, and note where things are now."""
         if term.options.potential == "geodesic":
             pay_field_gain(term, model, state, shard, episode.reward_term)
-            note_fields(term, model, state, shard, afresh=False)
+            note_fields(term, model, state, episode, shard)
             return
         memory = term.arrays
         pay_gain(

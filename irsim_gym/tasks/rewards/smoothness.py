@@ -33,6 +33,7 @@ class Smoothness:
             shard.worlds,
             term.column,
             -term.options.weight / term.max_steps,
+            term.action_sizes,
             episode.previous_action,
             episode.action,
             episode.reward_term,
@@ -40,9 +41,16 @@ class Smoothness:
 
 
 @kernel
-def pay_change(worlds: Ints, column: int, amount: float, previous_action: Floats, action: Floats, out: Floats) -> None:
+def pay_change(
+    worlds: Ints,
+    column: int,
+    amount: float,
+    sizes: Ints,
+    previous_action: Floats,
+    action: Floats,
+    out: Floats,
+) -> None:
     """Write ``amount`` times the squared change of the action, scaled to [0, 1]; actions lie in [-1, 1]."""
-    largest = 4.0 * action.shape[2]
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(action.shape[1]):
@@ -50,4 +58,4 @@ def pay_change(worlds: Ints, column: int, amount: float, previous_action: Floats
             for c in range(action.shape[2]):
                 change = action[w, a, c] - previous_action[w, a, c]
                 squared += change * change
-            out[w, a, column] = amount * squared / largest
+            out[w, a, column] = amount * squared / (4.0 * sizes[a])

@@ -1,0 +1,199 @@
+"""Single bodies that begin anew, or go, while their worlds go on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.engine import arrival, buckets, contact, outlines, ways
+from irsim_gym.engine.parts import Parts
+from irsim_gym.engine.step import sense
+from irsim_gym.errors import PlacementError
+from irsim_gym.jit import kernel
+from irsim_gym.rng import uniform
+from irsim_gym.world.group import Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+TRIES = 10
+"""Draws by a body's own distribution, before any free place will do."""
+
+SCATTER_TRIES = 1000
+
+
+def vanish(bodies: Ints, gone: Flags, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Take bodies away until their world begins again or they respawn.
+
+    Args:
+        bodies: The bodies in question, shape ``(n,)``.
+        gone: Which of them go, shape ``(n_worlds, n)``.
+        model: The constants; ``present`` is rewritten.
+        state: The moment.
+        shard: The worlds to treat.
+    """
+    remove(shard.worlds, bodies, gone, model.present)
+    buckets.refresh(bodies, model, state, shard)
+
+
+@kernel
+def remove(worlds: Ints, bodies: Ints, gone: Flags, present: Flags) -> None:
+    """Mark bodies as absent."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(bodies.shape[0]):
+            if gone[w, k]:
+                present[w, bodies[k]] = False
+
+
+def respawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints, chosen: Flags) -> None:
+    """Draw new starts and goals for bodies in running worlds, clear of what is there, and let them begin at rest.
+
+    Each is placed by the distribution of its entry, as at the beginning of a level; one whose place is taken every
+    time comes to a place drawn from the whole world. Then all sensors of these worlds read anew.
+
+    Args:
+        parts: The compiled scenario.
+        model: Its constants; goals and presence of the chosen bodies are rewritten, ``start`` stays that of the level.
+        state: Its moment; rewritten.
+        shard: The worlds.
+        bodies: The bodies in question, shape ``(n,)``.
+        chosen: Which of them begin anew, shape ``(n_worlds, n)``.
+
+    Raises:
+        PlacementError: There is no room.
+    """
+    _find_places(parts, model, state, shard, bodies, chosen)
+    twist = state.twist[shard.worlds]
+    begin_bodies(
+        shard.worlds,
+        bodies,
+        chosen,
+        model.has_goal,
+        model.initial_velocity,
+        model.initial_steering,
+        model.waypoint_count,
+        model.waypoints,
+        state.waypoint,
+        state.waypoint_end,
+        state.goal,
+        state.velocity,
+        state.steering,
+        state.plan,
+        state.arrived,
+        state.collided,
+        state.stopped,
+        state.hit,
+    )
+    for group in parts.kinematics:
+        group.kind.begin(group, model, state, shard)
+    begun = np.zeros(twist.shape[:2], np.bool_)
+    begun[:, bodies] = chosen[shard.worlds]
+    state.twist[shard.worlds] = np.where(begun[:, :, None], state.twist[shard.worlds], twist)
+    buckets.refresh(bodies, model, state, shard)
+    arrival.measure(parts.goal_bodies, state, shard)
+    sense(parts, model, state, shard)
+
+
+def _find_places(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints, chosen: Flags) -> None:
+    """Write poses, outlines and goals of the chosen bodies."""
+    failed = np.zeros(len(state.random), np.int64)
+    moved = bodies[chosen[shard.worlds].any(axis=0)]
+    groups = [group for group in parts.placements if np.isin(group.members, moved).any()]
+    remaining = shard
+    for _ in range(TRIES):
+        unplace(remaining.worlds, bodies, chosen, model.present, state.placed, failed)
+        for group in groups:
+            group.kind.draw(group, model, state, remaining, failed)
+        outlines.place(moved, model, state, remaining)
+        _check(parts, model, state, remaining, bodies, chosen, failed)
+        worlds = remaining.worlds[failed[remaining.worlds] > 0]
+        if not len(worlds):
+            return
+        remaining = Shard(worlds, shard.slot)
+    for w in remaining.worlds.tolist():
+        _scatter(parts, model, state, Shard(np.array([w]), shard.slot), bodies[chosen[w]])
+
+
+def _check(
+    parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints, chosen: Flags, failed: Ints
+) -> None:
+    """Set ``failed`` in worlds where a chosen body overlaps something, or lacks a way to its goal that it needs."""
+    gap = np.full((len(failed), len(bodies)), 1e-9)
+    contact.clearance(bodies, gap, model, state, shard, gap)
+    blocked = (chosen & (gap <= 0.0))[shard.worlds].any(axis=1)
+    failed[shard.worlds[blocked]] = 1
+    for w in shard.worlds.tolist() if len(parts.ways.agents) else []:
+        guarded = parts.ways.agents[np.isin(parts.ways.agents, bodies[chosen[w]])]
+        ways.check(replace(parts.ways, agents=guarded), model, state, Shard(np.array([w]), shard.slot), failed)
+
+
+def _scatter(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints) -> None:
+    """Put the bodies of one world anywhere in its rectangle where they touch nothing."""
+    w = int(shard.worlds[0])
+    x0, y0, x1, y1 = model.bounds.tolist()
+    gap = np.zeros((len(state.random), 1))
+    for b in bodies.tolist():
+        own = np.array([b])
+        for _ in range(SCATTER_TRIES):
+            state.pose[w, b] = [
+                uniform(state.random, w, low, high) for low, high in ((x0, x1), (y0, y1), (-np.pi, np.pi))
+            ]
+            outlines.place(own, model, state, shard)
+            gap[w] = 1e-9
+            contact.clearance(own, gap, model, state, shard, gap)
+            if gap[w, 0] > 0.0:
+                break
+        else:
+            raise PlacementError(f"no room for {parts.places[b]} to begin anew: the world is too full")
+
+
+@kernel
+def unplace(worlds: Ints, bodies: Ints, chosen: Flags, present: Flags, placed: Flags, failed: Ints) -> None:
+    """Mark the chosen bodies as present and as still to be placed."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        failed[w] = 0
+        for k in range(bodies.shape[0]):
+            if chosen[w, k]:
+                present[w, bodies[k]], placed[w, bodies[k]] = True, False
+
+
+@kernel
+def begin_bodies(
+    worlds: Ints,
+    bodies: Ints,
+    chosen: Flags,
+    has_goal: Flags,
+    initial_velocity: Floats,
+    initial_steering: Floats,
+    waypoint_count: Ints,
+    waypoints: Floats,
+    waypoint: Ints,
+    waypoint_end: Ints,
+    goal: Floats,
+    velocity: Floats,
+    steering: Floats,
+    plan: Floats,
+    arrived: Flags,
+    collided: Flags,
+    stopped: Flags,
+    hit: Ints,
+) -> None:
+    """Give the chosen bodies their first goals, and the velocities and flags of a beginning."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(bodies.shape[0]):
+            if not chosen[w, k]:
+                continue
+            b = bodies[k]
+            steering[w, b], hit[w, b] = initial_steering[b], -1
+            plan[w, b, 0], plan[w, b, 1] = 0.0, 0.0
+            arrived[w, b], collided[w, b], stopped[w, b] = False, False, False
+            for axis in range(3):
+                velocity[w, b, axis] = initial_velocity[b, axis]
+            if has_goal[b]:
+                waypoint[w, b], waypoint_end[w, b] = 0, waypoint_count[w, b]
+                for axis in range(3):
+                    goal[w, b, axis] = waypoints[w, b, 0, axis]

@@ -1,0 +1,65 @@
+"""From the kinds of a task to terms that are bound to a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Ints, Rays
+from irsim_gym.engine import Simulation
+from irsim_gym.registry import Registry
+from irsim_gym.tasks.outcome import HitKind
+from irsim_gym.tasks.task import Task
+from irsim_gym.tasks.term import HasArrays, HasUnused, Term
+from irsim_gym.world.model import ROBOT
+
+Parts = tuple[tuple[str, Rays, Rays], ...]
+
+
+def action_sizes(simulation: Simulation, agents: Ints) -> Ints:
+    """Return the number of components of each agent's commands, shape ``(n_agents,)``."""
+    bodies = simulation.scenario.bodies
+    return np.array([len(bodies[int(b)].kinematics.command_names) for b in agents], np.int64)
+
+
+def bind(family: Registry, options: Sequence[Any], simulation: Simulation, task: Task) -> list[Term]:
+    """Return the terms of kinds, with their own arrays; the column is the place in the list."""
+    agents = np.array(task.agents, np.int64)
+    sizes = action_sizes(simulation, agents)
+    terms = []
+    for column, item in enumerate(options):
+        term = Term(family.name_of(type(item)), item, agents, task.max_steps, int(sizes.max()), sizes, column)
+        if isinstance(item, HasArrays):
+            term.arrays = item.arrays(simulation, agents)
+        terms.append(term)
+    return terms
+
+
+def place_observations(terms: Sequence[Term], simulation: Simulation) -> tuple[Parts, Flags]:
+    """Give each part of the observation its columns.
+
+    Returns:
+        Name, least and greatest values of each part; and which columns mean something to which agent, shape
+        ``(n_agents, n_features)``.
+    """
+    parts, used, column = [], [], 0
+    for term in terms:
+        term.column = column
+        low, high = term.options.bounds(term, simulation.model)
+        parts.append((term.name, low, high))
+        column += len(low)
+        everything = np.ones((len(term.agents), len(low)), np.bool_)
+        used.append(term.options.used(term) if isinstance(term.options, HasUnused) else everything)
+    return tuple(parts), np.concatenate(used, axis=1)
+
+
+def hit_kinds(simulation: Simulation) -> Ints:
+    """Return what each body is to a robot that touches it, a HitKind, shape ``(n_bodies,)``."""
+    model = simulation.model
+    kinds = np.where(model.stands, int(HitKind.OBSTACLE), int(HitKind.MOVING_OBSTACLE))
+    kinds[model.role == ROBOT] = int(HitKind.ROBOT)
+    if model.cells is not None:
+        kinds[int(model.map_frame[4])] = int(HitKind.MAP)
+    return kinds.astype(np.int64)

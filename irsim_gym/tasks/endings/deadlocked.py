@@ -1,0 +1,37 @@
+"""Deadlocked: the agent has hardly moved for too long."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from irsim_gym.arraytypes import Flags, Ints
+from irsim_gym.engine import Shard
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind
+from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Deadlocked:
+    """End with failure when the agent has been slower than the task's ``deadlock_speed`` for ``deadlock_time``."""
+
+    outcome: ClassVar[Outcome] = Outcome.DEADLOCK
+    needs_goal: ClassVar[bool] = True
+
+    @staticmethod
+    def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the flag."""
+        copy_deadlocks(shard.worlds, term.column, episode.deadlocked, episode.ending)
+
+
+@kernel
+def copy_deadlocks(worlds: Ints, column: int, deadlocked: Flags, ending: Flags) -> None:
+    """Copy the flag of each agent into a column of ``ending``."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(deadlocked.shape[1]):
+            ending[w, a, column] = deadlocked[w, a]

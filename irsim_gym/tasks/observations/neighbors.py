@@ -1,0 +1,173 @@
+"""Neighbors: where the nearest other robots are and how they move."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+WIDTH = 6
+
+
+@kind
+class Neighbors:
+    """The nearest other robots, nearest first, six numbers each; zeros for one that is not there.
+
+    x, y of its origin in the agent's frame over ``range``; its velocity in the agent's frame, relative to the agent's,
+    over ``speed``; its reach (radius of the disc around its origin that holds it) over ``range``; and 1 for "there is
+    one". Robots whose origin is farther away than ``range`` are not seen; whether one is driven by a learner or by a
+    behaviour makes no difference.
+    """
+
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = False
+
+    count: int = option(6, ge=1, le=64, meaning="Number of robots observed.")
+    range: float | None = option(None, gt=0.0, unit="m", meaning="How far it sees; none: the world's diagonal.")
+    speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that counts as 1; faster is cut to it.")
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return the robots, and scratch memory for the nearest ones, one row for each shard."""
+        slots = simulation.shards.n_slots
+        robots = np.array(simulation.scenario.robots, np.int64)
+        return {
+            "robots": robots,
+            "distance": np.zeros((slots, self.count)),
+            "found": np.zeros((slots, self.count), np.int64),
+        }
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the bounds, six for each robot."""
+        low = np.array([-1.0, -1.0, -1.0, -1.0, 0.0, 0.0], np.float32)
+        return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the robots' numbers."""
+        given = term.options.range
+        write_neighbors(
+            shard.worlds,
+            term.agents,
+            term.arrays["robots"],
+            term.column,
+            np.nan if given is None else given,
+            term.options.speed,
+            model.bounds,
+            model.present,
+            model.reach,
+            state.stopped,
+            state.pose,
+            state.twist,
+            term.arrays["distance"][shard.slot],
+            term.arrays["found"][shard.slot],
+            episode.observation,
+        )
+
+
+@kernel
+def write_neighbors(
+    worlds: Ints,
+    agents: Ints,
+    robots: Ints,
+    column: int,
+    seen: float,
+    speed: float,
+    bounds: Floats,
+    present: Flags,
+    reach: Floats,
+    stopped: Flags,
+    pose: Floats,
+    twist: Floats,
+    distance: Floats,
+    found: Ints,
+    out: Rays,
+) -> None:
+    """Write six numbers for each of the nearest robots.
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent, ``(n_agents,)``.
+        robots: Bodies that are robots.
+        column: First column of ``out``.
+        seen: How far robots are seen [m]; NaN: the diagonal of ``bounds``.
+        speed: Relative speed that counts as 1 [m/s].
+        bounds: World rectangle [m].
+        present: ``(n_worlds, n_bodies)``.
+        reach: Bounding radius [m].
+        stopped: Bodies that are held in place.
+        pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
+        twist: Velocities in the world frame [m/s].
+        distance: Scratch, ``(count,)``.
+        found: Scratch, ``(count,)``.
+        out: Written, ``(n_worlds, n_agents, n_features)``.
+    """
+    width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
+    far = np.sqrt(width * width + height * height) if np.isnan(seen) else seen
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            own = agents[a]
+            distance[:], found[:] = far * far, -1
+            for q in range(robots.shape[0]):
+                b = robots[q]
+                if b != own and present[w, b]:
+                    dx, dy = pose[w, b, 0] - pose[w, own, 0], pose[w, b, 1] - pose[w, own, 1]
+                    insert(dx * dx + dy * dy, b, distance, found)
+            row = out[w, a, column : column + WIDTH * found.shape[0]]
+            for k in range(found.shape[0]):
+                describe(
+                    w, own, found[k], far, speed, reach[w % reach.shape[0]], stopped, pose, twist, row[WIDTH * k :]
+                )
+
+
+@kernel
+def insert(squared: float, body: int, distance: Floats, found: Ints) -> None:
+    """Insert a body into the sorted list of the nearest ones; of equally near ones the first stays in front."""
+    k = distance.shape[0] - 1
+    if squared >= distance[k]:
+        return
+    while k > 0 and squared < distance[k - 1]:
+        distance[k], found[k] = distance[k - 1], found[k - 1]
+        k -= 1
+    distance[k], found[k] = squared, body
+
+
+@kernel
+def describe(
+    w: int,
+    own: int,
+    body: int,
+    far: float,
+    speed: float,
+    reach: Floats,
+    stopped: Flags,
+    pose: Floats,
+    twist: Floats,
+    out: Rays,
+) -> None:
+    """Write the six numbers of a body, zeros for none (-1), cut to [-1, 1]."""
+    for c in range(WIDTH):
+        out[c] = np.float32(0.0)
+    if body < 0:
+        return
+    cosine, sine = np.cos(pose[w, own, 2]), np.sin(pose[w, own, 2])
+    dx, dy = pose[w, body, 0] - pose[w, own, 0], pose[w, body, 1] - pose[w, own, 1]
+    moves, follows = 0.0 if stopped[w, body] else 1.0, 0.0 if stopped[w, own] else 1.0
+    vx = moves * twist[w, body, 0] - follows * twist[w, own, 0]
+    vy = moves * twist[w, body, 1] - follows * twist[w, own, 1]
+    out[0] = np.float32(min(max((dx * cosine + dy * sine) / far, -1.0), 1.0))
+    out[1] = np.float32(min(max((dy * cosine - dx * sine) / far, -1.0), 1.0))
+    out[2] = np.float32(min(max((vx * cosine + vy * sine) / speed, -1.0), 1.0))
+    out[3] = np.float32(min(max((vy * cosine - vx * sine) / speed, -1.0), 1.0))
+    out[4] = np.float32(min(reach[body] / far, 1.0))
+    out[5] = np.float32(1.0)

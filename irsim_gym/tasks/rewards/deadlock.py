@@ -1,0 +1,31 @@
+"""Deadlock: the penalty for standing still for too long."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from irsim_gym.engine import Shard
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.outcome import DEADLOCK, Outcome
+from irsim_gym.tasks.rewards.on_outcome import pay_outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Role, Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Deadlock:
+    """Penalty ``-weight``, once, when the episode ends because the agent has stood still for too long."""
+
+    role: ClassVar[Role] = "penalty"
+    outcome: ClassVar[Outcome] = Outcome.DEADLOCK
+    needs_goal: ClassVar[bool] = True
+    needs_ending: ClassVar[bool] = True
+
+    weight: float = option(4.0, ge=0.0, meaning="Penalty for a deadlock.")
+
+    @staticmethod
+    def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the penalty."""
+        pay_outcome(shard.worlds, term.column, DEADLOCK, -term.options.weight, episode.outcome, episode.reward_term)
