@@ -46,7 +46,8 @@ ALLOWED: dict[str, set[str]] = {
 }
 # Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.
 COMPOSERS = {"training", "cli", "__init__"}
-ONLY_FILE = {"pettingzoo": "envs/parallel.py", "stable_baselines3": "envs/sb3.py"}
+# Adapters to one library each: files whose place begins so.
+ONLY_FILES = {"pettingzoo": "envs/parallel", "stable_baselines3": "envs/sb3", "sb3_contrib": "envs/sb3_recurrent"}
 # These are slow to load: outside the places named here they are imported inside functions.
 HEAVY = {
     "numba",
@@ -157,7 +158,7 @@ def is_allowed(module: Module, imported: Import) -> bool:
         top = imported.module.split(".")[0]
         if top in sys.stdlib_module_names or top == "numpy":
             return True
-        return top in ALLOWED[module.part] or ONLY_FILE.get(top) == module.place
+        return top in ALLOWED[module.part] or (top in ONLY_FILES and module.place.startswith(ONLY_FILES[top]))
     part = inside.split(".")[0]
     if part in COMMON or part == module.part:
         return True

@@ -3,23 +3,38 @@
 from __future__ import annotations
 
 import time
-import warnings
-from collections.abc import Iterable, Sequence
 from typing import Any
 
-import gymnasium
 import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
-from stable_baselines3.common.monitor import Monitor
-from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.envs.registration import scenario_behind
+from irsim_gym.envs.sb3_base import NativeVecEnv, WorldView
+from irsim_gym.envs.sb3_buffers import (
+    MaskedDictReplayBuffer,
+    MaskedDictRolloutBuffer,
+    MaskedReplayBuffer,
+    MaskedRolloutBuffer,
+)
+from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
+from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
 
-Indices = None | int | Iterable[int]
+__all__ = [
+    "MaskedDictReplayBuffer",
+    "MaskedDictRolloutBuffer",
+    "MaskedReplayBuffer",
+    "MaskedRolloutBuffer",
+    "MaskedVecNormalize",
+    "TeamVecEnv",
+    "WorldVecEnv",
+    "buffers_for",
+    "make_multi_agent_vec_env",
+    "make_vec_env",
+]
 
 
 def make_vec_env(
@@ -61,7 +76,7 @@ def make_vec_env(
     return env
 
 
-class WorldVecEnv(VecEnv):
+class WorldVecEnv(NativeVecEnv):
     """Worlds of one scenario, each with one robot that learns.
 
     World ``w`` equals a ``WorldEnv`` that is reset with ``seed + w``, so that a training run gives the same weights as
@@ -71,15 +86,13 @@ class WorldVecEnv(VecEnv):
     """
 
     def __init__(self, worlds: Worlds) -> None:
-        self.worlds = worlds
-        self.views = [WorldView(worlds, w) for w in range(worlds.n_worlds)]
         self._returns: Floats = np.zeros(worlds.n_worlds)
         self._actions: NDArray[Any] | None = None
         self._action_shape = (worlds.n_worlds, *(worlds.action_space.shape or ()))
         self._started = time.time()
         self._all_begun = False
-        super().__init__(worlds.n_worlds, worlds.observation_space, worlds.action_space)
-        self.metadata: dict[str, Any] = {**self.metadata, "render_fps": worlds.render_fps}
+        views = [WorldView(worlds, w) for w in range(worlds.n_worlds)]
+        super().__init__(worlds, views, worlds.observation_space, worlds.action_space)
 
     def reset(self) -> Observation:
         """Begin an episode in every world, with the seeds and options given before, which are then forgotten."""
@@ -135,86 +148,3 @@ class WorldVecEnv(VecEnv):
         worlds.begin_next(ended)
         for w, info in zip(indices, worlds.infos_of(ended), strict=True):
             self.reset_infos[w] = info
-
-    def close(self) -> None:
-        """Free the renderer. May be called twice."""
-        self.worlds.close()
-
-    def get_images(self) -> Sequence[Bytes | None]:
-        """Return a fresh picture of each world."""
-        if self.render_mode is None:
-            warnings.warn("the environment was made without a render mode: use render_mode='rgb_array'", stacklevel=2)
-        return [view.render() for view in self.views]
-
-    def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
-        """Return an attribute of the chosen worlds; see ``WorldView``."""
-        return [view.get_wrapper_attr(attr_name) for view in self._chosen(indices)]
-
-    def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
-        """Set an attribute of the chosen worlds."""
-        for view in self._chosen(indices):
-            view.set_wrapper_attr(attr_name, value)
-
-    def env_method(
-        self, method_name: str, *method_args: Any, indices: Indices = None, **method_kwargs: Any
-    ) -> list[Any]:
-        """Call a method of the chosen worlds; see ``WorldView``."""
-        return [getattr(view, method_name)(*method_args, **method_kwargs) for view in self._chosen(indices)]
-
-    def env_is_wrapped(
-        self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: Indices = None
-    ) -> list[bool]:
-        """Answer True for ``Monitor`` alone: its statistics are there."""
-        return [issubclass(wrapper_class, Monitor)] * len(self._chosen(indices))
-
-    def _chosen(self, indices: Indices) -> list[WorldView]:
-        return [self.views[w] for w in self._get_indices(indices)]
-
-
-class WorldView:
-    """One world of a ``WorldVecEnv``: what ``get_attr``, ``set_attr`` and ``env_method`` reach."""
-
-    def __init__(self, worlds: Worlds, index: int) -> None:
-        self.worlds = worlds
-        self.index = index
-        self.spec: Any = None
-
-    @property
-    def render_mode(self) -> str | None:
-        """``"rgb_array"`` or None."""
-        return self.worlds.render_mode
-
-    @property
-    def observation_space(self) -> Any:
-        """The space of one world's observations."""
-        return self.worlds.observation_space
-
-    @property
-    def action_space(self) -> Any:
-        """The space of one world's actions."""
-        return self.worlds.action_space
-
-    @property
-    def unwrapped(self) -> WorldView:
-        """Itself."""
-        return self
-
-    def info(self) -> dict[str, Any]:
-        """Return what is known about the world now."""
-        return self.worlds.info_of(self.index)
-
-    def render(self) -> Bytes | None:
-        """Return a fresh picture of the world."""
-        return self.worlds.frame(self.index)
-
-    def has_wrapper_attr(self, name: str) -> bool:
-        """Say whether there is such an attribute."""
-        return hasattr(self, name)
-
-    def get_wrapper_attr(self, name: str) -> Any:
-        """Return an attribute."""
-        return getattr(self, name)
-
-    def set_wrapper_attr(self, name: str, value: Any) -> None:
-        """Set an attribute; it belongs to this world alone."""
-        setattr(self, name, value)

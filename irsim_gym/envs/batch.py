@@ -1,0 +1,238 @@
+"""Many worlds with many learners each, as arrays: for trainers that know what an agent is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from gymnasium.error import ResetNeeded
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.envs.registration import scenario_behind
+from irsim_gym.envs.spaces import Observation
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
+
+WORLD_LIMITS = 4
+"""How many time limits a world lasts before it begins another level, where its agents are given new goals."""
+
+
+def make_batch(
+    name: ScenarioSource,
+    n_worlds: int = 1,
+    *,
+    task: TaskSource = None,
+    max_steps: int | None = None,
+    num_threads: int = 1,
+    render_mode: str | None = None,
+    autoreset: bool = True,
+    respawn: bool = False,
+    world_steps: int | None = None,
+    **parameters: Any,
+) -> Batch:
+    """Make worlds in which all robots learn, for trainers that want arrays ``(n_worlds, n_agents, ...)``.
+
+    Args:
+        name: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
+        n_worlds: Number of worlds.
+        task: Name of a shipped task, path, or plain data; None for the scenario's own. Without ``agents`` in it, all
+            robots learn.
+        max_steps: Time limit of an agent [steps]; None for the task's.
+        num_threads: Threads that share the worlds.
+        render_mode: ``"rgb_array"`` or None.
+        autoreset: A world whose agents have all ended begins its next level in the same step.
+        respawn: An agent that has ended gets a new start and goal at once; its world goes on.
+        world_steps: With ``respawn``, steps after which a world begins its next level; None for four time limits.
+        **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
+    """
+    worlds = Worlds(
+        scenario_behind(name),
+        n_worlds,
+        task=task,
+        max_steps=max_steps,
+        num_threads=num_threads,
+        render_mode=render_mode,
+        team=True,
+        parameters=parameters,
+    )
+    return Batch(worlds, autoreset=autoreset, respawn=respawn, world_steps=world_steps)
+
+
+@dataclass(frozen=True)
+class BatchStep:
+    """What a step, or a reset, gave; all arrays are fresh.
+
+    Observations are ``(n_worlds, n_agents, n_features)``, or a dict of such arrays; all others begin with
+    ``(n_worlds, n_agents)``.
+
+    Attributes:
+        observation: What the agents perceive now, those that begin an episode included: the next actions answer to
+            it. An agent that has ended and waits for its world keeps its last observation.
+        reward: Reward of the step; 0 where ``acted`` is False.
+        terminated: The agent's task has ended in this very step.
+        truncated: The agent's episode was cut in this very step, by its time limit or because its world begins anew.
+        acted: The agent was under way when the step began: its row is experience. The others must not be learnt from.
+        live: The agent is under way now.
+        began: ``observation`` is the first of an episode.
+        final_observation: What the step led to before anything began anew. Where an episode was truncated, its value
+            stands for what would have followed.
+        reward_terms: The terms that ``reward`` is the sum of, ``(n_worlds, n_agents, n_terms)``.
+        infos: Arrays as in ``Transition.infos``, before anything began anew, and ``episode_return``: the sum of the
+            agent's rewards so far. The outcome of an agent that was cut with its world is RUNNING.
+    """
+
+    observation: Observation
+    reward: Floats
+    terminated: Flags
+    truncated: Flags
+    acted: Flags
+    live: Flags
+    began: Flags
+    final_observation: Observation
+    reward_terms: Floats
+    infos: dict[str, NDArray[Any]]
+
+    @property
+    def ended(self) -> Flags:
+        """The agent's episode has ended in this very step, ``(n_worlds, n_agents)``."""
+        return self.terminated | self.truncated
+
+
+class Batch:
+    """Worlds of one scenario whose agents have episodes of their own; see ``make_batch``.
+
+    World ``w`` that is reset with seed ``s`` begins level ``s + w``. When agents end, wait and begin again is written
+    down here alone; the environments for Stable-Baselines3 stand on it.
+    """
+
+    def __init__(
+        self, worlds: Worlds, *, autoreset: bool = True, respawn: bool = False, world_steps: int | None = None
+    ) -> None:
+        if respawn and not autoreset:
+            raise ValueError("with respawn=True agents begin anew by themselves: autoreset=False means nothing there")
+        if world_steps is not None and (not respawn or world_steps < 1):
+            raise ValueError(f"world_steps is for respawn=True and must be >= 1, got {world_steps!r}")
+        self.worlds = worlds
+        self.autoreset, self.respawn = autoreset, respawn
+        self.world_steps = world_steps or WORLD_LIMITS * worlds.episodes.task.max_steps
+        self.n_worlds, self.n_agents = worlds.n_worlds, worlds.episodes.n_agents
+        self.observation_space, self.action_space = worlds.observation_space, worlds.action_space
+        shape = (self.n_worlds, self.n_agents)
+        self._live: Flags = np.zeros(shape, np.bool_)
+        self._seen: Rays = np.zeros(worlds.episodes.view.observation.shape, np.float32)
+        self._returns: Floats = np.zeros(shape)
+        self._age: Ints = np.zeros(self.n_worlds, np.int64)
+
+    @property
+    def live(self) -> Flags:
+        """The agents whose episodes are under way, ``(n_worlds, n_agents)``."""
+        return self._live.copy()
+
+    def reset(
+        self, seed: int | Sequence[int | None] | None = None, options: Mapping[str, Any] | None = None
+    ) -> BatchStep:
+        """Begin an episode in every world.
+
+        Args:
+            seed: World ``w`` begins level ``seed + w``; a sequence holds one seed, or None, for each world; None goes
+                on with the next levels.
+            options: ``{"split": "test", "level": 17}`` begins this level in all worlds.
+        """
+        if seed is None or isinstance(seed, int | np.integer):
+            seeds = [None if seed is None else int(seed) + w for w in range(self.n_worlds)]
+        else:
+            seeds = list(seed)
+        return self.begin(seeds, [options or {}] * self.n_worlds)
+
+    def begin(self, seeds: Sequence[int | None], options: Sequence[Mapping[str, Any]]) -> BatchStep:
+        """Begin an episode in every world, with a seed, or None, and options for each."""
+        self.worlds.begin(range(self.n_worlds), seeds, options, fresh_level)
+        return self._beginning(np.arange(self.n_worlds))
+
+    def restart(self, chosen: Ints) -> BatchStep:
+        """Begin the next level of the chosen worlds, shape ``(n,)``: what to do with ``autoreset=False``."""
+        chosen = np.asarray(chosen, np.int64)
+        self.worlds.begin_next(chosen)
+        return self._beginning(chosen)
+
+    def step(self, actions: NDArray[Any]) -> BatchStep:
+        """Advance all worlds by one step; agents and worlds begin anew as the batch was told to.
+
+        Args:
+            actions: In [-1, 1], ``(n_worlds, n_agents, n_components)``; discrete: whole numbers,
+                ``(n_worlds, n_agents)``. Those of agents that are not live do nothing, but must be finite.
+
+        Raises:
+            ResetNeeded: A world has not begun an episode.
+            ValueError: The actions have a wrong shape or are not finite.
+        """
+        if not self.worlds.begun.all():
+            raise ResetNeeded("call reset() before step()")
+        self.worlds.step(np.asarray(actions))
+        view, acted = self.worlds.episodes.view, self.live
+        self._age += 1
+        self._returns += np.where(acted, view.reward, 0.0)
+        np.copyto(self._seen, view.observation, where=acted[..., None])
+        terminated, truncated = acted & view.terminated, acted & view.truncated & ~view.terminated
+        if self.respawn:
+            truncated |= (self._age >= self.world_steps)[:, None] & ~terminated
+        final, infos, terms = self.observation(), self._infos(), view.reward_terms.copy()
+        reward = np.where(acted, view.reward, 0.0)
+        began = self._begin_again(terminated | truncated)
+        return BatchStep(
+            self.observation(), reward, terminated, truncated, acted, self.live, began, final, terms, infos
+        )
+
+    def observation(self) -> Observation:
+        """Return a fresh copy of what the agents perceive now."""
+        return self.worlds.layout.fresh(self._seen)
+
+    def close(self) -> None:
+        """Free the renderer; may be called twice."""
+        self.worlds.close()
+
+    def _begin_again(self, ended: Flags) -> Flags:
+        """Begin levels and episodes where they are due, and return the agents that begin."""
+        self._live &= ~ended
+        over = self._age >= self.world_steps if self.respawn else ~self._live.any(axis=1) & self.autoreset
+        began: Flags = np.zeros_like(ended)
+        if over.any():
+            chosen = np.flatnonzero(over)
+            self.worlds.begin_next(chosen)
+            self._age[chosen] = 0
+            began[chosen] = True
+        respawned = ended & ~began
+        if self.respawn and respawned.any():
+            self.worlds.episodes.respawn(respawned)
+            began |= respawned
+        self._open(began)
+        return began
+
+    def _beginning(self, chosen: Ints) -> BatchStep:
+        """Note that the chosen worlds have begun a level; nobody has acted."""
+        began = np.zeros((self.n_worlds, self.n_agents), np.bool_)
+        began[chosen] = True
+        self._age[chosen] = 0
+        self._open(began)
+        none, view = np.zeros_like(began), self.worlds.episodes.view
+        observation, terms = self.observation(), view.reward_terms.copy()
+        return BatchStep(
+            observation, np.zeros(began.shape), none, none.copy(), none.copy(), self.live, began, self.observation(),
+            terms, self._infos(),
+        )  # fmt: skip
+
+    def _open(self, began: Flags) -> None:
+        """Open the books of agents that begin; who lives beside them sees where they are now."""
+        if not began.any():
+            return
+        self._live |= began
+        self._returns[began] = 0.0
+        touched = self._live & began.any(axis=1, keepdims=True)
+        np.copyto(self._seen, self.worlds.episodes.view.observation, where=touched[..., None])
+
+    def _infos(self) -> dict[str, NDArray[Any]]:
+        infos = {key: values.copy() for key, values in self.worlds.episodes.view.infos.items()}
+        infos["episode_return"] = self._returns.copy()
+        return infos

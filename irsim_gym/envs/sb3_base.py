@@ -1,0 +1,120 @@
+"""What the environments for Stable-Baselines3 share: how its methods reach a world or an agent."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import gymnasium
+from gymnasium import Space
+from stable_baselines3.common.monitor import Monitor
+from stable_baselines3.common.vec_env import VecEnv
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.envs.worlds import Worlds
+
+Indices = None | int | Iterable[int]
+
+
+class NativeVecEnv(VecEnv):
+    """A ``VecEnv`` over worlds that are stepped together.
+
+    Args:
+        worlds: The worlds.
+        views: What each slot shows to ``get_attr``, ``set_attr`` and ``env_method``.
+        observation_space: Of one slot.
+        action_space: Of one slot.
+    """
+
+    def __init__(
+        self, worlds: Worlds, views: Sequence[WorldView], observation_space: Space[Any], action_space: Space[Any]
+    ) -> None:
+        self.worlds = worlds
+        self.views = views
+        super().__init__(len(views), observation_space, action_space)
+        self.metadata: dict[str, Any] = {**self.metadata, "render_fps": worlds.render_fps}
+
+    def close(self) -> None:
+        """Free the renderer. May be called twice."""
+        self.worlds.close()
+
+    def get_images(self) -> Sequence[Bytes | None]:
+        """Return a fresh picture of each world."""
+        if self.render_mode is None:
+            warnings.warn("the environment was made without a render mode: use render_mode='rgb_array'", stacklevel=2)
+        return [self.worlds.frame(w) for w in range(self.worlds.n_worlds)]
+
+    def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
+        """Return an attribute of the chosen slots; see ``WorldView``."""
+        return [view.get_wrapper_attr(attr_name) for view in self._chosen(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
+        """Set an attribute of the chosen slots."""
+        for view in self._chosen(indices):
+            view.set_wrapper_attr(attr_name, value)
+
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: Indices = None, **method_kwargs: Any
+    ) -> list[Any]:
+        """Call a method of the chosen slots; see ``WorldView``."""
+        return [getattr(view, method_name)(*method_args, **method_kwargs) for view in self._chosen(indices)]
+
+    def env_is_wrapped(
+        self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: Indices = None
+    ) -> list[bool]:
+        """Answer True for ``Monitor`` alone: its statistics are there."""
+        return [issubclass(wrapper_class, Monitor)] * len(self._chosen(indices))
+
+    def _chosen(self, indices: Indices) -> list[WorldView]:
+        return [self.views[slot] for slot in self._get_indices(indices)]
+
+
+class WorldView:
+    """One world, or one agent of a world: what ``get_attr``, ``set_attr`` and ``env_method`` reach."""
+
+    def __init__(self, worlds: Worlds, index: int, agent: int = 0) -> None:
+        self.worlds = worlds
+        self.index = index
+        self.agent = agent
+        self.spec: Any = None
+
+    @property
+    def render_mode(self) -> str | None:
+        """``"rgb_array"`` or None."""
+        return self.worlds.render_mode
+
+    @property
+    def observation_space(self) -> Any:
+        """The space of an agent's observations."""
+        return self.worlds.observation_space
+
+    @property
+    def action_space(self) -> Any:
+        """The space of an agent's actions."""
+        return self.worlds.action_space
+
+    @property
+    def unwrapped(self) -> WorldView:
+        """Itself."""
+        return self
+
+    def info(self) -> dict[str, Any]:
+        """Return what is known about the agent now."""
+        return self.worlds.info_of(self.index, self.agent)
+
+    def render(self) -> Bytes | None:
+        """Return a fresh picture of the world."""
+        return self.worlds.frame(self.index)
+
+    def has_wrapper_attr(self, name: str) -> bool:
+        """Say whether there is such an attribute."""
+        return hasattr(self, name)
+
+    def get_wrapper_attr(self, name: str) -> Any:
+        """Return an attribute."""
+        return getattr(self, name)
+
+    def set_wrapper_attr(self, name: str, value: Any) -> None:
+        """Set an attribute; it belongs to this slot alone."""
+        setattr(self, name, value)

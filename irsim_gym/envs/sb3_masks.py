@@ -1,0 +1,57 @@
+"""Rewards that know which slots acted, so that buffers can tell experience from waiting."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Flags
+
+
+class SlotRewards(np.ndarray[Any, np.dtype[Any]]):
+    """Rewards ``(n_slots,)`` that carry the mask of the slots that acted.
+
+    Of all that a step returns, Stable-Baselines3 hands the rewards alone to the rollout buffer in the same call as the
+    actions. The mask therefore comes with the data, whatever environment a model is set to or loaded with; no buffer
+    has to know an environment. It stays through arithmetic, as wrappers that scale or normalise rewards do.
+
+    Attributes:
+        acted: Slots whose row is experience, ``(n_slots,)``; None in a copy that has lost it.
+    """
+
+    acted: Flags | None
+
+    def __array_finalize__(self, obj: Any) -> None:
+        self.acted = getattr(obj, "acted", None)
+
+    def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
+        """Sums and means are plain numbers."""
+        if np.ndim(array) == 0:
+            return np.asarray(array)[()]
+        wrapped = np.asarray(array).view(SlotRewards)
+        wrapped.acted = self.acted
+        return wrapped
+
+
+def slot_rewards(reward: NDArray[Any], acted: Flags) -> SlotRewards:
+    """Return float32 rewards, fresh, that carry the mask ``acted``; both have shape ``(n_slots,)``."""
+    rewards = np.array(reward, np.float32).view(SlotRewards)
+    rewards.acted = acted
+    return rewards
+
+
+def acted_of(reward: Any) -> Flags:
+    """Return the mask that rewards carry.
+
+    Raises:
+        TypeError: They carry none: the environment is no team, or a wrapper has put other rewards in their place.
+    """
+    acted: Flags | None = getattr(reward, "acted", None)
+    if acted is None or acted.shape != np.shape(reward):
+        raise TypeError(
+            "these rewards do not say which slots acted: masked buffers are for make_multi_agent_vec_env, and wrappers "
+            "around it have to compute with the rewards that they get (rewards * 2, not numpy.array(rewards) * 2)"
+        )
+    return acted

@@ -1,0 +1,236 @@
+"""Worlds with many learners as a Stable-Baselines3 ``VecEnv``: one slot for each robot of each world."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.spaces import Dict
+from numpy.typing import NDArray
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
+from stable_baselines3.common.vec_env import VecEnv
+
+from irsim_gym.arraytypes import Flags, Ints, Rays
+from irsim_gym.envs.batch import Batch, BatchStep
+from irsim_gym.envs.registration import scenario_behind
+from irsim_gym.envs.sb3_base import NativeVecEnv, WorldView
+from irsim_gym.envs.sb3_buffers import (
+    MaskedDictReplayBuffer,
+    MaskedDictRolloutBuffer,
+    MaskedReplayBuffer,
+    MaskedRolloutBuffer,
+)
+from irsim_gym.envs.sb3_masks import SlotRewards, slot_rewards
+from irsim_gym.envs.spaces import Observation
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
+from irsim_gym.tasks import Outcome
+
+Mode = Literal["episode", "respawn"]
+MODES = ("episode", "respawn")
+
+
+def make_multi_agent_vec_env(
+    name: ScenarioSource,
+    n_worlds: int = 1,
+    seed: int | None = None,
+    *,
+    mode: Mode = "episode",
+    task: TaskSource = None,
+    max_steps: int | None = None,
+    world_steps: int | None = None,
+    num_threads: int = 1,
+    render_mode: str | None = "rgb_array",
+    **parameters: Any,
+) -> TeamVecEnv:
+    """Make the worlds of a scenario for one policy that all its robots share.
+
+    Args:
+        name: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
+        n_worlds: Number of worlds; there are ``n_worlds * n_agents`` slots.
+        seed: World ``w`` begins with level ``seed + w``; None for levels from entropy.
+        mode: ``"episode"``: a robot that has ended waits until all of its world have, masked out of learning by the
+            buffers of ``buffers_for``. ``"respawn"``: it gets a new start and goal at once; nobody ever waits.
+        task: Name of a shipped task, path, or plain data; None for the scenario's own. Without ``agents`` in it, all
+            robots learn.
+        max_steps: Time limit of a robot [steps]; None for the task's.
+        world_steps: With ``"respawn"``, steps after which a world begins its next level; None for four time limits.
+        num_threads: Threads that share the worlds.
+        render_mode: ``"rgb_array"`` or None; a frame is drawn only where ``render`` is called.
+        **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
+    """
+    if mode not in MODES:
+        raise ValueError(f"mode must be one of {', '.join(map(repr, MODES))}, got {mode!r}")
+    worlds = Worlds(
+        scenario_behind(name),
+        n_worlds,
+        task=task,
+        max_steps=max_steps,
+        num_threads=num_threads,
+        render_mode=render_mode,
+        team=True,
+        parameters=parameters,
+    )
+    env = TeamVecEnv(Batch(worlds, respawn=mode == "respawn", world_steps=world_steps))
+    if seed is not None:
+        env.seed(seed)
+    return env
+
+
+def buffers_for(algorithm: type[BaseAlgorithm], env: VecEnv) -> dict[str, Any]:
+    """Return the arguments that make an algorithm leave out waiting robots, e.g. ``PPO(policy, env, **these)``.
+
+    Args:
+        algorithm: PPO, A2C, SAC, TD3, DQN or one derived from them.
+        env: The environment; it tells whether observations are dicts.
+    """
+    is_dict = isinstance(env.observation_space, Dict)
+    if issubclass(algorithm, OnPolicyAlgorithm):
+        return {"rollout_buffer_class": MaskedDictRolloutBuffer if is_dict else MaskedRolloutBuffer}
+    return {"replay_buffer_class": MaskedDictReplayBuffer if is_dict else MaskedReplayBuffer}
+
+
+class TeamVecEnv(NativeVecEnv):
+    """Worlds of one scenario with a slot for each robot: slot ``world * n_agents + agent``.
+
+    A robot's own end is the end of its slot's episode: ``done``, its last observation as ``terminal_observation``,
+    ``TimeLimit.truncated``, and all that the single environment tells. What comes then depends on the mode:
+
+    * ``"episode"``: the slot idles until all robots of the world have ended and the world restarts, in that same step.
+      It observes its last observation, is paid 0 and its info holds ``idle``. At the restart it is ``done`` once
+      more, so that recurrent policies begin anew, but there is no ``episode`` for it.
+    * ``"respawn"``: the robot begins elsewhere at once. A world begins its next level after ``world_steps`` steps; the
+      episodes under way are then cut (``TimeLimit.truncated``) and are in no statistics, as they have no outcome.
+
+    Stable-Baselines3 counts idle slots as steps; ``idle_share`` says how many they are.
+
+    Attributes:
+        batch: The worlds.
+        acted: Slots whose row of the latest step is experience, ``(n_slots,)``.
+        acting: Slots that will act in the next step, ``(n_slots,)``.
+    """
+
+    def __init__(self, batch: Batch) -> None:
+        self.batch = batch
+        self.n_agents = batch.n_agents
+        n_slots = batch.n_worlds * batch.n_agents
+        self.acted: Flags = np.zeros(n_slots, np.bool_)
+        self.acting: Flags = np.zeros(n_slots, np.bool_)
+        self._counts = [0, 0]
+        self._actions: NDArray[Any] | None = None
+        self._action_shape = (n_slots, *(batch.action_space.shape or ()))
+        self._started = time.time()
+        views = [WorldView(batch.worlds, *divmod(slot, batch.n_agents)) for slot in range(n_slots)]
+        super().__init__(batch.worlds, views, batch.observation_space, batch.action_space)
+
+    @property
+    def mode(self) -> Mode:
+        """``"episode"`` or ``"respawn"``."""
+        return "respawn" if self.batch.respawn else "episode"
+
+    @property
+    def idle_share(self) -> float:
+        """Share of idle slots among all slots of all steps so far; 0 before the first step."""
+        idle, total = self._counts
+        return idle / total if total else 0.0
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Let world ``w`` begin level ``seed + w`` at the next reset; None draws a seed. Return each slot's."""
+        first = super().seed(seed)[0]
+        assert first is not None
+        self._seeds = [first + slot // self.n_agents for slot in range(self.num_envs)]
+        return self._seeds
+
+    def reset(self) -> Observation:
+        """Begin an episode in every world, with the seeds and options given before, which are then forgotten."""
+        options: list[Mapping[str, Any]] = list(self._options)
+        if len(options) == self.num_envs:
+            options = options[:: self.n_agents]
+        elif len(options) != self.batch.n_worlds:
+            raise ValueError(f"a list of options needs one for each of the {self.batch.n_worlds} worlds")
+        begun = self.batch.begin(self._seeds[:: self.n_agents], options)
+        self._reset_seeds()
+        self._reset_options()
+        self.acting = begun.live.reshape(-1)
+        self.reset_infos = self._infos_now(np.arange(self.num_envs))
+        return self._slots(begun.observation)
+
+    def step_async(self, actions: NDArray[Any]) -> None:
+        """Take the actions ``(n_slots, ...)`` for the next ``step_wait``; those of idle slots do nothing."""
+        rows = np.asarray(actions)
+        if rows.shape != self._action_shape:
+            raise ValueError(f"actions must have shape {self._action_shape}, got {rows.shape}")
+        self._actions = rows.reshape(self.batch.n_worlds, self.n_agents, *rows.shape[1:])
+
+    def step_wait(self) -> tuple[Observation, SlotRewards, Flags, list[dict[str, Any]]]:
+        """Advance all worlds by one step.
+
+        Returns:
+            Observations, rewards (float32), dones and infos of all slots; all fresh.
+        """
+        if self._actions is None:
+            raise ResetNeeded("call reset() and step_async() before step_wait()")
+        step = self.batch.step(self._actions)
+        self._actions = None
+        acted, began, ended = (flags.reshape(-1) for flags in (step.acted, step.began, step.ended))
+        self.acted, self.acting = acted, step.live.reshape(-1)
+        idle = np.flatnonzero(~acted)
+        self._counts[0] += idle.size
+        self._counts[1] += self.num_envs
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        for slot in idle.tolist():
+            infos[slot]["idle"] = True
+        dones: Flags = ended | (began & ~acted)
+        if dones.any():
+            self._tell(step, np.flatnonzero(ended), infos)
+            self._tell_idle(step, np.flatnonzero(began & ~acted), infos)
+            begun = np.flatnonzero(began)
+            for slot, info in zip(begun.tolist(), self._infos_now(begun), strict=True):
+                self.reset_infos[slot] = info
+        return self._slots(step.observation), slot_rewards(step.reward.reshape(-1), acted.copy()), dones, infos
+
+    def _tell(self, step: BatchStep, ended: Ints, infos: list[dict[str, Any]]) -> None:
+        """Fill in the infos of slots whose own episodes have ended."""
+        worlds, agents = np.divmod(ended, self.n_agents)
+        columns = [values[worlds, agents].tolist() for values in step.infos.values()]
+        cut = step.truncated[worlds, agents].tolist()
+        terms = step.reward_terms[worlds, agents].tolist()
+        names = self.worlds.episodes.reward_names
+        elapsed = round(time.time() - self._started, 6)
+        for i, (slot, row) in enumerate(zip(ended.tolist(), zip(*columns, strict=True), strict=True)):
+            info: dict[str, Any] = dict(zip(step.infos, row, strict=True))
+            total = info.pop("episode_return")
+            info["reward_terms"] = dict(zip(names, terms[i], strict=True))
+            info["terminal_observation"] = self._one(step.final_observation, slot)
+            info["TimeLimit.truncated"] = cut[i]
+            if info["outcome"] == Outcome.RUNNING:
+                del info["is_success"]
+            else:
+                info["episode"] = {"r": round(total, 6), "l": info["steps"], "t": elapsed}
+            infos[slot] = info
+
+    def _tell_idle(self, step: BatchStep, restarted: Ints, infos: list[dict[str, Any]]) -> None:
+        """Fill in the infos of idle slots whose world has restarted."""
+        for slot in restarted.tolist():
+            infos[slot]["terminal_observation"] = self._one(step.final_observation, slot)
+            infos[slot]["TimeLimit.truncated"] = False
+
+    def _infos_now(self, slots: Ints) -> list[dict[str, Any]]:
+        worlds, agents = np.divmod(slots, self.n_agents)
+        return self.worlds.infos_of(worlds, agents)
+
+    def _slots(self, observation: Observation) -> Observation:
+        """Return observations with one axis for all slots."""
+        if isinstance(observation, dict):
+            return {name: values.reshape(self.num_envs, -1) for name, values in observation.items()}
+        return observation.reshape(self.num_envs, -1)
+
+    def _one(self, observation: Observation, slot: int) -> Observation:
+        w, a = divmod(slot, self.n_agents)
+        if isinstance(observation, dict):
+            return {name: values[w, a].copy() for name, values in observation.items()}
+        row: Rays = observation[w, a].copy()
+        return row
