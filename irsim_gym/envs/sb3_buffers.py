@@ -78,7 +78,7 @@ class MaskedDictRolloutBuffer(DictRolloutBuffer):
         """Return shuffled minibatches of the rows that are experience."""
         if not self.generator_ready:
             keep_experience(self, COLUMNS)
-            self.observations = {key: _experience(self, values) for key, values in self.observations.items()}
+            self.observations = {key: keep_experience_in(self, values) for key, values in self.observations.items()}
             self.generator_ready = True
         return super(MaskedDictRolloutBuffer, rows_of(self)).get(even_parts(len(self.values), batch_size))
 
@@ -157,10 +157,11 @@ def rows_of(buffer: BufferT) -> BufferT:
 def keep_experience(buffer: Any, names: Sequence[str]) -> None:
     """Flatten these arrays of a rollout buffer, slot after slot, to the rows that are experience."""
     for name in names:
-        setattr(buffer, name, _experience(buffer, getattr(buffer, name)))
+        setattr(buffer, name, keep_experience_in(buffer, getattr(buffer, name)))
 
 
-def _experience(buffer: Any, values: NDArray[Any]) -> NDArray[Any]:
+def keep_experience_in(buffer: Any, values: NDArray[Any]) -> NDArray[Any]:
+    """Return values ``(buffer_size, n_envs, ...)`` as rows, slot after slot: those that are experience."""
     rows: NDArray[Any] = buffer.swap_and_flatten(values)[buffer.swap_and_flatten(buffer.acted)[:, 0]]
     return rows
 

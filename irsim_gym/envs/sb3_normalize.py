@@ -40,7 +40,7 @@ class MaskedVecNormalize(VecNormalize):
         if not self.norm_obs or not acting.any():
             return
         if isinstance(obs, dict):
-            for key, statistics in self.obs_rms.items():  # type: ignore[attr-defined]
+            for key, statistics in self.obs_rms.items():
                 statistics.update(obs[key][acting])
         else:
             self.obs_rms.update(obs[acting])
