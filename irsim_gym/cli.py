@@ -132,12 +132,16 @@ def train(
     hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in place of the shipped one.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
     dev_levels: Annotated[int, typer.Option(min=0, help="dev levels per checkpoint afterwards; 0 scores none.")] = 1000,
+    team: Annotated[
+        str | None,
+        typer.Option(help="All robots learn one policy; those that end wait (episode) or begin anew (respawn)."),
+    ] = None,
     modules: Imports = None,
 ) -> None:
     """Train an agent, then score its checkpoints. Ctrl-C leaves a checkpoint for --resume."""
     from irsim_gym.training.commands import run_training
 
-    run_training(scenario, algorithm, seed, steps, task, out, hyperparameters, resume, dev_levels)
+    run_training(scenario, algorithm, seed, steps, task, out, hyperparameters, resume, dev_levels, team)
 
 
 @app.command()

@@ -28,16 +28,23 @@ from irsim_gym.training.train import TrainingInterruptedError, train
 
 
 def new_settings(
-    scenario: str, algorithm: str, seed: int, steps: int | None, task: str | None, hyperparameters: Path | None
+    scenario: str,
+    algorithm: str,
+    seed: int,
+    steps: int | None,
+    task: str | None,
+    hyperparameters: Path | None,
+    team: str | None = None,
 ) -> Settings:
     """Put the settings of a run together from what was asked for and the hyper-parameter file."""
-    overrides: dict[str, Any] = {} if steps is None else {"n_timesteps": steps}
+    asked = {"n_timesteps": steps, "team": team}
+    overrides = {name: value for name, value in asked.items() if value is not None}
     found = load_hyperparameters(algorithm, environment_id(scenario), file=hyperparameters, overrides=overrides)
     named = _lasting(scenario_name(scenario))
     return Settings(named, algorithm, seed, None if task is None else _lasting(task), found)
 
 
-def settings_to_resume(run: Run, asked: Settings, steps: int | None) -> Settings:
+def settings_to_resume(run: Run, asked: Settings, steps: int | None, team: str | None = None) -> Settings:
     """Return the settings that a run began with, which later changes of the shipped files leave alone.
 
     Raises:
@@ -48,6 +55,8 @@ def settings_to_resume(run: Run, asked: Settings, steps: int | None) -> Settings
     pairs = {name: (getattr(begun, name), getattr(asked, name)) for name in names}
     if steps is not None:
         pairs["steps"] = (begun.hyperparameters.n_timesteps, steps)
+    if team is not None:
+        pairs["team"] = (begun.hyperparameters.team, team)
     other = [f"{name} {old} (asked for: {new})" for name, (old, new) in pairs.items() if old != new]
     if other:
         found = ", ".join(other)
@@ -67,13 +76,14 @@ def run_training(
     hyperparameters: Path | None,
     resume: bool,
     dev_levels: int,
+    team: str | None = None,
 ) -> Run:
     """Train, score the checkpoints and say what came out."""
     console = Console(stderr=True)
     run = Run(out or default_folder(scenario, algorithm, seed))
-    settings = new_settings(scenario, algorithm, seed, steps, task, hyperparameters)
+    settings = new_settings(scenario, algorithm, seed, steps, task, hyperparameters, team)
     if resume and run.exists():
-        settings = settings_to_resume(run, settings, steps)
+        settings = settings_to_resume(run, settings, steps, team)
     what = f"{settings.algorithm.upper()} on {settings.scenario}, seed {settings.seed}"
     console.print(f"training {what}, in {run.folder}", markup=False, highlight=False)
     try:

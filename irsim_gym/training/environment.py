@@ -44,22 +44,33 @@ def build_environment(settings: Settings, normalization: Path | None = None) -> 
         env = ScaledReward(env, wanted.reward_scale)
     if wanted.normalize is not None:
         arguments = {"gamma": wanted.arguments.get("gamma", 0.99), **wanted.normalize}
-        env = VecNormalize(env, **arguments) if normalization is None else VecNormalize.load(str(normalization), env)
+        kind = VecNormalize if wanted.team is None else sb3.MaskedVecNormalize
+        env = kind(env, **arguments) if normalization is None else kind.load(str(normalization), env)
     return env
 
 
-def make_worlds(settings: Settings, n_envs: int) -> VecEnv:
-    """Make the batch without the run's own wrappers."""
-    return sb3.make_vec_env(
-        scenario_name(settings.scenario), n_envs=n_envs, seed=settings.first_level, task=settings.task, render_mode=None
-    )
+def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -> VecEnv:
+    """Make the batch without the run's own wrappers.
+
+    Args:
+        settings: What the run trains.
+        n_envs: Number of worlds.
+        max_steps: Another time limit than the task's [steps].
+    """
+    mode: Any = settings.hyperparameters.team
+    seed = settings.first_level
+    options: dict[str, Any] = {"task": settings.task, "max_steps": max_steps, "render_mode": None}
+    name = scenario_name(settings.scenario)
+    if mode is None:
+        return sb3.make_vec_env(name, n_envs, seed, **options)
+    return sb3.make_multi_agent_vec_env(name, n_envs, seed, mode=mode, **options)
 
 
 def compile_kernels(settings: Settings) -> None:
-    """Step a small batch once, so that no compilation falls into the training time."""
-    env = make_worlds(settings, 2)
+    """Step a small batch once, to the end of its episodes, so that no compilation falls into the training time."""
+    env = make_worlds(settings, 2, max_steps=1)
     env.reset()
-    env.step(np.stack([env.action_space.sample() for _ in range(2)]))
+    env.step(np.stack([env.action_space.sample() for _ in range(env.num_envs)]))
     env.close()
 
 

@@ -13,6 +13,7 @@ import yaml
 from irsim_gym.errors import IrsimGymError, suggestion
 
 ALGORITHMS = ("ppo", "sac")
+TEAM_MODES = ("episode", "respawn")
 PACKAGE = Path(__file__).parent.parent
 
 
@@ -32,8 +33,10 @@ class Hyperparameters:
     """How one agent is trained.
 
     Attributes:
-        n_timesteps: Steps of the whole run, counted over all worlds.
+        n_timesteps: Steps of the whole run, counted over all worlds and robots, those that wait included.
         n_envs: Worlds in the batch.
+        team: What robots that have ended do while others learn on, ``"episode"`` or ``"respawn"``; see
+            ``envs.sb3.make_multi_agent_vec_env``. None where one robot learns.
         torch_threads: Threads of PyTorch.
         checkpoint_every: Steps between checkpoints.
         reward_scale: Factor on the rewards that the algorithm sees.
@@ -43,6 +46,7 @@ class Hyperparameters:
 
     n_timesteps: int
     n_envs: int
+    team: str | None = None
     torch_threads: int = 1
     checkpoint_every: int = 100_000
     reward_scale: float = 1.0
@@ -57,6 +61,9 @@ class Hyperparameters:
         if missing:
             raise IrsimGymError(f"hyper-parameters lack {', '.join(sorted(missing))}")
         values = {name: data[name] for name in own & data.keys()}
+        if values.get("team") not in (None, *TEAM_MODES):
+            near = suggestion(str(values["team"]), TEAM_MODES)
+            raise IrsimGymError(f"team must be {' or '.join(TEAM_MODES)}, got {values['team']!r}{near}")
         normalize = values.get("normalize")
         if normalize is True:
             values["normalize"] = {}

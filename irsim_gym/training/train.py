@@ -13,6 +13,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 
+from irsim_gym.envs.sb3 import buffers_for
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import write_bytes, write_csv
 from irsim_gym.training import checkpoint as files
@@ -78,9 +79,10 @@ def _new(settings: Settings) -> tuple[BaseAlgorithm, files.Progress]:
     env = build_environment(settings)
     arguments = settings.hyperparameters.algorithm_arguments()
     policy = "MultiInputPolicy" if hasattr(env.observation_space, "spaces") else "MlpPolicy"
-    model = CLASSES[settings.algorithm](
-        arguments.pop("policy", policy), env, seed=settings.seed, device="cpu", **arguments
-    )
+    algorithm = CLASSES[settings.algorithm]
+    if settings.hyperparameters.team is not None:
+        arguments = {**buffers_for(algorithm, env), **arguments}
+    model = algorithm(arguments.pop("policy", policy), env, seed=settings.seed, device="cpu", **arguments)
     env.seed(settings.first_level)
     return model, files.Progress()
 
