@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
 from irsim_gym.paths.queries import free_path_length
 from irsim_gym.tasks import Episodes
 
@@ -20,19 +23,32 @@ class Optima:
 
     def __init__(self, split: str) -> None:
         self.split = split
-        self._known: dict[int, float] = {}
+        self._known: dict[tuple[int, int], float] = {}
 
-    def of(self, episodes: Episodes, world: int, level: int) -> float:
-        """Return the optimum [m] of the level that a world plays; infinite where no path is found."""
-        if level not in self._known:
-            self._known[level] = self._measure(episodes, world)
-        return self._known[level]
+    def of(self, episodes: Episodes, world: int, level: int, agent: int = 0) -> float:
+        """Return the optimum [m] of an agent in the level that a world plays; infinite where no path is found."""
+        if (level, agent) not in self._known:
+            self._known[level, agent] = self._measure(episodes, world, agent)
+        return self._known[level, agent]
 
     @staticmethod
-    def _measure(episodes: Episodes, world: int) -> float:
-        simulation, agent = episodes.simulation, int(episodes.simulation.agents[0])
+    def _measure(episodes: Episodes, world: int, agent: int) -> float:
+        simulation = episodes.simulation
         model, state = simulation.model, simulation.state
-        radius = float(model.reach[world % len(model.reach), agent])
-        goals = model.waypoints[world, agent, : int(state.waypoint_end[world, agent]), :2]
-        stops = [model.start[world, agent, :2], *goals]
-        return sum(free_path_length(model, state, world, radius, begin, end) for begin, end in pairwise(stops))
+        radius = float(model.reach[world % len(model.reach), simulation.agents[agent]])
+        ways = pairwise(stops(episodes, world, agent))
+        return sum(free_path_length(model, state, world, radius, begin, end) for begin, end in ways)
+
+
+def stops(episodes: Episodes, world: int, agent: int) -> Floats:
+    """Return an agent's start and its goals in turn, ``(n_goals + 1, 2)`` [m]."""
+    model, state = episodes.simulation.model, episodes.simulation.state
+    body = int(episodes.simulation.agents[agent])
+    goals = model.waypoints[world, body, : int(state.waypoint_end[world, body]), :2]
+    return np.concatenate([model.start[world, body, None, :2], goals])
+
+
+def straight_distance(episodes: Episodes, world: int, agent: int) -> float:
+    """Return the length of the straight way from an agent's start through its goals [m]."""
+    steps = np.diff(stops(episodes, world, agent), axis=0)
+    return float(np.hypot(steps[:, 0], steps[:, 1]).sum())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,43 +11,15 @@ from irsim_gym.arraytypes import Ints
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import HITS, EpisodeRow
 from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.world.model import ROBOT
 
-Actions = NDArray[Any]
-
-
-@runtime_checkable
-class Policy(Protocol):
-    """What drives the agents of many worlds."""
-
-    def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
-        """Take note that levels begin in worlds, arrays ``(n,)``."""
-
-    def act(self, episodes: Episodes, worlds: Ints) -> Actions:
-        """Return the actions of worlds: ``(n, action_dim)`` in [-1, 1], or ``(n,)`` integers."""
-
-
-class ObservationPolicy:
-    """A policy that sees the observation alone.
-
-    Args:
-        function: Turns flat observations, float32 ``(n, n_features)``, into actions ``(n, action_dim)`` or ``(n,)``.
-    """
-
-    def __init__(self, function: Callable[[NDArray[np.float32]], Actions]) -> None:
-        self.function = function
-
-    def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
-        """Do nothing: the policy has no memory."""
-
-    def act(self, episodes: Episodes, worlds: Ints) -> Actions:
-        """Return the actions of worlds."""
-        return self.function(episodes.view.observation[worlds, 0])
+Driver = Policy | Callable[[NDArray[np.float32]], Actions]
 
 
 def evaluate(
-    policy: Policy | Callable[[NDArray[np.float32]], Actions],
+    policy: Driver,
     episodes: Episodes,
     levels: int | Sequence[int],
     split: str = "test",
@@ -70,26 +41,54 @@ def evaluate(
         on_episodes: Called with the number of episodes that have just ended.
 
     Raises:
-        IrsimGymError: The task has several agents.
+        IrsimGymError: The task has several agents, see ``evaluate_team``.
     """
     if episodes.n_agents != 1:
-        raise IrsimGymError(f"evaluation drives one agent per world, the task has {episodes.n_agents}")
-    chosen = np.arange(levels, dtype=np.int64) if isinstance(levels, int) else np.asarray(levels, dtype=np.int64)
-    driver = policy if isinstance(policy, Policy) else ObservationPolicy(policy)
-    found = Optima(split) if optima is None else optima
-    if found.split != split:
-        raise ValueError(f"these optima are of '{found.split}', the levels of '{split}'")
-    rows: list[EpisodeRow | None] = [None] * chosen.size
-    for indices, worlds in _run(driver, episodes, chosen, split):
-        for index, world in zip(indices, worlds, strict=True):
-            rows[index] = _row(episodes, found, int(world), int(chosen[index]))
+        raise IrsimGymError(
+            f"this evaluation drives one agent per world, the task has {episodes.n_agents}: evaluate it as a team"
+        )
+    found = optima_of(split, optima)
+    rows: dict[int, EpisodeRow] = {}
+    for indices, worlds, played in drive(policy, episodes, levels, split):
+        for index, world, level in zip(indices, worlds, played, strict=True):
+            rows[index] = episode_row(episodes, found, world, level)
         if on_episodes is not None:
             on_episodes(len(worlds))
-    return [row for row in rows if row is not None]
+    return [rows[index] for index in sorted(rows)]
+
+
+def optima_of(split: str, optima: Optima | None) -> Optima:
+    """Return the given optima, or new ones.
+
+    Raises:
+        ValueError: They are those of another split.
+    """
+    if optima is not None and optima.split != split:
+        raise ValueError(f"these optima are of '{optima.split}', the levels of '{split}'")
+    return Optima(split) if optima is None else optima
+
+
+def drive(
+    policy: Driver, episodes: Episodes, levels: int | Sequence[int], split: str
+) -> Iterator[tuple[list[int], list[int], list[int]]]:
+    """Drive levels once each; whenever worlds have ended, because all of their agents have, yield them.
+
+    Args:
+        policy: A policy, or a function of the observation alone.
+        episodes: The worlds.
+        levels: Their number (levels 0, 1, ...) or their indices.
+        split: ``"test"``, ``"dev"`` or ``"train"``.
+
+    Yields:
+        The places of the levels among those asked for, the worlds that played them, and the levels.
+    """
+    chosen = np.arange(levels, dtype=np.int64) if isinstance(levels, int) else np.asarray(levels, dtype=np.int64)
+    driver = policy if isinstance(policy, Policy) else ObservationPolicy(policy)
+    for indices, worlds in _run(driver, episodes, chosen, split):
+        yield indices.tolist(), worlds.tolist(), chosen[indices].tolist()
 
 
 def _run(policy: Policy, episodes: Episodes, levels: Ints, split: str) -> Iterator[tuple[Ints, Ints]]:
-    """Yield which episodes (indices into levels) have just ended, and in which worlds."""
     running = np.arange(min(episodes.n_worlds, levels.size), dtype=np.int64)
     episode = np.full(episodes.n_worlds, -1, dtype=np.int64)
     following = 0
@@ -105,18 +104,19 @@ def _run(policy: Policy, episodes: Episodes, levels: Ints, split: str) -> Iterat
         running = running[~np.isin(running, idle[begun.size :])]
         if not running.size:
             return
-        chosen = np.asarray(policy.act(episodes, running))
+        chosen = by_agent(policy.act(episodes, running), episodes, running)
         if actions is None:
-            actions = np.zeros((episodes.n_worlds, 1, *chosen.shape[1:]), chosen.dtype)
-        actions[running, 0] = chosen
+            actions = np.zeros((episodes.n_worlds, *chosen.shape[1:]), chosen.dtype)
+        actions[running] = chosen
         episodes.step(actions, running)
-        idle = running[episodes.view.infos["outcome"][running, 0] != Outcome.RUNNING]
+        idle = running[(episodes.view.infos["outcome"][running] != Outcome.RUNNING).all(axis=1)]
         if idle.size:
             yield episode[idle], idle
 
 
-def _row(episodes: Episodes, optima: Optima, world: int, level: int) -> EpisodeRow:
-    infos = {name: values[world, 0] for name, values in episodes.view.infos.items()}
+def episode_row(episodes: Episodes, optima: Optima, world: int, level: int, agent: int = 0) -> EpisodeRow:
+    """Return the row of an agent whose episode has ended."""
+    infos = {name: values[world, agent] for name, values in episodes.view.infos.items()}
     steps = int(infos["steps"])
     outcome = Outcome(int(infos["outcome"]))
     return EpisodeRow(
@@ -126,13 +126,13 @@ def _row(episodes: Episodes, optima: Optima, world: int, level: int) -> EpisodeR
         steps=steps,
         time=steps * float(episodes.simulation.model.step_time[0]),
         path_length=float(infos["path_length"]),
-        optimum=optima.of(episodes, world, level),
+        optimum=optima.of(episodes, world, level, agent),
         min_clearance=float(infos["min_clearance"]),
     )
 
 
 def hit_kind(episodes: Episodes, body: int) -> str:
-    """Return what a body is to the robot that touched it, one of ``HITS``."""
+    """Return what a body is to the robot that touched it, one of ``HITS``; a map counts as an obstacle."""
     model = episodes.simulation.model
     if model.role[body] == ROBOT:
         return HITS[2]

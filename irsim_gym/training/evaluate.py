@@ -11,7 +11,8 @@ from rich.progress import Progress
 
 from irsim_gym.evaluation.metrics import EpisodeRow, Summary, summarize
 from irsim_gym.evaluation.optimum import Optima
-from irsim_gym.evaluation.protocol import Policy, evaluate
+from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN
 from irsim_gym.evaluation.tables import summary_table, table_text, write_episodes, write_json, write_text
 from irsim_gym.tasks import Episodes

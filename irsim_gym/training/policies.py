@@ -18,7 +18,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.spaces import observation_layout
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.protocol import Policy
+from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.reference_policies import REFERENCES, reference_policy
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint import NORMALIZATION, POLICY, newest_checkpoint

@@ -12,7 +12,7 @@ from rich.progress import Progress
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.protocol import Policy
+from irsim_gym.evaluation.policy import Policy
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.training.policies import load_policy, policy_names
 from irsim_gym.training.worlds import make_episodes

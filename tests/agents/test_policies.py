@@ -10,8 +10,8 @@ import yaml
 from irsim_gym.envs import sb3
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
 from irsim_gym.evaluation.protocol import evaluate
-from irsim_gym.evaluation.reference_policies import BehaviorPolicy
 from irsim_gym.scenario.library import find
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.policies import SavedPolicy, load_policy, policy_names

@@ -5,7 +5,9 @@ import pytest
 
 from irsim_gym.engine import compile
 from irsim_gym.envs.worlds import Worlds
-from irsim_gym.evaluation.reference_policies import BehaviorPolicy, RandomPolicy, reference_policy, to_actions
+from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
+from irsim_gym.evaluation.commands import to_actions
+from irsim_gym.evaluation.reference_policies import RandomPolicy, reference_policy
 from irsim_gym.scenario import load_scenario
 
 HERE = np.array([0])
@@ -56,14 +58,14 @@ def test_command_by_hand() -> None:
     episodes = Worlds(scenario(state=[0, 0, 0], goal=[3, 3, 0])).episodes
     episodes.begin(HERE, HERE)
     # The goal is pi/4 to the left: v = cos(pi/4), full turn.
-    np.testing.assert_allclose(dash_command(episodes), [[np.sqrt(0.5), 1.5]])
+    np.testing.assert_allclose(dash_command(episodes), [[[np.sqrt(0.5), 1.5]]])
 
 
 def test_turn_that_can_still_be_braked_by_hand() -> None:
     episodes = Worlds(scenario(state=[0, 0, 0], goal=[3, 3, 0], acce=[np.inf, 1.0])).episodes
     episodes.begin(HERE, HERE)
     # -0.1 + sqrt(0.01 + 2 (pi/4 - 0.1)) = 1.0750
-    assert dash_command(episodes)[0, 1] == pytest.approx(-0.1 + np.sqrt(0.01 + 2.0 * (np.pi / 4.0 - 0.1)))
+    assert dash_command(episodes)[0, 0, 1] == pytest.approx(-0.1 + np.sqrt(0.01 + 2.0 * (np.pi / 4.0 - 0.1)))
 
 
 def test_discrete_actions_are_the_nearest_choices() -> None:
@@ -72,7 +74,7 @@ def test_discrete_actions_are_the_nearest_choices() -> None:
     episodes.begin(HERE, HERE)
     # Forward values -1, 0, 1 m/s; turns -1.5, -0.75, 0, 0.75, 1.5 rad/s.
     for command, choice in [((1.0, 1.5), 14), ((0.1, 0.0), 7), ((-1.0, -0.8), 1)]:
-        assert to_actions(episodes, HERE, np.array([command])).tolist() == [choice]
+        assert to_actions(episodes, HERE, np.array([[command]])).tolist() == [[choice]]
     random = RandomPolicy()
     random.begin(episodes, HERE, HERE)
     drawn = {int(random.act(episodes, HERE)[0]) for _ in range(300)}

@@ -1,0 +1,144 @@
+"""Behaviours of the language in the place of learners: baselines that have nothing to learn.
+
+They see the whole state of the world, as a simulated body does, and not the learners' observations. All agents decide
+from the same moment, the beginning of the step, as learners do, whereas bodies that have such a behaviour by themselves
+move one after another unless the file says ``world: {update: simultaneous}``. What they ask for becomes commands of the
+drives as in the simulation.
+
+An agent's options are those of its own behaviour where the scenario gives it one of that kind. Otherwise they are the
+defaults, but for two things, because what is to be beaten should be at its best. All may drive as fast as their drive
+allows: ``vxmax`` and ``vymax`` of ``rvo`` are the greatest speeds of the drive, as ``maxSpeed`` of ``orca`` is by
+default. And ``orca`` looks 5 s ahead (2 s at walls) and steps aside: looking 20 s ahead as IR-SIM does by default,
+robots crawl, and four of them fail in every fourth level of ``circle_swap`` instead of none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym import families
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.engine import Shard
+from irsim_gym.engine.measures import measure
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.commands import decided_commands, to_actions
+from irsim_gym.evaluation.policy import without_lone_axis
+from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS, KINEMATICS
+from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.world.group import Group
+from irsim_gym.world.model import DIFFERENTIAL
+
+AT_THEIR_BEST = MappingProxyType({"orca": {"timeHorizon": 5.0, "timeHorizonObst": 2.0, "sidestep": True}})
+"""Options in place of the defaults, found on ``dev`` levels of circle_swap and random_swap with 4 to 16 robots."""
+
+
+class UnfitBehaviorError(IrsimGymError, ValueError):
+    """A behaviour that cannot command the drive of an agent."""
+
+
+class BehaviorPolicy:
+    """Commands the agents as a registered behaviour does: each for itself, or all together as a group.
+
+    In a group, agents whose episode has ended no longer decide but are seen, and so is everything else that can move;
+    all decide with the options of the first agent.
+
+    Args:
+        name: The behaviour's or group behaviour's name in YAML.
+    """
+
+    def __init__(self, name: str) -> None:
+        families.load()
+        self.name = name
+        self.is_group = name not in BEHAVIORS and name in GROUP_BEHAVIORS
+        self.kind = (GROUP_BEHAVIORS if self.is_group else BEHAVIORS).entry(name).kind
+        self._episodes: Episodes | None = None
+        self._groups: list[Group] = []
+
+    def check(self, episodes: Episodes) -> None:
+        """Refuse agents that the behaviour cannot command.
+
+        Raises:
+            UnfitBehaviorError: There is one.
+        """
+        for body in episodes.simulation.agents.tolist():
+            spec = episodes.simulation.scenario.bodies[body]
+            drive = KINEMATICS.name_of(type(spec.kinematics))
+            if drive not in self.kind.kinematics:
+                raise UnfitBehaviorError(f"'{self.name}' cannot drive kinematics '{drive}' of '{spec.name}'")
+
+    def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
+        """Look at the drives, and at the sizes of the bodies.
+
+        Raises:
+            UnfitBehaviorError: The behaviour cannot command the drive of an agent.
+        """
+        simulation = episodes.simulation
+        if self._episodes is not episodes:
+            self.check(episodes)
+            bind = _one_group if self.is_group else _groups_by_drive
+            self._groups = bind(self.name, self.kind, episodes)
+            for group in self._groups:
+                self.kind.prepare(group, simulation.model, simulation.shards.n_slots)
+            self._episodes = episodes
+        if self.kind.reads_neighbors:
+            measure(worlds, simulation.parts.everyone, simulation.model)
+
+    def act(self, episodes: Episodes, worlds: Ints) -> NDArray[np.float64] | Ints:
+        """Return the actions of worlds."""
+        return without_lone_axis(to_actions(episodes, worlds, self.command(episodes, worlds)))
+
+    def command(self, episodes: Episodes, worlds: Ints) -> Floats:
+        """Return the commands that the behaviour asks for [m/s, rad/s], ``(n, n_agents, n_components)``."""
+        simulation, shard = episodes.simulation, Shard(np.ascontiguousarray(worlds))
+        if self.is_group:
+            _show_who_stands(episodes, worlds)
+        for group in self._groups:
+            self.kind.decide(group, simulation.model, simulation.state, shard)
+        return decided_commands(episodes, worlds)
+
+
+def _groups_by_drive(name: str, kind: Any, episodes: Episodes) -> list[Group]:
+    """Return the agents in groups of one drive each, as behaviours want them."""
+    simulation = episodes.simulation
+    drives, groups = simulation.model.drive[simulation.agents], []
+    for drive in np.unique(drives):
+        members = simulation.agents[drives == drive]
+        options = [_options(episodes, body, "behavior", name, kind) for body in members.tolist()]
+        groups.append(Group(kind, options, members, names=simulation.parts.names))
+    return groups
+
+
+def _one_group(name: str, kind: Any, episodes: Episodes) -> list[Group]:
+    """Return everything that can move as one group, in which the agents decide."""
+    simulation = episodes.simulation
+    options = _options(episodes, int(simulation.agents[0]), "group_behavior", name, kind)
+    members = np.flatnonzero(simulation.model.movable)
+    group = Group(kind, [options] * len(members), members, names=simulation.parts.names)
+    group.arrays["decides"] = np.isin(members, simulation.agents)
+    return [group]
+
+
+def _options(episodes: Episodes, body: int, family: str, name: str, kind: Any) -> Any:
+    """Return a body's options of a kind: its own, or the best defaults with the speeds of its drive."""
+    own = getattr(episodes.simulation.scenario.bodies[body], family)
+    if isinstance(own, kind):
+        return own
+    options, model = kind(**AT_THEIR_BEST.get(name, {})), episodes.simulation.model
+    if not hasattr(options, "vxmax"):
+        return options
+    fastest = model.velocity_max[:, body].max(axis=0)
+    sideways = fastest[0] if model.drive[body] == DIFFERENTIAL else fastest[1]
+    return replace(options, vxmax=float(fastest[0]), vymax=float(sideways))
+
+
+def _show_who_stands(episodes: Episodes, worlds: Ints) -> None:
+    """Let the others see agents whose episode has ended as they move, not as they last planned to."""
+    simulation = episodes.simulation
+    row, agent = np.nonzero(episodes.view.infos["outcome"][worlds] != Outcome.RUNNING)
+    places = worlds[row], simulation.agents[agent]
+    simulation.state.plan[places] = simulation.state.twist[places][:, :2]

@@ -1,0 +1,81 @@
+"""What drives the agents of many worlds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Ints
+from irsim_gym.tasks import Episodes
+
+Actions = NDArray[Any]
+
+
+@runtime_checkable
+class Policy(Protocol):
+    """What drives the agents of many worlds."""
+
+    def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
+        """Take note that levels begin in worlds, arrays ``(n,)``."""
+
+    def act(self, episodes: Episodes, worlds: Ints) -> Actions:
+        """Return the actions of worlds: ``(n, n_agents, action_dim)`` in [-1, 1], or ``(n, n_agents)`` integers.
+
+        Where a task has one agent its axis is left out: ``(n, action_dim)`` or ``(n,)``. Actions of agents whose
+        episode has ended are ignored.
+        """
+
+
+class ObservationPolicy:
+    """A policy that sees an agent's own observation alone; the agents of a team share it.
+
+    Args:
+        function: Turns flat observations, float32 ``(n, n_features)``, into actions ``(n, action_dim)`` or ``(n,)``;
+            it gets a row for each agent of each world.
+    """
+
+    def __init__(self, function: Callable[[NDArray[np.float32]], Actions]) -> None:
+        self.function = function
+
+    def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
+        """Do nothing: the policy has no memory."""
+
+    def act(self, episodes: Episodes, worlds: Ints) -> Actions:
+        """Return the actions of worlds."""
+        return by_world(self.function(observations(episodes, worlds)), episodes)
+
+
+def observations(episodes: Episodes, worlds: Ints) -> NDArray[np.float32]:
+    """Return what the agents of worlds perceive, a row for each agent: ``(n * n_agents, n_features)``."""
+    seen = episodes.view.observation[worlds]
+    return seen.reshape(-1, seen.shape[2])
+
+
+def by_world(actions: Actions, episodes: Episodes) -> Actions:
+    """Return actions that have a row for each agent, ``(n * n_agents, ...)``, as ``Policy.act`` returns them."""
+    found = np.asarray(actions)
+    return without_lone_axis(found.reshape(-1, episodes.n_agents, *found.shape[1:]))
+
+
+def without_lone_axis(actions: Actions) -> Actions:
+    """Return actions ``(n, n_agents, ...)`` as ``Policy.act`` returns them: one agent has no axis."""
+    return actions[:, 0] if actions.shape[1] == 1 else actions
+
+
+def by_agent(actions: Actions, episodes: Episodes, worlds: Ints) -> Actions:
+    """Return what ``Policy.act`` returned as ``(n, n_agents, ...)``.
+
+    Raises:
+        ValueError: It is of another shape.
+    """
+    found = np.asarray(actions)
+    one = () if episodes.action_kind == "discrete" else episodes.action_low.shape
+    wanted = (len(worlds), episodes.n_agents, *one)
+    if found.shape == wanted:
+        return found
+    if episodes.n_agents == 1 and found.shape == (len(worlds), *one):
+        return found[:, None]
+    raise ValueError(f"the policy's actions must have shape {wanted}, got {found.shape}")

@@ -1,0 +1,84 @@
+"""The evaluation of teams: all agents of a world are driven together, until the last one's episode has ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from irsim_gym.evaluation.metrics import EpisodeRow
+from irsim_gym.evaluation.optimum import Optima, straight_distance
+from irsim_gym.evaluation.protocol import Driver, drive, episode_row, optima_of
+from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
+from irsim_gym.tasks import Episodes
+from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
+
+HIT_NAMES = ("", "obstacle", "moving obstacle", "robot", "map")
+"""What a ``HitKind`` is called in rows."""
+STANDSTILLS = ("timeout", "deadlock")
+"""Outcomes that may come of standing still."""
+
+
+def evaluate_team(
+    policy: Driver,
+    episodes: Episodes,
+    levels: int | Sequence[int],
+    split: str = "test",
+    *,
+    optima: Optima | None = None,
+    on_episodes: Callable[[int], None] | None = None,
+) -> list[TeamRow]:
+    """Drive all agents through levels of a split, once each; return a row per level, in the order of the levels.
+
+    Agents whose episode has ended wait for the others as the task says (``ended``). A level's result depends
+    neither on the number of worlds nor on the other levels.
+
+    Args:
+        policy: A policy, or a function that turns the agents' observations into their actions.
+        episodes: Worlds with any number of agents, see ``irsim_gym.tasks.Episodes``.
+        levels: Their number (levels 0, 1, ...) or their indices.
+        split: ``"test"``, ``"dev"`` or ``"train"``.
+        optima: Geodesic optima that earlier evaluations of the same split found; filled further.
+        on_episodes: Called with the number of levels that have just ended.
+    """
+    found = optima_of(split, optima)
+    limit = episodes.task.max_steps * float(episodes.simulation.model.step_time[0])
+    rows: dict[int, TeamRow] = {}
+    for indices, worlds, played in drive(policy, episodes, levels, split):
+        for index, world, level in zip(indices, worlds, played, strict=True):
+            agents = [_agent_row(episodes, found, world, level, a) for a in range(episodes.n_agents)]
+            rows[index] = TeamRow(level, limit, tuple(agents))
+        if on_episodes is not None:
+            on_episodes(len(worlds))
+    return [rows[index] for index in sorted(rows)]
+
+
+def _agent_row(episodes: Episodes, optima: Optima, world: int, level: int, agent: int) -> AgentRow:
+    row = episode_row(episodes, optima, world, level, agent)
+    stood = bool(episodes.view.infos["deadlocked"][world, agent])
+    return AgentRow(
+        agent=episodes.agent_names[agent],
+        episode=_with_map(row, episodes, world, agent),
+        straight_distance=straight_distance(episodes, world, agent),
+        top_speed=top_speed(episodes, world, agent),
+        deadlocked=stood and row.outcome in STANDSTILLS,
+    )
+
+
+def _with_map(row: EpisodeRow, episodes: Episodes, world: int, agent: int) -> EpisodeRow:
+    """Tell the map apart from other obstacles."""
+    kind = int(episodes.view.infos["hit_kind"][world, agent])
+    return replace(row, hit=HIT_NAMES[kind]) if row.hit else row
+
+
+def top_speed(episodes: Episodes, world: int, agent: int) -> float:
+    """Return an agent's greatest linear speed [m/s], in any direction in which it can move.
+
+    An omnidirectional drive has a limit for each axis and is fastest along the diagonal.
+    """
+    model, body = episodes.simulation.model, int(episodes.simulation.agents[agent])
+    low, high = (limit[world % len(limit), body] for limit in (model.velocity_min, model.velocity_max))
+    fastest = np.maximum(np.abs(low), np.abs(high))
+    axes = 2 if model.drive[body] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1
+    return float(np.sqrt(np.sum(np.square(fastest[:axes]))))
