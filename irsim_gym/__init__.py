@@ -1,6 +1,7 @@
 """Gymnasium environments for mobile robots, written in IR-SIM's YAML, stepped in batches by compiled kernels.
 
-Importing the package registers the shipped scenarios as ``irsim_gym/<name>-v0``; everything else is loaded when used.
+Importing the package registers the shipped scenarios as ``irsim_gym/<name>-v0``, with Gymnasium at once and with
+PettingZoo when somebody imports that; everything else is loaded when used.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from irsim_gym.behaviors.custom import behavior, group_behavior
     from irsim_gym.engine.compile import compile
     from irsim_gym.envs import sb3
+    from irsim_gym.envs.parallel import parallel_env
     from irsim_gym.live import load
     from irsim_gym.scenario import load_scenario
 
@@ -24,6 +26,7 @@ _LAZY = {
     "group_behavior": ("irsim_gym.behaviors.custom", "group_behavior"),
     "load": ("irsim_gym.live", "load"),
     "load_scenario": ("irsim_gym.scenario", "load_scenario"),
+    "parallel_env": ("irsim_gym.envs.parallel", "parallel_env"),
     "sb3": ("irsim_gym.envs.sb3", None),
 }
 
@@ -36,6 +39,7 @@ __all__ = [
     "load_scenario",
     "make",
     "make_vec",
+    "parallel_env",
     "register_scenarios",
     "sb3",
 ]

@@ -47,7 +47,12 @@ ALLOWED: dict[str, set[str]] = {
 # Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.
 COMPOSERS = {"training", "cli", "__init__"}
 # Adapters to one library each: files whose place begins so.
-ONLY_FILES = {"pettingzoo": "envs/parallel", "stable_baselines3": "envs/sb3", "sb3_contrib": "envs/sb3_recurrent"}
+ONLY_FILES = {
+    "pettingzoo": "envs/parallel",
+    "stable_baselines3": "envs/sb3",
+    "sb3_contrib": "envs/sb3_recurrent",
+    "wrapt": "envs/registration",
+}
 # These are slow to load: outside the places named here they are imported inside functions.
 HEAVY = {
     "numba",

@@ -1,13 +1,15 @@
-"""Ids for ``gymnasium.make``: one for each scenario file, and ``irsim_gym/World-v0`` for any file."""
+"""Ids for Gymnasium and PettingZoo: one for each scenario file, and ``irsim_gym/World-v0`` for any file."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import gymnasium
+from wrapt import register_post_import_hook
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.scenario.library import scenario_names
@@ -16,6 +18,7 @@ NAMESPACE = "irsim_gym"
 ANY = f"{NAMESPACE}/World-v0"
 ENTRY_POINT = "irsim_gym.envs.single:WorldEnv"
 VECTOR_ENTRY_POINT = "irsim_gym.envs.vector:WorldVectorEnv"
+PARALLEL_ENTRY_POINT = "irsim_gym.envs.parallel:parallel_env"
 SUFFIXES = (".yaml", ".yml")
 
 
@@ -33,6 +36,8 @@ def register_shipped() -> None:
 
 def register_scenarios(folder: str | Path, namespace: str = NAMESPACE) -> tuple[str, ...]:
     """Register each YAML file of a folder as ``<namespace>/<file name>-v0``; none is read before it is made.
+
+    The ids are known to ``gymnasium.make``, ``gymnasium.make_vec`` and ``pettingzoo.make("parallel", ...)``.
 
     Args:
         folder: The folder; its subfolders are left out.
@@ -56,15 +61,23 @@ def register_scenarios(folder: str | Path, namespace: str = NAMESPACE) -> tuple[
 
 
 def _register(one: str, kwargs: dict[str, Any]) -> None:
-    """Register an id once; twice with the same scenario is once."""
+    """Register an id once; twice with the same scenario is once. PettingZoo gets it when somebody imports it."""
     known = gymnasium.registry.get(one)
     if known is None:
         gymnasium.register(one, ENTRY_POINT, vector_entry_point=VECTOR_ENTRY_POINT, kwargs=kwargs)
+        register_post_import_hook(partial(_register_parallel, one, kwargs), "pettingzoo")
     elif known.kwargs != kwargs:
         taken, wanted = (source.get("scenario", "any file") for source in (known.kwargs, kwargs))
         raise IrsimGymError(
             f"the id '{one}' is taken by {taken}; rename {wanted} or register it under another namespace"
         )
+
+
+def _register_parallel(one: str, kwargs: dict[str, Any], pettingzoo: Any) -> None:
+    """Register an id in the registry of PettingZoo, which it has from version 1.27 on."""
+    if hasattr(pettingzoo, "parallel_registry"):
+        pettingzoo.parallel_registry.pop(one, None)  # it would warn of one that it has already
+        pettingzoo.register("parallel", one, PARALLEL_ENTRY_POINT, kwargs=kwargs)
 
 
 def make(scenario: str | Path | Mapping[str, Any], **kwargs: Any) -> gymnasium.Env[Any, Any]:

@@ -93,6 +93,11 @@ class Worlds:
         """Frames per second at which a film runs in real time."""
         return 1.0 / self.scenario.world.step_time
 
+    def limit(self, max_steps: int) -> None:
+        """Set the time limit [steps], also for episodes under way."""
+        self.episodes.limit(max_steps)
+        self.task = self.episodes.task
+
     def begin(
         self,
         worlds: Sequence[int],

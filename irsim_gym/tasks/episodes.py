@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -16,7 +17,7 @@ from irsim_gym.tasks.binding import action_sizes, bind, hit_kinds, place_observa
 from irsim_gym.tasks.levels import check_split, take_levels
 from irsim_gym.tasks.outcome import PRECEDENCE
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.task import Task
+from irsim_gym.tasks.task import Task, checked_limit
 from irsim_gym.tasks.term import MindsClearance, Remembers
 from irsim_gym.tasks.transition import transition_of
 from irsim_gym.world.model import OMNI_WORLD
@@ -139,6 +140,12 @@ class Episodes:
             states,
         )
         return states
+
+    def limit(self, max_steps: int) -> None:
+        """Set the time limit [steps]; rewards that spread over an episode change with it."""
+        self.task = replace(self.task, max_steps=checked_limit(max_steps))
+        for term in [self._action, *self._observations, *self._rewards, *self._endings]:
+            term.max_steps = max_steps
 
     def begin(self, worlds: Ints, levels: Ints, split: str = "train") -> None:
         """Begin a level in some worlds; later ones of these worlds follow from it, within the same split.

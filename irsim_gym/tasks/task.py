@@ -104,8 +104,8 @@ def load_task(
         ScenarioError: It cannot be used; the error lists every problem with its line.
         UnknownNameError: ``task`` is no shipped name.
     """
-    if max_steps is not None and (isinstance(max_steps, bool) or not isinstance(max_steps, int) or max_steps < 1):
-        raise ValueError(f"max_steps must be a whole number >= 1, got {max_steps!r}")
+    if max_steps is not None:
+        checked_limit(max_steps)
     name, layers = _layers(scenario, task)
     merged = merge(layers)
     report, data = merged.report, merged.data
@@ -137,6 +137,13 @@ def load_task(
         deadlock_speed=options.deadlock_speed,
         deadlock_time=options.deadlock_time,
     )
+
+
+def checked_limit(max_steps: int) -> int:
+    """Return a time limit [steps] that can be used; ValueError for others."""
+    if isinstance(max_steps, bool) or not isinstance(max_steps, int) or max_steps < 1:
+        raise ValueError(f"max_steps must be a whole number >= 1, got {max_steps!r}")
+    return max_steps
 
 
 def _title(scenario: Scenario) -> str:

@@ -1,0 +1,259 @@
+"""One world in which several robots learn, as a ``pettingzoo.ParallelEnv``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import Space
+from gymnasium.error import ResetNeeded
+from gymnasium.spaces import Box
+from gymnasium.utils.seeding import np_random
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+
+from irsim_gym.arraytypes import Bytes, Rays
+from irsim_gym.envs.registration import scenario_behind
+from irsim_gym.envs.spaces import Layout, Observation, action_space, observation_layout, observation_space
+from irsim_gym.envs.worlds import LEVELS, RENDER_MODES, ScenarioSource, TaskSource, Worlds
+from irsim_gym.errors import UnknownNameError, suggestion
+
+Step = tuple[
+    dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]
+]  # fmt: skip
+
+
+def parallel_env(
+    scenario: ScenarioSource,
+    *,
+    task: TaskSource = None,
+    max_steps: int | None = None,
+    max_cycles: int | None = None,
+    padded: bool = False,
+    render_mode: str | None = None,
+    **parameters: Any,
+) -> WorldParallelEnv:
+    """Make the parallel environment of a scenario.
+
+    Args:
+        scenario: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
+        task: Name of a shipped task, path, or plain data; None for the scenario's own.
+        max_steps: Time limit [steps]; None for the task's.
+        max_cycles: The same under PettingZoo's name.
+        padded: True gives all agents the same spaces, those of the richest one; see ``WorldParallelEnv``.
+        render_mode: ``"rgb_array"`` or None.
+        **parameters: Values of the scenario's own parameters.
+
+    Raises:
+        ValueError: ``max_steps`` and ``max_cycles`` differ.
+    """
+    if max_steps is not None and max_cycles not in (None, max_steps):
+        raise ValueError(f"max_steps and max_cycles are one thing, got {max_steps} and {max_cycles}")
+    worlds = Worlds(
+        scenario_behind(scenario),
+        task=task,
+        max_steps=max_cycles if max_steps is None else max_steps,
+        render_mode=render_mode,
+        team=True,
+        parameters=parameters,
+    )
+    return WorldParallelEnv(worlds, padded=padded)
+
+
+class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc]
+    """A scenario in which several robots learn, all of them unless the task names some.
+
+    Agents have the names of the robots. ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` goes
+    on with the next level of the chain that follows from the last seed. ``options={"split": "test", "level": 17}``
+    begins exactly that level, and later resets without seed stay in that split.
+
+    A step takes an action from each agent in ``agents`` and answers these. An agent whose own episode ends is in that
+    answer for the last time: it is terminated by what became of it, or truncated by the time limit, never both, and is
+    gone from ``agents``. What its body does then is the task's choice (``ended``). When ``agents`` is empty,
+    ``step({})`` returns five empty dicts.
+
+    Infos hold the same keys at each call, all Python numbers, as those of ``WorldEnv``.
+
+    Attributes:
+        possible_agents: Names of all agents, in the scenario's order.
+        agents: Names of those whose episodes are under way, in the same order; a new list at each reset and step.
+        observation_spaces: Space of each agent. Agents with different drives have different ones; where ``padded``,
+            each has the columns of the richest agent, and those that mean nothing to an agent are 0.
+        action_spaces: Space of each agent; where ``padded``, each has the components of the largest drive, and an
+            agent's surplus ones are ignored.
+        state_space: Space of ``state()``.
+        worlds: The world, a batch of one.
+    """
+
+    metadata = {  # noqa: RUF012
+        "name": "irsim_gym_v0",
+        "render_modes": list(RENDER_MODES),
+        "render_fps": 10,
+        "is_parallelizable": True,
+    }
+
+    def __init__(self, worlds: Worlds, *, padded: bool = False) -> None:
+        """Play in a batch of one world that was made with ``team=True``."""
+        self.worlds = worlds
+        self.render_mode = worlds.render_mode
+        self.metadata = {
+            "name": f"{worlds.scenario.name}_v0",
+            "render_modes": list(RENDER_MODES),
+            "render_fps": worlds.render_fps,
+            "is_parallelizable": True,
+        }
+        self.possible_agents: list[str] = list(worlds.agent_names)
+        self.agents: list[str] = []
+        self._indices = {name: a for a, name in enumerate(self.possible_agents)}
+        self._layouts: dict[str, Layout] = {}
+        self.observation_spaces: dict[str, Space[Any]] = {}
+        self.action_spaces: dict[str, Space[Any]] = {}
+        for name, a in self._indices.items():
+            agent = None if padded else a
+            self._layouts[name] = observation_layout(worlds.episodes, agent)
+            self.observation_spaces[name] = observation_space(worlds.episodes, agent)
+            self.action_spaces[name] = action_space(worlds.episodes, agent)
+        self.state_space = Box(-1.0, 1.0, (worlds.episodes.team_state_size,), np.float32)
+        self._np_random: np.random.Generator | None = None
+        self._begun = False
+
+    @property
+    def max_cycles(self) -> int:
+        """Time limit [steps]. It may be set: the environment then is as if it had been made with it."""
+        return self.worlds.task.max_steps
+
+    @max_cycles.setter
+    def max_cycles(self, value: int) -> None:
+        self.worlds.limit(value)
+
+    def observation_space(self, agent: str) -> Space[Any]:
+        """Return the space of an agent's observations, the same object each time."""
+        return self._of(self.observation_spaces, agent)
+
+    def action_space(self, agent: str) -> Space[Any]:
+        """Return the space of an agent's actions, the same object each time."""
+        return self._of(self.action_spaces, agent)
+
+    def reset(
+        self, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
+        """Begin an episode for all agents; see the class for what seeds and options choose.
+
+        Args:
+            seed: Level of the split; None goes on.
+            options: ``split`` and ``level``, both may be absent. A key ``options`` is passed over, because PettingZoo's
+                tests give it to every environment; other keys are errors.
+        """
+        if seed is not None:
+            self._np_random, _ = np_random(seed)
+        chosen = {key: value for key, value in (options or {}).items() if key != "options"}
+        self.worlds.begin([0], [seed], [chosen], self._level)
+        self._begun = True
+        self.agents = list(self.possible_agents)
+        return self._observations(self.agents), self._infos(self.agents)
+
+    def step(self, actions: Mapping[str, Any]) -> Step:
+        """Advance the world by one step.
+
+        Args:
+            actions: An action for each agent in ``agents``.
+
+        Returns:
+            Observations, rewards, terminations, truncations and infos of these agents.
+
+        Raises:
+            ResetNeeded: No episode has begun.
+            UnknownNameError: An action for somebody who is no agent.
+            ValueError: An agent's action is missing, has the wrong shape or type, is not finite or is no choice, or its
+                episode has ended. Nothing has moved then.
+        """
+        if not self._begun:
+            raise ResetNeeded("no episode has begun: call reset() before step()")
+        given = self._taken(actions)
+        if not self.agents:
+            return {}, {}, {}, {}, {}
+        self.worlds.step(given)
+        view = self.worlds.episodes.view
+        before = self.agents
+        rewards = dict(self._each(before, view.reward))
+        terminations = dict(self._each(before, view.terminated))
+        truncations = dict(self._each(before, view.truncated))
+        self.agents = [name for name in before if not (terminations[name] or truncations[name])]
+        return self._observations(before), rewards, terminations, truncations, self._infos(before)
+
+    def state(self) -> Rays:
+        """Return a fresh view of the whole team, float32 in [-1, 1], of the same shape also when agents have gone."""
+        state: Rays = self.worlds.episodes.team_state()[0]
+        return state
+
+    def render(self) -> Bytes | None:
+        """Return a fresh picture ``(height, width, 3)``; None, with a warning, without a render mode."""
+        if self.render_mode is None:
+            gymnasium.logger.warn("render() was called but no render_mode was given: use render_mode='rgb_array'")
+        elif not self._begun:
+            raise ResetNeeded("no episode has begun: call reset() before render()")
+        return self.worlds.frame(0)
+
+    def close(self) -> None:
+        """Free the renderer. May be called twice."""
+        self.worlds.close()
+
+    def _level(self, _: int) -> int:
+        """Return a level for a chain that starts without a seed."""
+        if self._np_random is None:
+            self._np_random, _ = np_random()
+        return int(self._np_random.integers(LEVELS))
+
+    def _of(self, spaces: Mapping[str, Space[Any]], agent: str) -> Space[Any]:
+        if agent not in spaces:
+            raise UnknownNameError(f"no agent named {agent!r}{suggestion(str(agent), self.possible_agents)}")
+        return spaces[agent]
+
+    def _taken(self, actions: Mapping[str, Any]) -> NDArray[Any]:
+        """Return the actions as the batch of one takes them; those of agents who are not there are 0."""
+        live = set(self.agents)
+        for name in actions:
+            if name not in live:
+                self._of(self.action_spaces, name)
+                raise ValueError(f"an action for '{name}', whose episode has ended; 'agents' is {self.agents}")
+        missing = [name for name in self.agents if name not in actions]
+        if missing:
+            raise ValueError(f"no action for {', '.join(missing)}: each agent in 'agents' needs one")
+        episodes = self.worlds.episodes
+        is_discrete = episodes.n_discrete > 0
+        size = 1 if is_discrete else len(episodes.action_low)
+        given = np.zeros((1, episodes.n_agents, size), np.int64 if is_discrete else np.float64)
+        for name in self.agents:
+            a = self._indices[name]
+            row = self._checked(name, np.asarray(actions[name]), int(episodes.action_sizes[a]))
+            given[0, a, : row.size] = row
+        return given[..., 0] if is_discrete else given
+
+    def _checked(self, name: str, row: NDArray[Any], size: int) -> NDArray[Any]:
+        """Return the part of an agent's action that counts, or refuse it."""
+        n_choices = self.worlds.episodes.n_discrete
+        shape = self.action_spaces[name].shape
+        if row.shape != shape:
+            raise ValueError(f"the action of '{name}' must have shape {shape}, got {row.shape}")
+        if row.dtype.kind not in ("iu" if n_choices else "fiu"):
+            wanted = "a whole number" if n_choices else "numbers"
+            raise ValueError(f"the action of '{name}' must be {wanted}, got an array of {row.dtype}")
+        if n_choices and not 0 <= row < n_choices:
+            raise ValueError(f"the action of '{name}' is not a choice from 0 to {n_choices - 1}: {row}")
+        if not n_choices and not np.isfinite(row[:size]).all():
+            raise ValueError(f"the action of '{name}' is not finite: {row}")
+        return row if n_choices else row[:size]
+
+    def _each(self, names: list[str], values: NDArray[Any]) -> zip[tuple[str, Any]]:
+        """Return the agents' values ``(1, n_agents)`` as Python numbers."""
+        row = values[0].tolist()
+        return zip(names, [row[self._indices[name]] for name in names], strict=True)
+
+    def _observations(self, names: list[str]) -> dict[str, Observation]:
+        rows = self.worlds.episodes.view.observation[0]
+        return {name: self._layouts[name].fresh(rows[self._indices[name]]) for name in names}
+
+    def _infos(self, names: list[str]) -> dict[str, dict[str, Any]]:
+        return {name: self.worlds.info_of(0, self._indices[name]) for name in names}

@@ -1,0 +1,229 @@
+"""The parallel environment: ends, spaces, limits, seeds and errors."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from contract_tools import assert_same
+from gymnasium.error import ResetNeeded
+from gymnasium.spaces import Box, Dict, Discrete
+from team_scenes import ahead, crossing, four_ends, mixed, robot, towards, world
+
+import irsim_gym
+from irsim_gym.errors import UnknownNameError
+from irsim_gym.tasks.outcome import HitKind, Outcome
+
+
+def test_each_ends_in_its_own_way():
+    """The script of ``four_ends``: arrival, collision, time limit, and an arrival in the very last step."""
+    env = irsim_gym.parallel_env(four_ends())
+    env.reset(seed=0)
+    ends = {}
+    for step in range(1, 10):
+        answered = list(env.agents)
+        observations, rewards, terminations, truncations, infos = env.step(ahead(env))
+        assert list(observations) == list(rewards) == answered
+        for name in answered:
+            if terminations[name] or truncations[name]:
+                outcome = Outcome(infos[name]["outcome"])
+                ends[name] = step, outcome, terminations[name], truncations[name]
+                assert name not in env.agents
+    assert ends == {
+        "robot_0": (4, Outcome.SUCCESS, True, False),
+        "robot_1": (6, Outcome.COLLISION, True, False),
+        "robot_2": (9, Outcome.TIMEOUT, False, True),
+        "robot_3": (9, Outcome.SUCCESS, True, False),
+    }
+    assert infos["robot_3"]["is_success"] is True
+    assert env.agents == []
+    assert env.step({}) == ({}, {}, {}, {}, {})
+
+
+@pytest.mark.parametrize(
+    ("ended", "outcome", "hit_kind"),
+    [("stay", Outcome.COLLISION, HitKind.ROBOT), ("vanish", Outcome.SUCCESS, HitKind.NOTHING)],
+)
+def test_what_becomes_of_the_body(ended, outcome, hit_kind):
+    """One robot follows another and arrives behind it: whether that stands in the way is the task's choice."""
+    scene = world([robot([2, 1, 0], [3, 1, 0]), robot([1, 1, 0], [5, 1, 0])], [], ended=ended, max_steps=60)
+    env = irsim_gym.parallel_env(scene)
+    env.reset(seed=0)
+    while env.agents:
+        infos = env.step(ahead(env))[4]
+    assert (infos["robot_1"]["outcome"], infos["robot_1"]["hit_kind"]) == (outcome, hit_kind)
+
+
+def test_spaces_of_different_drives():
+    """Each agent has the components of its own drive; padded, all have three."""
+    env, padded = irsim_gym.parallel_env(mixed()), irsim_gym.parallel_env(mixed(), padded=True)
+    sizes = {"robot_0": 2, "robot_1": 2, "robot_2": 3, "robot_3": 2}
+    assert {name: env.action_space(name).shape[0] for name in env.possible_agents} == sizes
+    assert {padded.action_space(name).shape[0] for name in sizes} == {3}
+    own = {name: env.observation_space(name).shape[0] for name in sizes}
+    assert own["robot_2"] == own["robot_0"] + 1  # the third component of its velocity
+    assert {padded.observation_space(name).shape[0] for name in sizes} == {own["robot_2"]}
+    for name in sizes:
+        assert env.action_space(name) is env.action_space(name) is env.action_spaces[name]
+        assert env.observation_space(name) is env.observation_spaces[name]
+    assert padded.action_space("robot_0") == padded.action_space("robot_1")
+    assert padded.action_space("robot_0") is not padded.action_space("robot_1")
+
+
+def test_padding_adds_zeros_alone():
+    """Surplus columns are 0, surplus components are ignored, whatever they are."""
+    env, padded = irsim_gym.parallel_env(mixed()), irsim_gym.parallel_env(mixed(), padded=True)
+    assert set(env.reset(seed=0)[0]) == set(padded.reset(seed=0)[0])
+    used = env.worlds.episodes.feature_mask
+    rng = np.random.default_rng(0)
+    for _ in range(10):
+        actions = {name: rng.uniform(-1.0, 1.0, 3) for name in padded.agents}
+        own = {name: action[: env.action_space(name).shape[0]] for name, action in actions.items()}
+        for name, action in own.items():
+            actions[name][len(action) :] = np.nan
+        seen, answer = env.step(own), padded.step(actions)
+        assert seen[1:] == answer[1:]
+        for a, name in enumerate(env.possible_agents):
+            np.testing.assert_array_equal(answer[0][name][used[a]], seen[0][name])
+            assert not answer[0][name][~used[a]].any()
+
+
+def test_other_forms():
+    form = irsim_gym.parallel_env(crossing(observation_form="dict"))
+    choice = irsim_gym.parallel_env(crossing(action={"name": "discrete", "linear": 2, "angular": 3}))
+    assert isinstance(form.observation_space("robot_0"), Dict)
+    assert choice.action_space("robot_3") == Discrete(6)
+    choice.reset(seed=0)
+    choice.step({"robot_0": 5, "robot_1": np.int32(0), "robot_2": np.array(3), "robot_3": np.int64(1)})
+    with pytest.raises(ValueError, match="'robot_1' is not a choice from 0 to 5: 6"):
+        choice.step({**dict.fromkeys(choice.agents, 0), "robot_1": 6})
+    with pytest.raises(ValueError, match="'robot_0' must be a whole number"):
+        choice.step({**dict.fromkeys(choice.agents, 0), "robot_0": 0.5})
+
+
+def test_the_limit_may_be_set():
+    """An environment whose ``max_cycles`` is set is one that was made with it, rewards included."""
+    made, named, later = (
+        irsim_gym.parallel_env(crossing(), **kwargs) for kwargs in ({"max_steps": 7}, {"max_cycles": 7}, {})
+    )
+    assert later.max_cycles == 25
+    later.reset(seed=0)
+    later.max_cycles = 7
+    assert made.max_cycles == named.max_cycles == later.max_cycles == 7
+    for env in (made, named, later):
+        env.reset(seed=2)
+    rng = np.random.default_rng(0)
+    while made.agents:
+        actions = towards(made, rng)
+        expected = made.step(actions)
+        for env in (named, later):
+            assert_same(env.step(actions), expected)
+    assert "robot_2" in expected[3]
+    assert expected[4]["robot_2"]["steps"] == 7
+
+
+def test_limits_that_make_no_sense():
+    with pytest.raises(ValueError, match="max_steps and max_cycles are one thing, got 3 and 4"):
+        irsim_gym.parallel_env(crossing(), max_steps=3, max_cycles=4)
+    env = irsim_gym.parallel_env(crossing(), max_steps=3, max_cycles=3)
+    with pytest.raises(ValueError, match="must be a whole number >= 1, got 0"):
+        env.max_cycles = 0
+    assert env.max_cycles == 3
+
+
+def test_seeds_levels_and_splits():
+    env = irsim_gym.parallel_env(crossing())
+    first = env.reset(seed=4)
+    assert {info["level"] for info in first[1].values()} == {4}
+    chain = [env.reset()[1]["robot_0"]["level"] for _ in range(3)]
+    assert_same(env.reset(options={"split": "train", "level": 4}), first)
+    env.reset(seed=4)
+    assert [env.reset()[1]["robot_0"]["level"] for _ in range(3)] == chain
+    test = env.reset(options={"split": "test", "level": 4})
+    assert not np.array_equal(test[0]["robot_0"], first[0]["robot_0"])
+    options = {"options": 1}  # PettingZoo's tests pass this
+    env.reset(options=options)
+    assert options == {"options": 1}
+    assert env.reset()[1]["robot_0"]["level"] > 4
+    with pytest.raises(UnknownNameError, match="no reset option named 'levle'"):
+        env.reset(options={"levle": 3})
+
+
+def test_chains_without_a_seed_differ():
+    levels = {irsim_gym.parallel_env(crossing()).reset()[1]["robot_0"]["level"] for _ in range(3)}
+    assert len(levels) == 3
+
+
+def test_mistakes_are_told():
+    env = irsim_gym.parallel_env(four_ends(), render_mode="rgb_array")
+    for call in (env.render, lambda: env.step({})):
+        with pytest.raises(ResetNeeded, match="call reset"):
+            call()
+    env.reset(seed=0)
+    before = env.state()
+    good = ahead(env)
+    for change, error, message in [
+        ({"robot_1": None}, ValueError, "no action for robot_1: each agent"),
+        ({"robot_9": good["robot_0"]}, UnknownNameError, "no agent named 'robot_9' (did you mean 'robot_"),
+        ({"robot_0": np.zeros(3)}, ValueError, "'robot_0' must have shape (2,), got (3,)"),
+        ({"robot_2": np.array([0.0, np.inf])}, ValueError, "'robot_2' is not finite"),
+        ({"robot_2": np.array(["a", "b"])}, ValueError, "'robot_2' must be numbers"),
+    ]:
+        actions = {name: action for name, action in {**good, **change}.items() if action is not None}
+        with pytest.raises(error, match=re.escape(message)):
+            env.step(actions)
+        np.testing.assert_array_equal(env.state(), before)
+    for _ in range(4):
+        env.step(ahead(env))
+    with pytest.raises(ValueError, match="for 'robot_0', whose episode has ended"):
+        env.step(good)
+    for space in (env.observation_space, env.action_space):
+        with pytest.raises(UnknownNameError, match="no agent named 'robot'"):
+            space("robot")
+
+
+def test_the_state_keeps_its_shape():
+    env = irsim_gym.parallel_env(four_ends())
+    env.reset(seed=0)
+    assert isinstance(env.state_space, Box)
+    states = [env.state()]
+    while env.agents:
+        env.step(ahead(env))
+        states.append(env.state())
+    assert all(state in env.state_space and state.dtype == np.float32 for state in states)
+    assert len({state.tobytes() for state in states}) == len(states)
+
+
+def test_only_those_who_learn_are_agents():
+    env = irsim_gym.parallel_env(crossing(agents=["robot_2", "robot_0"]))
+    assert env.possible_agents == ["robot_2", "robot_0"]
+    env.reset(seed=0)
+    assert env.step(ahead(env))[1].keys() == {"robot_2", "robot_0"}
+
+
+def test_names_are_those_of_the_file():
+    env = irsim_gym.parallel_env("four_drives")
+    assert env.possible_agents[:2] == ["wheels", "slider"]
+    assert str(env) == "four_drives_v0"
+
+
+def test_pictures_and_closing():
+    env = irsim_gym.parallel_env(four_ends(), render_mode="rgb_array")
+    env.reset(seed=0)
+    one, two = env.render(), env.render()
+    assert one.dtype == np.uint8
+    assert one.shape[2] == 3
+    assert not np.shares_memory(one, two)
+    assert env.metadata["render_modes"] == ["rgb_array"]
+    assert env.metadata["render_fps"] == pytest.approx(10.0)
+    assert env.metadata["is_parallelizable"] is True
+    assert env.unwrapped is env
+    env.close()
+    env.close()
+    silent = irsim_gym.parallel_env(four_ends())
+    silent.reset(seed=0)
+    with pytest.warns(UserWarning, match="no render_mode"):
+        assert silent.render() is None
+    with pytest.raises(ValueError, match="render_mode"):
+        irsim_gym.parallel_env(four_ends(), render_mode="human")
