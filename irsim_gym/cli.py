@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from irsim_gym.cli_tools import import_modules, print_options
+from irsim_gym.cli_tools import import_modules, print_options, read_parameters
 from irsim_gym.errors import IrsimGymError
 
 app = typer.Typer(
@@ -29,6 +29,10 @@ Steps = Annotated[
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of networks, exploration and training levels.")]
 Reference = Annotated[str, typer.Option(help="random, dash, a run's folder or a policy.zip.")]
+Given = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the scenario, e.g. n_robots=8; may be repeated."),
+]
 Imports = Annotated[
     list[str] | None,
     typer.Option(
@@ -57,22 +61,24 @@ def list_shipped() -> None:
 @app.command()
 def check(
     files: Annotated[list[str], typer.Argument(help="Scenario files or shipped names.")],
+    given: Given = None,
     modules: Imports = None,
 ) -> None:
     """Check scenario files and their tasks, and draw a level of each; print every problem with its line.
 
-    Below a file that is fine stand notes on values that are allowed but seldom meant. The exit status is 1 if a file
-    cannot be used; notes leave it at 0.
+    Below a file that is fine stand its parameters, and notes on values that are allowed but seldom meant. The exit
+    status is 1 if a file cannot be used; notes leave it at 0.
     """
     from irsim_gym.scenario import load_scenario
     from irsim_gym.scenario.notes import notes
+    from irsim_gym.scenario.parameters import describe_parameters
     from irsim_gym.tasks import load_task
     from irsim_gym.training.commands import begin_level
 
-    failed = False
+    failed, parameters = False, read_parameters(given)
     for file in files:
         try:
-            scenario = load_scenario(file, warn=False)
+            scenario = load_scenario(file, parameters, warn=False)
             task = load_task(scenario) if scenario.robots else None
             begin_level(scenario)
         except (IrsimGymError, OSError) as error:
@@ -83,6 +89,8 @@ def check(
         learned = f"task '{task.name}'" if task is not None else "no robot to learn"
         obstacles = len(scenario.bodies) - robots
         print(f"{file}: fine (robots: {robots}, obstacles: {obstacles}, {learned})")
+        for line in describe_parameters(scenario.source, scenario.parameters):
+            print(f"  {line}")
         found = notes(scenario)
         for note in found:
             print(f"  {file}:{note.line}   {note.path}: {note.message}")
@@ -136,12 +144,14 @@ def train(
         str | None,
         typer.Option(help="All robots learn one policy; those that end wait (episode) or begin anew (respawn)."),
     ] = None,
+    given: Given = None,
     modules: Imports = None,
 ) -> None:
     """Train an agent, then score its checkpoints. Ctrl-C leaves a checkpoint for --resume."""
     from irsim_gym.training.commands import run_training
 
-    run_training(scenario, algorithm, seed, steps, task, out, hyperparameters, resume, dev_levels, team)
+    parameters = read_parameters(given)
+    run_training(scenario, algorithm, seed, steps, task, out, hyperparameters, resume, dev_levels, team, parameters)
 
 
 @app.command()
@@ -153,12 +163,13 @@ def evaluate(
     task: Task = None,
     out: Annotated[Path | None, typer.Option(help="Folder for episodes.csv, summary.json, table.txt.")] = None,
     references: Annotated[bool, typer.Option(help="Add the rows random and dash.")] = True,
+    given: Given = None,
     modules: Imports = None,
 ) -> None:
     """Drive policies through levels they never saw, beside random and dash."""
     from irsim_gym.training.commands import run_evaluation
 
-    run_evaluation(scenario, policies or [], levels, split, task, out, references)
+    run_evaluation(scenario, policies or [], levels, split, task, out, references, read_parameters(given))
 
 
 @app.command()
@@ -169,12 +180,14 @@ def record(
     split: Split = "test",
     task: Task = None,
     out: Annotated[Path, typer.Option(help="Film to write, .mp4 or .gif.")] = Path("runs/film.mp4"),
+    given: Given = None,
     modules: Imports = None,
 ) -> None:
     """Film policies on the same levels, side by side."""
     from irsim_gym.training.record import record_film
 
-    print(record_film(scenario, policies, level or [0], out, split=split, task=task))
+    parameters = read_parameters(given)
+    print(record_film(scenario, policies, level or [0], out, split=split, task=task, parameters=parameters))
 
 
 @app.command()
@@ -199,12 +212,13 @@ def rollout(
     split: Split = "dev",
     task: Task = None,
     frames: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
+    given: Given = None,
     modules: Imports = None,
 ) -> None:
     """Drive a policy through a few levels and print how they ended."""
     from irsim_gym.training.commands import run_rollout
 
-    run_rollout(scenario, policy, levels, split, task, frames)
+    run_rollout(scenario, policy, levels, split, task, frames, read_parameters(given))
 
 
 @app.command("run")
@@ -215,6 +229,7 @@ def run_by_itself(
     ] = 500,
     seed: Annotated[int, typer.Option(min=0, help="Which level is drawn.")] = 0,
     film: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
+    given: Given = None,
     modules: Imports = None,
 ) -> None:
     """Run a file without learning, driven by its own behaviours, and print how its robots stand at the end."""
@@ -222,7 +237,7 @@ def run_by_itself(
 
     if film is not None and film.suffix.lower() not in (".mp4", ".gif"):
         raise IrsimGymError(f"a film's name ends in .mp4 or .gif, got '{film.name}'")
-    with load(scenario, seed=seed, record=film is not None) as world:
+    with load(scenario, seed=seed, record=film is not None, **read_parameters(given)) as world:
         world.resume()
         while world.count < steps and not world.done():
             world.step()
@@ -241,12 +256,13 @@ def draw(
     split: Split = "dev",
     task: Task = None,
     out: Annotated[Path | None, typer.Option(help="PNG file (default: SCENARIO.png).")] = None,
+    given: Given = None,
     modules: Imports = None,
 ) -> None:
     """Draw the start of a level."""
     from irsim_gym.training.commands import draw_level
 
-    print(draw_level(scenario, level, split, task, out))
+    print(draw_level(scenario, level, split, task, out, read_parameters(given)))
 
 
 @app.command()

@@ -7,6 +7,7 @@ import importlib.util
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from irsim_gym.errors import IrsimGymError, suggestion
 
@@ -64,6 +65,28 @@ def _search(folder: Path) -> None:
     """Let modules of a folder be found, those of a file's neighbours too."""
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
+
+
+def read_parameters(settings: Sequence[str] | None) -> dict[str, Any]:
+    """Return what ``--set name=value`` says; the scenario turns the text into values of the right type.
+
+    Raises:
+        IrsimGymError: One of them is no ``name=value``, or a name is given twice.
+    """
+    given: dict[str, Any] = {}
+    if settings:
+        from irsim_gym.scenario.parameters import is_free
+    for text in settings or ():
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise IrsimGymError(f"--set: write NAME=VALUE, e.g. --set n_robots=8, got '{text}'")
+        name = name.strip()
+        if name in given:
+            raise IrsimGymError(f"--set: '{name}' is given twice")
+        if not is_free(name):
+            raise IrsimGymError(f"--set: '{name}' can be no parameter of a scenario, it is an argument of environments")
+        given[name] = value.strip()
+    return given
 
 
 def print_options(name: str) -> None:

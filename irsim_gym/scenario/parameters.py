@@ -104,6 +104,11 @@ class ParameterSpec:
         return "" if good else f"must be {self.allowed}, got {show(value)}{near}"
 
 
+def is_free(name: str) -> bool:
+    """Return whether a parameter may have this name: environments have no argument that is called so."""
+    return name not in ARGUMENTS
+
+
 def fill_in(source: Source, given: Mapping[str, Any]) -> tuple[Source, dict[str, Value]]:
     """Put values in the places of parameters; return the data without any ``$name``, and the values.
 
@@ -171,7 +176,7 @@ def _declarations(source: Source, report: Report) -> dict[str, ParameterSpec | N
 def _declaration(name: str, data: Any, place: Place, report: Report) -> ParameterSpec | None:
     if _NAME.fullmatch(name) is None:
         report.add(place, "a name consists of letters, digits and _, and does not begin with a digit")
-    elif name in ARGUMENTS:
+    elif not is_free(name):
         report.add(place, "environments have an argument of this name: choose another one")
     elif not isinstance(data, Mapping):
         report.add(place, f"must be a mapping such as {{default: 4, meaning: ...}}, got {show(data)}")

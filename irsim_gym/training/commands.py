@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +22,11 @@ from irsim_gym.tasks import load_task
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.hyperparameters import load_hyperparameters
-from irsim_gym.training.run import Run, Settings, default_folder, environment_id, scenario_name
+from irsim_gym.training.run import Run, Settings, default_folder, environment_id, labelled, scenario_name
 from irsim_gym.training.score import MARKS, Point, reached, score_run
 from irsim_gym.training.train import TrainingInterruptedError, train
+
+Parameters = Mapping[str, Any] | None
 
 
 def new_settings(
@@ -35,13 +37,15 @@ def new_settings(
     task: str | None,
     hyperparameters: Path | None,
     team: str | None = None,
+    parameters: Parameters = None,
 ) -> Settings:
     """Put the settings of a run together from what was asked for and the hyper-parameter file."""
     asked = {"n_timesteps": steps, "team": team}
     overrides = {name: value for name, value in asked.items() if value is not None}
     found = load_hyperparameters(algorithm, environment_id(scenario), file=hyperparameters, overrides=overrides)
     named = _lasting(scenario_name(scenario))
-    return Settings(named, algorithm, seed, None if task is None else _lasting(task), found)
+    used = load_scenario(named, parameters, warn=False).parameters
+    return Settings(named, algorithm, seed, None if task is None else _lasting(task), found, used)
 
 
 def settings_to_resume(run: Run, asked: Settings, steps: int | None, team: str | None = None) -> Settings:
@@ -51,7 +55,7 @@ def settings_to_resume(run: Run, asked: Settings, steps: int | None, team: str |
         IrsimGymError: The run in the folder is for something else.
     """
     begun = run.settings()
-    names = ("scenario", "algorithm", "seed", "task")
+    names = ("scenario", "parameters", "algorithm", "seed", "task")
     pairs = {name: (getattr(begun, name), getattr(asked, name)) for name in names}
     if steps is not None:
         pairs["steps"] = (begun.hyperparameters.n_timesteps, steps)
@@ -77,11 +81,12 @@ def run_training(
     resume: bool,
     dev_levels: int,
     team: str | None = None,
+    parameters: Parameters = None,
 ) -> Run:
     """Train, score the checkpoints and say what came out."""
     console = Console(stderr=True)
-    run = Run(out or default_folder(scenario, algorithm, seed))
-    settings = new_settings(scenario, algorithm, seed, steps, task, hyperparameters, team)
+    run = Run(out or default_folder(scenario, algorithm, seed, parameters))
+    settings = new_settings(scenario, algorithm, seed, steps, task, hyperparameters, team, parameters)
     if resume and run.exists():
         settings = settings_to_resume(run, settings, steps, team)
     what = f"{settings.algorithm.upper()} on {settings.scenario}, seed {settings.seed}"
@@ -118,32 +123,51 @@ def run_evaluation(
     task: str | None,
     out: Path | None,
     references: bool,
+    parameters: Parameters = None,
 ) -> Evaluation:
     """Evaluate policies, print the table and write the files."""
     if not policies and not references:
         raise IrsimGymError("nothing to evaluate: name a policy, or leave the reference rows on")
-    folder = out or Path("runs") / f"evaluation-{Path(scenario_name(scenario)).stem}-{split}"
+    folder = out or Path("runs") / f"evaluation-{labelled(scenario, parameters)}-{split}"
     found = evaluate_policies(
-        scenario, policies, levels=levels, split=split, task=task, references=references, folder=folder
+        scenario,
+        policies,
+        levels=levels,
+        split=split,
+        task=task,
+        references=references,
+        folder=folder,
+        parameters=parameters,
     )
     print_table(summary_table(found.summaries, found.title))
     print(f"rows, figures and table: {folder}")
     return found
 
 
-def run_rollout(scenario: str, policy: str, levels: int, split: str, task: str | None, frames: Path | None) -> None:
+def run_rollout(
+    scenario: str,
+    policy: str,
+    levels: int,
+    split: str,
+    task: str | None,
+    frames: Path | None,
+    parameters: Parameters = None,
+) -> None:
     """Drive a policy through a few levels and print a line for each."""
-    found = evaluate_policies(scenario, [policy], levels=levels, split=split, task=task, references=False)
+    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": parameters}
+    found = evaluate_policies(scenario, [policy], levels=levels, references=False, **chosen)
     for row in next(iter(found.rows.values())):
         hit = f" with {row.hit}" if row.hit else ""
         print(f"level {row.level}: {row.outcome}{hit} after {row.time:.1f} s, {row.path_length:.2f} m driven")
     if frames is not None:
         from irsim_gym.training.record import record_film
 
-        print(record_film(scenario, [policy], range(levels), frames, split=split, task=task))
+        print(record_film(scenario, [policy], range(levels), frames, **chosen))
 
 
-def draw_level(scenario: str, level: int, split: str, task: str | None, out: Path | None) -> Path:
+def draw_level(
+    scenario: str, level: int, split: str, task: str | None, out: Path | None, parameters: Parameters = None
+) -> Path:
     """Draw the start of a level into a PNG file and return it; nobody has to learn in it.
 
     Raises:
@@ -155,7 +179,7 @@ def draw_level(scenario: str, level: int, split: str, task: str | None, out: Pat
 
     if out is not None and out.suffix != ".png":
         raise IrsimGymError(f"pictures are PNG files, got '{out}'")
-    simulation = begin_level(load_scenario(scenario_name(scenario)), level, split, task)
+    simulation = begin_level(load_scenario(scenario_name(scenario), parameters), level, split, task)
     path = out or Path(f"{simulation.scenario.name}.png")
     path.parent.mkdir(parents=True, exist_ok=True)
     parts = simulation.model, simulation.state, simulation.sensors

@@ -59,7 +59,12 @@ def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -
     """
     mode: Any = settings.hyperparameters.team
     seed = settings.first_level
-    options: dict[str, Any] = {"task": settings.task, "max_steps": max_steps, "render_mode": None}
+    options: dict[str, Any] = {
+        "task": settings.task,
+        "max_steps": max_steps,
+        "render_mode": None,
+        **settings.parameters,
+    }
     name = scenario_name(settings.scenario)
     if mode is None:
         return sb3.make_vec_env(name, n_envs, seed, **options)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress
@@ -57,6 +58,7 @@ def evaluate_policies(
     names: Sequence[str] | None = None,
     folder: Path | None = None,
     console: Console | None = None,
+    parameters: Mapping[str, Any] | None = None,
 ) -> Evaluation:
     """Evaluate policies and write ``episodes.csv``, ``summary.json`` and ``table.txt``.
 
@@ -71,8 +73,9 @@ def evaluate_policies(
         names: Names of the policies in the results; None to take them from the sources.
         folder: Where the files go; None writes none.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
+        parameters: Values for the scenario's parameters.
     """
-    episodes = make_episodes(scenario, task=task, n_worlds=max(1, min(n_worlds, levels)))
+    episodes = make_episodes(scenario, task=task, n_worlds=max(1, min(n_worlds, levels)), parameters=parameters)
     labels = policy_names(sources) if names is None else names
     chosen = {label: load_policy(source) for label, source in zip(labels, sources, strict=True)}
     if references:

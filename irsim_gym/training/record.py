@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
@@ -33,6 +33,7 @@ def record_film(
     task: str | None = None,
     names: Sequence[str] | None = None,
     console: Console | None = None,
+    parameters: Mapping[str, Any] | None = None,
 ) -> Path:
     """Film policies on levels, one level after another, one panel per policy; return the film's path.
 
@@ -45,6 +46,7 @@ def record_film(
         task: Shipped name or path of a task; None for the scenario's own.
         names: Captions; None to take them from the sources.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
+        parameters: Values for the scenario's parameters.
 
     Raises:
         IrsimGymError: The file's suffix is none of a film.
@@ -55,7 +57,7 @@ def record_film(
     if path.suffix.lower() not in SUFFIXES:
         raise IrsimGymError(f"a film's name ends in {' or '.join(SUFFIXES)}, got '{path.name}'")
     policies = [load_policy(source) for source in sources]
-    episodes = make_episodes(scenario, task=task, n_worlds=len(policies))
+    episodes = make_episodes(scenario, task=task, n_worlds=len(policies), parameters=parameters)
     simulation = episodes.simulation
     parts = simulation.model, simulation.state, simulation.sensors
     renderer = Renderer(simulation.scenario, *parts, learners=simulation.agents.tolist())

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import os
 import platform
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -27,6 +29,7 @@ class Settings:
         seed: Seed of the networks, the exploration and the choice of levels.
         task: Shipped name or path of a task; None for the scenario's own.
         hyperparameters: How it is trained.
+        parameters: Values of the scenario's parameters by name.
     """
 
     scenario: str
@@ -34,6 +37,7 @@ class Settings:
     seed: int
     task: str | None
     hyperparameters: Hyperparameters
+    parameters: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def first_level(self) -> int:
@@ -46,6 +50,7 @@ class Settings:
             "scenario": self.scenario,
             "algorithm": self.algorithm,
             "seed": self.seed,
+            "parameters": dict(self.parameters),
             "task": self.task,
             "hyperparameters": self.hyperparameters.to_plain(),
         }
@@ -54,7 +59,8 @@ class Settings:
     def from_plain(cls, data: dict[str, Any]) -> Settings:
         """Make them from what ``to_plain`` returned."""
         values = {name: data[name] for name in ("scenario", "algorithm", "seed", "task")}
-        return cls(**values, hyperparameters=Hyperparameters.from_plain(data["hyperparameters"]))
+        wanted = Hyperparameters.from_plain(data["hyperparameters"])
+        return cls(**values, hyperparameters=wanted, parameters=data.get("parameters", {}))
 
 
 @dataclass(frozen=True)
@@ -119,9 +125,15 @@ def environment_id(scenario: str) -> str:
     return f"irsim_gym/{Path(scenario_name(scenario)).stem}-v0"
 
 
-def default_folder(scenario: str, algorithm: str, seed: int) -> Path:
+def default_folder(scenario: str, algorithm: str, seed: int, parameters: Mapping[str, Any] | None = None) -> Path:
     """Return the folder of a run that was given none."""
-    return Path("runs") / f"{Path(scenario_name(scenario)).stem}-{algorithm}-{seed}"
+    return Path("runs") / f"{labelled(scenario, parameters)}-{algorithm}-{seed}"
+
+
+def labelled(scenario: str, parameters: Mapping[str, Any] | None = None) -> str:
+    """Return the name of a scenario with its given parameters, as part of a file's name."""
+    given = "".join(f"-{name}={value}" for name, value in (parameters or {}).items())
+    return re.sub(r"[^\w.=-]", "_", f"{Path(scenario_name(scenario)).stem}{given}")
 
 
 def machine() -> dict[str, Any]:

@@ -44,7 +44,12 @@ def score_run(run: Run, *, levels: int = DEV_LEVELS, console: Console | None = N
     points = {int(point["steps"]): point for point in read_curve(run) if point["levels"] == levels}
     waiting = [path for path in list_checkpoints(run.checkpoints) if int(path.name) not in points]
     if waiting:
-        episodes = make_episodes(settings.scenario, task=settings.task, n_worlds=max(1, min(WORLDS, levels)))
+        episodes = make_episodes(
+            settings.scenario,
+            task=settings.task,
+            n_worlds=max(1, min(WORLDS, levels)),
+            parameters=settings.parameters,
+        )
         screen, optima = console or Console(stderr=True), Optima("dev")
         with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
             for path in bar.track(waiting, description="scoring checkpoints"):

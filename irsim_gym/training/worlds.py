@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,14 @@ from irsim_gym.tasks import Episodes
 from irsim_gym.training.run import scenario_name
 
 
-def make_episodes(scenario: str, *, task: str | None = None, n_worlds: int = 1, num_threads: int = 1) -> Episodes:
+def make_episodes(
+    scenario: str,
+    *,
+    task: str | None = None,
+    n_worlds: int = 1,
+    num_threads: int = 1,
+    parameters: Mapping[str, Any] | None = None,
+) -> Episodes:
     """Make worlds in which a task is done.
 
     Args:
@@ -19,8 +27,10 @@ def make_episodes(scenario: str, *, task: str | None = None, n_worlds: int = 1, 
         task: Shipped name or path of a task; None for the scenario's own.
         n_worlds: Number of worlds.
         num_threads: Threads that share them.
+        parameters: Values for the scenario's parameters.
     """
-    return Worlds(scenario_name(scenario), n_worlds, task=task, num_threads=num_threads).episodes
+    name = scenario_name(scenario)
+    return Worlds(name, n_worlds, task=task, num_threads=num_threads, parameters=parameters).episodes
 
 
 def conditions(episodes: Episodes, split: str, levels: int) -> dict[str, Any]:
@@ -32,6 +42,7 @@ def conditions(episodes: Episodes, split: str, levels: int) -> dict[str, Any]:
     options = None if scan is None else scan[0].options[scan[1]]
     return {
         "scenario": simulation.scenario.name,
+        "parameters": dict(simulation.scenario.parameters),
         "split": split,
         "levels": levels,
         "robot_radius": _range(model.reach[:, agent]),

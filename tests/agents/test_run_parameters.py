@@ -1,0 +1,112 @@
+"""A run remembers the parameters of its scenario: training, scoring and resuming use the same."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from irsim_gym import cli
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.training.commands import new_settings, settings_to_resume
+from irsim_gym.training.environment import make_worlds
+from irsim_gym.training.run import Run, Settings, default_folder
+from irsim_gym.training.worlds import conditions, make_episodes
+
+FILE = """
+parameters:
+  n_robots: {default: 2, min: 1, max: 9, meaning: Number of robots.}
+  speed: {default: 1.0, unit: m/s, meaning: Greatest speed.}
+robot:
+  number: $n_robots
+  kinematics: {name: diff}
+  vel_max: [$speed, 1]
+  behavior: {name: dash}
+  distribution: {name: circle, jitter: 0.2}
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    monkeypatch.chdir(tmp_path)
+    Path("swap.yaml").write_text(FILE, encoding="utf-8")
+    return "swap.yaml"
+
+
+def asked(file: str, **parameters: Any) -> Settings:
+    return new_settings(file, "ppo", 0, 512, None, None, parameters=parameters)
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["irsim-gym", *arguments])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    return int(end.value.code or 0)
+
+
+def test_settings_hold_all_values(file: str) -> None:
+    settings = asked(file, n_robots="3")
+    assert settings.parameters == {"n_robots": 3, "speed": 1.0}
+    run = Run(Path("run"))
+    run.begin(settings)
+    assert run.settings() == settings
+    assert len(make_worlds(settings, 2).worlds.scenario.bodies) == 3
+    written = json.loads(run.config.read_text())
+    del written["settings"]["parameters"]  # as runs wrote it before there were parameters
+    run.config.write_text(json.dumps(written))
+    assert run.settings().parameters == {}
+
+
+def test_a_run_is_resumed_with_its_own(file: str) -> None:
+    run = Run(Path("run"))
+    run.begin(asked(file, n_robots=3))
+    assert settings_to_resume(run, asked(file, n_robots="3"), None).parameters["n_robots"] == 3
+    with pytest.raises(IrsimGymError, match=r"parameters \{'n_robots': 3, .* \(asked for: \{'n_robots': 4"):
+        settings_to_resume(run, asked(file, n_robots=4), None)
+
+
+def test_given_parameters_name_the_folder(file: str) -> None:
+    assert default_folder(file, "ppo", 0, {"n_robots": 3, "way": "a/b"}) == Path("runs/swap-n_robots=3-way=a_b-ppo-0")
+    assert default_folder(file, "ppo", 0) == Path("runs/swap-ppo-0")
+
+
+def test_what_a_published_figure_names(file: str) -> None:
+    episodes = make_episodes(file, parameters={"n_robots": 4, "speed": 0.5})
+    named = conditions(episodes, "test", 10)
+    assert named["parameters"] == {"n_robots": 4, "speed": 0.5}
+    assert named["velocity_max"].tolist() == [0.5, 1.0]
+
+
+def test_the_command_line(file: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(monkeypatch, "check", file, "--set", "n_robots=5", "--set", "speed = 1/2") == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == "swap.yaml: fine (robots: 5, obstacles: 0, task 'navigation')"
+    assert said[1] == "  n_robots = 5        a whole number from 1 to 9   Number of robots."
+    assert said[2] == "  speed = 0.5 [m/s]   a number                     Greatest speed."
+    assert run(monkeypatch, "run", file, "--set", "n_robots=3", "--steps", "2") == 0
+    assert "robot_2: under way" in capsys.readouterr().out
+    assert run(monkeypatch, "rollout", file, "--set", "n_robots=1", "--levels", "1") == 0
+    assert "level 0: success" in capsys.readouterr().out
+    assert run(monkeypatch, "evaluate", file, "--set", "n_robots=1", "--levels", "1") == 0
+    assert Path("runs/evaluation-swap-n_robots=1-test/table.txt").is_file()
+    assert run(monkeypatch, "draw", file, "--set", "n_robots=1") == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--set", "n_robots"], "write NAME=VALUE, e.g. --set n_robots=8, got 'n_robots'"),
+        (["--set", "a=1", "--set", "a=2"], "'a' is given twice"),
+        (["--set", "seed=2"], "'seed' can be no parameter of a scenario"),
+        (["--set", "robots=2"], "did you mean 'n_robots'?"),
+        (["--set", "n_robots=many"], "must be a whole number from 1 to 9, got 'many'"),
+    ],
+)
+def test_mistakes_on_the_command_line(
+    arguments: list[str], said: str, file: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "run", file, *arguments) == 1
+    assert said in capsys.readouterr().err
