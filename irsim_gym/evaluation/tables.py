@@ -9,7 +9,7 @@ import math
 import os
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -68,8 +68,8 @@ def write_episodes(path: Path, results: Mapping[str, Sequence[EpisodeRow]]) -> N
 
 
 def plain(data: Any) -> Any:
-    """Turn summaries, paths, NumPy numbers and non-finite floats into what JSON can say."""
-    if isinstance(data, (Summary, Rate, EpisodeRow)):
+    """Turn dataclasses, paths, NumPy numbers and non-finite floats into what JSON can say."""
+    if is_dataclass(data) and not isinstance(data, type):
         return plain(asdict(data))
     if isinstance(data, Mapping):
         return {str(key): plain(value) for key, value in data.items()}
@@ -97,17 +97,17 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
         success = summary.success
         table.add_row(
             summary.policy,
-            _percent(success),
+            percent(success),
             f"{100.0 * success.low:.1f}-{100.0 * success.high:.1f}",
-            _percent(summary.collision),
-            *(_percent(summary.collision_with[hit]) for hit in split),
-            _percent(summary.timeout),
-            _percent(summary.left_world),
-            *([_percent(summary.deadlock)] if gave_up else []),
-            _number(summary.spl, 3),
-            _number(summary.time, 2),
-            _number(summary.path_ratio, 3),
-            _number(summary.min_clearance, 3),
+            percent(summary.collision),
+            *(percent(summary.collision_with[hit]) for hit in split),
+            percent(summary.timeout),
+            percent(summary.left_world),
+            *([percent(summary.deadlock)] if gave_up else []),
+            number(summary.spl, 3),
+            number(summary.time, 2),
+            number(summary.path_ratio, 3),
+            number(summary.min_clearance, 3),
         )
     return table
 
@@ -128,11 +128,13 @@ def print_table(table: Table) -> None:
         print(table_text(table), end="")
 
 
-def _percent(share: Rate) -> str:
+def percent(share: Rate) -> str:
+    """Return a share in percent."""
     return f"{100.0 * share.value:.1f}"
 
 
-def _number(value: float, digits: int) -> str:
+def number(value: float, digits: int) -> str:
+    """Return a number, or a dash for none."""
     return f"{value:.{digits}f}" if math.isfinite(value) else "-"
 
 

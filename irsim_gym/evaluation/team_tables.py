@@ -1,0 +1,110 @@
+"""Results of teams on the screen and in files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+from rich.text import Text
+
+from irsim_gym.evaluation.metrics import Rate
+from irsim_gym.evaluation.tables import EPISODE_COLUMNS, number, percent, write_csv
+from irsim_gym.evaluation.team_metrics import TEAM_HITS, AgentRow, ExtraTime, TeamRow, TeamSummary
+
+AGENT_COLUMNS = ("arrival_time", "straight_distance", "top_speed", "extra_time", "deadlocked")
+LEVEL_COLUMNS = ("policy", "level", "agents", "arrived", "success", "makespan", "flowtime", "collided", "deadlocked")
+
+
+def write_agents(path: Path, results: Mapping[str, Sequence[TeamRow]]) -> None:
+    """Write one CSV row per policy, level and agent."""
+    rows = (
+        {"policy": policy, **_agent_cells(agent)}
+        for policy, levels in results.items()
+        for level in levels
+        for agent in level.agents
+    )
+    write_csv(path, ("policy", "level", "agent", *EPISODE_COLUMNS[1:], *AGENT_COLUMNS), rows)
+
+
+def write_levels(path: Path, results: Mapping[str, Sequence[TeamRow]]) -> None:
+    """Write one CSV row per policy and level."""
+    rows = ({"policy": policy, **_level_cells(level)} for policy, levels in results.items() for level in levels)
+    write_csv(path, LEVEL_COLUMNS, rows)
+
+
+def team_table(summaries: Sequence[TeamSummary], title: str) -> Table:
+    """Lay out the figures of several policies, one row each."""
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table.add_column("policy", no_wrap=True)
+    hits = [hit for hit in TEAM_HITS if any(summary.collision_with[hit].count for summary in summaries)]
+    split = hits if len(hits) > 1 else []
+    gave_up = any(summary.deadlock.count for summary in summaries)
+    shares = ["CSR", "95 %\ninterval", "ISR", "95 %\ninterval", "collided", *(f"with {hit}" for hit in split)]
+    shares += ["timeout", "left", *(["given\nup"] if gave_up else []), "dead-\nlocked"]
+    rest = ["SPL", "make-\nspan\n[s]", "flow-\ntime\n[s]", "extra time\n50/75/90 %\n[s]", "clear.\n[m]"]
+    for head in [*(f"{share}\n[%]" for share in shares), *rest]:
+        table.add_column(Text(head), justify="right")
+    for summary in summaries:
+        table.add_row(
+            summary.policy,
+            percent(summary.cooperative_success),
+            _interval(summary.cooperative_success),
+            percent(summary.individual_success),
+            _interval(summary.individual_success),
+            percent(summary.collision),
+            *(percent(summary.collision_with[hit]) for hit in split),
+            percent(summary.timeout),
+            percent(summary.left_world),
+            *([percent(summary.deadlock)] if gave_up else []),
+            percent(summary.deadlocked),
+            number(summary.spl, 3),
+            number(summary.makespan, 1),
+            number(summary.flowtime, 1),
+            _percentiles(summary.extra_time),
+            number(summary.min_clearance, 3),
+        )
+    return table
+
+
+def compared_table(summaries: Sequence[TeamSummary]) -> Table | None:
+    """Lay out the extra times on the levels that all compared policies solved; None where none are compared."""
+    compared = [(summary.policy, summary.common_extra_time) for summary in summaries]
+    times = [(policy, time) for policy, time in compared if time is not None]
+    if not times:
+        return None
+    table = Table(title="levels that all of these solved", title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    table.add_column("policy", no_wrap=True)
+    for head in ("levels", "extra time, 50/75/90 % [s]"):
+        table.add_column(Text(head), justify="right")
+    for policy, time in times:
+        table.add_row(policy, f"{time.levels:,}", _percentiles(time))
+    return table
+
+
+def _agent_cells(agent: AgentRow) -> dict[str, Any]:
+    own = {name: getattr(agent.episode, name) for name in EPISODE_COLUMNS}
+    return {**own, "agent": agent.agent, **{name: getattr(agent, name) for name in AGENT_COLUMNS}}
+
+
+def _level_cells(level: TeamRow) -> dict[str, Any]:
+    return {
+        "level": level.level,
+        "agents": len(level.agents),
+        "arrived": level.arrived,
+        "success": level.is_success,
+        "makespan": level.makespan,
+        "flowtime": level.flowtime,
+        "collided": sum(agent.episode.outcome == "collision" for agent in level.agents),
+        "deadlocked": level.deadlocked,
+    }
+
+
+def _interval(share: Rate) -> str:
+    return f"{100.0 * share.low:.1f}-{100.0 * share.high:.1f}"
+
+
+def _percentiles(time: ExtraTime) -> str:
+    return "/".join(number(value, 1) for value in (time.p50, time.p75, time.p90)) if time.arrivals else "-"
