@@ -229,6 +229,9 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
             a = self._indices[name]
             row = self._checked(name, np.asarray(actions[name]), int(episodes.action_sizes[a]))
             given[0, a, : row.size] = row
+        if not np.isfinite(given).all():
+            culprit = self.possible_agents[np.argwhere(~np.isfinite(given))[0, 1]]
+            raise ValueError(f"the action of '{culprit}' is not finite: {actions[culprit]}")
         return given[..., 0] if is_discrete else given
 
     def _checked(self, name: str, row: NDArray[Any], size: int) -> NDArray[Any]:
@@ -242,8 +245,6 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
             raise ValueError(f"the action of '{name}' must be {wanted}, got an array of {row.dtype}")
         if n_choices and not 0 <= row < n_choices:
             raise ValueError(f"the action of '{name}' is not a choice from 0 to {n_choices - 1}: {row}")
-        if not n_choices and not np.isfinite(row[:size]).all():
-            raise ValueError(f"the action of '{name}' is not finite: {row}")
         return row if n_choices else row[:size]
 
     def _each(self, names: list[str], values: NDArray[Any]) -> zip[tuple[str, Any]]:

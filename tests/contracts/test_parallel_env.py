@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 
 import numpy as np
+import pettingzoo
 import pytest
 from contract_tools import assert_same
 from gymnasium.error import ResetNeeded
 from gymnasium.spaces import Box, Dict, Discrete
+from pettingzoo.utils import wrappers
 from team_scenes import ahead, crossing, four_ends, mixed, robot, towards, world
 
 import irsim_gym
@@ -200,6 +202,32 @@ def test_only_those_who_learn_are_agents():
     assert env.possible_agents == ["robot_2", "robot_0"]
     env.reset(seed=0)
     assert env.step(ahead(env))[1].keys() == {"robot_2", "robot_0"}
+
+
+def test_parameters_of_the_scenario():
+    """A team of any size from one file, also by its id."""
+    made = (
+        irsim_gym.parallel_env("circle_swap", n_robots=3),
+        pettingzoo.make("parallel", "irsim_gym/circle_swap-v0", n_robots=3),
+    )
+    for env in made:
+        assert env.possible_agents == ["robot_0", "robot_1", "robot_2"]
+        assert len(env.reset(seed=0)[0]) == 3
+    with pytest.raises(UnknownNameError, match="n_robots"):
+        irsim_gym.parallel_env("circle_swap", n_robot=3)
+
+
+@pytest.mark.skipif(not hasattr(wrappers, "RecordVideoParallel"), reason="PettingZoo has it from 1.27 on")
+def test_films(tmp_path):
+    """PettingZoo's recorder: a frame at the reset, and one for each step."""
+    env = irsim_gym.parallel_env(four_ends(), render_mode="rgb_array")
+    env = wrappers.RecordVideoParallel(env, str(tmp_path / "films"))
+    env.reset(seed=0)
+    while env.agents:
+        env.step(ahead(env))
+    assert len(env.recorded_frames) == 1 + 9
+    env.close()
+    assert [file.name for file in (tmp_path / "films").iterdir()] == ["rl-video-episode-0.mp4"]
 
 
 def test_names_are_those_of_the_file():
