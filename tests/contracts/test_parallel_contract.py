@@ -11,6 +11,7 @@ from contract_tools import arrays_in, assert_same
 from team_scenes import TEAMS, crossing, mixed, towards
 
 import irsim_gym
+from irsim_gym.envs.batch import make_batch
 from irsim_gym.envs.spaces import observation_layout
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.tasks import Outcome
@@ -203,3 +204,41 @@ def row(batch, w, env, answer):
         {name: view.truncated[w, a].item() for name, a in indices.items()},
         {name: batch.info_of(w, a) for name, a in indices.items()},
     )
+
+
+@pytest.mark.parametrize("scene", [SCENES[0], SCENES[1], crossing(ended="vanish", team_reward=0.2)])
+def test_equals_the_batch_for_trainers(scene):
+    """``make_batch`` tells the same of each agent, in one space for all; there a world that is over begins anew."""
+    n_worlds, seed, rng, restarts = 4, 7, np.random.default_rng(1), 0
+    batch = make_batch(scene, n_worlds)
+    envs = [irsim_gym.parallel_env(scene, padded=True) for _ in range(n_worlds)]
+    begun = batch.reset(seed=seed)
+    for w, env in enumerate(envs):
+        assert_same(env.reset(seed=seed + w)[0], named(env, begun.observation, w, env.possible_agents))
+    for _ in range(60):
+        given = rng.uniform(-1.0, 1.0, (n_worlds, len(envs[0].possible_agents), 2))
+        given[..., 0] = np.abs(given[..., 0])
+        given[..., 1] *= 0.4
+        there = batch.step(given)
+        for w, env in enumerate(envs):
+            names = list(env.agents)
+            here = env.step(cut(env, given[w]))
+            assert np.array(env.possible_agents)[there.acted[w]].tolist() == names
+            assert_same(here[0], named(env, there.final_observation, w, names))
+            for part, values in zip(here[1:4], (there.reward, there.terminated, there.truncated), strict=True):
+                assert part == named(env, values, w, names)
+            for key in set(there.infos) - {"episode_return"}:
+                assert {name: info[key] for name, info in here[4].items()} == named(env, there.infos[key], w, names)
+            if not env.agents:
+                restarts += 1
+                assert_same(env.reset()[0], named(env, there.observation, w, env.possible_agents))
+            assert np.array(env.possible_agents)[there.live[w]].tolist() == env.agents
+    assert restarts >= n_worlds
+
+
+def named(env, values, w, names):
+    """What a batch of arrays, or a dict of them, says of some agents of a world."""
+    if isinstance(values, dict):
+        parts = {key: named(env, array, w, names) for key, array in values.items()}
+        return {name: {key: part[name] for key, part in parts.items()} for name in names}
+    return {name: values[w, env.possible_agents.index(name)] for name in names}
