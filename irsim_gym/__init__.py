@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from irsim_gym.behaviors.custom import behavior, group_behavior
     from irsim_gym.engine.compile import compile
     from irsim_gym.envs import sb3
+    from irsim_gym.envs.batch import make_batch
     from irsim_gym.envs.parallel import parallel_env
     from irsim_gym.live import load
     from irsim_gym.scenario import load_scenario
@@ -27,6 +28,7 @@ _LAZY = {
     "load": ("irsim_gym.live", "load"),
     "load_scenario": ("irsim_gym.scenario", "load_scenario"),
     "parallel_env": ("irsim_gym.envs.parallel", "parallel_env"),
+    "make_batch": ("irsim_gym.envs.batch", "make_batch"),
     "sb3": ("irsim_gym.envs.sb3", None),
 }
 
@@ -38,6 +40,7 @@ __all__ = [
     "load",
     "load_scenario",
     "make",
+    "make_batch",
     "make_vec",
     "parallel_env",
     "register_scenarios",

@@ -30,6 +30,7 @@ def make_batch(
     autoreset: bool = True,
     respawn: bool = False,
     world_steps: int | None = None,
+    team_state: bool = True,
     **parameters: Any,
 ) -> Batch:
     """Make worlds in which all robots learn, for trainers that want arrays ``(n_worlds, n_agents, ...)``.
@@ -45,6 +46,7 @@ def make_batch(
         autoreset: A world whose agents have all ended begins its next level in the same step.
         respawn: An agent that has ended gets a new start and goal at once; its world goes on.
         world_steps: With ``respawn``, steps after which a world begins its next level; None for four time limits.
+        team_state: Steps hold the state of the team too, for a centralised critic.
         **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
     """
     worlds = Worlds(
@@ -57,7 +59,7 @@ def make_batch(
         team=True,
         parameters=parameters,
     )
-    return Batch(worlds, autoreset=autoreset, respawn=respawn, world_steps=world_steps)
+    return Batch(worlds, autoreset=autoreset, respawn=respawn, world_steps=world_steps, team_state=team_state)
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,9 @@ class BatchStep:
         reward_terms: The terms that ``reward`` is the sum of, ``(n_worlds, n_agents, n_terms)``.
         infos: Arrays as in ``Transition.infos``, before anything began anew, and ``episode_return``: the sum of the
             agent's rewards so far. The outcome of an agent that was cut with its world is RUNNING.
+        state: What a centralised critic sees, ``(n_worlds, n_state)``, in [-1, 1], see ``Episodes.team_state``; without
+            columns where the batch was made with ``team_state=False``.
+        final_state: The same, before anything began anew.
     """
 
     observation: Observation
@@ -93,6 +98,8 @@ class BatchStep:
     final_observation: Observation
     reward_terms: Floats
     infos: dict[str, NDArray[Any]]
+    state: Rays
+    final_state: Rays
 
     @property
     def ended(self) -> Flags:
@@ -108,7 +115,13 @@ class Batch:
     """
 
     def __init__(
-        self, worlds: Worlds, *, autoreset: bool = True, respawn: bool = False, world_steps: int | None = None
+        self,
+        worlds: Worlds,
+        *,
+        autoreset: bool = True,
+        respawn: bool = False,
+        world_steps: int | None = None,
+        team_state: bool = False,
     ) -> None:
         if respawn and not autoreset:
             raise ValueError("with respawn=True agents begin anew by themselves: autoreset=False means nothing there")
@@ -118,6 +131,7 @@ class Batch:
         self.autoreset, self.respawn = autoreset, respawn
         self.world_steps = world_steps or WORLD_LIMITS * worlds.episodes.task.max_steps
         self.n_worlds, self.n_agents = worlds.n_worlds, worlds.episodes.n_agents
+        self.state_size = worlds.episodes.team_state_size if team_state else 0
         self.observation_space, self.action_space = worlds.observation_space, worlds.action_space
         shape = (self.n_worlds, self.n_agents)
         self._live: Flags = np.zeros(shape, np.bool_)
@@ -178,16 +192,33 @@ class Batch:
         terminated, truncated = acted & view.terminated, acted & view.truncated & ~view.terminated
         if self.respawn:
             truncated |= (self._age >= self.world_steps)[:, None] & ~terminated
-        final, infos, terms = self.observation(), self._infos(), view.reward_terms.copy()
-        reward = np.where(acted, view.reward, 0.0)
+        reward, terms, infos = np.where(acted, view.reward, 0.0), view.reward_terms.copy(), self._infos()
+        final, final_state = self.observation(), self.state()
         began = self._begin_again(terminated | truncated)
         return BatchStep(
-            self.observation(), reward, terminated, truncated, acted, self.live, began, final, terms, infos
+            observation=self.observation(),
+            reward=reward,
+            terminated=terminated,
+            truncated=truncated,
+            acted=acted,
+            live=self.live,
+            began=began,
+            final_observation=final,
+            reward_terms=terms,
+            infos=infos,
+            state=self.state(),
+            final_state=final_state,
         )
 
     def observation(self) -> Observation:
         """Return a fresh copy of what the agents perceive now."""
         return self.worlds.layout.fresh(self._seen)
+
+    def state(self) -> Rays:
+        """Return what a centralised critic sees now, fresh, ``(n_worlds, state_size)``."""
+        if not self.state_size:
+            return np.zeros((self.n_worlds, 0), np.float32)
+        return self.worlds.episodes.team_state()
 
     def close(self) -> None:
         """Free the renderer; may be called twice."""
@@ -216,12 +247,21 @@ class Batch:
         began[chosen] = True
         self._age[chosen] = 0
         self._open(began)
-        none, view = np.zeros_like(began), self.worlds.episodes.view
-        observation, terms = self.observation(), view.reward_terms.copy()
+        none = np.zeros_like(began)
         return BatchStep(
-            observation, np.zeros(began.shape), none, none.copy(), none.copy(), self.live, began, self.observation(),
-            terms, self._infos(),
-        )  # fmt: skip
+            observation=self.observation(),
+            reward=np.zeros(began.shape),
+            terminated=none,
+            truncated=none.copy(),
+            acted=none.copy(),
+            live=self.live,
+            began=began,
+            final_observation=self.observation(),
+            reward_terms=self.worlds.episodes.view.reward_terms.copy(),
+            infos=self._infos(),
+            state=self.state(),
+            final_state=self.state(),
+        )
 
     def _open(self, began: Flags) -> None:
         """Open the books of agents that begin; who lives beside them sees where they are now."""
