@@ -28,10 +28,13 @@ Steps = Annotated[
     typer.Option(min=1, help="Training steps over all worlds, in place of the file's; rounded up to whole rollouts."),
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of networks, exploration and training levels.")]
-Reference = Annotated[str, typer.Option(help="random, dash, a run's folder or a policy.zip.")]
+Reference = Annotated[str, typer.Option(help="random, dash, rvo, orca, a run's folder or a policy.zip.")]
 Given = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the scenario, e.g. n_robots=8; may be repeated."),
+]
+Team = Annotated[
+    bool, typer.Option("--team", help="A policy drives all robots (or those that the task names), not one.")
 ]
 Imports = Annotated[
     list[str] | None,
@@ -162,24 +165,27 @@ def evaluate(
     split: Split = "test",
     task: Task = None,
     out: Annotated[Path | None, typer.Option(help="Folder for episodes.csv, summary.json, table.txt.")] = None,
-    references: Annotated[bool, typer.Option(help="Add the rows random and dash.")] = True,
+    references: Annotated[bool, typer.Option(help="Add the rows random and dash; of teams, rvo and orca too.")] = True,
+    team: Team = False,
     given: Given = None,
     modules: Imports = None,
 ) -> None:
-    """Drive policies through levels they never saw, beside random and dash."""
+    """Drive policies through levels they never saw, beside random and dash; with --team, whole teams."""
     from irsim_gym.training.commands import run_evaluation
 
-    run_evaluation(scenario, policies or [], levels, split, task, out, references, read_parameters(given))
+    parameters = read_parameters(given)
+    run_evaluation(scenario, policies or [], levels, split, task, out, references, parameters, team)
 
 
 @app.command()
 def record(
     scenario: Scenario,
-    policies: Annotated[list[str], typer.Argument(help="Runs' folders, policy.zip files, random, dash.")],
+    policies: Annotated[list[str], typer.Argument(help="Runs' folders, policy.zip files, random, dash, rvo, orca.")],
     level: Annotated[list[int] | None, typer.Option(help="A level; may be repeated. (default: 0)")] = None,
     split: Split = "test",
     task: Task = None,
     out: Annotated[Path, typer.Option(help="Film to write, .mp4 or .gif.")] = Path("runs/film.mp4"),
+    team: Team = False,
     given: Given = None,
     modules: Imports = None,
 ) -> None:
@@ -187,7 +193,7 @@ def record(
     from irsim_gym.training.record import record_film
 
     parameters = read_parameters(given)
-    print(record_film(scenario, policies, level or [0], out, split=split, task=task, parameters=parameters))
+    print(record_film(scenario, policies, level or [0], out, split=split, task=task, parameters=parameters, team=team))
 
 
 @app.command()
@@ -212,13 +218,14 @@ def rollout(
     split: Split = "dev",
     task: Task = None,
     frames: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
+    team: Team = False,
     given: Given = None,
     modules: Imports = None,
 ) -> None:
     """Drive a policy through a few levels and print how they ended."""
     from irsim_gym.training.commands import run_rollout
 
-    run_rollout(scenario, policy, levels, split, task, frames, read_parameters(given))
+    run_rollout(scenario, policy, levels, split, task, frames, read_parameters(given), team)
 
 
 @app.command("run")

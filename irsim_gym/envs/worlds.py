@@ -216,15 +216,7 @@ class Worlds:
             simulation = self.simulation
             parts = simulation.model, simulation.state, simulation.sensors
             self._renderer = Renderer(self.scenario, *parts, learners=simulation.agents.tolist(), trails=self._trails)
-        return self._renderer.frame(w, self._status(w))
-
-    def _status(self, w: int) -> str:
-        """Return the outcome of a world's agent; of a team, that of one of those that have ended last in the list."""
-        outcomes = self.episodes.view.infos["outcome"][w].tolist()
-        if Outcome.RUNNING in outcomes or len(set(outcomes)) == 1:
-            return Outcome.RUNNING.name.lower() if Outcome.RUNNING in outcomes else Outcome(outcomes[0]).name.lower()
-        arrived = outcomes.count(Outcome.SUCCESS)
-        return f"{arrived} of {len(outcomes)} arrived"
+        return self._renderer.frame(w, world_status(self.episodes, w))
 
     def close(self) -> None:
         """Free the renderer; everything else is plain memory."""
@@ -243,6 +235,14 @@ def _loaded(scenario: ScenarioSource, parameters: Mapping[str, Any]) -> Scenario
         names = ", ".join(f"'{name}'" for name in parameters)
         raise UnknownNameError(f"{names}: parameters are for load_scenario(); '{scenario.name}' is loaded already")
     return scenario
+
+
+def world_status(episodes: Episodes, w: int) -> str:
+    """Return how the episode of a world stands: running, the outcome of all its agents, or how many arrived."""
+    outcomes = episodes.view.infos["outcome"][w].tolist()
+    if Outcome.RUNNING in outcomes or len(set(outcomes)) == 1:
+        return Outcome.RUNNING.name.lower() if Outcome.RUNNING in outcomes else Outcome(outcomes[0]).name.lower()
+    return f"{outcomes.count(Outcome.SUCCESS)} of {len(outcomes)} arrived"
 
 
 def read_options(options: Mapping[str, Any]) -> tuple[str | None, int | None]:

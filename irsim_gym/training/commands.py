@@ -14,13 +14,14 @@ from irsim_gym.engine import Simulation, compile
 from irsim_gym.envs import sb3
 from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.evaluation.optimum import Optima
-from irsim_gym.evaluation.tables import print_table, summary_table
+from irsim_gym.evaluation.tables import print_table
 from irsim_gym.scenario.library import SUFFIXES, scenario_names
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import load_task
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
+from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.hyperparameters import load_hyperparameters
 from irsim_gym.training.run import Run, Settings, default_folder, environment_id, labelled, scenario_name
 from irsim_gym.training.score import MARKS, Point, reached, score_run
@@ -124,12 +125,14 @@ def run_evaluation(
     out: Path | None,
     references: bool,
     parameters: Parameters = None,
-) -> Evaluation:
-    """Evaluate policies, print the table and write the files."""
+    team: bool = False,
+) -> Evaluation | TeamEvaluation:
+    """Evaluate policies, of one robot or of teams, print the table and write the files."""
     if not policies and not references:
         raise IrsimGymError("nothing to evaluate: name a policy, or leave the reference rows on")
     folder = out or Path("runs") / f"evaluation-{labelled(scenario, parameters)}-{split}"
-    found = evaluate_policies(
+    evaluated = evaluate_team_policies if team else evaluate_policies
+    found = evaluated(
         scenario,
         policies,
         levels=levels,
@@ -139,7 +142,8 @@ def run_evaluation(
         folder=folder,
         parameters=parameters,
     )
-    print_table(summary_table(found.summaries, found.title))
+    for table in found.tables:
+        print_table(table)
     print(f"rows, figures and table: {folder}")
     return found
 
@@ -152,17 +156,24 @@ def run_rollout(
     task: str | None,
     frames: Path | None,
     parameters: Parameters = None,
+    team: bool = False,
 ) -> None:
-    """Drive a policy through a few levels and print a line for each."""
+    """Drive a policy through a few levels and print a line for each; of a team, one for each robot."""
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": parameters}
-    found = evaluate_policies(scenario, [policy], levels=levels, references=False, **chosen)
-    for row in next(iter(found.rows.values())):
+    if team:
+        of_teams = evaluate_team_policies(scenario, [policy], levels=levels, references=False, **chosen)
+        agents = [agent for row in next(iter(of_teams.rows.values())) for agent in row.agents]
+        rows = [(f"level {agent.episode.level}, {agent.agent}", agent.episode) for agent in agents]
+    else:
+        found = evaluate_policies(scenario, [policy], levels=levels, references=False, **chosen)
+        rows = [(f"level {row.level}", row) for row in next(iter(found.rows.values()))]
+    for who, row in rows:
         hit = f" with {row.hit}" if row.hit else ""
-        print(f"level {row.level}: {row.outcome}{hit} after {row.time:.1f} s, {row.path_length:.2f} m driven")
+        print(f"{who}: {row.outcome}{hit} after {row.time:.1f} s, {row.path_length:.2f} m driven")
     if frames is not None:
         from irsim_gym.training.record import record_film
 
-        print(record_film(scenario, [policy], range(levels), frames, **chosen))
+        print(record_film(scenario, [policy], range(levels), frames, team=team, **chosen))
 
 
 def draw_level(

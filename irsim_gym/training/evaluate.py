@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from rich.console import Console
 from rich.progress import Progress
+from rich.table import Table
 
 from irsim_gym.evaluation.metrics import EpisodeRow, Summary, summarize
 from irsim_gym.evaluation.optimum import Optima
@@ -22,6 +23,8 @@ from irsim_gym.training.run import machine
 from irsim_gym.training.worlds import conditions, make_episodes
 
 WORLDS = 128
+
+Row = TypeVar("Row")
 
 
 @dataclass(frozen=True)
@@ -41,9 +44,10 @@ class Evaluation:
     summaries: list[Summary]
 
     @property
-    def title(self) -> str:
-        """Return the heading of the table."""
-        return f"{self.scenario}: {self.summaries[0].episodes:,} {self.split} levels"
+    def tables(self) -> list[Table]:
+        """Return the table of all figures."""
+        title = f"{self.scenario}: {self.summaries[0].episodes:,} {self.split} levels"
+        return [summary_table(self.summaries, title)]
 
 
 def evaluate_policies(
@@ -76,11 +80,8 @@ def evaluate_policies(
         parameters: Values for the scenario's parameters.
     """
     episodes = make_episodes(scenario, task=task, n_worlds=max(1, min(n_worlds, levels)), parameters=parameters)
-    labels = policy_names(sources) if names is None else names
-    chosen = {label: load_policy(source) for label, source in zip(labels, sources, strict=True)}
-    if references:
-        chosen.update({name: load_policy(name) for name in ALWAYS_SHOWN if name not in chosen})
-    rows = _drive(episodes, chosen, levels, split, console or Console(stderr=True))
+    chosen = named_policies(sources, names, ALWAYS_SHOWN if references else ())
+    rows = drive_policies(evaluate, episodes, chosen, levels, split, console or Console(stderr=True))
     found = Evaluation(episodes.simulation.scenario.name, split, rows, [summarize(name, rows[name]) for name in rows])
     if folder is not None:
         write_evaluation(folder, found, conditions(episodes, split, levels))
@@ -91,22 +92,46 @@ def write_evaluation(folder: Path, found: Evaluation, named: Mapping[str, object
     """Write the rows, the figures and the table."""
     write_episodes(folder / "episodes.csv", found.rows)
     write_json(folder / "summary.json", {"conditions": named, "machine": machine(), "policies": found.summaries})
-    write_text(folder / "table.txt", table_text(summary_table(found.summaries, found.title)))
+    write_text(folder / "table.txt", "\n".join(map(table_text, found.tables)))
 
 
-def _drive(
-    episodes: Episodes, policies: Mapping[str, Policy], levels: int, split: str, console: Console
-) -> dict[str, list[EpisodeRow]]:
+def named_policies(
+    sources: Sequence[str | Path], names: Sequence[str] | None, references: Sequence[str]
+) -> dict[str, Policy]:
+    """Load policies and, behind them, those reference policies that are not among them."""
+    labels = policy_names(sources) if names is None else names
+    chosen = {label: load_policy(source) for label, source in zip(labels, sources, strict=True)}
+    return {**chosen, **{name: load_policy(name) for name in references if name not in chosen}}
+
+
+def drive_policies(
+    evaluation: Callable[..., list[Row]],
+    episodes: Episodes,
+    policies: Mapping[str, Policy],
+    levels: int,
+    split: str,
+    console: Console,
+) -> dict[str, list[Row]]:
+    """Return the rows of several policies on the same levels, with a progress bar.
+
+    Args:
+        evaluation: ``evaluate`` or ``evaluate_team``.
+        episodes: The worlds.
+        policies: Those that drive, by name.
+        levels: How many levels of the split, from 0.
+        split: ``"test"``, ``"dev"`` or ``"train"``.
+        console: Where the bar goes; it stays quiet when that is no terminal.
+    """
     optima, rows = Optima(split), {}
     with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
         for name, policy in policies.items():
             line = bar.add_task(name, total=levels)
-            rows[name] = evaluate(
+            rows[name] = evaluation(
                 policy,
                 episodes,
                 levels,
                 split,
                 optima=optima,
-                on_episodes=lambda count, line=line: bar.advance(line, count),  # type: ignore[misc]
+                on_episodes=lambda count, line=line: bar.advance(line, count),
             )
     return rows

@@ -11,8 +11,9 @@ from rich.console import Console
 from rich.progress import Progress
 
 from irsim_gym.arraytypes import Bytes
+from irsim_gym.envs.worlds import world_status
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.policy import Policy, by_agent
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.training.policies import load_policy, policy_names
 from irsim_gym.training.worlds import make_episodes
@@ -34,6 +35,7 @@ def record_film(
     names: Sequence[str] | None = None,
     console: Console | None = None,
     parameters: Mapping[str, Any] | None = None,
+    team: bool = False,
 ) -> Path:
     """Film policies on levels, one level after another, one panel per policy; return the film's path.
 
@@ -47,6 +49,7 @@ def record_film(
         names: Captions; None to take them from the sources.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
         parameters: Values for the scenario's parameters.
+        team: The policies drive all robots, unless the task names some.
 
     Raises:
         IrsimGymError: The file's suffix is none of a film.
@@ -57,7 +60,7 @@ def record_film(
     if path.suffix.lower() not in SUFFIXES:
         raise IrsimGymError(f"a film's name ends in {' or '.join(SUFFIXES)}, got '{path.name}'")
     policies = [load_policy(source) for source in sources]
-    episodes = make_episodes(scenario, task=task, n_worlds=len(policies), parameters=parameters)
+    episodes = make_episodes(scenario, task=task, n_worlds=len(policies), parameters=parameters, team=team)
     simulation = episodes.simulation
     parts = simulation.model, simulation.state, simulation.sensors
     renderer = Renderer(simulation.scenario, *parts, learners=simulation.agents.tolist())
@@ -84,12 +87,10 @@ def _episode(
     episodes.begin(worlds, first, split)
     policy.begin(episodes, worlds, first)
     renderer.clear(world)
-    outcome = Outcome.RUNNING
-    yield renderer.frame(world, outcome.name.lower())
-    while outcome is Outcome.RUNNING:
-        chosen = np.asarray(policy.act(episodes, worlds))
-        actions = np.zeros((episodes.n_worlds, 1, *chosen.shape[1:]), chosen.dtype)
-        actions[world, 0] = chosen[0]
+    yield renderer.frame(world, world_status(episodes, world))
+    while (episodes.view.infos["outcome"][world] == Outcome.RUNNING).any():
+        chosen = by_agent(policy.act(episodes, worlds), episodes, worlds)
+        actions = np.zeros((episodes.n_worlds, *chosen.shape[1:]), chosen.dtype)
+        actions[world] = chosen[0]
         episodes.step(actions, worlds)
-        outcome = Outcome(int(episodes.view.infos["outcome"][world, 0]))
-        yield renderer.frame(world, outcome.name.lower())
+        yield renderer.frame(world, world_status(episodes, world))

@@ -19,6 +19,7 @@ def make_episodes(
     n_worlds: int = 1,
     num_threads: int = 1,
     parameters: Mapping[str, Any] | None = None,
+    team: bool = False,
 ) -> Episodes:
     """Make worlds in which a task is done.
 
@@ -28,34 +29,58 @@ def make_episodes(
         n_worlds: Number of worlds.
         num_threads: Threads that share them.
         parameters: Values for the scenario's parameters.
+        team: All robots are agents, unless the task names some; else there has to be one.
     """
     name = scenario_name(scenario)
-    return Worlds(name, n_worlds, task=task, num_threads=num_threads, parameters=parameters).episodes
+    return Worlds(name, n_worlds, task=task, num_threads=num_threads, parameters=parameters, team=team).episodes
 
 
 def conditions(episodes: Episodes, split: str, levels: int) -> dict[str, Any]:
-    """Return what a published figure has to name."""
+    """Return what a published figure has to name; what differs between the agents of a team is a list."""
     simulation = episodes.simulation
-    model, agent = simulation.model, int(simulation.agents[0])
-    scan = simulation.scan(agent)
-    ranges = None if scan is None else scan[0].arrays["ranges"].shape[2]
-    options = None if scan is None else scan[0].options[scan[1]]
+    agents = [_robot(episodes, int(body)) for body in simulation.agents]
     return {
         "scenario": simulation.scenario.name,
         "parameters": dict(simulation.scenario.parameters),
         "split": split,
         "levels": levels,
-        "robot_radius": _range(model.reach[:, agent]),
-        "goal_tolerance": float(model.goal_threshold[0, agent]),
-        "velocity_min": model.velocity_min[0, agent, :2],
-        "velocity_max": model.velocity_max[0, agent, :2],
-        "acceleration_limit": model.acceleration_limit[0, agent, :2],
-        "step_time": float(model.step_time[0]),
-        "max_steps": episodes.task.max_steps,
-        "beams": ranges,
-        "range_max": None if options is None else options.range_max,
+        **{name: _one_or_all([agent[name] for agent in agents]) for name in agents[0]},
         "noise": False,
     }
+
+
+def team_conditions(episodes: Episodes, split: str, levels: int) -> dict[str, Any]:
+    """Return ``conditions`` and what matters to teams alone."""
+    task = episodes.task
+    return {
+        **conditions(episodes, split, levels),
+        "agents": list(episodes.agent_names),
+        "ended": task.ended,
+        "deadlock_speed": task.deadlock_speed,
+        "deadlock_time": task.deadlock_time,
+    }
+
+
+def _robot(episodes: Episodes, body: int) -> dict[str, Any]:
+    """Return what a figure has to name of a robot."""
+    simulation, model = episodes.simulation, episodes.simulation.model
+    scan = simulation.scan(body)
+    options = None if scan is None else scan[0].options[scan[1]]
+    return {
+        "robot_radius": _range(model.reach[:, body]),
+        "goal_tolerance": float(model.goal_threshold[0, body]),
+        "velocity_min": model.velocity_min[0, body, :2].tolist(),
+        "velocity_max": model.velocity_max[0, body, :2].tolist(),
+        "acceleration_limit": model.acceleration_limit[0, body, :2].tolist(),
+        "step_time": float(model.step_time[0]),
+        "max_steps": episodes.task.max_steps,
+        "beams": None if scan is None else scan[0].arrays["ranges"].shape[2],
+        "range_max": None if options is None else options.range_max,
+    }
+
+
+def _one_or_all(values: list[Any]) -> Any:
+    return values[0] if all(value == values[0] for value in values) else values
 
 
 def _range(values: Any) -> Any:

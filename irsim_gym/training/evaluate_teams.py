@@ -1,0 +1,113 @@
+"""Policies that drive whole teams through levels they never saw, beside the reference policies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
+from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.reference_policies import TEAM_SHOWN
+from irsim_gym.evaluation.tables import table_text, write_json, write_text
+from irsim_gym.evaluation.team_metrics import TeamRow, TeamSummary, summarize_teams
+from irsim_gym.evaluation.team_tables import compared_table, team_table, write_agents, write_levels
+from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.tasks import Episodes
+from irsim_gym.training.evaluate import WORLDS, drive_policies, named_policies
+from irsim_gym.training.run import machine
+from irsim_gym.training.worlds import make_episodes, team_conditions
+
+
+@dataclass(frozen=True)
+class TeamEvaluation:
+    """Results of several policies on the same levels.
+
+    Attributes:
+        scenario: Name of the scenario.
+        split: Which levels.
+        rows: Levels by policy.
+        summaries: Figures, in the same order.
+    """
+
+    scenario: str
+    split: str
+    rows: dict[str, list[TeamRow]]
+    summaries: list[TeamSummary]
+
+    @property
+    def tables(self) -> list[Table]:
+        """Return the table of all figures, and that of extra times where some are compared."""
+        first = self.summaries[0]
+        title = f"{self.scenario}: {first.agents} agents, {first.levels:,} {self.split} levels"
+        compared = compared_table(self.summaries)
+        return [team_table(self.summaries, title), *([] if compared is None else [compared])]
+
+
+def evaluate_team_policies(
+    scenario: str,
+    sources: Sequence[str | Path],
+    *,
+    levels: int = 1000,
+    split: str = "test",
+    task: str | None = None,
+    n_worlds: int = WORLDS,
+    references: bool = True,
+    names: Sequence[str] | None = None,
+    folder: Path | None = None,
+    console: Console | None = None,
+    parameters: Mapping[str, Any] | None = None,
+) -> TeamEvaluation:
+    """Evaluate policies of teams; write ``episodes.csv``, ``levels.csv``, ``summary.json`` and ``table.txt``.
+
+    A reference policy that cannot drive all robots is left out, and said to be, unless it is among the sources.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        sources: Policies as ``load_policy`` takes them; all robots share each of them.
+        levels: How many levels of the split, from 0.
+        split: ``"test"``, ``"dev"`` or ``"train"``.
+        task: Shipped name or path of a task; None for the scenario's own.
+        n_worlds: Worlds stepped together; the results do not depend on it.
+        references: Add the reference policies.
+        names: Names of the policies in the results; None to take them from the sources.
+        folder: Where the files go; None writes none.
+        console: Where a progress bar goes; it stays quiet when that is no terminal.
+        parameters: Values for the scenario's parameters.
+    """
+    n_worlds = max(1, min(n_worlds, levels))
+    episodes = make_episodes(scenario, task=task, n_worlds=n_worlds, parameters=parameters, team=True)
+    screen = console or Console(stderr=True)
+    chosen = named_policies(sources, names, ())
+    if references:
+        shown = named_policies((), None, [name for name in TEAM_SHOWN if name not in chosen])
+        chosen = {**chosen, **_fitting(shown, episodes, screen)}
+    rows = drive_policies(evaluate_team, episodes, chosen, levels, split, screen)
+    found = TeamEvaluation(episodes.simulation.scenario.name, split, rows, summarize_teams(rows))
+    if folder is not None:
+        write_team_evaluation(folder, found, team_conditions(episodes, split, levels))
+    return found
+
+
+def write_team_evaluation(folder: Path, found: TeamEvaluation, named: Mapping[str, object]) -> None:
+    """Write the rows of agents and levels, the figures and the tables."""
+    write_agents(folder / "episodes.csv", found.rows)
+    write_levels(folder / "levels.csv", found.rows)
+    write_json(folder / "summary.json", {"conditions": named, "machine": machine(), "policies": found.summaries})
+    write_text(folder / "table.txt", "\n".join(map(table_text, found.tables)))
+
+
+def _fitting(policies: Mapping[str, Policy], episodes: Episodes, screen: Console) -> dict[str, Policy]:
+    fitting = {}
+    for name, policy in policies.items():
+        try:
+            if isinstance(policy, BehaviorPolicy):
+                policy.check(episodes)
+            fitting[name] = policy
+        except UnfitBehaviorError as problem:
+            screen.print(f"without {name}: {problem}", markup=False, highlight=False)
+    return fitting

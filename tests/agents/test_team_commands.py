@@ -1,0 +1,83 @@
+"""Teams on the command line: evaluated, filmed, rolled out."""
+
+import csv
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from irsim_gym import cli
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
+    monkeypatch.setattr(sys, "argv", ["irsim-gym", *map(str, arguments)])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    return int(end.value.code or 0)
+
+
+PAIR = """
+world: {height: 6, width: 8}
+robot:
+  - {name: ann, kinematics: {name: diff}, state: [1, 2, 0], goal: [4.05, 2, 0], vel_max: [1, 1]}
+  - {name: bob, kinematics: {name: KIND}, state: [1, 4, 0], goal: [5.05, 4, 0], vel_max: [1, 1]}
+task: {max_steps: 60}
+"""
+
+
+def pair(folder: Path, kind: str = "omni") -> Path:
+    file = folder / "pair.yaml"
+    file.write_text(PAIR.replace("KIND", kind))
+    return file
+
+
+def test_evaluate(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(monkeypatch, "evaluate", pair(tmp_path), "--team", "--levels", 3, "--out", "found") == 0
+    said = capsys.readouterr().out
+    assert "pair: 2 agents, 3 test levels" in said
+    assert "levels that all of these solved" in said
+    summary = json.loads(Path("found/summary.json").read_text())
+    rows = {row["policy"]: row for row in summary["policies"]}
+    assert list(rows) == ["random", "dash", "rvo", "orca"]
+    assert rows["dash"]["cooperative_success"]["value"] == 1.0
+    assert rows["orca"]["common_extra_time"]["levels"] == 3
+    assert summary["conditions"]["agents"] == ["ann", "bob"]
+    assert summary["conditions"]["deadlock_time"] == 5.0
+    with Path("found/episodes.csv").open() as file:
+        agents = list(csv.DictReader(file))
+    assert [(row["policy"], row["level"], row["agent"]) for row in agents[:3]] == [
+        ("random", "0", "ann"),
+        ("random", "0", "bob"),
+        ("random", "1", "ann"),
+    ]
+    assert len(Path("found/levels.csv").read_text().splitlines()) == 1 + 4 * 3
+    assert "CSR" in Path("found/table.txt").read_text()
+
+
+def test_references_that_cannot_drive_all_robots_are_left_out(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = pair(tmp_path, "acker, wheelbase: 0.3")
+    assert run(monkeypatch, "evaluate", file, "--team", "--levels", 1, "--out", "found") == 0
+    assert "without rvo: 'rvo' cannot drive kinematics 'acker' of 'bob'" in capsys.readouterr().err
+    summary = json.loads(Path("found/summary.json").read_text())
+    assert [row["policy"] for row in summary["policies"]] == ["random", "dash"]
+    assert run(monkeypatch, "evaluate", file, "orca", "--team", "--levels", 1) == 1
+    assert "'orca' cannot drive kinematics 'acker' of 'bob'" in capsys.readouterr().err
+
+
+def test_rollout_and_record(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    film = tmp_path / "film.gif"
+    assert run(monkeypatch, "rollout", pair(tmp_path), "--policy", "dash", "--team", "--levels", 1) == 0
+    # 3.05 m and 4.05 m at 1 m/s to within 0.1 m.
+    assert capsys.readouterr().out.splitlines() == [
+        "level 0, ann: success after 3.0 s, 3.00 m driven",
+        "level 0, bob: success after 4.0 s, 4.00 m driven",
+    ]
+    assert run(monkeypatch, "record", pair(tmp_path), "dash", "orca", "--team", "--out", film) == 0
+    assert film.read_bytes().startswith(b"GIF")
