@@ -104,14 +104,15 @@ def run_training(
 
 def marks_table(points: Sequence[Point]) -> Table:
     """Say when which success was reached for good, and what the last checkpoint scores."""
-    table = Table(title=f"success on {points[-1]['levels']:,} dev levels", title_justify="left")
+    last = points[-1]
+    whose = "success of whole teams" if "individual_success" in last else "success"
+    table = Table(title=f"{whose} on {last['levels']:,} dev levels", title_justify="left")
     for head in ("mark", "training time [s]", "steps"):
         table.add_column(Text(head), justify="right")
     for mark in MARKS:
         point = reached(points, mark)
         row = (f"{point['training_seconds']:.1f}", f"{point['steps']:,}") if point else ("-", "-")
         table.add_row(f"{mark:.0%}", *row)
-    last = points[-1]
     table.add_row(f"end: {last['success']:.1%}", f"{last['training_seconds']:.1f}", f"{last['steps']:,}")
     return table
 

@@ -19,7 +19,8 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
 
     Args:
         path: PNG file to write.
-        points: Rows with ``training_seconds``, ``steps``, ``success``, its interval and ``collision``.
+        points: Rows with ``training_seconds``, ``steps``, ``success``, its interval and ``collision``; of teams with
+            ``individual_success`` too.
         title: Heading.
     """
     figure = Figure(figsize=(7.2, 4.2), dpi=120, layout="constrained")
@@ -33,13 +34,23 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
         color=ACCENT, alpha=0.18, linewidth=0.0,
     )  # fmt: skip
     success, collision = ([100.0 * point[name] for point in points] for name in ("success", "collision"))
-    axes.plot(seconds, success, color=ACCENT, marker="o", ms=3.5, label="success")
-    axes.plot(seconds, collision, color=FAILURE, lw=1.2, ls="--", label="collision")
+    is_team = "individual_success" in points[0]
+    axes.plot(seconds, success, color=ACCENT, marker="o", ms=3.5, label="all arrive" if is_team else "success")
+    if is_team:
+        each = [100.0 * point["individual_success"] for point in points]
+        axes.plot(seconds, each, color=ACCENT, lw=1.2, ls=":", label="robots that arrive")
+    label = "robots that collide" if is_team else "collision"
+    axes.plot(seconds, collision, color=FAILURE, lw=1.2, ls="--", label=label)
     for mark, side in ((95.0, "top"), (98.0, "bottom")):
         axes.axhline(mark, color=GRID, lw=1.0, zorder=0)
         place = (1.005, mark)
         axes.annotate(f"{mark:.0f} %", place, xycoords=("axes fraction", "data"), fontsize=7, color=INK, va=side)
-    axes.set(xlabel="training time [s]", ylabel="levels [%]", ylim=(0.0, 100.5), xlim=(0.0, None))
+    axes.set(
+        xlabel="training time [s]",
+        ylabel="levels, robots [%]" if is_team else "levels [%]",
+        ylim=(0.0, 100.5),
+        xlim=(0.0, None),
+    )
     axes.set_title(title, loc="left", fontsize=10, color=INK)
     axes.legend(loc="center right", frameon=False, fontsize=8)
     axes.spines[["top", "right"]].set_visible(False)

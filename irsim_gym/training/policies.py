@@ -18,7 +18,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.spaces import observation_layout
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.policy import Policy, by_world, observations
 from irsim_gym.evaluation.reference_policies import REFERENCES, reference_policy
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint import NORMALIZATION, POLICY, newest_checkpoint
@@ -29,32 +29,55 @@ CHUNK = 64
 
 
 class SavedPolicy:
-    """A trained policy, deterministic.
+    """A trained policy, deterministic; the agents of a team share it.
 
     Args:
-        model: The loaded algorithm.
+        model: The loaded algorithm. A recurrent one has a memory for each agent of each world, empty at first.
         normalization: Statistics of the observations it was trained with.
     """
 
     def __init__(self, model: BaseAlgorithm, normalization: VecNormalize | None = None) -> None:
         self.model, self.normalization = model, normalization
+        self._shape: tuple[int, ...] | None = getattr(model.policy, "lstm_hidden_state_shape", None)
+        self._memory = np.zeros((0, 0, 0, 0), np.float32)
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
-        """Do nothing: the policy has no memory."""
+        """Forget what was in these worlds."""
+        if self._shape is None:
+            return
+        size = (2, self._shape[0], episodes.n_worlds * episodes.n_agents, self._shape[2])
+        if self._memory.shape != size:
+            self._memory = np.zeros(size, np.float32)
+        self._memory[:, :, _slots(episodes, worlds)] = 0.0
 
     def act(self, episodes: Episodes, worlds: Ints) -> NDArray[Any]:
         """Return the actions of worlds, the same whatever other worlds there are."""
-        observation = episodes.view.observation[worlds, 0]
-        chunks = [self._chunk(episodes, observation[i : i + CHUNK]) for i in range(0, len(observation), CHUNK)]
-        return np.concatenate(chunks)
+        seen, slots = observations(episodes, worlds), _slots(episodes, worlds)
+        parts = [slice(start, start + CHUNK) for start in range(0, len(seen), CHUNK)]
+        chunks = [self._chunk(episodes, seen[part], slots[part]) for part in parts]
+        return by_world(np.concatenate(chunks), episodes)
 
-    def _chunk(self, episodes: Episodes, observation: NDArray[np.float32]) -> NDArray[Any]:
+    def _chunk(self, episodes: Episodes, observation: NDArray[np.float32], slots: Ints) -> NDArray[Any]:
+        count = len(observation)
         padded = np.zeros((CHUNK, observation.shape[1]), np.float32)
-        padded[: len(observation)] = observation
+        padded[:count] = observation
         seen: Any = observation_layout(episodes).fresh(padded)
         if self.normalization is not None:
             seen = self.normalization.normalize_obs(seen)
-        return self.model.predict(seen, deterministic=True)[0][: len(observation)]
+        if self._shape is None:
+            return self.model.predict(seen, deterministic=True)[0][:count]
+        memory = np.zeros((*self._memory.shape[:2], CHUNK, self._shape[2]), np.float32)
+        memory[:, :, :count] = self._memory[:, :, slots]
+        kept: Any
+        actions, kept = self.model.predict(seen, (memory[0], memory[1]), deterministic=True)
+        self._memory[:, :, slots] = np.stack(kept)[:, :, :count]
+        return actions[:count]
+
+
+def _slots(episodes: Episodes, worlds: Ints) -> Ints:
+    """Return the numbers of the agents of worlds, counted over all worlds, ``(n * n_agents,)``."""
+    agents = np.arange(episodes.n_agents, dtype=np.int64)
+    return (worlds[:, None] * episodes.n_agents + agents).ravel()
 
 
 def load_policy(source: str | Path) -> Policy:
@@ -96,7 +119,18 @@ def _algorithm(path: Path) -> type[BaseAlgorithm]:
             data = json.loads(archive.read("data"))
     except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
         raise IrsimGymError(f"{path} is no policy of Stable-Baselines3: {error}") from error
-    return SAC if "sac" in str(data["policy_class"].get("__module__", "")) else PPO
+    module = str(data["policy_class"].get("__module__", ""))
+    if "recurrent" in module:
+        return _recurrent(path)
+    return SAC if ".sac." in module else PPO
+
+
+def _recurrent(path: Path) -> type[BaseAlgorithm]:
+    try:
+        from sb3_contrib import RecurrentPPO
+    except ImportError as error:
+        raise IrsimGymError(f"{path} is a recurrent policy: pip install sb3-contrib") from error
+    return RecurrentPPO
 
 
 def _normalization(path: Path) -> VecNormalize | None:

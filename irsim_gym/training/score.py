@@ -10,10 +10,14 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
-from irsim_gym.evaluation.metrics import Summary, summarize
+from irsim_gym.evaluation.metrics import summarize
 from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.tables import plain, write_csv, write_json
+from irsim_gym.evaluation.team_metrics import summarize_team
+from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint import Progress as RunProgress
 from irsim_gym.training.checkpoint import list_checkpoints, load_progress
 from irsim_gym.training.evaluate import WORLDS
@@ -24,10 +28,6 @@ from irsim_gym.training.worlds import make_episodes
 
 DEV_LEVELS = 1000
 MARKS = (0.90, 0.95, 0.98, 0.99)
-COLUMNS = (
-    "steps", "training_seconds", "cpu_seconds", "levels", "success", "success_low", "success_high",
-    "collision", "timeout", "left_world", "spl",
-)  # fmt: skip
 
 Point = dict[str, float]
 
@@ -44,17 +44,19 @@ def score_run(run: Run, *, levels: int = DEV_LEVELS, console: Console | None = N
     points = {int(point["steps"]): point for point in read_curve(run) if point["levels"] == levels}
     waiting = [path for path in list_checkpoints(run.checkpoints) if int(path.name) not in points]
     if waiting:
+        is_team = settings.hyperparameters.team is not None
         episodes = make_episodes(
             settings.scenario,
             task=settings.task,
             n_worlds=max(1, min(WORLDS, levels)),
             parameters=settings.parameters,
+            team=is_team,
         )
         screen, optima = console or Console(stderr=True), Optima("dev")
         with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
             for path in bar.track(waiting, description="scoring checkpoints"):
-                rows = evaluate(load_policy(path / "policy.zip"), episodes, levels, "dev", optima=optima)
-                point = _point(load_progress(path), summarize(path.name, rows))
+                policy, figures = load_policy(path / "policy.zip"), _team_figures if is_team else _figures
+                point = _point(load_progress(path), figures(policy, episodes, levels, optima))
                 points[int(point["steps"])] = point
                 _write(run, _sorted(points))
     curve = _sorted(points)
@@ -87,11 +89,18 @@ def _sorted(points: dict[int, Point]) -> list[Point]:
     return [points[steps] for steps in sorted(points)]
 
 
-def _point(progress: RunProgress, summary: Summary) -> Point:
+def _point(progress: RunProgress, figures: Point) -> Point:
     return {
         "steps": progress.steps,
         "training_seconds": progress.training_seconds,
         "cpu_seconds": progress.cpu_seconds,
+        **figures,
+    }
+
+
+def _figures(policy: Policy, episodes: Episodes, levels: int, optima: Optima) -> Point:
+    summary = summarize("", evaluate(policy, episodes, levels, "dev", optima=optima))
+    return {
         "levels": summary.episodes,
         "success": summary.success.value,
         "success_low": summary.success.low,
@@ -103,11 +112,29 @@ def _point(progress: RunProgress, summary: Summary) -> Point:
     }
 
 
+def _team_figures(policy: Policy, episodes: Episodes, levels: int, optima: Optima) -> Point:
+    """Return the figures of a team; its ``success`` is that of all robots together, the rest are shares of robots."""
+    summary = summarize_team("", evaluate_team(policy, episodes, levels, "dev", optima=optima))
+    return {
+        "levels": summary.levels,
+        "success": summary.cooperative_success.value,
+        "success_low": summary.cooperative_success.low,
+        "success_high": summary.cooperative_success.high,
+        "individual_success": summary.individual_success.value,
+        "collision": summary.collision.value,
+        "timeout": summary.timeout.value,
+        "left_world": summary.left_world.value,
+        "deadlocked": summary.deadlocked.value,
+        "makespan": summary.makespan,
+        "spl": summary.spl,
+    }
+
+
 def _write(run: Run, points: list[Point]) -> None:
     marks: dict[str, Any] = {f"{mark:.0%}": reached(points, mark) for mark in MARKS}
     seconds = {name: point and point["training_seconds"] for name, point in marks.items()}
     write_json(run.curve, {"seconds_to": plain(seconds), "points": points})
-    write_csv(run.folder / "curve.csv", COLUMNS, points)
+    write_csv(run.folder / "curve.csv", list(points[0]), points)
 
 
 def curve_files(run: Run) -> list[Path]:
