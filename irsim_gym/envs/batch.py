@@ -236,7 +236,7 @@ class Batch:
             began[chosen] = True
         respawned = ended & ~began
         if self.respawn and respawned.any():
-            self.worlds.episodes.respawn(respawned)
+            self.worlds.respawn(respawned)
             began |= respawned
         self._open(began)
         return began

@@ -143,6 +143,15 @@ class Worlds:
         self.episodes.begin_next(worlds)
         self._begin_trails(worlds)
 
+    def respawn(self, agents: Flags) -> None:
+        """Let agents ``(n_worlds, n_agents)`` begin elsewhere in their running worlds, see ``Episodes.respawn``."""
+        self.episodes.respawn(agents)
+        if self._trails is not None:
+            begun = np.zeros(self.simulation.model.present.shape, np.bool_)
+            begun[:, self.simulation.agents] = agents
+            self._trails.forget(begun)
+            self._note_trails(None)
+
     def step(self, actions: NDArray[Any], worlds: Ints | None = None) -> None:
         """Advance the given worlds, or all, by one step, see ``Episodes.step``; with a render mode, note the paths."""
         self.episodes.step(actions, worlds)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.arraytypes import Flags, Floats, Ints
 
 LONGEST = 4096
 FIRST_LENGTH = 64
@@ -74,6 +74,15 @@ class Trails:
         rows: Floats = self._poses[world, slots, index]
         rows = rows[~np.isnan(rows[:, 0])]
         return rows[-length:] if length else rows
+
+    def forget(self, bodies: Flags) -> None:
+        """Forget where some bodies have been: they have just come to another place.
+
+        Args:
+            bodies: Which ones, shape ``(n_worlds, n_bodies)``.
+        """
+        for w, index in np.argwhere(bodies[:, self.bodies]).tolist():
+            self._poses[w, :, index] = np.nan
 
     def clear(self, worlds: Ints | None = None) -> None:
         """Forget what was noted of some worlds, or of all."""

@@ -11,10 +11,11 @@ import pytest
 import torch
 from contract_tools import arrays_in, assert_same
 from gymnasium.error import ResetNeeded
-from stable_baselines3 import PPO
+from stable_baselines3 import DQN, PPO
 from stable_baselines3.common.callbacks import EvalCallback
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
+from stable_baselines3.common.vec_env import VecFrameStack
 from team_tools import ARRIVES, COLLIDES, KNOWN, LIMIT, MEET
 
 from irsim_gym import compile, load_scenario, sb3
@@ -292,3 +293,67 @@ def test_models_are_saved_loaded_and_evaluated(mode, tmp_path):
     observation = env.reset()
     alone = PPO.load(tmp_path / "policy", device="cpu")
     np.testing.assert_array_equal(alone.predict(observation, deterministic=True)[0].shape, (9, 2))
+
+
+def test_paths_of_respawned_robots_begin_where_they_begin():
+    shown = {**KNOWN, "robot": [{**robot, "plot": {"show_trajectory": True}} for robot in KNOWN["robot"]]}
+    env = team(shown, 1, mode="respawn", render_mode="rgb_array")
+    env.reset()
+    for _ in range(ARRIVES + 2):
+        env.step(np.zeros((3, 2), np.float32))
+    trails = env.worlds._trails
+    assert [len(trails.poses(0, k)) for k in range(3)] == [3, 2, ARRIVES + 3]  # robot 1 began anew one step later
+    np.testing.assert_allclose(trails.poses(0, 0)[:, 0], [1.0, 1.1, 1.2])
+
+
+def test_robots_that_vanish_wait_with_their_last_observation():
+    env = team({**MEET, "task": {**MEET["task"], "ended": "vanish"}}, 4, max_steps=25)
+    last = env.reset()
+    rng, waited = np.random.default_rng(0), 0
+    for _ in range(100):
+        before = env.acting.copy()
+        observations, _, dones, infos = env.step(drawn(rng, env))
+        assert np.isfinite(observations).all()
+        for slot in np.flatnonzero(~env.acted).tolist():
+            assert not before[slot]
+            seen = infos[slot]["terminal_observation"] if dones[slot] else observations[slot]
+            np.testing.assert_array_equal(seen, last[slot])
+            waited += 1
+        last = observations
+        for slot in np.flatnonzero(dones & ~env.acting).tolist():
+            np.testing.assert_array_equal(observations[slot], infos[slot]["terminal_observation"])
+    assert waited > 50
+
+
+@MODES
+def test_robots_of_different_drives_share_one_policy(mode):
+    drives = [
+        {"kinematics": {"name": "diff"}},
+        {"kinematics": {"name": "omni"}, "vel_min": [-1, -1], "vel_max": [1, 1]},
+        {"kinematics": {"name": "acker", "wheelbase": 0.3}, "shape": {"name": "rectangle", "length": 0.5, "width": 0.3,
+                                                                      "wheelbase": 0.3}},
+    ]  # fmt: skip
+    shared = {name: MEET["robot"][0][name] for name in ("shape", "distribution", "goal_threshold", "sensors")}
+    env = team({**MEET, "robot": [{**shared, **drive} for drive in drives]}, 3, mode=mode, max_steps=10)
+    model = PPO("MlpPolicy", env, n_steps=16, batch_size=48, seed=0, device="cpu", **sb3.buffers_for(PPO, env))
+    model.learn(16 * 9 * 2)
+    assert env.observation_space.contains(env.reset()[0])
+
+
+def test_wrappers_of_sb3_pass_the_masks_on():
+    env = VecFrameStack(team(max_steps=15), 2)
+    model = PPO("MlpPolicy", env, n_steps=16, batch_size=36, seed=0, device="cpu", **sb3.buffers_for(PPO, env))
+    model.learn(16 * 9 * 2)
+    rows = model.rollout_buffer
+    assert 0 < len(rows.values) == rows.acted.sum() < rows.acted.size
+
+
+def test_choices_are_learnt_too():
+    env = team(task={**MEET["task"], "action": {"name": "discrete", "linear": 2, "angular": 3}}, max_steps=15)
+    model = DQN(
+        "MlpPolicy", env, seed=0, device="cpu", learning_starts=50, buffer_size=500, batch_size=16,
+        policy_kwargs={"net_arch": [8]}, **sb3.buffers_for(DQN, env),
+    )  # fmt: skip
+    model.learn(450)
+    assert model.replay_buffer.pos == round(model.num_timesteps * (1.0 - env.idle_share))
+    PPO("MlpPolicy", env, n_steps=16, batch_size=36, device="cpu", **sb3.buffers_for(PPO, env)).learn(16 * 9)
