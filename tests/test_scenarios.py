@@ -9,6 +9,7 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation, compile
 from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.library import scenario_names
+from irsim_gym.tasks import load_task
 
 LEVELS = 64
 ROOMS = {"cluttered_room": (8, 10), "dense_room": (16, 18)}
@@ -91,3 +92,45 @@ def test_crossing_obstacles_keep_moving() -> None:
         stopped = simulation.state.stopped[:, movers]
         assert (path[~stopped] > 0.5).all()
         assert ((before > 0.0) & (before < 10.0)).all()
+
+
+@pytest.mark.parametrize("n_robots", [4, 8, 16, 32])
+def test_circle_swap_grows_with_its_robots(n_robots: int) -> None:
+    """The circle stays 4 m up to 12 robots; then each has the arc of 2 pi / 3 m that it has with 12."""
+    scenario = load_scenario("circle_swap", {"n_robots": n_robots})
+    simulation = compile(scenario, 16, agents=scenario.robots)
+    simulation.reset(seed=0)
+    radius = max(4.0, n_robots / 3)
+    center = np.array([scenario.world.width, scenario.world.height]) / 2
+    assert len(scenario.robots) == n_robots
+    assert center[0] - radius == pytest.approx(1.0)
+    for points in (simulation.state.pose, simulation.state.goal):
+        assert np.abs(np.linalg.norm(points[..., :2] - center, axis=-1) - radius).max() <= 0.4 + 1e-9
+    assert simulation.state.goal_distance.min() >= 2 * radius - 0.8
+
+
+SIDES = {
+    "corridor_two_way": lambda start, goal: np.abs(goal[..., 0] - start[..., 0]) >= 8.0,
+    "door_queue": lambda start, goal: (start[..., 0] < 5.0) != (goal[..., 0] < 5.0),
+    "intersection": lambda start, goal: np.abs(goal - start).max(axis=-1) >= 6.0,
+    "random_swap": lambda start, goal: np.linalg.norm(goal - start, axis=-1) >= 5.0,
+    "mixed_team": lambda start, goal: np.linalg.norm(goal - start, axis=-1) >= 6.0,
+}
+
+
+@pytest.mark.parametrize("name", SIDES)
+def test_everybody_of_a_team_has_to_pass_the_others(name: str) -> None:
+    simulation = drawn(name, n_worlds=32)
+    robots = list(simulation.scenario.robots)
+    start, goal = (points[:, robots, :2] for points in (simulation.state.pose, simulation.state.goal))
+    assert SIDES[name](start, goal).all()
+
+
+@pytest.mark.parametrize("name", ["circle_swap", *SIDES])
+def test_all_robots_of_a_team_may_learn_and_see_the_same(name: str) -> None:
+    scenario = load_scenario(name)
+    assert load_task(scenario).agents == (0,)
+    assert load_task(scenario, team=True).agents == scenario.robots
+    assert len(scenario.robots) >= 4
+    (lidar,) = {body.sensors for body in scenario.bodies if body.role == "robot"}
+    assert (lidar[0].number, lidar[0].range_max, lidar[0].angle_range) == (180, 6.0, pytest.approx(2 * np.pi))

@@ -41,6 +41,12 @@ class RandomPlacement:
     range_high: tuple[float, float, float] | None = option(
         None, unit="m, m, rad", meaning="Upper bounds; by default the world drawn in by 0.5 m, and pi."
     )
+    goal_low: tuple[float, float, float] | None = option(
+        None, unit="m, m, rad", meaning="Lower bounds of the goals; by default those of the starts."
+    )
+    goal_high: tuple[float, float, float] | None = option(
+        None, unit="m, m, rad", meaning="Upper bounds of the goals; by default those of the starts."
+    )
     min_distance: float = option(
         1.0,
         ge=0.0,
@@ -70,6 +76,8 @@ class RandomPlacement:
         """Yield key and message of what cannot be."""
         if self.range_low is not None and self.range_high is not None:
             yield from crossed_bounds(self.range_low, self.range_high)
+        if self.goal_low is not None and self.goal_high is not None:
+            yield from crossed_bounds(self.goal_low, self.goal_high, "goal_low", "goal_high")
 
     @property
     def ensures_way(self) -> bool:
@@ -80,15 +88,16 @@ class RandomPlacement:
     def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
         """Settle the bounds, and make room for the grid on which ways are looked for; return what does not fit."""
         options = group.options[0]
-        low, high = world_box(model, MARGIN)
-        low = low if options.range_low is None else np.array(options.range_low, np.float64)
-        high = high if options.range_high is None else np.array(options.range_high, np.float64)
-        if np.any(low > high):
-            ends = [[round(float(value), 6) for value in bound] for bound in (low, high)]
-            return f"range_low {ends[0]} exceeds range_high {ends[1]}; what is not given is the world less {MARGIN} m"
-        x0, y0, x1, y1 = model.bounds
-        area = (min(x0, low[0]), min(y0, low[1]), max(x1, high[0]), max(y1, high[1]))
-        group.arrays = {"low": low, "high": high, "blocks": np.zeros((n_slots, len(model.role)), np.bool_)}
+        low, high, goal_low, goal_high = bounds = _bounds(options, model)
+        for name, lower, upper in (("range", low, high), ("goal", goal_low, goal_high)):
+            if np.any(lower > upper):
+                ends = [[round(float(value), 6) for value in bound] for bound in (lower, upper)]
+                missing = f"the world less {MARGIN} m" if name == "range" else "that of the starts"
+                return f"{name}_low {ends[0]} exceeds {name}_high {ends[1]}; what is not given is {missing}"
+        corners = np.array([*(bound[:2] for bound in bounds), model.bounds[:2], model.bounds[2:]])
+        area = (*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist())
+        group.arrays = dict(zip(("low", "high", "goal_low", "goal_high"), bounds, strict=True))
+        group.arrays["blocks"] = np.zeros((n_slots, len(model.role)), np.bool_)
         reach = float(np.min(model.reach[:, group.members]))
         whole = max(area[2] - area[0], area[3] - area[1])
         for name, share in (("coarse", COARSE), ("fine", FINE)):
@@ -124,8 +133,7 @@ class RandomPlacement:
             shard.worlds,
             group.members,
             group.params,
-            table["low"],
-            table["high"],
+            (table["low"], table["high"], table["goal_low"], table["goal_high"]),
             shapes,
             targets,
             scene,
@@ -135,13 +143,22 @@ class RandomPlacement:
         )
 
 
+def _bounds(options: RandomPlacement, model: WorldModel) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return the lower and upper bounds of the starts and of the goals."""
+    low, high = world_box(model, MARGIN)
+    low = low if options.range_low is None else np.array(options.range_low, np.float64)
+    high = high if options.range_high is None else np.array(options.range_high, np.float64)
+    goal_low = low if options.goal_low is None else np.array(options.goal_low, np.float64)
+    goal_high = high if options.goal_high is None else np.array(options.goal_high, np.float64)
+    return low, high, goal_low, goal_high
+
+
 @kernel
 def draw_members(
     worlds: Ints,
     members: Ints,
     params: Any,
-    low: Floats,
-    high: Floats,
+    bounds: Any,
     shapes: Any,
     targets: Any,
     scene: Any,
@@ -151,6 +168,7 @@ def draw_members(
 ) -> None:
     """Place one member after the other in each world, those that have no place yet, until one finds none."""
     present, has_goal, placed, options = shapes[0], targets[0], scene[3], params[0]
+    low, high, goal_low, goal_high = bounds
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
@@ -159,7 +177,8 @@ def draw_members(
                 continue
             for _ in range(PATH_TRIES if has_goal[b] else 1):
                 placed[w, b] = draw_start(w, k, members, options, low, high, shapes, targets, scene, random) and (
-                    not has_goal[b] or draw_goal(w, k, members, options, low, high, shapes, targets, scene, random)
+                    not has_goal[b]
+                    or draw_goal(w, k, members, options, goal_low, goal_high, shapes, targets, scene, random)
                 )
                 if placed[w, b] and options.reachable and has_goal[b]:
                     placed[w, b] = has_way(w, b, shapes, targets, scene, grids)

@@ -63,8 +63,10 @@ def unordered_ranges(options: Any, *names: str, least: float = -math.inf) -> Ite
             yield name, f"must be >= {least:g}, got [{low:g}, {high:g}]"
 
 
-def crossed_bounds(low: Sequence[float], high: Sequence[float]) -> Iterator[tuple[str, str]]:
-    """Yield a problem if a component of ``range_low`` lies above that of ``range_high``."""
+def crossed_bounds(
+    low: Sequence[float], high: Sequence[float], low_name: str = "range_low", high_name: str = "range_high"
+) -> Iterator[tuple[str, str]]:
+    """Yield a problem if a component of the lower bounds lies above that of the upper ones."""
     if any(a > b for a, b in zip(low, high, strict=True)):
         shown = [f"[{', '.join(f'{value:g}' for value in bounds)}]" for bounds in (low, high)]
-        yield "range_low", f"must not exceed range_high, got {shown[0]} and {shown[1]}"
+        yield low_name, f"must not exceed {high_name}, got {shown[0]} and {shown[1]}"

@@ -13,6 +13,9 @@ import pytest
 from gymnasium.envs.registration import EnvSpec
 
 import irsim_gym
+from irsim_gym.envs import sb3
+from irsim_gym.envs.batch import make_batch
+from irsim_gym.envs.parallel import parallel_env
 from irsim_gym.envs.sb3 import make_vec_env
 from irsim_gym.envs.single import WorldEnv
 from irsim_gym.envs.vector import WorldVectorEnv
@@ -54,6 +57,9 @@ def test_every_way_of_making_takes_them(file: str) -> None:
     assert count(make_vec_env(file, 2, n_robots=5)) == 5
     assert len(irsim_gym.load(file, n_robots=5, display=False).robots) == 5
     assert len(Worlds(file, parameters={"n_robots": 5}).scenario.bodies) == 5
+    assert sb3.make_multi_agent_vec_env(file, 2, n_robots=5).num_envs == 10
+    assert len(parallel_env(file, n_robots=5).possible_agents) == 5
+    assert len(make_batch(file, 2, n_robots=5).worlds.scenario.bodies) == 5
 
 
 def test_spec_and_pickle_keep_them(file: str) -> None:
@@ -92,7 +98,10 @@ def test_a_loaded_scenario_has_its_parameters_already(file: str) -> None:
 
 @pytest.mark.parametrize(
     "function",
-    [WorldEnv, WorldVectorEnv, Worlds, make_vec_env, World, gymnasium.make, gymnasium.make_vec, irsim_gym.make_vec],
+    [
+        *(WorldEnv, WorldVectorEnv, Worlds, World, parallel_env, make_batch, sb3.make_vec_env),
+        *(sb3.make_multi_agent_vec_env, gymnasium.make, gymnasium.make_vec, irsim_gym.make_vec),
+    ],
 )
 def test_no_parameter_can_hide_behind_an_argument(function: Any) -> None:
     named = [name for name, one in inspect.signature(function).parameters.items() if one.kind is not one.VAR_KEYWORD]

@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 import irsim_gym as ig
-from irsim_gym.errors import PlacementError
+from irsim_gym.errors import PlacementError, ScenarioError
 
 N_WORLDS = 40
 
@@ -88,6 +88,38 @@ def test_spacing_and_clearance_are_kept() -> None:
             for j in range(i):
                 assert shapes[i].distance(shapes[j]) >= 0.4
                 assert np.linalg.norm(sim.state.pose[w, i, :2] - sim.state.pose[w, j, :2]) >= 3.5
+
+
+def crossing(**bounds: Any) -> dict[str, Any]:
+    place = {"name": "random", "range_low": [0.5, 0.5, 0], "range_high": [3, 9.5, 1], "min_distance": 0.8, **bounds}
+    return {"robot": {"number": 4, "kinematics": {"name": "diff"}, "distribution": place}}
+
+
+def test_goals_may_have_bounds_of_their_own() -> None:
+    bounds = {"goal_low": [7, 1, -1], "goal_high": [9.5, 4, 0]}
+    sim = ig.compile(ig.load_scenario(crossing(**bounds)), 30)
+    sim.reset(seed=2)
+    for points, low, high in (
+        (sim.state.pose, [0.5, 0.5, 0], [3, 9.5, 1]),
+        (sim.state.goal, [7, 1, -1], [9.5, 4, 0]),
+    ):
+        assert (points >= low).all()
+        assert (points <= high).all()
+        assert (np.ptp(points, axis=(0, 1)) > 0.8 * (np.array(high) - low)).all()
+        for one in points[:, :, :2]:
+            assert min(np.linalg.norm(one[i] - one[j]) for i in range(4) for j in range(i)) >= 0.8
+
+
+@pytest.mark.parametrize(
+    ("bounds", "said"),
+    [
+        ({"goal_low": [7, 1, 0], "goal_high": [6, 4, 0]}, r"distribution\.goal_low: must not exceed goal_high"),
+        ({"goal_low": [7, 1, 0]}, r"goal_low \[7.0, 1.0, 0.0\] exceeds goal_high \[3.0, .*is that of the starts"),
+    ],
+)
+def test_bounds_of_goals_are_the_right_way_round(bounds: dict[str, Any], said: str) -> None:
+    with pytest.raises(ScenarioError, match=said):
+        ig.compile(ig.load_scenario(crossing(**bounds)))
 
 
 def test_random_obstacles_keep_clear_of_a_given_start_and_goal() -> None:
