@@ -1,13 +1,14 @@
-"""Run the benchmarks: python benchmarks/run.py [-f REGEX] [--json FILE]."""
+"""Run the benchmarks: python benchmarks/run.py [-f REGEX] [--json FILE] [--tiny] [--list]."""
 
 from __future__ import annotations
 
 import argparse
-import json
 import re
 from pathlib import Path
 
-from cases import CASES
+import results
+from catalogue import CASES
+from effort import FULL, TINY, flatten
 from machine import describe
 from rich.console import Console
 from rich.table import Table
@@ -18,22 +19,30 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("-f", "--filter", default="", help="run only the cases whose names match")
     parser.add_argument("--json", type=Path, help="write the figures, with machine and versions, to this file")
+    parser.add_argument("--tiny", action="store_true", help="smallest sizes, one step: to see that a case runs")
+    parser.add_argument("--list", action="store_true", help="show the names of the cases and stop")
     asked = parser.parse_args()
     chosen = {name: case for name, case in CASES.items() if re.search(asked.filter, name)}
     if not chosen:
         parser.error(f"no case matches '{asked.filter}'; there are: {', '.join(CASES)}")
-    console, table, results = Console(), Table("case", "figure", "value"), {}
+    if asked.list:
+        print("\n".join(chosen))
+        return
+    console, table = Console(), Table("case", "figure", "value", "noise")
+    found: dict[str, dict[str, float]] = {}
+    noises: dict[str, dict[str, float]] = {}
     machine = describe()
     for name, case in chosen.items():
         with console.status(name):
-            results[name] = case()
-        for figure, value in results[name].items():
-            table.add_row(name, figure, f"{value:.4g}")
+            figures = case(TINY if asked.tiny else FULL)
+        for figure, value, noise in flatten(figures):
+            found.setdefault(name, {})[figure] = value
+            if noise is not None:
+                noises.setdefault(name, {})[figure] = noise
+            table.add_row(name, figure, f"{value:.4g}", "" if noise is None else f"{100.0 * noise:.0f} %")
+        if asked.json:
+            results.write(asked.json, {"machine": machine, "results": found, "noise": noises})
     console.print(table)
-    if asked.json:
-        draft = asked.json.with_suffix(".tmp")
-        draft.write_text(json.dumps({"machine": machine, "results": results}, indent=1) + "\n")
-        draft.replace(asked.json)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,64 @@
+"""S1 through every interface, S2, S3 and S4."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import players
+from effort import Effort, Figures
+from standard_worlds import s1, s2, s3, s4
+
+BATCHES = (1, 16, 64, 256, 1024, 4096)
+SWAP_STEPS = 80
+"""Steps in which the robots of S2 cross the circle; a round begins at the start."""
+
+
+def s1_faces(effort: Effort) -> Figures:
+    """Measure S1 as a single environment and as batches, through each interface; they take turns."""
+    scenario = s1()
+    figures: Figures = {"single_us": effort.per_agent_us(players.single(scenario))}
+    for n_worlds in effort.sizes(BATCHES):
+        faces = {
+            "core": players.core(scenario, n_worlds),
+            "vector_env": players.vector(scenario, n_worlds),
+            "vec_env": players.vec_env(scenario, n_worlds),
+        }
+        for name, timing in effort.in_turns_us(faces).items():
+            figures[f"{name}_{n_worlds}_worlds_us"] = timing
+    return figures
+
+
+def s2_swap(behavior: str, effort: Effort) -> Figures:
+    """Measure robots that change sides, per robot and step: a whole crossing each round."""
+    n_steps = SWAP_STEPS if effort.round_s else 1
+    return {
+        f"{n_worlds}_worlds_us": effort.per_agent_us(players.crowd(s2(behavior), n_worlds), n_steps)
+        for n_worlds in effort.sizes((1, 256))
+    }
+
+
+def s3_map(picture: str, effort: Effort) -> Figures:
+    """Measure one robot in a map, alone and in batches."""
+    scenario = s3(picture)
+    figures: Figures = {"single_us": effort.per_agent_us(players.single(scenario))}
+    for n_worlds in effort.sizes((1, 64, 1024)):
+        figures[f"core_{n_worlds}_worlds_us"] = effort.per_agent_us(players.core(scenario, n_worlds))
+    return figures
+
+
+def s4_team(effort: Effort) -> Figures:
+    """Measure teams among wanderers, per robot and step."""
+    return {
+        f"core_{n_worlds}_worlds_us": effort.per_agent_us(players.team(s4(), n_worlds))
+        for n_worlds in effort.sizes((1, 64, 1024))
+    }
+
+
+FACES = {
+    "s1": s1_faces,
+    "s2/rvo": partial(s2_swap, "rvo"),
+    "s2/orca": partial(s2_swap, "orca"),
+    "s3/cave": partial(s3_map, "cave"),
+    "s3/floor_plan": partial(s3_map, "floor_plan"),
+    "s4": s4_team,
+}

@@ -1,0 +1,62 @@
+"""How the cost grows with the number of agents, obstacles, beams, worlds and threads."""
+
+from __future__ import annotations
+
+import time
+
+import players
+from effort import Effort, Figures, repeat
+from standard_worlds import ORCA, crowd, s1, s3
+from timing import cost
+
+AGENTS = (10, 30, 100, 300, 1000, 3000, 10_000)
+OBSTACLES = (10, 40, 160, 640)
+BEAMS = (16, 60, 180, 360, 720, 1080)
+WORLDS = (1, 4, 16, 64, 256, 1024, 4096)
+THREADS = (1, 2)
+BATCH = 64
+
+
+def agents(effort: Effort) -> Figures:
+    """Measure a crowd under ORCA at one density, per agent and step, in one world."""
+    return {f"{n}_agents_us": effort.per_agent_us(players.crowd(crowd(ORCA, n))) for n in effort.sizes(AGENTS)}
+
+
+def obstacles(effort: Effort) -> Figures:
+    """Measure S1 with more obstacles in a larger room."""
+    batch = min(BATCH, effort.largest or BATCH)
+    return {f"{n}_obstacles_us": effort.per_agent_us(players.core(s1(n), batch)) for n in effort.sizes(OBSTACLES)}
+
+
+def beams(effort: Effort) -> Figures:
+    """Measure S1 with more beams."""
+    batch = min(BATCH, effort.largest or BATCH)
+    return {f"{n}_beams_us": effort.per_agent_us(players.core(s1(10, n), batch)) for n in effort.sizes(BEAMS)}
+
+
+def worlds(effort: Effort) -> Figures:
+    """Measure S1 with more worlds."""
+    return {f"{n}_worlds_us": effort.per_agent_us(players.core(s1(), n)) for n in effort.sizes(WORLDS)}
+
+
+def threads(effort: Effort) -> Figures:
+    """Measure S1 and S3 on one and on two threads: wall time, so that it says something on an idle machine only."""
+    figures: Figures = {}
+    for n_worlds in effort.sizes((64, 1024)):
+        for name, scenario in {"s1": s1(), "s3_cave": s3("cave")}.items():
+            for n_threads in THREADS:
+                player = players.core(scenario, n_worlds, n_threads)
+                count = effort.steps(player.step)
+                taken = cost(lambda p=player, n=count: repeat(p.step, n), effort.rounds, clock=time.perf_counter)
+                key = f"{name}_{n_worlds}_worlds_{n_threads}_threads_wall_us"
+                figures[key] = taken.times(1e6 / count / n_worlds)
+    return figures
+
+
+GROWTH = {
+    "growth/agents": agents,
+    "growth/obstacles": obstacles,
+    "growth/beams": beams,
+    "growth/worlds": worlds,
+    "growth/threads": threads,
+}

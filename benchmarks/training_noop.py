@@ -1,0 +1,86 @@
+"""PPO with S1 against PPO with an environment of the same shapes that does nothing: what a learner waits for."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from typing import Any
+
+import numpy as np
+import torch
+from effort import Effort, Figures
+from stable_baselines3 import PPO
+from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
+from standard_worlds import s1
+
+import irsim_gym as ig
+
+SIZES = (8, 64, 512)
+ROLLOUT, MINIBATCH = 8192, 1024
+UPDATES = 3
+MOST_ROUNDS = 5
+
+
+class NothingVecEnv(VecEnv):
+    """Worlds that never change: the same observation, no reward, no end."""
+
+    def __init__(self, like: VecEnv) -> None:
+        super().__init__(like.num_envs, like.observation_space, like.action_space)
+        shape = (self.num_envs, *(like.observation_space.shape or ()))
+        self._observation = np.zeros(shape, np.float32)
+
+    def reset(self) -> Any:
+        """Return the observation."""
+        return self._observation.copy()
+
+    def step_async(self, actions: Any) -> None:
+        """Take the actions, for nothing."""
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Return fresh arrays, as an environment has to."""
+        n = self.num_envs
+        return self._observation.copy(), np.zeros(n, np.float32), np.zeros(n, np.bool_), [{} for _ in range(n)]
+
+    def close(self) -> None:
+        """Nothing to free."""
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """Return None for everything but the render mode's absence."""
+        return [None] * self.num_envs
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Nothing is kept."""
+
+    def env_method(self, method_name: str, *arguments: Any, indices: Any = None, **options: Any) -> list[Any]:
+        """There are no methods."""
+        return [None] * self.num_envs
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        """Nothing is wrapped."""
+        return [False] * self.num_envs
+
+
+def measure(effort: Effort) -> Figures:
+    """Return frames per CPU second of both, in turns, and their ratio of medians."""
+    torch.set_num_threads(1)
+    figures: Figures = {}
+    for n_worlds in effort.sizes(SIZES):
+        env = ig.sb3.make_vec_env(s1(), n_worlds, seed=0, render_mode=None)
+        models = {"s1": _model(env), "noop": _model(NothingVecEnv(env))}
+        rates: dict[str, list[float]] = {name: [] for name in models}
+        for _ in range(min(MOST_ROUNDS, effort.rounds)):
+            for name, model in models.items():
+                begin = time.process_time()
+                model.learn(UPDATES * ROLLOUT, reset_num_timesteps=False)
+                rates[name].append(UPDATES * ROLLOUT / (time.process_time() - begin))
+        medians = {name: statistics.median(found) for name, found in rates.items()}
+        figures |= {f"{name}_{n_worlds}_worlds_per_cpu_s": rate for name, rate in medians.items()}
+        figures[f"{n_worlds}_worlds_share_of_noop"] = medians["s1"] / medians["noop"]
+    return figures
+
+
+def _model(env: VecEnv) -> PPO:
+    model = PPO("MlpPolicy", env, n_steps=ROLLOUT // env.num_envs, batch_size=MINIBATCH, n_epochs=5, device="cpu")
+    model.learn(ROLLOUT)
+    return model

@@ -1,0 +1,98 @@
+"""Every case of the benchmarks runs, with one step of the smallest size; no time is looked at."""
+
+from __future__ import annotations
+
+import json
+import math
+import runpy
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import results
+from catalogue import CASES, LONG
+from effort import TINY, Effort, flatten
+from jsonschema import Draft202012Validator
+from phases import Stopwatch, places, watching
+from standard_worlds import s1, s4
+from timing import Timing, is_disturbed
+
+from irsim_gym.envs.worlds import Worlds
+
+UNITS = ("_us", "_ms", "_s", "_kib", "_kernels", "_share", "_times_faster", "_share_of_noop", "_steps", "_worlds")
+ROOT = Path(__file__).parents[2]
+
+
+def valid(result: dict[str, Any]) -> None:
+    Draft202012Validator(json.loads(results.SCHEMA.read_text(encoding="utf-8"))).validate(result)
+
+
+@pytest.mark.parametrize("name", sorted(CASES.keys() - LONG))
+def test_a_case_runs(name: str) -> None:
+    figures = list(flatten(CASES[name](TINY)))
+    assert figures
+    for figure, value, _ in figures:
+        assert figure.endswith(UNITS), figure
+        assert math.isfinite(value), figure
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(LONG))
+def test_a_case_with_training_runs(name: str) -> None:
+    assert all(math.isfinite(value) for _, value, _ in flatten(CASES[name](TINY)))
+
+
+def test_the_command_writes_a_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "result.json"
+    arguments = ["run.py", "--tiny", "-f", "^s2/", "--json", str(file)]
+    monkeypatch.setattr(sys, "argv", arguments)
+    runpy.run_path(str(ROOT / "benchmarks" / "run.py"), run_name="__main__")
+    result = results.read(file)
+    valid(result)
+    assert set(result["results"]) == {"s2/rvo", "s2/orca"}
+
+
+@pytest.mark.parametrize("file", sorted(results.FOLDER.glob("*.json")), ids=lambda file: file.name)
+def test_committed_results_follow_the_schema(file: Path) -> None:
+    valid(results.read(file))
+
+
+def test_sizes_above_the_largest_are_left_out() -> None:
+    effort = Effort(rounds=1, round_s=0.0, largest=40)
+    assert effort.sizes((10, 30, 100)) == [10, 30]
+    assert effort.sizes((100, 200)) == [100]
+
+
+def test_noise_is_how_far_the_median_lies_above_the_least() -> None:
+    timing = Timing(least=2.0, median=2.5, rounds=3)
+    assert timing.noise == 0.25
+    assert timing.times(4.0) == Timing(8.0, 10.0, 3)
+
+
+def test_a_calibration_loop_tells_of_a_disturbed_round() -> None:
+    assert not is_disturbed(1.2, least=1.0)
+    assert is_disturbed(1.3, least=1.0)
+
+
+def test_an_outer_phase_counts_as_a_whole() -> None:
+    watch = Stopwatch()
+    inner = watch.around("inner", lambda: None)
+    watch.around("outer", inner)()
+    assert watch.calls == {"outer": 1}
+    inner()
+    assert watch.calls == {"outer": 1, "inner": 1}
+
+
+def test_wrappers_of_the_phases_are_taken_off_again() -> None:
+    worlds = Worlds(s4(2, 2), 1, team=True)
+    owners = [(owner, name, vars(owner).get(name)) for _, owner, name in places(worlds)]
+    with watching(worlds, Stopwatch()):
+        assert all(vars(owner).get(name) is not before for owner, name, before in owners)
+    assert all(vars(owner).get(name) is before for owner, name, before in owners)
+
+
+def test_more_obstacles_keep_their_density() -> None:
+    few, many = s1(10), s1(640)
+    assert (len(few["obstacle"]), len(many["obstacle"])) == (11, 641)
+    assert (few["world"]["width"], many["world"]["width"]) == (10.0, 80.0)
