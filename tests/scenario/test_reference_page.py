@@ -44,12 +44,28 @@ def test_the_command_makes_the_tables_anew(tmp_path: Path) -> None:
 
 
 def test_the_example_of_the_page_runs() -> None:
-    (example,) = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    example, _ = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     assert len(example.splitlines()) <= 20
     simulation = compile(load_scenario(yaml.safe_load(example)))
     simulation.reset(seed=0)
     simulation.step()
     assert len(simulation.scenario.bodies) == 8
+
+
+def test_the_example_with_parameters_loads() -> None:
+    _, example = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    scenario = load_scenario(yaml.safe_load(example), {"n_robots": 12, "drive": "omni"})
+    assert (scenario.name, scenario.world.width, len(scenario.bodies)) == ("swap of 12", 12.0, 12)
+    assert scenario.bodies[0].vel_max[:2] == (1.0, 1.5)
+    assert scenario.task["max_steps"] == 340
+
+
+def test_the_page_lists_the_parameters_of_teams() -> None:
+    rows = re.findall(r"^\| `(\w+)` \| (`\w+` \d.*?) \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    assert len(rows) == 6
+    for name, cell in rows:
+        told = {key: float(value) for key, value in re.findall(r"`(\w+)` ([\d.]+)", cell)}
+        assert told == load_scenario(name).parameters
 
 
 def test_each_row_has_all_cells() -> None:
