@@ -65,9 +65,12 @@ def parallel_env(
 class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc]
     """A scenario in which several robots learn, all of them unless the task names some.
 
-    Agents have the names of the robots. ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` goes
-    on with the next level of the chain that follows from the last seed. ``options={"split": "test", "level": 17}``
-    begins exactly that level, and later resets without seed stay in that split.
+    Agents have the names of the robots: ``robot_0`` and so on, or those that the file gives. Of names that are no word
+    with a number PettingZoo's ``api_test`` warns; nothing depends on that.
+
+    ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` goes on with the next level of the chain
+    that follows from the last seed. ``options={"split": "test", "level": 17}`` begins exactly that level, and later
+    resets without seed stay in that split.
 
     A step takes an action from each agent in ``agents`` and answers these. An agent whose own episode ends is in that
     answer for the last time: it is terminated by what became of it, or truncated by the time limit, never both, and is
@@ -77,7 +80,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
     Infos hold the same keys at each call, all Python numbers, as those of ``WorldEnv``.
 
     Attributes:
-        possible_agents: Names of all agents, in the scenario's order.
+        possible_agents: Names of all agents, in the order of the scenario, or of the task's ``agents``.
         agents: Names of those whose episodes are under way, in the same order; a new list at each reset and step.
         observation_spaces: Space of each agent. Agents with different drives have different ones; where ``padded``,
             each has the columns of the richest agent, and those that mean nothing to an agent are 0.

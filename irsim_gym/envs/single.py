@@ -21,8 +21,9 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
     later resets without seed stay in that split.
 
     Infos hold the same keys at each call, all Python numbers: ``outcome`` (``tasks.Outcome``), ``hit`` (the body
-    touched, -1 for none), ``path_length`` [m], ``min_clearance`` [m], ``goal_distance`` [m], ``is_success``, ``steps``,
-    ``level`` and the dict ``reward_terms``.
+    touched, -1 for none), ``hit_kind`` (what that is, ``tasks.outcome.HitKind``), ``path_length`` [m],
+    ``min_clearance`` [m], ``goal_distance`` [m], ``is_success``, ``steps``, ``stalled`` [s] (how long it has hardly
+    moved away from its goal), ``deadlocked``, ``level`` and the dict ``reward_terms``.
 
     Args:
         scenario: Name of a shipped scenario, path of a YAML file, or plain data.
