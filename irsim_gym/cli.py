@@ -135,7 +135,7 @@ def schema() -> None:
 @app.command()
 def train(
     scenario: Scenario,
-    algorithm: Annotated[str, typer.Option(help="ppo or sac.")] = "ppo",
+    algorithm: Annotated[str, typer.Option(help="ppo, sac or recurrent_ppo.")] = "ppo",
     seed: Seed = 0,
     steps: Steps = None,
     task: Task = None,

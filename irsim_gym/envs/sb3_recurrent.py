@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from gymnasium.spaces import Dict
@@ -20,6 +20,8 @@ MEMORIES = ("hidden_states_pi", "cell_states_pi", "hidden_states_vf", "cell_stat
 
 class MaskedRecurrentPPO(RecurrentPPO):
     """``RecurrentPPO`` whose rollout buffer hands out the rows of agents that acted, and no others."""
+
+    leaves_out_waiting: ClassVar[bool] = True
 
     def _setup_model(self) -> None:
         super()._setup_model()

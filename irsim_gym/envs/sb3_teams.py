@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
@@ -84,11 +85,21 @@ def buffers_for(algorithm: type[BaseAlgorithm], env: VecEnv) -> dict[str, Any]:
     """Return the arguments that make an algorithm leave out waiting robots, e.g. ``PPO(policy, env, **these)``.
 
     Args:
-        algorithm: PPO, A2C, SAC, TD3, DQN or one derived from them.
+        algorithm: PPO, A2C, SAC, TD3, DQN or one derived from them; ``MaskedRecurrentPPO`` needs no arguments.
         env: The environment; it tells whether observations are dicts.
+
+    Raises:
+        TypeError: The algorithm makes buffers of its own.
     """
     is_dict = isinstance(env.observation_space, Dict)
+    if getattr(algorithm, "leaves_out_waiting", False):
+        return {}
     if issubclass(algorithm, OnPolicyAlgorithm):
+        if "rollout_buffer_class" not in inspect.signature(algorithm).parameters:
+            raise TypeError(
+                f"{algorithm.__name__} makes buffers of its own; for RecurrentPPO take MaskedRecurrentPPO from "
+                "irsim_gym.envs.sb3_recurrent"
+            )
         return {"rollout_buffer_class": MaskedDictRolloutBuffer if is_dict else MaskedRolloutBuffer}
     return {"replay_buffer_class": MaskedDictReplayBuffer if is_dict else MaskedReplayBuffer}
 

@@ -114,11 +114,18 @@ def restore_random(model: BaseAlgorithm, state: dict[str, Any]) -> None:
     model.action_space.np_random.bit_generator.state = saved["actions"]
 
 
+def restore_memories(model: BaseAlgorithm, state: dict[str, Any]) -> None:
+    """Give a recurrent policy back what it remembers of the episodes under way."""
+    if state.get("memories") is not None:
+        model._last_lstm_states = state["memories"]  # type: ignore[attr-defined]
+
+
 def _state(model: BaseAlgorithm) -> dict[str, Any]:
     env = model.get_env()
     assert env is not None, "a model in training has an environment"
     return {
         "worlds": worlds_state(env),
+        "memories": getattr(model, "_last_lstm_states", None),
         "random": {
             "python": random.getstate(),
             "numpy": np.random.get_state(),  # noqa: NPY002

@@ -12,7 +12,7 @@ import yaml
 
 from irsim_gym.errors import IrsimGymError, suggestion
 
-ALGORITHMS = ("ppo", "sac")
+ALGORITHMS = ("ppo", "sac", "recurrent_ppo")
 TEAM_MODES = ("episode", "respawn")
 PACKAGE = Path(__file__).parent.parent
 
@@ -115,7 +115,7 @@ def load_hyperparameters(
     """Read the hyper-parameters of an algorithm for an environment.
 
     Args:
-        algorithm: ``"ppo"`` or ``"sac"``.
+        algorithm: ``"ppo"``, ``"sac"`` or ``"recurrent_ppo"``.
         environment_id: E.g. ``"irsim_gym/cluttered_room-v0"``; one that is not in the file gets the default.
         file: A file of one's own in place of the shipped one.
         overrides: Values that replace those of the file.
@@ -125,7 +125,7 @@ def load_hyperparameters(
     """
     if algorithm not in ALGORITHMS:
         near = suggestion(algorithm, ALGORITHMS)
-        raise IrsimGymError(f"no algorithm named '{algorithm}'{near}; there are ppo and sac")
+        raise IrsimGymError(f"no algorithm named '{algorithm}'{near}; there are {', '.join(ALGORITHMS)}")
     path = file or hyperparameters_folder() / f"{algorithm}.yaml"
     try:
         content = yaml.safe_load(path.read_text())

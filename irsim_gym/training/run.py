@@ -25,7 +25,7 @@ class Settings:
 
     Attributes:
         scenario: Shipped name, or path of a scenario file.
-        algorithm: ``"ppo"`` or ``"sac"``.
+        algorithm: ``"ppo"``, ``"sac"`` or ``"recurrent_ppo"``.
         seed: Seed of the networks, the exploration and the choice of levels.
         task: Shipped name or path of a task; None for the scenario's own.
         hyperparameters: How it is trained.

@@ -22,7 +22,7 @@ from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.watch import StopLearningError, StopRequest, Watch
 
 CLASSES: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "sac": SAC}
-LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success")
+LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success", "idle_share")
 
 
 class TrainingInterruptedError(IrsimGymError):
@@ -75,11 +75,29 @@ def _open(run: Run, settings: Settings, resume: bool) -> None:
         raise IrsimGymError(f"{run.folder} holds an unfinished run; go on with it by --resume or name another folder")
 
 
+def algorithm_class(settings: Settings) -> type[BaseAlgorithm]:
+    """Return the algorithm of a run, one that leaves out waiting robots where a team learns.
+
+    Raises:
+        IrsimGymError: sb3-contrib is not installed.
+    """
+    if settings.algorithm in CLASSES:
+        return CLASSES[settings.algorithm]
+    try:
+        from sb3_contrib import RecurrentPPO
+
+        from irsim_gym.envs.sb3_recurrent import MaskedRecurrentPPO
+    except ImportError as error:
+        raise IrsimGymError("recurrent PPO needs sb3-contrib: pip install irsim_gym[recurrent]") from error
+    return RecurrentPPO if settings.hyperparameters.team is None else MaskedRecurrentPPO
+
+
 def _new(settings: Settings) -> tuple[BaseAlgorithm, files.Progress]:
     env = build_environment(settings)
     arguments = settings.hyperparameters.algorithm_arguments()
-    policy = "MultiInputPolicy" if hasattr(env.observation_space, "spaces") else "MlpPolicy"
-    algorithm = CLASSES[settings.algorithm]
+    algorithm = algorithm_class(settings)
+    policy = "MultiInput" if hasattr(env.observation_space, "spaces") else "Mlp"
+    policy += "LstmPolicy" if settings.algorithm == "recurrent_ppo" else "Policy"
     if settings.hyperparameters.team is not None:
         arguments = {**buffers_for(algorithm, env), **arguments}
     model = algorithm(arguments.pop("policy", policy), env, seed=settings.seed, device="cpu", **arguments)
@@ -95,10 +113,11 @@ def _restored(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, files.Pr
     normalization = newest / files.NORMALIZATION
     env = build_environment(settings, normalization if normalization.is_file() else None)
     env = restore_worlds(env, state["worlds"])
-    kind: Any = CLASSES[settings.algorithm]
+    kind: Any = algorithm_class(settings)
     model: BaseAlgorithm = kind.load(newest / files.POLICY, env=env, device="cpu", force_reset=False)
     if isinstance(model, OffPolicyAlgorithm):
         model.load_replay_buffer(newest / files.REPLAY_BUFFER, truncate_last_traj=False)
+    files.restore_memories(model, state)
     files.restore_random(model, state)
     return model, files.load_progress(newest)
 

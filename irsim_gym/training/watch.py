@@ -142,6 +142,9 @@ class Watch(BaseCallback):
             row["episode_steps"] = sum(float(episode["l"]) for episode in episodes) / len(episodes)
         if successes:
             row["success"] = sum(successes) / len(successes)
+        share = getattr(self.training_env.unwrapped, "idle_share", None)
+        if share is not None:
+            row["idle_share"] = share
         progress.history.append(row)
         seconds = progress.training_seconds - self.begun[1]
         speed = (progress.steps - self.begun[0]) / seconds if seconds > 0.0 else 0.0

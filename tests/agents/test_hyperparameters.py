@@ -4,10 +4,10 @@ import pytest
 from torch import nn
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.training.hyperparameters import Hyperparameters, Linear, load_hyperparameters
+from irsim_gym.training.hyperparameters import ALGORITHMS, Hyperparameters, Linear, load_hyperparameters
 
 
-@pytest.mark.parametrize("algorithm", ["ppo", "sac"])
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_shipped_files(algorithm: str) -> None:
     found = load_hyperparameters(algorithm, "irsim_gym/nowhere-v0")
     assert found.n_timesteps > found.n_envs > 0
