@@ -279,7 +279,8 @@ class _Filler:
 
     def _unknown(self, name: str) -> str:
         near = suggestion(name, self._declared)
-        others = f"; declared: {', '.join(self._declared)}" if self._declared else f": there is no section '{SECTION}'"
+        shown = ", ".join(declared[:40] for declared in list(self._declared)[:6])
+        others = f"; declared: {shown}" if shown else f": there is no section '{SECTION}'"
         return f"no parameter named '{name[:40]}'{near or others}"
 
 

@@ -28,7 +28,7 @@ SCALARS = st.one_of(
     st.none(),
     st.booleans(),
     NUMBERS,
-    st.sampled_from([*NAMES, "lidar2d", "cycle", "2*pi", "-pi/2", "1e400", "stop", "state"]),
+    st.sampled_from([*NAMES, "lidar2d", "cycle", "2*pi", "-pi/2", "1e400", "stop", "state", "$n", "2*$n", "a${n}"]),
     st.text(max_size=5),
 )
 DATA = st.recursive(
@@ -70,6 +70,15 @@ ENTRIES = st.fixed_dictionaries(
         "plot": st.dictionaries(st.sampled_from([*option_fields(ObjectPlot)]), DATA, max_size=4),
     },
 )
+DECLARATIONS = st.fixed_dictionaries(
+    {"default": SCALARS},
+    optional={
+        "min": SCALARS,
+        "max": SCALARS,
+        "choices": st.lists(SCALARS, max_size=3),
+        "meaning": st.text(min_size=1, max_size=3),
+    },
+)
 SCENARIOS = st.fixed_dictionaries(
     {},
     optional={
@@ -82,6 +91,7 @@ SCENARIOS = st.fixed_dictionaries(
         "plot": DATA,
         "gui": DATA,
         "task": DATA,
+        "parameters": st.one_of(st.dictionaries(st.sampled_from(["n", "m", "2", "seed"]), DECLARATIONS), DATA),
     },
 )
 pytestmark = pytest.mark.filterwarnings("ignore::irsim_gym.errors.ScenarioWarning")
