@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
+import c_twin
 import players
 from effort import Effort, Figures
 from standard_worlds import s1, s2, s3, s4
@@ -25,6 +26,18 @@ def s1_faces(effort: Effort) -> Figures:
         }
         for name, timing in effort.in_turns_us(faces).items():
             figures[f"{name}_{n_worlds}_worlds_us"] = timing
+    return figures
+
+
+def s1_twin(effort: Effort) -> Figures:
+    """Measure S1's core in turns with its C twin; the ratio is one of the least times. Nothing without a compiler."""
+    figures: Figures = {}
+    if c_twin.compiler() is None:
+        return figures
+    for n_worlds in effort.sizes(BATCHES):
+        pair = effort.in_turns_us({"core": players.core(s1(), n_worlds), "twin": players.twin(n_worlds)})
+        figures |= {f"{name}_{n_worlds}_worlds_us": timing for name, timing in pair.items()}
+        figures[f"core_{n_worlds}_worlds_over_twin"] = pair["core"].least / pair["twin"].least
     return figures
 
 
@@ -55,7 +68,8 @@ def s4_team(effort: Effort) -> Figures:
 
 
 FACES = {
-    "s1": s1_faces,
+    "s1/faces": s1_faces,
+    "s1/twin": s1_twin,
     "s2/rvo": partial(s2_swap, "rvo"),
     "s2/orca": partial(s2_swap, "orca"),
     "s3/cave": partial(s3_map, "cave"),

@@ -98,6 +98,14 @@ def crowd(scenario: Mapping[str, Any], n_worlds: int = 1) -> Player:
     return Player(simulation.step, n_worlds * len(simulation.parts.names), lambda: simulation.reset(0))
 
 
+def twin(n_worlds: int) -> Player:
+    """Return a batch of S1 in C; RuntimeError without a compiler."""
+    from c_twin import Twin
+
+    batch, given = Twin(n_worlds), _forever(actions(n_worlds))
+    return Player(lambda: batch.step(next(given)), n_worlds)
+
+
 def _forever(rows: NDArray[np.float32]) -> Any:
     while True:
         yield from rows
