@@ -39,7 +39,7 @@ def read_seed(run: Path, test: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def draw(path: Path, title: str, seeds: list[dict[str, Any]]) -> None:
+def draw(path: Path, title: str, seeds: list[dict[str, Any]], success: str = "success", low: float = 60.0) -> None:
     """Draw the learning curves of all seeds over training seconds."""
     figure = Figure(figsize=(7.2, 4.0), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
@@ -49,7 +49,7 @@ def draw(path: Path, title: str, seeds: list[dict[str, Any]]) -> None:
         axes.plot(seconds, [100 * point["success"] for point in seed["curve"]], lw=1.4, label=seed["run"])
     for mark in (95, 98):
         axes.axhline(mark, color="#d9dee3", lw=1, zorder=0)
-    axes.set(xlabel="training time [s]", ylabel="success on 1,000 dev levels [%]", ylim=(60, 100.5), xlim=(0, None))
+    axes.set(xlabel="training time [s]", ylabel=f"{success} on 1,000 dev levels [%]", ylim=(low, 100.5), xlim=(0, None))
     axes.set_title(title, loc="left", fontsize=10)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False, fontsize=8, loc="lower right")
