@@ -1,9 +1,9 @@
 """Put the results of several training seeds of a team into one JSON file, one picture and the tables of README.md.
 
-    for n in 4 8; do
-      python agents/evaluate.py circle_swap runs/circle_swap/seed_* --team --set n_robots=$n --out runs/circle_swap/test_$n
-    done
-    python agents/summarize_teams.py circle_swap runs/circle_swap/seed_* --test runs/circle_swap/test_4 runs/circle_swap/test_8
+    cd runs/circle_swap
+    for n in 4 8; do irsim-gym evaluate circle_swap seed_* --team --set n_robots=$n --out test_$n; done
+    cd ../..
+    python agents/summarize_teams.py circle_swap runs/circle_swap/seed_* --test runs/circle_swap/test_[48]
 
 writes results/circle_swap.json and .png beside this file, copies the policies to policies/, and prints a table for each
 test. The tests may differ in the values of the scenario's parameters; each has to hold all the runs.
@@ -103,7 +103,7 @@ def main() -> None:
         (asked.out / folder).mkdir(parents=True, exist_ok=True)
     (asked.out / "results" / f"{name}.json").write_text(json.dumps(result, indent=1) + "\n")
     title = f"{name}: {seeds[0]['settings']['algorithm'].upper()}, {len(seeds)} seeds"
-    draw(asked.out / "results" / f"{name}.png", title, seeds, "levels in which all arrive,", 0.0)
+    draw(asked.out / "results" / f"{name}.png", title, seeds, "all robots arrive", 0.0)
     for run in asked.runs:
         shutil.copyfile(run / "policy.zip", asked.out / "policies" / f"{name}_{run.name}.zip")
     for test in tests:
