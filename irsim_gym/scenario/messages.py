@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import types
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, Literal, Union, get_args, get_origin
 
 from irsim_gym.errors import suggestion
@@ -34,6 +34,12 @@ def show(value: Any) -> str:
     if dataclasses.is_dataclass(value):
         return "a mapping"
     return _cut(_number(value))
+
+
+def with_parameters(name: str, parameters: Mapping[str, Any]) -> str:
+    """Return a scenario's name with the values of its parameters: ``circle_swap (n_robots = 8)``."""
+    values = ", ".join(f"{key} = {show(value)}" for key, value in parameters.items())
+    return f"{name} ({values})" if values else name
 
 
 def _number(value: Any) -> str:

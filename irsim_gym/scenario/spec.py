@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic import AllowInfNan, Field
 
 from irsim_gym.errors import Problem
+from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.options import defaults, kind, option
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
 from irsim_gym.scenario.source import Place, Source
@@ -345,6 +346,11 @@ class Scenario:
     occupied: NDArray[np.bool_] | None = field(repr=False, compare=False, default=None)
     doubts: tuple[Problem, ...] = field(repr=False, compare=False, default=())
     parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
+
+    @property
+    def label(self) -> str:
+        """Its name with the values of its parameters, for reports."""
+        return with_parameters(self.name, self.parameters)
 
     @property
     def robots(self) -> tuple[int, ...]:

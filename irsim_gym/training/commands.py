@@ -17,6 +17,7 @@ from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.tables import print_table
 from irsim_gym.scenario.library import SUFFIXES, scenario_names
 from irsim_gym.scenario.load import load_scenario
+from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import load_task
 from irsim_gym.tasks.levels import check_split
@@ -90,7 +91,8 @@ def run_training(
     settings = new_settings(scenario, algorithm, seed, steps, task, hyperparameters, team, parameters)
     if resume and run.exists():
         settings = settings_to_resume(run, settings, steps, team)
-    what = f"{settings.algorithm.upper()} on {settings.scenario}, seed {settings.seed}"
+    named = with_parameters(settings.scenario, settings.parameters)
+    what = f"{settings.algorithm.upper()} on {named}, seed {settings.seed}"
     console.print(f"training {what}, in {run.folder}", markup=False, highlight=False)
     try:
         train(settings, run.folder, resume=resume, console=console)

@@ -32,7 +32,7 @@ class Evaluation:
     """Results of several policies on the same levels.
 
     Attributes:
-        scenario: Name of the scenario.
+        scenario: Name of the scenario, with the values of its parameters.
         split: Which levels.
         rows: Episodes by policy.
         summaries: Figures, in the same order.
@@ -82,7 +82,7 @@ def evaluate_policies(
     episodes = make_episodes(scenario, task=task, n_worlds=max(1, min(n_worlds, levels)), parameters=parameters)
     chosen = named_policies(sources, names, ALWAYS_SHOWN if references else ())
     rows = drive_policies(evaluate, episodes, chosen, levels, split, console or Console(stderr=True))
-    found = Evaluation(episodes.simulation.scenario.name, split, rows, [summarize(name, rows[name]) for name in rows])
+    found = Evaluation(episodes.simulation.scenario.label, split, rows, [summarize(name, rows[name]) for name in rows])
     if folder is not None:
         write_evaluation(folder, found, conditions(episodes, split, levels))
     return found

@@ -87,7 +87,7 @@ def evaluate_team_policies(
         shown = named_policies((), None, [name for name in TEAM_SHOWN if name not in chosen])
         chosen = {**chosen, **_fitting(shown, episodes, screen)}
     rows = drive_policies(evaluate_team, episodes, chosen, levels, split, screen)
-    found = TeamEvaluation(episodes.simulation.scenario.name, split, rows, summarize_teams(rows))
+    found = TeamEvaluation(episodes.simulation.scenario.label, split, rows, summarize_teams(rows))
     if folder is not None:
         write_team_evaluation(folder, found, team_conditions(episodes, split, levels))
     return found

@@ -17,6 +17,7 @@ from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.tables import plain, write_csv, write_json
 from irsim_gym.evaluation.team_metrics import summarize_team
 from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint import Progress as RunProgress
 from irsim_gym.training.checkpoint import list_checkpoints, load_progress
@@ -61,7 +62,8 @@ def score_run(run: Run, *, levels: int = DEV_LEVELS, console: Console | None = N
                 _write(run, _sorted(points))
     curve = _sorted(points)
     if curve:
-        title = f"{settings.scenario}, {settings.algorithm.upper()}, {levels:,} dev levels"
+        named = with_parameters(settings.scenario, settings.parameters)
+        title = f"{named}, {settings.algorithm.upper()}, {levels:,} dev levels"
         draw_curve(run.folder / "curve.png", curve, title)
     return curve
 

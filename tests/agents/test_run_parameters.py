@@ -77,7 +77,7 @@ def test_what_a_published_figure_names(file: str) -> None:
     episodes = make_episodes(file, parameters={"n_robots": 4, "speed": 0.5})
     named = conditions(episodes, "test", 10)
     assert named["parameters"] == {"n_robots": 4, "speed": 0.5}
-    assert named["velocity_max"].tolist() == [0.5, 1.0]
+    assert list(named["velocity_max"]) == [0.5, 1.0]
 
 
 def test_the_command_line(file: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -91,7 +91,8 @@ def test_the_command_line(file: str, monkeypatch: pytest.MonkeyPatch, capsys: py
     assert run(monkeypatch, "rollout", file, "--set", "n_robots=1", "--levels", "1") == 0
     assert "level 0: success" in capsys.readouterr().out
     assert run(monkeypatch, "evaluate", file, "--set", "n_robots=1", "--levels", "1") == 0
-    assert Path("runs/evaluation-swap-n_robots=1-test/table.txt").is_file()
+    table = Path("runs/evaluation-swap-n_robots=1-test/table.txt").read_text()
+    assert "swap (n_robots = 1, speed = 1): 1 test levels" in table
     assert run(monkeypatch, "draw", file, "--set", "n_robots=1") == 0
 
 
