@@ -19,13 +19,16 @@ PACKAGE = Path(__file__).parent.parent
 
 @dataclass(frozen=True)
 class Linear:
-    """A schedule that falls from ``start`` to 0 in proportion to what remains of the run."""
+    """A schedule that falls from ``start`` to 0 in proportion to what remains of the run, and stays there.
+
+    The last rollout may go beyond the end of the run; what remains is then negative, and so would be the value.
+    """
 
     start: float
 
     def __call__(self, remaining: float) -> float:
         """Return the value when the share ``remaining`` of the run is left."""
-        return self.start * remaining
+        return self.start * max(remaining, 0.0)
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ def test_entry_is_laid_over_the_default(tmp_path: Path) -> None:
     arguments = default.algorithm_arguments()
     assert arguments["learning_rate"] == Linear(0.003)
     assert arguments["learning_rate"](0.5) == pytest.approx(0.0015)
+    assert arguments["learning_rate"](-0.1) == 0.0  # the last rollout goes beyond the end of the run
     assert arguments["policy_kwargs"] == {"activation_fn": nn.ReLU}
     special = load_hyperparameters("ppo", "irsim_gym/x-v0", file=file, overrides={"n_envs": 4})
     assert (special.arguments["gamma"], special.n_envs, special.normalize) == (0.5, 4, {})
