@@ -185,3 +185,47 @@ def test_mistakes() -> None:
         evaluate_team(lambda seen: np.zeros((len(seen), 1)), team(lanes(), 2), 2)
     with pytest.raises(ValueError, match="of 'dev'"):
         evaluate_team(Script(), team(lanes()), 1, "test", optima=Optima("dev"))
+
+
+def test_a_map_is_told_apart_from_obstacles() -> None:
+    scenario = lanes()
+    cells = np.zeros((40, 30), np.bool_)
+    cells[8:10] = True
+    # 0.5 m cells: a wall from x = 4 to 5 across all lanes.
+    scenario["world"]["obstacle_map"] = cells
+    scenario["robot"] = [robot for robot in scenario["robot"] if robot["name"] in ("arrives", "waits")]
+    scenario["obstacle"] = []
+
+    def forward(observation: np.ndarray) -> np.ndarray:
+        return np.tile(np.array([1.0, 0.0], np.float32), (len(observation), 1))
+
+    row = evaluate_team(forward, team(scenario), 1)[0]
+    # Contact after 4 - 2 - 0.2 = 1.8 m.
+    assert [(agent.episode.outcome, agent.episode.hit) for agent in row.agents] == [("collision", "map")] * 2
+    assert {agent.episode.steps for agent in row.agents} <= {18, 19}
+    assert summarize_team("forward", [row]).collision_with["map"].count == 2
+
+
+@pytest.mark.parametrize(("ended", "arrives"), [("stay", False), ("vanish", True)])
+def test_who_has_ended_is_in_the_way_or_gone(ended: str, arrives: bool) -> None:
+    scenario = lanes(ended=ended)
+    first, second = scenario["robot"][:2]
+    # Two on one lane: the goal of the first lies on the way of the second.
+    second["state"], second["goal"] = [1, 1, 0], [6, 1, 0]
+    scenario["robot"], scenario["obstacle"] = [first, second], []
+    row = evaluate_team(reference_policy("dash"), team(scenario), 1)[0]
+    assert row.agents[0].episode.outcome == "success"
+    assert (row.agents[1].episode.outcome == "success") is arrives
+    assert row.agents[1].episode.hit == ("" if arrives else "robot")
+
+
+@pytest.mark.parametrize("name", ["rvo", "orca"])
+def test_those_who_vanish_are_avoided_no_longer(name: str) -> None:
+    scenario = lanes(ended="vanish")
+    first, second = scenario["robot"][:2]
+    second["state"], second["goal"] = [1, 1, 0], [6, 1, 0]
+    scenario["robot"], scenario["obstacle"] = [first, second], []
+    row = evaluate_team(reference_policy(name), team(scenario), 1)[0]
+    assert [agent.episode.outcome for agent in row.agents] == ["success", "success"]
+    # It drives straight on, through where the first has been.
+    assert row.agents[1].episode.path_length < 5.0
