@@ -112,6 +112,16 @@ class Batch:
 
     World ``w`` that is reset with seed ``s`` begins level ``s + w``. When agents end, wait and begin again is written
     down here alone; the environments for Stable-Baselines3 stand on it.
+
+    Attributes:
+        worlds: The worlds.
+        n_worlds: Their number.
+        n_agents: Learners in each world.
+        agent_names: Names of the learners, in the order of the agent axis.
+        reward_names: Names of the reward terms, in the order of the last axis of ``BatchStep.reward_terms``.
+        observation_space: Of one agent; robots of different drives share it.
+        action_space: Of one agent.
+        state_size: Length of the state of the team; 0 where it was left out.
     """
 
     def __init__(
@@ -131,6 +141,7 @@ class Batch:
         self.autoreset, self.respawn = autoreset, respawn
         self.world_steps = world_steps or WORLD_LIMITS * worlds.episodes.task.max_steps
         self.n_worlds, self.n_agents = worlds.n_worlds, worlds.episodes.n_agents
+        self.agent_names, self.reward_names = worlds.agent_names, worlds.episodes.reward_names
         self.state_size = worlds.episodes.team_state_size if team_state else 0
         self.observation_space, self.action_space = worlds.observation_space, worlds.action_space
         shape = (self.n_worlds, self.n_agents)

@@ -169,3 +169,30 @@ def test_seeds_levels_and_errors():
     with pytest.raises(ValueError, match="world_steps"):
         irsim_gym.make_batch(MEET, world_steps=3)
     assert dataclasses.is_dataclass(one)
+
+
+def test_the_batch_is_the_parallel_environment_many_times():
+    batch = irsim_gym.make_batch(MEET, 2, max_steps=20, autoreset=False)
+    envs = [irsim_gym.parallel_env(MEET, max_cycles=20) for _ in range(2)]
+    step, rng, ended = batch.reset(seed=3), np.random.default_rng(0), 0
+    names = list(batch.agent_names)
+    for w, env in enumerate(envs):
+        observations, _ = env.reset(seed=3 + w)
+        assert env.possible_agents == names
+        np.testing.assert_array_equal(step.observation[w], [observations[name] for name in names])
+    while step.live.any():
+        actions = drawn(rng, batch).astype(np.float32)
+        step = batch.step(actions)
+        for w, env in enumerate(envs):
+            live = list(env.agents)
+            assert [name for a, name in enumerate(names) if step.acted[w, a]] == live
+            given = {name: actions[w, names.index(name)] for name in live}
+            observations, rewards, terminations, truncations, infos = env.step(given) if live else [{}] * 5
+            for a in map(names.index, live):
+                name = names[a]
+                np.testing.assert_array_equal(step.observation[w, a], observations[name])
+                assert (step.reward[w, a], step.terminated[w, a]) == (rewards[name], terminations[name])
+                assert step.ended[w, a] == (terminations[name] or truncations[name])
+                assert step.infos["path_length"][w, a] == infos[name]["path_length"]
+                ended += step.ended[w, a]
+    assert ended == 6

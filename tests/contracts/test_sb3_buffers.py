@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 from sb3_contrib import RecurrentPPO
-from stable_baselines3 import PPO, SAC
+from stable_baselines3 import A2C, PPO, SAC
 from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.vec_env import VecNormalize
 from team_tools import ARRIVES, COLLIDES, KNOWN, LIMIT, MEET, Recorder, episodes_of
@@ -153,6 +153,20 @@ def test_waiting_rows_would_have_changed_the_weights():
         weights.append(torch.cat([p.detach().flatten() for p in model.policy.parameters()]))
     assert torch.equal(weights[0], weights[1])
     assert not torch.equal(weights[0], weights[2])
+
+
+def test_a2c_learns_without_minibatches():
+    env = team(max_steps=10)
+    model = A2C("MlpPolicy", env, seed=0, device="cpu", n_steps=16, **sb3.buffers_for(A2C, env))
+    model.learn(16 * env.num_envs)
+    assert 0 < len(model.rollout_buffer.values) == model.rollout_buffer.acted.sum() < 16 * env.num_envs
+
+
+def test_algorithms_with_buffers_of_their_own():
+    env = team()
+    assert sb3.buffers_for(MaskedRecurrentPPO, env) == {}
+    with pytest.raises(TypeError, match="MaskedRecurrentPPO"):
+        sb3.buffers_for(RecurrentPPO, env)
 
 
 def test_rewards_without_a_mask_are_refused():
