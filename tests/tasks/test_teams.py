@@ -242,3 +242,11 @@ def test_neighbors_by_hand() -> None:
     row = episodes.view.observation[0, 0]
     # robot_1 is 3 m ahead and 0.1 m to the right, and drives to the right at 1 m/s; robot_2 is out of range.
     np.testing.assert_allclose(row, [0.6, -0.02, 0.0, -0.5, 0.04, 1, 0, 0, 0, 0, 0, 0], atol=1e-6)
+
+
+def test_each_agent_is_told_its_own_drive() -> None:
+    omni = {**LANES[0], "kinematics": {"name": "omni"}, "vel_min": [-1, -1], "vel_max": [1, 1]}
+    robots = [{**LANES[0]}, {**OMNI, "state": [2, 5, 0]}, {**omni, "state": [2, 8, 0]}]
+    episodes = play(robots, None, {"name": "blank", "observations": ["drive"]}, team=True)
+    # In the order of names: diff, omni, omni_angular.
+    assert episodes.view.observation[0].tolist() == [[1, 0, 0], [0, 0, 1], [0, 1, 0]]

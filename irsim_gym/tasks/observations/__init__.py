@@ -1,6 +1,7 @@
 """What an agent perceives."""
 
 from irsim_gym.families import OBSERVATIONS
+from irsim_gym.tasks.observations.drive import Drive
 from irsim_gym.tasks.observations.free_travel import FreeTravel
 from irsim_gym.tasks.observations.goal import Goal
 from irsim_gym.tasks.observations.goal_heading import GoalHeading
@@ -20,6 +21,7 @@ OBSERVATIONS.register("goal", Goal)
 OBSERVATIONS.register("goal_heading", GoalHeading)
 OBSERVATIONS.register("velocity", Velocity)
 OBSERVATIONS.register("last_action", LastAction)
+OBSERVATIONS.register("drive", Drive)
 OBSERVATIONS.register("nearest_bodies", NearestBodies)
 OBSERVATIONS.register("neighbors", Neighbors)
 OBSERVATIONS.register("goal_record", GoalRecord)

@@ -1,0 +1,55 @@
+"""Drive: which of the team's drives the agent has."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.families import KINEMATICS
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Drive:
+    """1 for the agent's own drive and 0 for the other drives of the learners, in the order of their names.
+
+    One policy that is shared by robots with different drives has to know which one it moves.
+    """
+
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = False
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return each agent's numbers, ``(n_agents, n_drives)``."""
+        names = [KINEMATICS.name_of(type(simulation.scenario.bodies[int(b)].kinematics)) for b in agents]
+        known = sorted(set(names))
+        return {"own": np.array([[name == other for other in known] for name in names], np.float32)}
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the bounds, one element for each drive."""
+        width = term.arrays["own"].shape[1]
+        return np.zeros(width, np.float32), np.ones(width, np.float32)
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the numbers."""
+        write_drive(shard.worlds, term.column, term.arrays["own"], episode.observation)
+
+
+@kernel
+def write_drive(worlds: Ints, column: int, own: Rays, out: Rays) -> None:
+    """Copy each agent's row of ``own``, ``(n_agents, n_drives)``."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(own.shape[0]):
+            for k in range(own.shape[1]):
+                out[w, a, column + k] = own[a, k]
