@@ -83,6 +83,10 @@ class OptionError(IrsimGymError, ValueError):
         return type(self), (self.key, str(self))
 
 
+class SeveralAgentsError(IrsimGymError, ValueError):
+    """A task has several learners where one is expected."""
+
+
 class PlacementError(IrsimGymError, RuntimeError):
     """A level could not be drawn within the allowed number of tries."""
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Bytes, Flags, Ints
 from irsim_gym.engine import compile
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
-from irsim_gym.errors import UnknownNameError, suggestion
+from irsim_gym.errors import SeveralAgentsError, UnknownNameError, suggestion
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.plot_spec import trailing
 from irsim_gym.tasks import Episodes, Outcome, load_task
@@ -69,10 +69,10 @@ class Worlds:
         self.simulation = compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
         self.episodes = Episodes(self.simulation, self.task)
         if self.episodes.n_agents != 1 and not team:
-            raise ValueError(
+            raise SeveralAgentsError(
                 f"a single-agent environment needs one learner, but task '{self.task.name}' has "
                 f"{self.episodes.n_agents}: name one robot in 'task.agents', or use parallel_env, make_batch or "
-                "sb3.make_multi_agent_vec_env"
+                "sb3.make_multi_agent_vec_env, on the command line --team"
             )
         self.n_worlds = n_worlds
         self.render_mode = render_mode

@@ -29,7 +29,7 @@ def to_actions(episodes: Episodes, worlds: Ints, command: Floats) -> NDArray[np.
         ``(n, n_agents, n_components)``, or ``(n, n_agents)`` choices.
     """
     simulation = episodes.simulation
-    if episodes.task.action.frame == "body":
+    if getattr(episodes.task.action, "frame", "command") == "body":
         turned = np.flatnonzero(simulation.model.drive[simulation.agents] == OMNI_WORLD)
         command = _into_body_frame(command, turned, simulation.state.pose[worlds[:, None], simulation.agents, 2])
     low, high = velocity_limits(episodes, worlds)

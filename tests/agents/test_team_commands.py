@@ -81,3 +81,15 @@ def test_rollout_and_record(
     ]
     assert run(monkeypatch, "record", pair(tmp_path), "dash", "orca", "--team", "--out", film) == 0
     assert film.read_bytes().startswith(b"GIF")
+
+
+def test_several_learners_without_the_option_are_told_of_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = pair(tmp_path)
+    file.write_text(file.read_text().replace("max_steps: 60", "max_steps: 60, agents: all"))
+    assert run(monkeypatch, "evaluate", file, "--levels", 1) == 1
+    assert "needs one learner, but task 'navigation' has 2" in (said := capsys.readouterr().err)
+    assert "--team" in said
+    assert run(monkeypatch, "rollout", file, "--team", "--levels", 1) == 0

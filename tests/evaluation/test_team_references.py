@@ -9,6 +9,7 @@ from irsim_gym.engine import compile
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
+from irsim_gym.evaluation.commands import to_actions
 from irsim_gym.evaluation.reference_policies import RandomPolicy, reference_policy
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import Episodes, Outcome
@@ -149,3 +150,18 @@ def test_random_agents_of_a_level_differ_and_follow_from_it() -> None:
     assert len(np.unique(first)) == first.size
     np.testing.assert_array_equal(first[1], alone.act(episodes, np.array([1]))[0])
     assert (both.act(episodes, np.array([0, 2])) != first).all()
+
+
+def test_choices_of_a_mixed_team_are_the_nearest_ones() -> None:
+    scenario = crossing(("diff",) * 4)
+    turning = {"kinematics": {"name": "omni_angular"}, "vel_min": [-1, -1, -1], "vel_max": [1, 1, 1]}
+    scenario["robot"] = [scenario["robot"][0], {**scenario["robot"][1], **turning}]
+    scenario["task"] = {"action": {"name": "discrete", "linear": 3, "angular": 5}, "max_steps": 9}
+    episodes = team_of(scenario)
+    episodes.begin(HERE, HERE)
+    # diff: -1.2, 0, 1.2 m/s and -3, -1.5, 0, 1.5, 3 rad/s; omni_angular: -1, 0, 1 m/s, no sideways, -1 to 1 rad/s.
+    command = np.array([[[1.0, -1.6, 0.0], [-0.1, 0.9, 0.6]]])
+    assert to_actions(episodes, HERE, command).tolist() == [[2 * 5 + 1, 1 * 5 + 3]]
+    policy = reference_policy("random")
+    policy.begin(episodes, HERE, HERE)
+    assert policy.act(episodes, HERE).shape == (1, 2)
