@@ -12,7 +12,7 @@ INSTALLED   := $(VENV)/.installed
 TESTS_READY := $(VENV)/.tests-ready
 INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
 
-.PHONY: help demo install lint test test-slow bench clean
+.PHONY: help demo install lint test test-slow bench peers clean
 .DELETE_ON_ERROR:
 
 help:
@@ -20,6 +20,7 @@ help:
 	@echo "make test       ruff, mypy, pytest"
 	@echo "make test-slow  the longer checks too"
 	@echo "make bench      the benchmarks (ARGS=... is passed on)"
+	@echo "make peers      the benchmarks beside ir-sim, navground, VMAS and JaxNav, each in build/peers (ARGS=...)"
 	@echo "make clean      remove caches and builds; .venv and runs stay"
 
 demo: $(INSTALLED)
@@ -40,6 +41,9 @@ test-slow: lint
 
 bench: $(TESTS_READY)
 	$(BIN)/python benchmarks/run.py $(ARGS)
+
+peers: $(TESTS_READY)
+	PIP_ARGS="$(PIP_ARGS)" $(BIN)/python benchmarks/peers.py $(ARGS)
 
 clean:
 	rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
