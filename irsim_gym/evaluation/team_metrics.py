@@ -181,9 +181,10 @@ def rate_of_agents(counts: Sequence[int], team: int) -> Rate:
         return Rate(total, float(total > 0), *wilson(total / team, levels))
     shares = np.array(counts) / team
     value = total / (team * levels)
-    spread = float(shares.var(ddof=1)) / levels if levels > 1 else math.inf
-    size = min(value * (1.0 - value) / spread, team * levels) if spread > 0.0 else float(team * levels)
-    return Rate(total, value, *wilson(value * max(size, 1.0), max(size, 1.0)))
+    spread = float(shares.var()) / levels
+    alone = float(team * levels) if levels > 1 else 1.0
+    size = min(value * (1.0 - value) / spread, alone) if spread > 0.0 else alone
+    return Rate(total, value, *wilson(value * size, size))
 
 
 def summarize_teams(results: Mapping[str, Sequence[TeamRow]]) -> list[TeamSummary]:

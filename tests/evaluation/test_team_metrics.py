@@ -97,11 +97,14 @@ def test_extra_time_on_the_levels_that_all_solved() -> None:
 
 
 def test_interval_of_agents_that_fare_alike_is_that_of_levels() -> None:
-    # 8 levels of 10 in which all 4 arrive: the mean over levels has the variance 0.2 * 0.8 / 9, so there are as
-    # good as 9 independent agents, not 40.
+    # 8 levels of 10 in which all 4 arrive: levels vary by 0.8 * 0.2, so there are as good as 10 agents, not 40.
     found = rate_of_agents([4] * 8 + [0] * 2, 4)
     assert (found.count, found.value) == (32, 0.8)
-    assert (found.low, found.high) == pytest.approx(wilson(7.2, 9.0))
+    assert (found.low, found.high) == pytest.approx(wilson(8, 10))
+    one = rate_of_agents([1, 1, 0, 1], 1)
+    assert (one.low, one.high) == pytest.approx(wilson(3, 4))
+    single = rate_of_agents([2], 4)
+    assert (single.low, single.high) == pytest.approx(wilson(0.5, 1))
 
 
 def test_interval_of_agents_that_fare_as_different_as_can_be_is_that_of_agents() -> None:
@@ -116,8 +119,8 @@ def test_interval_of_nobody_and_everybody_is_that_of_levels() -> None:
     assert (rate_of_agents([], 4).low, rate_of_agents([], 4).high) == (0.0, 1.0)
 
 
-def test_interval_of_independent_agents_is_about_that_of_agents() -> None:
+def test_interval_of_independent_agents_is_that_of_agents() -> None:
     # Independent agents: 2 of 2 in nine levels of 36, 1 of 2 in eighteen, 0 of 2 in nine, as tossed coins fall.
     found = rate_of_agents([2] * 9 + [1] * 18 + [0] * 9, 2)
-    # Variance between levels 18 * 0.25 / 35, so 0.25 / (18 * 0.25 / 35 / 36) = 70 agents, all but two of 72.
-    assert (found.low, found.high) == pytest.approx(wilson(35, 70))
+    # Levels vary by 18 * 0.25 / 36 = 0.125, their mean by 0.125 / 36; 0.25 / (0.125 / 36) = 72, all agents.
+    assert (found.low, found.high) == pytest.approx(wilson(36, 72))
