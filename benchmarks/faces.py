@@ -10,6 +10,9 @@ from effort import Effort, Figures
 from standard_worlds import s1, s2, s3, s4
 
 BATCHES = (1, 16, 64, 256, 1024, 4096)
+LARGE = 1024
+"""The batch at which interfaces are judged by what they cost above the core."""
+
 SWAP_STEPS = 80
 """Steps in which the robots of S2 cross the circle; a round begins at the start."""
 
@@ -24,8 +27,11 @@ def s1_faces(effort: Effort) -> Figures:
             "vector_env": players.vector(scenario, n_worlds),
             "vec_env": players.vec_env(scenario, n_worlds),
         }
-        for name, timing in effort.in_turns_us(faces).items():
-            figures[f"{name}_{n_worlds}_worlds_us"] = timing
+        timings = effort.in_turns_us(faces)
+        figures |= {f"{name}_{n_worlds}_worlds_us": timing for name, timing in timings.items()}
+        if n_worlds == LARGE:
+            for name in ("vector_env", "vec_env"):
+                figures[f"{name}_above_core_us"] = max(0.0, timings[name].least - timings["core"].least)
     return figures
 
 

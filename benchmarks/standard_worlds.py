@@ -57,7 +57,8 @@ def anywhere(clearance: float, way: float) -> Data:
 
 def walls(side: float) -> Data:
     """Return the boundary of a square world."""
-    return {"shape": {"name": "linestring", "vertices": [[0, 0], [side, 0], [side, side], [0, side], [0, 0]]}}
+    corners = [[0, 0], [side, 0], [side, side], [0, side], [0, 0]]
+    return {"shape": {"name": "linestring", "vertices": corners}, "state": [0.0, 0.0, 0.0]}
 
 
 def s1(n_obstacles: int = 10, beams: int = 180) -> Data:

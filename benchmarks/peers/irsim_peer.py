@@ -50,9 +50,10 @@ class Wrapper:
     def reset(self) -> Any:
         """Put the robot at the next start."""
         x, y, heading, goal_x, goal_y = next(self.starts)
-        self.env.reset()
+        self.robot.reset()
         self.robot.set_state([x, y, heading])
         self.robot.set_goal([goal_x, goal_y, 0.0])
+        self.env.refresh()
         self.steps, self.way = 0, math.hypot(goal_x - x, goal_y - y)
         return self.observe(self.np.zeros(2))
 

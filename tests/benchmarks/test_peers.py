@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import io
 import itertools
 import json
 import subprocess
 import sys
+import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import irsim_peer
+import numpy as np
 import peers
 import pytest
 import results
@@ -17,8 +23,18 @@ import standard_worlds
 from jsonschema import Draft202012Validator
 from peers import REQUIREMENTS, WORKS, Player, figures_of
 
+from irsim_gym.envs.worlds import Worlds
+
 PEERS = sorted(REQUIREMENTS)
 OTHERS = [name for name in PEERS if name != "ours"]
+
+
+@contextlib.contextmanager
+def silent() -> Iterator[None]:
+    """Hold back ir-sim's warnings and what it prints."""
+    with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
+        warnings.simplefilter("ignore")
+        yield
 
 
 class Scripted:
@@ -145,3 +161,18 @@ def test_a_result_follows_the_schema() -> None:
 def _machine() -> dict[str, Any]:
     text = dict.fromkeys(("processor", "system", "python", "commit", "date"), "x")
     return {**text, "cores": 2, "load": 0.5, "versions": {"numpy": "2.0"}}
+
+
+def test_ir_sim_in_its_wrapper_sees_what_we_see() -> None:
+    scenario = standard_worlds.s1()
+    starts = peers.starts_of(scenario)[:3]
+    worlds = Worlds(scenario, 3)
+    worlds.begin(range(3), range(3), [{}] * 3, lambda w: w)
+    with silent():
+        wrapper = irsim_peer.Wrapper({"scenario": scenario, "starts": starts})
+        # It starts at the first place when it is made, and here at the second and third.
+        theirs = np.array([wrapper.reset() for _ in range(2)])
+    apart = np.abs(theirs - worlds.observation()[1:])
+    assert apart[:, 180:].max() < 1e-6
+    # Its circles are polygons of 64 corners, and a beam that grazes one may miss it.
+    assert np.quantile(apart[:, :180], 0.97) < 2e-3
