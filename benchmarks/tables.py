@@ -1,0 +1,106 @@
+"""Results as Markdown: nothing here knows a number, all come from committed JSON."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from targets import TARGETS
+from targets import table as target_rows
+
+SIZED = re.compile(r"^(?P<what>.*?)_?(?P<count>\d+)_(?P<unit>worlds|agents|obstacles|beams)_(?P<rest>.+)$")
+"""A figure that depends on a size: ``core_64_worlds_us``."""
+
+VERDICTS = {"aim": "aim reached", "reached": "reached", "missed": "**missed**", "not measured": "not measured"}
+
+
+def number(value: float | None) -> str:
+    """Return a value with three digits that count."""
+    if value is None:
+        return ""
+    if abs(value) >= 999.5:
+        return f"{value:,.0f}"
+    return f"{value:.3g}"
+
+
+def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def provenance(name: str, result: Mapping[str, Any]) -> str:
+    """Return where a result comes from: file, machine, versions, load, commit, date."""
+    machine = result["machine"]
+    versions = {"Python": machine["python"], **machine["versions"]}
+    told = ", ".join(f"{one} {versions[one]}" for one in ("Python", "numpy", "numba", "torch") if versions.get(one))
+    return (
+        f"[results/{name}](results/{name}): {machine['processor']}, {machine['cores']} cores, {told}; "
+        f"load {machine['load']:.2f} at the start; commit {machine['commit'][:10]}, {machine['date'][:10]}."
+    )
+
+
+def pivot(figures: Mapping[str, float]) -> str:
+    """Return the figures of a case: those that depend on a size as a table of sizes, then the others by name."""
+    cells: dict[str, dict[str, float]] = {}
+    plain: dict[str, float] = {}
+    for figure, value in figures.items():
+        found = SIZED.match(figure)
+        if found is None:
+            plain[figure] = value
+            continue
+        row = f"{int(found['count']):,} {found['unit']}"
+        column = "_".join(part for part in (found["what"], found["rest"]) if part)
+        cells.setdefault(row, {})[column] = value
+    parts = []
+    if cells:
+        columns = list(dict.fromkeys(column for row in cells.values() for column in row))
+        table = [[row, *(number(values.get(column)) for column in columns)] for row, values in cells.items()]
+        head = ["", *columns]
+        if len(columns) > len(cells):
+            head, *table = [list(line) for line in zip(head, *table, strict=True)]
+        parts.append(markdown(head, table))
+    if plain:
+        parts.append(markdown(["figure", "value"], [[name, number(value)] for name, value in plain.items()]))
+    return "\n\n".join(parts)
+
+
+def cases(name: str, result: Mapping[str, Any]) -> str:
+    """Return all cases of a result of ``run.py``."""
+    parts = [provenance(name, result)]
+    for case, figures in result["results"].items():
+        parts.append(f"`{case}`\n\n{pivot(figures)}")
+    return "\n\n".join(parts)
+
+
+def beside_others(name: str, result: Mapping[str, Any]) -> str:
+    """Return a result of ``peers.py``: one table, what each does not do, and who could not take part."""
+    rows, who = [], result["peers"]
+    for work, figures in result["results"].items():
+        for figure, least in figures.items():
+            player = figure.removesuffix("_us")
+            if figure.endswith("_median_us") or player == figure:
+                continue
+            others = [figures.get(f"{player}_{key}") for key in ("median_us", "times_slower")]
+            rows.append([work, player, *map(number, (least, *others))])
+    parts = [provenance(name, result), markdown(["work", "who", "least [us]", "median [us]", "times slower"], rows)]
+    parts.append("What each does not do, or does otherwise, in the same work:")
+    lines = []
+    for said in who.values():
+        title = f"{said['package']} {said['version'] or ''}".strip()
+        lines += [f"- {title}, `{work}`: {'; '.join(notes)}." for work, notes in said["works"].items() if notes]
+        lines += [f"- {title} took no part: {said['missing']}." for _ in range("missing" in said)]
+        lines += [f"- {title}, `{work}`: {why}." for work, why in said.get("failures", {}).items()]
+    parts.append("\n".join(lines))
+    return "\n\n".join(parts)
+
+
+def targets(results: Mapping[str, Mapping[str, float]]) -> str:
+    """Return what is to be reached, and what the results say of it."""
+    rows = [
+        [row["text"], number(row["value"]), number(row["least"]), number(row["aim"]), VERDICTS[row["verdict"]]]
+        for row in target_rows(results)
+    ]
+    assert len(rows) == len(TARGETS)
+    return markdown(["figure", "measured", "at least / at most", "aim", ""], rows)

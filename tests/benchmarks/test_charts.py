@@ -1,0 +1,108 @@
+"""README.md and the charts come from committed results alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import charts
+import pytest
+import tables
+from targets import TARGETS
+
+
+def result(figures: dict[str, dict[str, float]], **more: Any) -> dict[str, Any]:
+    machine = {
+        "processor": "one",
+        "cores": 2,
+        "python": "3.11.0",
+        "versions": {"numpy": "2.0"},
+        "load": 0.25,
+        "commit": "0123456789abcdef",
+        "date": "2026-01-02T03:04:05+00:00",
+    }
+    return {"machine": machine, "results": figures, "noise": {}, **more}
+
+
+@pytest.fixture
+def found() -> charts.Found:
+    cases = {
+        "s1/faces": {"single_us": 5.0, "core_1_worlds_us": 4.0, "core_64_worlds_us": 1.0},
+        "s1/twin": {"twin_64_worlds_us": 0.5},
+        "growth/agents": {"10_agents_us": 1.0, "100_agents_us": 1.5, "10000_agents_us": 3.0},
+        "phases/s1": {"64_worlds_sense_us": 0.75, "64_worlds_pay_us": 0.25, "64_worlds_whole_us": 1.0},
+    }
+    beside = {"s1_single": {"ours_us": 4.0, "ours_median_us": 5.0, "irsim_us": 900.0, "irsim_median_us": 1000.0}}
+    beside["s1_single"]["irsim_times_slower"] = 200.0
+    who = {
+        "ours": {"package": "irsim_gym", "version": "1", "works": {"s1_single": []}},
+        "irsim": {"package": "ir-sim", "version": "2.12.0", "works": {"s1_single": ["circles have corners"]}},
+        "vmas": {"package": "vmas", "version": None, "works": {}, "missing": "no wheel"},
+    }
+    return {"cases.json": result(cases), "peers.json": result(beside, peers=who), "old.json": result({"a": {"b_s": 1}})}
+
+
+def test_readme_is_what_the_results_say() -> None:
+    before = charts.README.read_text(encoding="utf-8")
+    assert charts.page(charts.load(), before) == before
+
+
+def test_what_stands_outside_of_the_marks_stays() -> None:
+    page = charts.page({}, f"above\n{charts.BEGIN}\nold\n{charts.END}\nbelow\n")
+    assert page.startswith("above\n")
+    assert page.endswith("\nbelow\n")
+    assert "old" not in page
+
+
+def test_charts_are_drawn_for_what_was_measured(found: charts.Found, tmp_path: Path) -> None:
+    drawn = charts.draw(found, tmp_path / "charts")
+    assert sorted(file.name for file in drawn) == ["growth.png", "peers.png", "phases.png"]
+    assert all(file.read_bytes().startswith(b"\x89PNG") for file in drawn)
+    assert charts.draw({"old.json": found["old.json"]}, tmp_path / "none") == []
+
+
+def test_a_chart_shows_each_phase_as_its_share(found: charts.Found) -> None:
+    (panel,) = charts.phases(found["cases.json"]["results"]).axes
+    assert [bar.get_width() for bar in panel.patches] == [0.75, 0.25]
+
+
+def test_bars_are_agent_steps_per_second_of_the_median(found: charts.Found) -> None:
+    (panel,) = charts.rates(found["peers.json"]["results"]).axes
+    assert [bar.get_width() for bar in panel.patches] == [1e6 / 1000.0, 1e6 / 5.0]
+
+
+def test_curves_have_the_sizes_in_their_names(found: charts.Found) -> None:
+    figures = found["cases.json"]["results"]
+    assert charts.sized(figures["growth/agents"], "agents", "") == {10: 1.0, 100: 1.5, 10000: 3.0}
+    assert charts.sized(figures["s1/faces"], "worlds", "core") == {1: 4.0, 64: 1.0}
+
+
+def test_figures_with_sizes_become_a_table_of_sizes() -> None:
+    text = tables.pivot(
+        {"core_1_worlds_us": 4.0, "vec_env_1_worlds_us": 5.5, "core_4096_worlds_us": 1.0, "level_us": 7.0}
+    )
+    assert text.splitlines() == [
+        "|  | core_us | vec_env_us |",
+        "| --- | --- | --- |",
+        "| 1 worlds | 4 | 5.5 |",
+        "| 4,096 worlds | 1 |  |",
+        "",
+        "| figure | value |",
+        "| --- | --- |",
+        "| level_us | 7 |",
+    ]
+
+
+def test_the_page_says_who_did_what(found: charts.Found) -> None:
+    text = charts.text(found)
+    assert "| s1_single | irsim | 900 | 1,000 | 200 |" in text
+    assert "- ir-sim 2.12.0, `s1_single`: circles have corners." in text
+    assert "- vmas took no part: no wheel." in text
+    assert f"| {TARGETS[0].text} | 200 | 150 | 500 | reached |" in text
+    assert "| ORCA, an agent of 10,000 over one of 100 | 2 | 1.5 | 1.1 | **missed** |" in text
+    assert "## Old" in text
+
+
+@pytest.mark.parametrize(("value", "text"), [(None, ""), (0.4346, "0.435"), (999.4, "999"), (28636.4, "28,636")])
+def test_numbers_have_three_digits(value: float | None, text: str) -> None:
+    assert tables.number(value) == text
