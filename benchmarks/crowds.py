@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import players
 import yaml
 from effort import Effort, Figures
 from players import Player
-from standard_worlds import crowd
+from standard_worlds import RUN_STEPS, crowd
 
 SIZES = (10, 100, 1000, 4000)
 PEER_SIZES = (10, 100)
@@ -24,26 +23,20 @@ def measure(behavior: dict[str, Any], effort: Effort) -> Figures:
     figures: Figures = {}
     for n_agents in effort.sizes(SIZES):
         scenario = crowd(behavior, n_agents)
-        pair = {"": _endless(scenario)}
-        if n_agents in PEER_SIZES and (theirs := _peer_step(scenario)) is not None:
-            pair["_irsim"] = Player(theirs, n_agents)
+        pair = {"": players.crowd(scenario)}
+        if n_agents in PEER_SIZES and (theirs := _peer(scenario, n_agents)) is not None:
+            pair["_irsim"] = theirs
         timings = effort.in_turns_us(pair)
         figures |= {f"{n_agents}_agents{who}_us": timing for who, timing in timings.items()}
         if len(pair) > 1:
             figures[f"{n_agents}_agents_times_faster"] = timings["_irsim"].median / timings[""].median
     if effort.largest is None:
-        batch = _endless(crowd(behavior, BATCH_SIZE), BATCH_WORLDS)
+        batch = players.crowd(crowd(behavior, BATCH_SIZE), BATCH_WORLDS)
         figures[f"{BATCH_SIZE}_agents_{BATCH_WORLDS}_worlds_us"] = effort.per_agent_us(batch)
     return figures
 
 
-def _endless(scenario: dict[str, Any], n_worlds: int = 1) -> Player:
-    """Return a crowd that is not sent back to the start, as IR-SIM's is not."""
-    player = players.crowd(scenario, n_worlds)
-    return Player(player.step, player.n_agents)
-
-
-def _peer_step(scenario: dict[str, Any]) -> Callable[[], Any] | None:
+def _peer(scenario: dict[str, Any], n_agents: int) -> Player | None:
     if importlib.util.find_spec("irsim") is None:
         return None
     import irsim
@@ -52,5 +45,4 @@ def _peer_step(scenario: dict[str, Any]) -> Callable[[], Any] | None:
         file = Path(folder) / "crowd.yaml"
         file.write_text(yaml.safe_dump(scenario), encoding="utf-8")
         peer = irsim.make(str(file), display=False, log_level="ERROR")
-    peer.step()
-    return peer.step
+    return Player(peer.step, n_agents, peer.reset, RUN_STEPS)

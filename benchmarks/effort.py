@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from players import Player
-from timing import Timing, cost, seconds, summed_up
+from timing import Timing, seconds, summed_up
 
 Figures = dict[str, float | Timing]
 """Figures by name; names end with their unit."""
 
 MOST_STEPS = 100_000
+MOST_RUNS = 1000
 
 
 @dataclass(frozen=True)
@@ -37,28 +38,44 @@ class Effort:
     def steps(self, step: Callable[[], Any]) -> int:
         """Return how many steps make a round, from the time of one."""
         step()
-        taken = seconds(step)
-        return max(1, min(MOST_STEPS, int(self.round_s / taken))) if taken > 0.0 else 1
+        return self._fitting(seconds(step), MOST_STEPS)
 
-    def per_agent_us(self, player: Player, n_steps: int | None = None) -> Timing:
+    def per_agent_us(self, player: Player) -> Timing:
         """Return CPU microseconds per agent and step."""
-        count = n_steps or self.steps(player.step)
-        timing = cost(lambda: repeat(player.step, count), self.rounds, before=player.rewind)
-        return timing.times(1e6 / count / player.n_agents)
+        return self.in_turns_us({"": player})[""]
 
-    def in_turns_us(self, players: dict[str, Player]) -> dict[str, Timing]:
+    def in_turns_us(self, players: Mapping[str, Player]) -> dict[str, Timing]:
         """Return CPU microseconds per agent and step of several players, whose rounds take turns."""
-        counts = {name: self.steps(player.step) for name, player in players.items()}
+        sizes = {name: self._sizes(player) for name, player in players.items()}
         values: dict[str, list[float]] = {name: [] for name in players}
         for _ in range(self.rounds):
             for name, player in players.items():
-                taken = seconds(lambda player=player, count=counts[name]: repeat(player.step, count))
-                values[name].append(1e6 * taken / counts[name] / player.n_agents)
+                n_steps, n_runs = sizes[name]
+                taken = sum(run_s(player, n_steps) for _ in range(n_runs))
+                values[name].append(1e6 * taken / (n_steps * n_runs * player.n_agents))
         return {name: summed_up(found) for name, found in values.items()}
+
+    def _sizes(self, player: Player) -> tuple[int, int]:
+        """Return steps of a run and runs of a round."""
+        if not player.n_steps:
+            return self.steps(player.step), 1
+        n_steps = player.n_steps if self.round_s else 1
+        run_s(player, 1)
+        return n_steps, self._fitting(run_s(player, n_steps), MOST_RUNS)
+
+    def _fitting(self, taken: float, most: int) -> int:
+        return max(1, min(most, int(self.round_s / taken))) if taken > 0.0 else 1
 
 
 FULL = Effort(rounds=9, round_s=0.25)
 TINY = Effort(rounds=1, round_s=0.0, largest=1)
+
+
+def run_s(player: Player, n_steps: int) -> float:
+    """Return the CPU seconds of so many steps, from the start where the player has one."""
+    if player.rewind is not None:
+        player.rewind()
+    return seconds(lambda: repeat(player.step, n_steps))
 
 
 def repeat(step: Callable[[], Any], count: int) -> None:

@@ -13,9 +13,6 @@ BATCHES = (1, 16, 64, 256, 1024, 4096)
 LARGE = 1024
 """The batch at which interfaces are judged by what they cost above the core."""
 
-SWAP_STEPS = 80
-"""Steps in which the robots of S2 cross the circle; a round begins at the start."""
-
 
 def s1_faces(effort: Effort) -> Figures:
     """Measure S1 as a single environment and as batches, through each interface; they take turns."""
@@ -48,10 +45,9 @@ def s1_twin(effort: Effort) -> Figures:
 
 
 def s2_swap(behavior: str, effort: Effort) -> Figures:
-    """Measure robots that change sides, per robot and step: a whole crossing each round."""
-    n_steps = SWAP_STEPS if effort.round_s else 1
+    """Measure robots that change sides, per robot and step, from the start until they have passed each other."""
     return {
-        f"{n_worlds}_worlds_us": effort.per_agent_us(players.crowd(s2(behavior), n_worlds), n_steps)
+        f"{n_worlds}_worlds_us": effort.per_agent_us(players.crowd(s2(behavior), n_worlds))
         for n_worlds in effort.sizes((1, 256))
     }
 

@@ -49,18 +49,16 @@ SIZES = {"ours": 1024, "vmas": 1024, "jaxnav": 64, "map": 64, "one": 1}
 TINY_SIZES = {"ours": 2, "vmas": 2, "jaxnav": 2, "map": 2, "one": 1}
 N_STARTS = 64
 CROWDS = (10, 100, 1000)
-RUN_STEPS = 60
-"""Steps of a crowd from its start: until then hardly anybody has arrived."""
 
 WORKS: dict[str, Mapping[str, Any]] = {
     "s1_single": {"scenario": worlds.s1()},
     "s1_batch": {"scenario": worlds.s1()},
-    "s2_rvo": {"scenario": worlds.s2("rvo"), "n_steps": RUN_STEPS},
-    "s2_orca": {"scenario": worlds.s2("orca"), "n_steps": RUN_STEPS},
+    "s2_rvo": {"scenario": worlds.s2("rvo"), "n_steps": worlds.RUN_STEPS},
+    "s2_orca": {"scenario": worlds.s2("orca"), "n_steps": worlds.RUN_STEPS},
     "s3_cave": {"scenario": worlds.s3("cave")},
     "s3_floor_plan": {"scenario": worlds.s3("floor_plan")},
     "s4": {"scenario": worlds.s4()},
-    **{f"orca_{n}": {"scenario": worlds.crowd(worlds.ORCA, n), "n_steps": RUN_STEPS} for n in CROWDS},
+    **{f"orca_{n}": {"scenario": worlds.crowd(worlds.ORCA, n), "n_steps": worlds.RUN_STEPS} for n in CROWDS},
 }
 
 

@@ -73,6 +73,7 @@ def places(worlds: Worlds) -> list[tuple[str, Any, str]]:
     parts, found = worlds.simulation.parts, worlds.episodes
     wrapped: list[tuple[str, Any, str]] = [
         ("begin anew", found, "begin_next"),
+        ("act", found, "_take"),
         ("act", found, "_act"),
         ("arrival", arrival, "renew"),
         ("limits", limits, "apply"),

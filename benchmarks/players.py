@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from standard_worlds import RUN_STEPS
 
 import irsim_gym as ig
 from irsim_gym.envs.single import WorldEnv
@@ -26,12 +27,14 @@ class Player:
         step: Plays one step; worlds that end begin anew within it.
         n_agents: Agent-steps of one call.
         rewind: Goes back to the start, where a run must not go on for ever.
+        n_steps: Steps of such a run; 0 where it may go on for ever.
         worlds: The worlds themselves, where there is no more than them.
     """
 
     step: Callable[[], Any]
     n_agents: int
     rewind: Callable[[], Any] | None = None
+    n_steps: int = 0
     worlds: Worlds | None = None
 
 
@@ -95,7 +98,7 @@ def crowd(scenario: Mapping[str, Any], n_worlds: int = 1) -> Player:
     """Return worlds whose bodies all decide for themselves."""
     simulation = ig.compile(ig.load_scenario(scenario), n_worlds)
     simulation.reset(0)
-    return Player(simulation.step, n_worlds * len(simulation.parts.names), lambda: simulation.reset(0))
+    return Player(simulation.step, n_worlds * len(simulation.parts.names), lambda: simulation.reset(0), RUN_STEPS)
 
 
 def twin(n_worlds: int) -> Player:

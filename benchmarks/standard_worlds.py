@@ -18,6 +18,9 @@ SQUARE = 2.5
 SPACING = 3.0
 """Side of the square that an agent of a crowd has for itself [m]."""
 
+RUN_STEPS = 60
+"""Steps of a crowd from its start: until then hardly anybody has arrived, and nobody has nothing to do."""
+
 DIFF: Data = {
     "kinematics": {"name": "diff"},
     "shape": {"name": "circle", "radius": 0.2},

@@ -16,6 +16,7 @@ from catalogue import CASES, LONG
 from effort import TINY, Effort, flatten
 from jsonschema import Draft202012Validator
 from phases import Stopwatch, places, watching
+from players import Player
 from standard_worlds import s1, s4
 from timing import Timing, is_disturbed
 
@@ -100,3 +101,16 @@ def test_more_obstacles_keep_their_density() -> None:
     few, many = s1(10), s1(640)
     assert (len(few["obstacle"]), len(many["obstacle"])) == (11, 641)
     assert (few["world"]["width"], many["world"]["width"]) == (10.0, 80.0)
+
+
+def test_runs_begin_at_the_start_and_take_turns() -> None:
+    told: list[str] = []
+    pair = {
+        "runs": Player(lambda: told.append("a"), 2, rewind=lambda: told.append("start"), n_steps=3),
+        "goes on": Player(lambda: told.append("b"), 1),
+    }
+    timings = Effort(rounds=2, round_s=1e-9).in_turns_us(pair)
+    # Finding the sizes takes a first step and a run of the one, and two steps of the other.
+    assert "".join(told).removeprefix("start").startswith("a" + "startaaa" + "bb")
+    assert "".join(told).endswith(2 * ("startaaa" + "b"))
+    assert {name: timing.rounds for name, timing in timings.items()} == {"runs": 2, "goes on": 2}
