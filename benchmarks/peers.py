@@ -143,14 +143,14 @@ def _environment() -> dict[str, str]:
 
 
 def starts_of(scenario: Mapping[str, Any]) -> list[list[float]]:
-    """Return x, y, heading and the goal's x, y of the learner in the first levels, drawn by our own simulator."""
-    import irsim_gym as ig
+    """Return x, y, heading and the goal's x, y of the learner in the first levels, as our environments draw them."""
+    from irsim_gym.envs.worlds import Worlds
 
     if "task" not in scenario or scenario["robot"][0].get("number", 1) > 1:
         return []
-    simulation = ig.compile(ig.load_scenario(scenario), N_STARTS)
-    simulation.reset(0)
-    state = simulation.state
+    drawn = Worlds(scenario, N_STARTS)
+    drawn.begin(range(N_STARTS), range(N_STARTS), [{}] * N_STARTS, lambda w: w)
+    state = drawn.simulation.state
     pairs = zip(state.pose[:, 0].tolist(), state.goal[:, 0, :2].tolist(), strict=True)
     return [[*pose, *goal] for pose, goal in pairs]
 

@@ -23,7 +23,7 @@ def _built(name: str, sized: str | None, given: Mapping[str, Any]) -> Play:
     return Play(found.step, found.n_agents, found.rewind, found.n_steps)
 
 
-TWIN = ("S1 alone, without any interface around it", "starts are drawn by a generator of its own")
+TWIN = ("S1 alone, without any interface around it", "starts are drawn without asking whether there is a way")
 
 PEER = Peer(
     "ours",

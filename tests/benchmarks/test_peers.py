@@ -163,16 +163,17 @@ def _machine() -> dict[str, Any]:
     return {**text, "cores": 2, "load": 0.5, "versions": {"numpy": "2.0"}}
 
 
-def test_ir_sim_in_its_wrapper_sees_what_we_see() -> None:
-    scenario = standard_worlds.s1()
-    starts = peers.starts_of(scenario)[:3]
-    worlds = Worlds(scenario, 3)
-    worlds.begin(range(3), range(3), [{}] * 3, lambda w: w)
+@pytest.mark.parametrize(("name", "corners"), [("s1", True), ("cave", False)])
+def test_ir_sim_in_its_wrapper_sees_what_we_see(name: str, corners: bool) -> None:
+    scenario = standard_worlds.s1() if name == "s1" else standard_worlds.s3(name)
+    starts = peers.starts_of(scenario)[:5]
+    worlds = Worlds(scenario, 5)
+    worlds.begin(range(5), range(5), [{}] * 5, lambda w: w)
     with silent():
         wrapper = irsim_peer.Wrapper({"scenario": scenario, "starts": starts})
-        # It starts at the first place when it is made, and here at the second and third.
-        theirs = np.array([wrapper.reset() for _ in range(2)])
+        # It starts at the first place when it is made, and here at the others.
+        theirs = np.array([wrapper.reset() for _ in range(4)])
     apart = np.abs(theirs - worlds.observation()[1:])
     assert apart[:, 180:].max() < 1e-6
     # Its circles are polygons of 64 corners, and a beam that grazes one may miss it.
-    assert np.quantile(apart[:, :180], 0.97) < 2e-3
+    assert np.quantile(apart[:, :180], 0.97) < (2e-3 if corners else 1e-5)
