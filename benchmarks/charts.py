@@ -34,7 +34,7 @@ def text(found: Found) -> str:
     parts = []
     if PEERS in found or CASES in found:
         figures = {**found.get(CASES, {}).get("results", {}), **found.get(PEERS, {}).get("results", {})}
-        parts += ["## Targets", tables.targets(figures)]
+        parts += ["## Targets and figures", tables.targets(figures)]
     if PEERS in found:
         parts += ["## Figures beside others", "![agent-steps per second](charts/peers.png)"]
         parts.append(tables.beside_others(PEERS, found[PEERS]))

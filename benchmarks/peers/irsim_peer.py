@@ -15,6 +15,10 @@ OURS_ALONE = ("clearance", "min_goal_distance", "reachable")
 """Options of a distribution that ir-sim does not have."""
 
 
+STAY = 10
+"""Steps at each place of a map."""
+
+
 def make(given: Mapping[str, Any]) -> Any:
     """Return an environment of ir-sim for the scenario, without a window."""
     import irsim
@@ -32,10 +36,17 @@ def make(given: Mapping[str, Any]) -> Any:
 
 
 class Wrapper:
-    """One robot as Gymnasium's users would wrap it: observation, reward, ends, and a new start after each."""
+    """One robot as Gymnasium's users would wrap it: observation, reward, ends, and a new start after each.
 
-    def __init__(self, given: Mapping[str, Any]) -> None:
+    Args:
+        given: What the work is.
+        stay: Steps after which the robot is put at the next start without looking around there; 0 for never.
+    """
+
+    def __init__(self, given: Mapping[str, Any], stay: int = 0) -> None:
         import numpy as np
+
+        self.stay, self.count = stay, 0
 
         self.np = np
         self.env = make(given)
@@ -48,14 +59,18 @@ class Wrapper:
         self.reset()
 
     def reset(self) -> Any:
+        """Put the robot at the next start and look around."""
+        self.put()
+        self.env.refresh()
+        return self.observe(self.np.zeros(2))
+
+    def put(self) -> None:
         """Put the robot at the next start."""
         x, y, heading, goal_x, goal_y = next(self.starts)
         self.robot.reset()
         self.robot.set_state([x, y, heading])
         self.robot.set_goal([goal_x, goal_y, 0.0])
-        self.env.refresh()
         self.steps, self.way = 0, math.hypot(goal_x - x, goal_y - y)
-        return self.observe(self.np.zeros(2))
 
     def observe(self, velocity: Any) -> Any:
         """Return every beam, the goal and the velocity as float32."""
@@ -85,12 +100,20 @@ class Wrapper:
         observation = self.observe(command[:, 0] / (1.0, 1.5))
         if hit or arrived or self.steps >= self.max_steps:
             observation = self.reset()
+        self.count += 1
+        if self.stay and self.count % self.stay == 0:
+            self.put()
         return observation, reward, hit or arrived, self.steps >= self.max_steps, {}
 
 
 def wrapped(given: Mapping[str, Any]) -> Play:
     """Return one robot in a gym wrapper."""
     return Play(Wrapper(given).step, 1)
+
+
+def wrapped_in_map(given: Mapping[str, Any]) -> Play:
+    """Return the same, at another place of the map every few steps: so few steps see little of it otherwise."""
+    return Play(Wrapper(given, STAY).step, 1)
 
 
 def crowd(given: Mapping[str, Any]) -> Play:
@@ -121,6 +144,14 @@ ONE_WORLD = "one world at a time: the same step as for a single environment"
 POLYGONS = "circles are polygons of 64 corners"
 WRAPPED = Work(wrapped, (POLYGONS, "starts are the next of a list instead of being drawn"))
 
+IN_MAP = Work(
+    wrapped_in_map,
+    (
+        ONE_WORLD,
+        f"put at the next of a list of starts every {STAY} steps, at no cost, to see all of the map",
+    ),
+)
+
 PEER = Peer(
     "irsim",
     "ir-sim",
@@ -129,8 +160,8 @@ PEER = Peer(
         "s1_batch": Work(wrapped, (*WRAPPED.differs, ONE_WORLD)),
         "s2_rvo": Work(crowd, (ONE_WORLD,)),
         "s2_orca": Work(crowd, (ONE_WORLD, "plans in float32, in a library in C++")),
-        "s3_cave": Work(wrapped, (*WRAPPED.differs, ONE_WORLD)),
-        "s3_floor_plan": Work(wrapped, (*WRAPPED.differs, ONE_WORLD)),
+        "s3_cave": IN_MAP,
+        "s3_floor_plan": IN_MAP,
         "s4": Work(team, (POLYGONS, ONE_WORLD, "no reward, and no observation but the scan")),
     },
 )
