@@ -13,7 +13,7 @@ from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
 from irsim_gym.jit import kernel
 from irsim_gym.rng import uniform
-from irsim_gym.world.group import Shard
+from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -105,7 +105,7 @@ def _find_places(parts: Parts, model: WorldModel, state: WorldState, shard: Shar
     for _ in range(TRIES):
         unplace(remaining.worlds, bodies, chosen, model.present, state.placed, failed)
         for group in groups:
-            group.kind.draw(group, model, state, remaining, failed)
+            group.kind.draw(group, model, state, _concerned(group, remaining, bodies, chosen), failed)
         outlines.place(moved, model, state, remaining)
         _check(parts, model, state, remaining, bodies, chosen, failed)
         worlds = remaining.worlds[failed[remaining.worlds] > 0]
@@ -114,6 +114,12 @@ def _find_places(parts: Parts, model: WorldModel, state: WorldState, shard: Shar
         remaining = Shard(worlds, shard.slot)
     for w in remaining.worlds.tolist():
         _scatter(parts, model, state, Shard(np.array([w]), shard.slot), bodies[chosen[w]])
+
+
+def _concerned(group: Group, shard: Shard, bodies: Ints, chosen: Flags) -> Shard:
+    """Return the worlds of a shard in which a member begins anew: no others may draw from their random streams."""
+    members = chosen[shard.worlds][:, np.isin(bodies, group.members)]
+    return Shard(shard.worlds[members.any(axis=1)], shard.slot)
 
 
 def _check(
@@ -144,6 +150,7 @@ def _scatter(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, b
             gap[w] = 1e-9
             contact.clearance(own, gap, model, state, shard, gap)
             if gap[w, 0] > 0.0:
+                state.placed[w, b] = True
                 break
         else:
             raise PlacementError(f"no room for {parts.places[b]} to begin anew: the world is too full")

@@ -250,3 +250,19 @@ def test_each_agent_is_told_its_own_drive() -> None:
     episodes = play(robots, None, {"name": "blank", "observations": ["drive"]}, team=True)
     # In the order of names: diff, omni, omni_angular.
     assert episodes.view.observation[0].tolist() == [[1, 0, 0], [0, 0, 1], [0, 1, 0]]
+
+
+def test_the_collision_that_ends_an_episode_is_paid_though_the_agent_was_touching_something_else() -> None:
+    # At 0.1 m a step it overlaps the other robot in steps 2 to 9, and from step 10 on the ball.
+    other, ball = {**ROBOT, "state": [2.55, 5, 0]}, {**BALL, "state": [3.65, 5, 0]}
+    rewards = [{"name": "collision", "weight": 9.0, "robot": 0.0, "obstacle": 7.0}]
+    task = {"rewards": rewards, "endings": [{"name": "collided", "bodies": ["obstacle"]}], "audit": False}
+    episodes = play([ROBOT, other], ball, task, team=True, collision_mode="unobstructed")
+    kinds, paid = [], []
+    while episodes.view.live[0, 0]:
+        episodes.step(np.array([[[1.0, 0.0], [-1.0, 0.0]]]))
+        kinds.append(int(episodes.view.infos["hit_kind"][0, 0]))
+        paid.append(float(episodes.view.reward_terms[0, 0, episodes.reward_names.index("collision")]))
+    assert kinds == [HitKind.NOTHING, *[HitKind.ROBOT] * 8, HitKind.OBSTACLE]
+    assert episodes.view.infos["outcome"][0, 0] == Outcome.COLLISION
+    assert paid == [0.0] * 9 + [-7.0]

@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.outcome import COLLISION, Outcome
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Role, Term, forget
 from irsim_gym.world.model import WorldModel
@@ -20,7 +20,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Collision:
-    """Penalty ``-weight`` in the step in which the agent begins to touch another body."""
+    """Penalty ``-weight`` in the step in which the agent begins to touch another body, or ends by that."""
 
     role: ClassVar[Role] = "penalty"
     outcome: ClassVar[Outcome] = Outcome.COLLISION
@@ -64,6 +64,7 @@ class Collision:
             term.arrays["amounts"],
             state.collided,
             episode.hit_kind,
+            episode.outcome,
             term.arrays["touching"],
             episode.reward_term,
         )
@@ -77,13 +78,15 @@ def pay_onset(
     amounts: Floats,
     collided: Flags,
     hit_kind: Ints,
+    outcome: Ints,
     touching: Flags,
     out: Floats,
 ) -> None:
-    """Write the amount for what is touched where a collision begins, and remember who collides."""
+    """Write the amount for what is touched where a collision begins or ends the episode; remember who collides."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
             now = collided[w, agents[a]]
-            out[w, a, column] = amounts[hit_kind[w, a]] if now and not touching[w, a] else 0.0
+            pays = now and (not touching[w, a] or outcome[w, a] == COLLISION)
+            out[w, a, column] = amounts[hit_kind[w, a]] if pays else 0.0
             touching[w, a] = now
