@@ -117,6 +117,9 @@ def growth(figures: Mapping[str, Mapping[str, float]]) -> Any:
                 panel.loglog(list(curve), list(curve.values()), "o-", color=color, label=name)
         if any(name and curve for name, curve in curves.items()):
             panel.legend(fontsize=8)
+        values = [value for curve in curves.values() for value in curve.values()]
+        if values:  # a narrow axis would make much of little
+            panel.set_ylim(0.5 * min(values), 2.0 * max(values))
         panel.set_xlabel(what)
         panel.set_ylabel("us per agent and step")
         panel.grid(which="both", alpha=0.25)

@@ -221,9 +221,9 @@ def _stop(process: subprocess.Popen[str]) -> None:
 
 
 def figures_of(players: Sequence[Player]) -> tuple[dict[str, float], dict[str, float]]:
-    """Return figures and noise: least and median of each, and how often ours is faster by medians."""
+    """Return figures and noise of all who played to the end: least, median, and how much slower than ours it is."""
     figures, noise = {}, {}
-    timings = {player.name: summed_up(player.values) for player in players if player.values}
+    timings = {player.name: summed_up(player.values) for player in players if player.values and not player.failure}
     for name, timing in timings.items():
         figures[f"{name}_us"] = timing.least
         figures[f"{name}_median_us"] = timing.median
