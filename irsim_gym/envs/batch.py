@@ -169,6 +169,8 @@ class Batch:
             seeds = [None if seed is None else int(seed) + w for w in range(self.n_worlds)]
         else:
             seeds = list(seed)
+            if len(seeds) != self.n_worlds:
+                raise ValueError(f"a sequence of seeds needs one for each of the {self.n_worlds} worlds, got {len(seeds)}")
         return self.begin(seeds, [options or {}] * self.n_worlds)
 
     def begin(self, seeds: Sequence[int | None], options: Sequence[Mapping[str, Any]]) -> BatchStep:
@@ -177,8 +179,18 @@ class Batch:
         return self._beginning(np.arange(self.n_worlds))
 
     def restart(self, chosen: Ints) -> BatchStep:
-        """Begin the next level of the chosen worlds, shape ``(n,)``: what to do with ``autoreset=False``."""
-        chosen = np.asarray(chosen, np.int64)
+        """Begin the next level of the chosen worlds, indices of shape ``(n,)``: what to do with ``autoreset=False``.
+
+        Raises:
+            ResetNeeded: One of them has not begun an episode.
+            ValueError: They are no indices, such as a mask.
+        """
+        chosen = np.asarray(chosen)
+        if chosen.size and (chosen.ndim != 1 or chosen.dtype.kind not in "iu"):
+            raise ValueError(f"restart takes the indices of worlds, got {chosen.dtype} of shape {chosen.shape}")
+        chosen = chosen.astype(np.int64).ravel()
+        if not self.worlds.begun[chosen].all():
+            raise ResetNeeded("call reset() before restart()")
         self.worlds.begin_next(chosen)
         return self._beginning(chosen)
 
@@ -268,7 +280,7 @@ class Batch:
             live=self.live,
             began=began,
             final_observation=self.observation(),
-            reward_terms=self.worlds.episodes.view.reward_terms.copy(),
+            reward_terms=np.zeros_like(self.worlds.episodes.view.reward_terms),
             infos=self._infos(),
             state=self.state(),
             final_state=self.state(),

@@ -102,7 +102,8 @@ class ParameterSpec:
         if good and self.choices is not None:
             good = value in [self.convert(one) for one in self.choices]
         near = suggestion(value, [str(one) for one in self.choices or ()]) if isinstance(value, str) else ""
-        return "" if good else f"must be {self.allowed}, got {show(value)}{near}"
+        shown = str(value) if isinstance(value, float) and isinstance(self.default, int) else show(value)
+        return "" if good else f"must be {self.allowed}, got {shown}{near}"
 
 
 def is_free(name: str) -> bool:

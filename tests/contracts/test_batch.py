@@ -92,6 +92,18 @@ def test_a_batch_that_does_not_restart_by_itself():
     assert batch.step(STILL).acted.tolist() == [[False] * 3, [True] * 3]
 
 
+def test_a_restart_pays_nothing_and_takes_indices_of_worlds_that_have_begun():
+    batch = irsim_gym.make_batch(KNOWN, 2, autoreset=False)
+    with pytest.raises(ResetNeeded):
+        batch.restart(np.array([1]))
+    batch.reset(seed=0)
+    assert batch.step(STILL).reward_terms.any()
+    assert not batch.restart(np.array([1])).reward_terms.any()
+    with pytest.raises(ValueError, match="indices"):
+        batch.restart(np.array([False, True]))
+    assert not batch.restart([]).began.any()
+
+
 def test_respawned_agents_live_on_and_worlds_last_four_time_limits():
     batch = irsim_gym.make_batch(KNOWN, 2, respawn=True)
     batch.reset(seed=0)
@@ -164,6 +176,8 @@ def test_seeds_levels_and_errors():
     np.testing.assert_array_equal(dev.observation[0], dev.observation[1])
     with pytest.raises(ValueError, match="shape"):
         batch.step(STILL[:, :2])
+    with pytest.raises(ValueError, match="each of the 2 worlds, got 1"):
+        batch.reset(seed=[4])
     with pytest.raises(ValueError, match="autoreset"):
         irsim_gym.make_batch(MEET, autoreset=False, respawn=True)
     with pytest.raises(ValueError, match="world_steps"):

@@ -86,6 +86,7 @@ def test_a_name_that_is_not_declared(file: Path) -> None:
     [
         ("n_robots", 33, 3, "must be a whole number from 2 to 32, got 33"),
         ("n_robots", 4.5, 3, "must be a whole number from 2 to 32, got 4.5"),
+        ("n_robots", 4.0, 3, "must be a whole number from 2 to 32, got 4.0"),
         ("n_robots", True, 3, "must be a whole number from 2 to 32, got true"),
         ("n_robots", None, 3, "must be a whole number from 2 to 32, got nothing"),
         ("speed", math.nan, 4, "must be a number from 0.1 to 3, got nan"),
