@@ -170,7 +170,7 @@ class Batch:
         else:
             seeds = list(seed)
             if len(seeds) != self.n_worlds:
-                raise ValueError(f"a sequence of seeds needs one for each of the {self.n_worlds} worlds, got {len(seeds)}")
+                raise ValueError(f"seeds need one for each of the {self.n_worlds} worlds, got {len(seeds)}")
         return self.begin(seeds, [options or {}] * self.n_worlds)
 
     def begin(self, seeds: Sequence[int | None], options: Sequence[Mapping[str, Any]]) -> BatchStep:

@@ -130,10 +130,14 @@ def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Rep
         report.add(place, f"'{without[0]}' has no range sensor (without_sensor: names a substitute)")
         return item
     try:
-        return OBSERVATIONS.entry(item.without_sensor).kind()
+        substitute = OBSERVATIONS.entry(item.without_sensor).kind()
     except UnknownNameError as error:
         report.add((*place, "without_sensor"), str(error))
         return item
+    if substitute.needs_scan:
+        report.add((*place, "without_sensor"), f"'{item.without_sensor}' needs a range sensor itself")
+        return item
+    return substitute
 
 
 def check_terms(terms: Terms, audit: bool, own_share: float, report: Report) -> None:
@@ -163,7 +167,7 @@ def check_terms(terms: Terms, audit: bool, own_share: float, report: Report) -> 
         if ending.outcome == Outcome.SUCCESS or running == 0.0:
             continue
         penalty = own_share * sum(
-            getattr(reward, "least", reward.weight)
+            _least(reward, ending)
             for _, reward in terms["rewards"]
             if reward.role == "penalty" and reward.outcome == ending.outcome
         )
@@ -173,6 +177,11 @@ def check_terms(terms: Terms, audit: bool, own_share: float, report: Report) -> 
                 f"an episode that ends as '{_ending_for(ending.outcome)}' costs {penalty:g}, one that goes on can cost "
                 f"{running:g} (time, closeness, ...): raise that, lower this, or say 'audit: false'",
             )
+
+
+def _least(reward: Any, ending: Any) -> float:
+    """Return what a penalty is at least where an episode ends in this way."""
+    return float(reward.least(getattr(ending, "bodies", None)) if hasattr(reward, "least") else reward.weight)
 
 
 def _ending_for(outcome: Any) -> str:

@@ -176,6 +176,10 @@ def test_without_a_range_sensor_navigation_observes_bodies() -> None:
     assert messages(scenario({"sensors": None}), {"name": "blank", "observations": ["scan"]}) == [
         "observations[0]: 'robot_0' has no range sensor (without_sensor: names a substitute)"
     ]
+    circular = {"name": "blank", "observations": [{"name": "scan", "without_sensor": "free_travel"}]}
+    assert messages(scenario({"sensors": None}), circular) == [
+        "observations[0].without_sensor: 'free_travel' needs a range sensor itself"
+    ]
 
 
 def test_learners_need_the_same_beams() -> None:
@@ -284,6 +288,11 @@ def test_rewards_that_make_a_crash_pay_are_refused() -> None:
     without = {"rewards": [{"name": "collision", "use": False}]}
     assert any("costs 0, one that goes on can cost 3" in text for text in messages(scenario(task=without)))
     assert load_task(scenario(task={**without, "audit": False})).rewards
+    # The cheapest collision counts, of those that end the episode.
+    task = {"rewards": [{"name": "collision", "weight": 9.0, "robot": 0.5}]}
+    assert any("costs 0.5, one" in text for text in messages(scenario(task=task)))
+    lenient = {**task, "endings": [{"name": "collided", "bodies": ["obstacle", "map"]}]}
+    assert load_task(scenario(task=lenient)).endings
     # Nothing to fear where nothing but the time limit ends the episode.
     endless = {"name": "blank", "observations": ["goal"], "rewards": [TIMED]}
     assert load_task(scenario(task=endless)).rewards[0].weight == 2.0

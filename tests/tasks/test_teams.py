@@ -256,7 +256,7 @@ def test_the_collision_that_ends_an_episode_is_paid_though_the_agent_was_touchin
     # At 0.1 m a step it overlaps the other robot in steps 2 to 9, and from step 10 on the ball.
     other, ball = {**ROBOT, "state": [2.55, 5, 0]}, {**BALL, "state": [3.65, 5, 0]}
     rewards = [{"name": "collision", "weight": 9.0, "robot": 0.0, "obstacle": 7.0}]
-    task = {"rewards": rewards, "endings": [{"name": "collided", "bodies": ["obstacle"]}], "audit": False}
+    task = {"rewards": rewards, "endings": [{"name": "collided", "bodies": ["obstacle"]}]}
     episodes = play([ROBOT, other], ball, task, team=True, collision_mode="unobstructed")
     kinds, paid = [], []
     while episodes.view.live[0, 0]:

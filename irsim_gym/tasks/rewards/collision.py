@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,7 +12,7 @@ from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.outcome import COLLISION, Outcome
+from irsim_gym.tasks.outcome import COLLISION, HitKind, Outcome
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Role, Term, forget
 from irsim_gym.world.model import WorldModel
@@ -32,10 +33,10 @@ class Collision:
     obstacle: float | None = option(None, ge=0.0, meaning="Penalty when it is with an obstacle; none: weight.")
     map: float | None = option(None, ge=0.0, meaning="Penalty when it is with the obstacle map; none: weight.")
 
-    @property
-    def least(self) -> float:
-        """Penalty of the cheapest collision."""
-        return min(self._amounts()[1:])
+    def least(self, bodies: Iterable[str] | None = None) -> float:
+        """Return the penalty of the cheapest collision: with any body, or with kinds as ``collided`` names them."""
+        kinds = list(HitKind)[1:] if bodies is None else [HitKind[name.upper()] for name in bodies]
+        return min(self._amounts()[kind] for kind in kinds)
 
     def _amounts(self) -> tuple[float, ...]:
         """Return the penalties by HitKind."""
