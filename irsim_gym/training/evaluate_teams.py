@@ -43,7 +43,8 @@ class TeamEvaluation:
     def tables(self) -> list[Table]:
         """Return the table of all figures, and that of extra times where some are compared."""
         first = self.summaries[0]
-        title = f"{self.scenario}: {first.agents} agents, {first.levels:,} {self.split} levels"
+        whose = "1 agent" if first.agents == 1 else f"{first.agents} agents"
+        title = f"{self.scenario}: {whose}, {first.levels:,} {self.split} levels"
         compared = compared_table(self.summaries)
         return [team_table(self.summaries, title), *([] if compared is None else [compared])]
 

@@ -10,13 +10,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from gymnasium import Space
+from gymnasium.spaces import Dict, Discrete
 from numpy.typing import NDArray
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.envs.spaces import observation_layout
+from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.policy import Policy, by_world, observations
 from irsim_gym.evaluation.reference_policies import REFERENCES, reference_policy
@@ -42,7 +44,12 @@ class SavedPolicy:
         self._memory = np.zeros((0, 0, 0, 0), np.float32)
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
-        """Forget what was in these worlds."""
+        """Forget what was in these worlds.
+
+        Raises:
+            IrsimGymError: The policy was trained with other observations or actions than these of the task.
+        """
+        self._check(episodes)
         if self._shape is None:
             return
         size = (2, self._shape[0], episodes.n_worlds * episodes.n_agents, self._shape[2])
@@ -56,6 +63,19 @@ class SavedPolicy:
         parts = [slice(start, start + CHUNK) for start in range(0, len(seen), CHUNK)]
         chunks = [self._chunk(episodes, seen[part], slots[part]) for part in parts]
         return by_world(np.concatenate(chunks), episodes)
+
+    def _check(self, episodes: Episodes) -> None:
+        model = self.model
+        observed, acted = observation_space(episodes), action_space(episodes)
+        for what, learnt, here in (
+            ("observations", model.observation_space, observed),
+            ("actions", model.action_space, acted),
+        ):
+            if _form(learnt) != _form(here):
+                raise IrsimGymError(
+                    f"the policy was trained with {what} {_form(learnt)}, but those of task '{episodes.task.name}' in "
+                    f"'{episodes.simulation.scenario.name}' are {_form(here)}"
+                )
 
     def _chunk(self, episodes: Episodes, observation: NDArray[np.float32], slots: Ints) -> NDArray[Any]:
         count = len(observation)
@@ -72,6 +92,13 @@ class SavedPolicy:
         actions, kept = self.model.predict(seen, (memory[0], memory[1]), deterministic=True)
         self._memory[:, :, slots] = np.stack(kept)[:, :, :count]
         return actions[:count]
+
+
+def _form(space: Space[Any]) -> str:
+    """Return what a space has to have in common with another one, in words."""
+    if isinstance(space, Dict):
+        return ", ".join(f"{name} {_form(part)}" for name, part in space.spaces.items())
+    return f"from 0 to {space.n - 1}" if isinstance(space, Discrete) else f"of shape {space.shape}"
 
 
 def _slots(episodes: Episodes, worlds: Ints) -> Ints:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -137,8 +136,3 @@ def _write(run: Run, points: list[Point]) -> None:
     seconds = {name: point and point["training_seconds"] for name, point in marks.items()}
     write_json(run.curve, {"seconds_to": plain(seconds), "points": points})
     write_csv(run.folder / "curve.csv", list(points[0]), points)
-
-
-def curve_files(run: Run) -> list[Path]:
-    """Return the files of the curve."""
-    return [run.folder / f"curve.{ending}" for ending in ("csv", "json", "png")]

@@ -12,6 +12,7 @@ from sb3_contrib import RecurrentPPO
 
 from irsim_gym.envs import sb3
 from irsim_gym.envs.worlds import Worlds
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.commands import marks_table
@@ -52,6 +53,20 @@ def test_one_policy_drives_all_robots_in_any_number_of_worlds(own: dict[str, Any
     rows = [evaluate_team(load_policy(run.folder), team(scenario, n), 6, "dev") for n in (1, 4, 6)]
     assert rows[0] == rows[1] == rows[2]
     assert {len(row.agents) for row in rows[0]} == {3}
+
+
+def test_a_policy_of_another_task_is_told_apart(scenario: Path) -> None:
+    wanted = Hyperparameters.from_plain({**TINY, "n_timesteps": 192, "team": "episode"})
+    run = train(Settings(str(scenario), "ppo", 0, None, wanted), scenario.parent / "run")
+    policy = load_policy(run.folder)
+    blank = {"name": "blank", "observations": ["goal"]}
+    with pytest.raises(
+        IrsimGymError, match=r"observations of shape \(\d+,\), but those of task 'blank' in 'three' are"
+    ):
+        evaluate_team(policy, Worlds(scenario, team=True, task=blank).episodes, 1)
+    choices = {"action": {"name": "discrete", "linear": 3, "angular": 3}}
+    with pytest.raises(IrsimGymError, match=r"actions of shape \(3,\), but .* are from 0 to 8"):
+        evaluate_team(policy, Worlds(scenario, team=True, task=choices).episodes, 1)
 
 
 def test_curve_of_a_team(scenario: Path) -> None:

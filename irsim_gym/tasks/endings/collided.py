@@ -32,7 +32,7 @@ class Collided:
     bodies: tuple[Touched, ...] = option(
         ("obstacle", "moving_obstacle", "robot", "map"),
         min_length=1,
-        meaning="Which bodies end the episode: obstacles that stand still or move, other robots, the obstacle map.",
+        meaning="Which bodies end the episode: obstacle (one that stands still), moving_obstacle, robot, map.",
         consequence="Where collisions do not end it, a robot in collision mode stop may be held for the whole episode.",
     )
 
