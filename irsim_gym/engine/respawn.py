@@ -24,7 +24,7 @@ SCATTER_TRIES = 1000
 
 
 def vanish(bodies: Ints, gone: Flags, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Take bodies away until their world begins again or they respawn.
+    """Take bodies away until their world begins another level or they respawn.
 
     Args:
         bodies: The bodies in question, shape ``(n,)``.

@@ -157,7 +157,7 @@ class Simulation:
         advance(self.parts, self.model, self.state, shard)
 
     def vanish(self, shard: Shard, bodies: Ints, gone: Flags) -> None:
-        """Take bodies away until their world begins again; ``gone`` says which, shape ``(n_worlds, n_bodies)``."""
+        """Take bodies away until another level or a respawn; ``gone`` says which, shape ``(n_worlds, n_bodies)``."""
         respawn.vanish(bodies, gone, self.model, self.state, shard)
 
     def respawn(self, shard: Shard, bodies: Ints, chosen: Flags) -> None:

@@ -136,7 +136,7 @@ class Batch:
         if respawn and not autoreset:
             raise ValueError("with respawn=True agents begin anew by themselves: autoreset=False means nothing there")
         if world_steps is not None and (not respawn or world_steps < 1):
-            raise ValueError(f"world_steps is for respawn=True and must be >= 1, got {world_steps!r}")
+            raise ValueError(f"world_steps is for agents that respawn and must be >= 1, got {world_steps!r}")
         self.worlds = worlds
         self.autoreset, self.respawn = autoreset, respawn
         self.world_steps = world_steps or WORLD_LIMITS * worlds.episodes.task.max_steps

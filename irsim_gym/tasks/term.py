@@ -117,6 +117,7 @@ class RewardKind(Protocol):
     event) or ``running`` (never positive, and over a whole episode never below ``-weight``).
     ``outcome``: what a bonus or a penalty is for.
     ``needs_ending``: the task must end on that outcome, else the term would never be paid.
+    ``least(bodies)``: optional, what a penalty that depends on the body is at least, for the audit of rewards.
     """
 
     role: ClassVar[Role]
