@@ -284,6 +284,8 @@ class Episodes:
     def _step(self, shard: Shard) -> None:
         """Play one step in the shard's worlds. This order is the specification."""
         simulation, model, world, state = self.simulation, self.simulation.model, self.simulation.state, self.state
+        if self.task.ended == "vanish":
+            simulation.vanish(shard, self._agents, state.terminated | state.truncated)
         self._act(shard)
         simulation.advance(shard)
         account.limit_clearance(shard.worlds, self._minded_clearance, state.min_clearance, state.clearance)
@@ -309,8 +311,6 @@ class Episodes:
             account.share_rewards(shard.worlds, self.task.team_reward, state.over, state.reward_term)
         account.add_up(shard.worlds, state.over, state.reward_term, state.reward)
         self._observe(shard)
-        if self.task.ended == "vanish":
-            simulation.vanish(shard, self._agents, state.terminated | state.truncated)
 
     def _act(self, shard: Shard) -> None:
         model, state = self.simulation.model, self.state

@@ -36,7 +36,8 @@ class TaskOptions:
         "flat", meaning="One vector, or a dictionary with one vector for each observation."
     )
     ended: Literal["stay", "vanish"] = option(
-        "stay", meaning="What the body of an agent does whose episode has ended, while the others go on."
+        "stay",
+        meaning="What the body of an agent does whose episode has ended: it stays, or is gone before the next step.",
     )
     team_reward: float = option(
         0.0,

@@ -215,12 +215,14 @@ def test_where_a_start_is_taken_any_free_place_will_do() -> None:
 def test_the_state_of_the_team_by_hand() -> None:
     episodes = team([{**LANES[0], "state": [7.75, 2, 0]}, LANES[1]], ended="vanish")
     drive(episodes, 1, 0)
+    assert episodes.team_state()[0, 8:10].tolist() == [0.0, 1.0]  # ended, and seen where it did until the next step
+    drive(episodes, 1, 0)
     states = episodes.team_state()
     assert states.shape == (1, episodes.team_state_size) == (1, 20)
     assert states.dtype == np.float32
     gone, live = states[0, :10], states[0, 10:]
     np.testing.assert_allclose(gone, [0, 0, 0, 0, 0, 0, 0.6, -0.6, 0, 0], atol=1e-6)
-    np.testing.assert_allclose(live, [-0.58, 0.0, 1, 0, 1, 0, 0.6, 0.0, 1, 1], atol=1e-6)
+    np.testing.assert_allclose(live, [-0.56, 0.0, 1, 0, 1, 0, 0.6, 0.0, 1, 1], atol=1e-6)
 
 
 def test_neighbors_by_hand() -> None:
