@@ -139,7 +139,9 @@ def train(
     seed: Seed = 0,
     steps: Steps = None,
     task: Task = None,
-    out: Annotated[Path | None, typer.Option(help="Folder of the run (default: runs/SCENARIO-ALGORITHM-SEED).")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the run (default: runs/SCENARIO-ALGORITHM[-TEAM]-SEED).")
+    ] = None,
     hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in place of the shipped one.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
     dev_levels: Annotated[int, typer.Option(min=0, help="dev levels per checkpoint afterwards; 0 scores none.")] = 1000,
@@ -164,7 +166,10 @@ def evaluate(
     levels: Levels = 1000,
     split: Split = "test",
     task: Task = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for episodes.csv, summary.json, table.txt.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for rows, figures and table (default: runs/evaluation-SCENARIO[-team]-SPLIT)."),
+    ] = None,
     references: Annotated[bool, typer.Option(help="Add the rows random and dash; of teams, rvo and orca too.")] = True,
     team: Team = False,
     given: Given = None,
@@ -191,8 +196,9 @@ def record(
 ) -> None:
     """Film policies on the same levels, side by side."""
     from irsim_gym.training.record import record_film
+    from irsim_gym.training.remembered import remembered_parameters
 
-    parameters = read_parameters(given)
+    parameters = remembered_parameters(scenario, policies, read_parameters(given))
     print(record_film(scenario, policies, level or [0], out, split=split, task=task, parameters=parameters, team=team))
 
 

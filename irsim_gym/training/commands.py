@@ -15,7 +15,7 @@ from irsim_gym.envs import sb3
 from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.tables import print_table
-from irsim_gym.scenario.library import SUFFIXES, scenario_names
+from irsim_gym.scenario.library import scenario_names
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.spec import Scenario
@@ -24,7 +24,16 @@ from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.hyperparameters import load_hyperparameters
-from irsim_gym.training.run import Run, Settings, default_folder, environment_id, labelled, scenario_name
+from irsim_gym.training.remembered import remembered_parameters
+from irsim_gym.training.run import (
+    Run,
+    Settings,
+    default_folder,
+    environment_id,
+    evaluation_folder,
+    lasting,
+    scenario_name,
+)
 from irsim_gym.training.score import MARKS, Point, reached, score_run
 from irsim_gym.training.train import TrainingInterruptedError, train
 
@@ -45,9 +54,9 @@ def new_settings(
     asked = {"n_timesteps": steps, "team": team}
     overrides = {name: value for name, value in asked.items() if value is not None}
     found = load_hyperparameters(algorithm, environment_id(scenario), file=hyperparameters, overrides=overrides)
-    named = _lasting(scenario_name(scenario))
+    named = lasting(scenario_name(scenario))
     used = load_scenario(named, parameters, warn=False).parameters
-    return Settings(named, algorithm, seed, None if task is None else _lasting(task), found, used)
+    return Settings(named, algorithm, seed, None if task is None else lasting(task), found, used)
 
 
 def settings_to_resume(run: Run, asked: Settings, steps: int | None, team: str | None = None) -> Settings:
@@ -87,8 +96,8 @@ def run_training(
 ) -> Run:
     """Train, score the checkpoints and say what came out."""
     console = Console(stderr=True)
-    run = Run(out or default_folder(scenario, algorithm, seed, parameters))
     settings = new_settings(scenario, algorithm, seed, steps, task, hyperparameters, team, parameters)
+    run = Run(out or default_folder(scenario, algorithm, seed, parameters, settings.hyperparameters.team))
     if resume and run.exists():
         settings = settings_to_resume(run, settings, steps, team)
     named = with_parameters(settings.scenario, settings.parameters)
@@ -133,7 +142,8 @@ def run_evaluation(
     """Evaluate policies, of one robot or of teams, print the table and write the files."""
     if not policies and not references:
         raise IrsimGymError("nothing to evaluate: name a policy, or leave the reference rows on")
-    folder = out or Path("runs") / f"evaluation-{labelled(scenario, parameters)}-{split}"
+    parameters = remembered_parameters(scenario, policies, parameters)
+    folder = out or evaluation_folder(scenario, split, parameters, team)
     evaluated = evaluate_team_policies if team else evaluate_policies
     found = evaluated(
         scenario,
@@ -162,7 +172,8 @@ def run_rollout(
     team: bool = False,
 ) -> None:
     """Drive a policy through a few levels and print a line for each; of a team, one for each robot."""
-    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": parameters}
+    used = remembered_parameters(scenario, [policy], parameters)
+    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used}
     if team:
         of_teams = evaluate_team_policies(scenario, [policy], levels=levels, references=False, **chosen)
         agents = [agent for row in next(iter(of_teams.rows.values())) for agent in row.agents]
@@ -236,8 +247,3 @@ def _zeros(env: sb3.WorldVecEnv) -> Any:
     import numpy as np
 
     return np.zeros((env.num_envs, *(env.action_space.shape or ())), np.float32)
-
-
-def _lasting(source: str) -> str:
-    """Make the path of a file absolute, so that a run can be resumed from another folder."""
-    return str(Path(source).resolve()) if Path(source).suffix in SUFFIXES else source

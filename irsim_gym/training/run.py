@@ -14,6 +14,7 @@ from typing import Any
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import write_json
+from irsim_gym.scenario.library import SUFFIXES
 from irsim_gym.training.hyperparameters import Hyperparameters
 
 SEED_STRIDE = 1_000_000
@@ -125,9 +126,29 @@ def environment_id(scenario: str) -> str:
     return f"irsim_gym/{Path(scenario_name(scenario)).stem}-v0"
 
 
-def default_folder(scenario: str, algorithm: str, seed: int, parameters: Mapping[str, Any] | None = None) -> Path:
+def lasting(source: str) -> str:
+    """Make the path of a file absolute, so that a run can be resumed from another folder."""
+    return str(Path(source).resolve()) if Path(source).suffix in SUFFIXES else source
+
+
+def default_folder(
+    scenario: str,
+    algorithm: str,
+    seed: int,
+    parameters: Mapping[str, Any] | None = None,
+    team: str | None = None,
+) -> Path:
     """Return the folder of a run that was given none."""
-    return Path("runs") / f"{labelled(scenario, parameters)}-{algorithm}-{seed}"
+    mode = "" if team is None else f"-{team}"
+    return Path("runs") / f"{labelled(scenario, parameters)}-{algorithm}{mode}-{seed}"
+
+
+def evaluation_folder(
+    scenario: str, split: str, parameters: Mapping[str, Any] | None = None, team: bool = False
+) -> Path:
+    """Return the folder of an evaluation that was given none."""
+    whose = "-team" if team else ""
+    return Path("runs") / f"evaluation-{labelled(scenario, parameters)}{whose}-{split}"
 
 
 def labelled(scenario: str, parameters: Mapping[str, Any] | None = None) -> str:

@@ -13,7 +13,8 @@ from irsim_gym import cli
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.commands import new_settings, settings_to_resume
 from irsim_gym.training.environment import make_worlds
-from irsim_gym.training.run import Run, Settings, default_folder
+from irsim_gym.training.remembered import remembered_parameters
+from irsim_gym.training.run import Run, Settings, default_folder, evaluation_folder
 from irsim_gym.training.worlds import conditions, make_episodes
 
 FILE = """
@@ -71,6 +72,63 @@ def test_a_run_is_resumed_with_its_own(file: str) -> None:
 def test_given_parameters_name_the_folder(file: str) -> None:
     assert default_folder(file, "ppo", 0, {"n_robots": 3, "way": "a/b"}) == Path("runs/swap-n_robots=3-way=a_b-ppo-0")
     assert default_folder(file, "ppo", 0) == Path("runs/swap-ppo-0")
+    assert default_folder(file, "ppo", 0, {"n_robots": 3}, "episode") == Path("runs/swap-n_robots=3-ppo-episode-0")
+    assert evaluation_folder(file, "dev") == Path("runs/evaluation-swap-dev")
+    assert evaluation_folder(file, "test", {"n_robots": 3}, team=True) == Path(
+        "runs/evaluation-swap-n_robots=3-team-test"
+    )
+
+
+def begun(file: str, name: str, **parameters: Any) -> str:
+    Run(Path(name)).begin(asked(file, **parameters))
+    return name
+
+
+def test_policies_are_driven_with_what_their_runs_were_trained_with(
+    file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    three, four = begun(file, "three", n_robots=3), begun(file, "four", n_robots=4, speed=0.5)
+    plain = begun(file, "plain")
+    assert remembered_parameters(file, [three, "dash"]) == {"n_robots": 3}
+    assert capsys.readouterr().err == "swap.yaml (n_robots = 3), as in training; --set NAME=VALUE asks for others\n"
+    assert remembered_parameters(file, [f"{four}/policy.zip"]) == {"n_robots": 4, "speed": 0.5}
+    assert remembered_parameters(file, [four], {"n_robots": "7"}) == {"n_robots": "7", "speed": 0.5}
+    capsys.readouterr()
+    assert remembered_parameters(file, [three, begun(file, "third", n_robots=3, speed=0.5)]) == {"n_robots": 3}
+    assert "(speed = 1), the defaults, as the policies were trained with others" in capsys.readouterr().err
+    assert remembered_parameters(file, [three, plain]) == {}
+    assert "(n_robots = 2), the defaults" in capsys.readouterr().err
+    assert remembered_parameters(file, [plain, "dash"]) == {}
+    assert remembered_parameters(file, ["dash", "loose.zip"], {"speed": 2}) == {"speed": 2}
+    Path("three/config.json").write_text("[]")
+    assert remembered_parameters(file, [three]) == {}
+    Path("other.yaml").write_text(FILE)
+    assert remembered_parameters("other.yaml", [four]) == {}
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("command", "function"),
+    [
+        (["evaluate", "swap.yaml", "three", "--team"], "commands.evaluate_team_policies"),
+        (["rollout", "swap.yaml", "--policy", "three"], "commands.evaluate_policies"),
+        (["record", "swap.yaml", "three"], "record.record_film"),
+    ],
+)
+def test_commands_that_take_policies_ask_their_runs(
+    command: list[str], function: str, file: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun(file, "three", n_robots=3)
+    found: list[dict[str, Any]] = []
+
+    def driven(*arguments: Any, **named: Any) -> None:
+        found.append(named)
+        raise IrsimGymError("enough")
+
+    monkeypatch.setattr(f"irsim_gym.training.{function}", driven)
+    assert run(monkeypatch, *command) == 1
+    assert found[0]["parameters"] == {"n_robots": 3}
+    assert found[0].get("folder") in (None, Path("runs/evaluation-swap-n_robots=3-team-test"))
 
 
 def test_what_a_published_figure_names(file: str) -> None:

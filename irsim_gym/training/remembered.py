@@ -1,0 +1,59 @@
+"""The parameters that runs were trained with, for commands that are given their policies."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.evaluation.reference_policies import REFERENCES
+from irsim_gym.scenario.load import load_scenario
+from irsim_gym.scenario.messages import with_parameters
+from irsim_gym.training.run import Run, lasting, scenario_name
+
+
+def remembered_parameters(
+    scenario: str, sources: Sequence[str | Path], given: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Return the values for a scenario's parameters: those given, and beside them what all runs were trained with.
+
+    Where every policy is a run's in this scenario and they agree on a value, it takes the default's place, and a line
+    on standard error says so; another line tells of values on which they differ. Reference policies have no say.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        sources: Policies as ``load_policy`` takes them.
+        given: Values that were asked for; they stay.
+    """
+    asked = dict(given or {})
+    runs = [_trained_with(scenario, Path(source)) for source in sources if str(source) not in REFERENCES]
+    if not any(runs):
+        return asked
+    defaults = load_scenario(scenario_name(scenario), asked, warn=False).parameters
+    open_ones = {name: value for name, value in defaults.items() if name not in asked}
+    values = {name: [run.get(name, default) for run in runs] for name, default in open_ones.items()}
+    agreed = {name: found[0] for name, found in values.items() if all(value == found[0] for value in found)}
+    used = {name: value for name, value in agreed.items() if value != defaults[name]}
+    if used:
+        _say(f"{with_parameters(scenario, used)}, as in training; --set NAME=VALUE asks for others")
+    differing = {name: default for name, default in open_ones.items() if name not in agreed}
+    if differing:
+        _say(f"{with_parameters(scenario, differing)}, the defaults, as the policies were trained with others")
+    return {**asked, **used}
+
+
+def _trained_with(scenario: str, source: Path) -> dict[str, Any]:
+    """Return the parameters of the run that a policy is from; none where that is unknown or another scenario's."""
+    run = Run(source if source.is_dir() else source.parent)
+    try:
+        settings = json.loads(run.config.read_text())["settings"]
+        same = settings["scenario"] == lasting(scenario_name(scenario))
+        return dict(settings.get("parameters", {})) if same else {}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return {}
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr)
