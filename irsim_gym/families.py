@@ -19,6 +19,8 @@ ACTIONS = Registry("action")
 OBSERVATIONS = Registry("observation")
 REWARDS = Registry("reward")
 ENDINGS = Registry("ending")
+SECTIONS = Registry("section")
+"""Sections of a scenario file whose keys a package beyond ``scenario`` declares: for the reference and the schema."""
 
 _PACKAGES = ("kinematics", "behaviors", "footprints", "placements", "sensors", "maps", "tasks")
 
@@ -30,7 +32,7 @@ def load() -> None:
 
 
 def every() -> tuple[Registry, ...]:
-    """Return the registries of all families."""
+    """Return the registries of all families of kinds."""
     return (
         KINEMATICS,
         BEHAVIORS,

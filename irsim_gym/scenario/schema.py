@@ -173,7 +173,8 @@ def _shared(one: Schema) -> Schema:
 
 def _task(definitions: Schema) -> Schema:
     """Return the section ``task``; overrides may name some keys of a term only, so none is required."""
-    properties: Schema = {"name": {"type": "string", "description": "A shipped task or a file, to build upon."}}
+    section = _options(families.SECTIONS.entry("task").kind, definitions)
+    properties: Schema = section["properties"]
     for key, registry in {"action": families.ACTIONS, **_TERMS}.items():
         _named(registry, definitions)
         terms = []
@@ -184,5 +185,7 @@ def _task(definitions: Schema) -> Schema:
                 definition["properties"]["use"] = {"type": "boolean", "description": "false leaves the term out."}
                 terms.append({"$ref": _REFERENCE.format(model=f"{registry.family}.{entry.name}".replace(" ", "_"))})
         term: Schema = {"anyOf": [*terms, {"type": "string"}]}
-        properties[key] = term if key == "action" else {"type": "array", "items": term}
-    return {"anyOf": [{"type": "string"}, {"type": "object", "properties": properties}, {"type": "null"}]}
+        described = {"description": properties[key]["description"]}
+        properties[key] = {**described, **(term if key == "action" else {"type": "array", "items": term})}
+    section["additionalProperties"] = False
+    return {"anyOf": [{"type": "string"}, section, {"type": "null"}]}

@@ -35,6 +35,8 @@ _NAMED = "a mapping with a name, as below"
 ALLOWED = {
     **dict.fromkeys(("distribution", "kinematics", "shape", "behavior", "group_behavior"), _NAMED),
     "sensors": "a list of mappings with a name, as below",
+    "action": "a name, or a mapping with a name, as below",
+    **dict.fromkeys(("observations", "rewards", "endings"), "a list of names or of mappings with a name, as below"),
     "goal": "a list of 2 or 3 numbers, or lists of them",
     "obstacle_map": "a file, a mapping with a name, or a list of columns",
     "state": "a list of up to 4 numbers",
@@ -97,6 +99,8 @@ def _sections() -> Iterator[tuple[str, type[Any]]]:
     """Yield a title and the declaring class of each section, and of each registered kind."""
     families.load()
     yield from SPECS.items()
+    for entry in families.SECTIONS:
+        yield entry.name, entry.kind
     for registry in families.every():
         for entry in registry:
             yield f"{registry.family} {entry.name}", entry.kind

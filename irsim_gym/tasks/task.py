@@ -22,14 +22,16 @@ from irsim_gym.tasks.layers import Layer, merge
 DEFAULT = "navigation"
 FAMILIES = {"observations": OBSERVATIONS, "rewards": REWARDS, "endings": ENDINGS}
 LONGEST_CHAIN = 8
+_LAID_OVER = "; laid over what the named task has, by name."
 
 
 @kind
 class TaskOptions:
-    """The plain keys of a task."""
+    """The keys of the section `task` and of files in `tasks/`; a default holds where the named task says nothing."""
 
+    name: str = option(DEFAULT, meaning="A shipped task or a file to build upon; 'blank' begins from nothing.")
     agents: str | tuple[str, ...] = option(
-        "", meaning="Who learns: the name of a robot, a list of names, or 'all'; by default the first robot."
+        "", meaning="Who learns: a robot's name, a list of them, or 'all'; by default the first robot, in a team all."
     )
     max_steps: int = option(500, ge=1, le=10**9, unit="steps", meaning="Time limit of an episode.")
     observation_form: Literal["flat", "dict"] = option(
@@ -50,6 +52,10 @@ class TaskOptions:
     )
     deadlock_time: float = option(5.0, gt=0.0, unit="s", meaning="An agent that is stalled for so long is deadlocked.")
     audit: bool = option(True, meaning="Refuse rewards under which a crash or an escape would pay more than going on.")
+    action: Any = option("velocity", meaning="What a learner commands.")
+    observations: tuple[Any, ...] = option((), meaning=f"What it observes{_LAID_OVER}")
+    rewards: tuple[Any, ...] = option((), meaning=f"What it is paid; the reward is their sum{_LAID_OVER}")
+    endings: tuple[Any, ...] = option((), meaning=f"What ends its episode, besides the time limit{_LAID_OVER}")
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.library import configs_folder
 from irsim_gym.scenario.notes import notes
 from irsim_gym.scenario.tables import MARKER, rewritten
+from irsim_gym.tasks import load_task
 
 PAGE = configs_folder() / "README.md"
 Load = Callable[[str], Scenario]
@@ -44,7 +45,7 @@ def test_the_command_makes_the_tables_anew(tmp_path: Path) -> None:
 
 
 def test_the_example_of_the_page_runs() -> None:
-    example, _ = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    example, *_ = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     assert len(example.splitlines()) <= 20
     simulation = compile(load_scenario(yaml.safe_load(example)))
     simulation.reset(seed=0)
@@ -53,11 +54,32 @@ def test_the_example_of_the_page_runs() -> None:
 
 
 def test_the_example_with_parameters_loads() -> None:
-    _, example = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    _, example, _ = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     scenario = load_scenario(yaml.safe_load(example), {"n_robots": 12, "drive": "omni"})
     assert (scenario.name, scenario.world.width, len(scenario.bodies)) == ("swap of 12", 12.0, 12)
     assert scenario.bodies[0].vel_max[:2] == (1.0, 1.5)
     assert scenario.task["max_steps"] == 340
+
+
+def test_the_example_of_a_task_is_laid_over_the_named_one() -> None:
+    *_, example = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    world = {"robot": {"kinematics": {"name": "diff"}, "goal": [5, 5]}}
+    task = load_task(load_scenario({**world, **yaml.safe_load(example)}))
+    plain = load_task(load_scenario(world))
+    weights = {type(term).__name__: term.weight for term in task.rewards}
+    assert (task.max_steps, weights["Time"], len(weights)) == (400, 1.0, len(plain.rewards))
+    observed, before = ([type(term).__name__ for term in one.observations] for one in (task, plain))
+    assert observed == [*(name for name in before if name != "LastAction"), "Velocity"]
+
+
+def test_the_keys_of_a_task_are_shown() -> None:
+    section = re.search(r"^### task\n(.*?)^### ", PAGE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    assert section is not None
+    keys = ["name", "agents", "max_steps", "observation_form", "ended", "team_reward", "deadlock_speed"]
+    keys += ["deadlock_time", "audit", "action", "observations", "rewards", "endings"]
+    assert re.findall(r"^\| `(\w+)`", section.group(1), re.MULTILINE) == keys
+    shown = CliRunner().invoke(app, ["options", "task"], env={"COLUMNS": "200"}).output
+    assert [key for key in keys if key not in shown] == []
 
 
 def test_the_page_lists_the_parameters_of_teams() -> None:
