@@ -64,25 +64,30 @@ def list_shipped() -> None:
 @app.command()
 def check(
     files: Annotated[list[str], typer.Argument(help="Scenario files or shipped names.")],
+    team: Annotated[
+        bool, typer.Option("--team", help="Insist that all robots (or those that the task names) can learn together.")
+    ] = False,
     given: Given = None,
     modules: Imports = None,
 ) -> None:
     """Check scenario files and their tasks, and draw a level of each; print every problem with its line.
 
     Below a file that is fine stand its parameters, and notes on values that are allowed but seldom meant. The exit
-    status is 1 if a file cannot be used; notes leave it at 0.
+    status is 1 if a file cannot be used; notes leave it at 0. So do reasons why only one robot can learn, not all
+    together, unless --team asks for that.
     """
     from irsim_gym.scenario import load_scenario
     from irsim_gym.scenario.notes import notes
     from irsim_gym.scenario.parameters import describe_parameters
     from irsim_gym.tasks import load_task
-    from irsim_gym.training.commands import begin_level
+    from irsim_gym.training.commands import begin_level, refused_as_team
 
     failed, parameters = False, read_parameters(given)
     for file in files:
         try:
             scenario = load_scenario(file, parameters, warn=False)
-            task = load_task(scenario) if scenario.robots else None
+            task = load_task(scenario, team=team) if scenario.robots else None
+            refused = None if team else refused_as_team(scenario)
             begin_level(scenario)
         except (IrsimGymError, OSError) as error:
             print(error, file=sys.stderr)
@@ -91,7 +96,11 @@ def check(
         robots = len(scenario.robots)
         learned = f"task '{task.name}'" if task is not None else "no robot to learn"
         obstacles = len(scenario.bodies) - robots
-        print(f"{file}: fine (robots: {robots}, obstacles: {obstacles}, {learned})")
+        extent = "fine" if refused is None else "fine for one learner"
+        print(f"{file}: {extent} (robots: {robots}, obstacles: {obstacles}, {learned})")
+        if refused is not None:
+            print("  but where all robots learn together it is refused (with --team the exit status is 1), with")
+            print("\n".join(f"  {line}" for line in str(refused).splitlines()))
         for line in describe_parameters(scenario.source, scenario.parameters):
             print(f"  {line}")
         found = notes(scenario)

@@ -1,8 +1,8 @@
-"""Whether a task fits its scenario, and whether its rewards lead anywhere."""
+"""Whether a task fits its scenario, and whether its terms fit each other."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,10 +12,8 @@ from irsim_gym.families import ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.scenario.validation import Report
+from irsim_gym.tasks.audit import Terms, ending_for
 from irsim_gym.tasks.layers import Merged
-from irsim_gym.tasks.outcome import Outcome
-
-Terms = Mapping[str, list[tuple[Place, Any]]]
 
 
 def choose_agents(scenario: Scenario, given: str | Sequence[str], team: bool, merged: Merged) -> tuple[int, ...]:
@@ -140,50 +138,16 @@ def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Rep
     return substitute
 
 
-def check_terms(terms: Terms, audit: bool, own_share: float, report: Report) -> None:
-    """Tell what is missing, and what a learner would exploit.
+def check_terms(terms: Terms, report: Report) -> None:
+    """Tell what is missing among the terms.
 
     Args:
         terms: The terms by family, with their places.
-        audit: Whether to look at what rewards lead to.
-        own_share: How much of its own rewards and penalties an agent gets itself; 1 without ``team_reward``.
         report: Collects the problems.
-
-    The audit: a reward may be positive only as a difference of potentials or as the bonus for success, which the
-    kinds' roles and weights >= 0 see to; and what a whole episode can cost by and by must be less than any failure
-    that ends it, else an early crash or an escape would be the best policy for a learner that sees no way to the goal.
     """
     if not terms["observations"]:
         report.add(("observations",), "at least one is required")
     outcomes = {ending.outcome for _, ending in terms["endings"]}
     for place, reward in terms["rewards"]:
         if reward.needs_ending and reward.outcome not in outcomes:
-            ending = _ending_for(reward.outcome)
-            report.add(place, f"never paid: it needs the ending '{ending}'")
-    if not audit:
-        return
-    running = sum(reward.weight for _, reward in terms["rewards"] if reward.role == "running")
-    for _, ending in terms["endings"]:
-        if ending.outcome == Outcome.SUCCESS or running == 0.0:
-            continue
-        penalty = own_share * sum(
-            _least(reward, ending)
-            for _, reward in terms["rewards"]
-            if reward.role == "penalty" and reward.outcome == ending.outcome
-        )
-        if penalty <= running:
-            report.add(
-                ("rewards",),
-                f"an episode that ends as '{_ending_for(ending.outcome)}' costs {penalty:g}, one that goes on can cost "
-                f"{running:g} (time, closeness, ...): raise that, lower this, or say 'audit: false'",
-            )
-
-
-def _least(reward: Any, ending: Any) -> float:
-    """Return what a penalty is at least where an episode ends in this way."""
-    return float(reward.least(getattr(ending, "bodies", None)) if hasattr(reward, "least") else reward.weight)
-
-
-def _ending_for(outcome: Any) -> str:
-    names = [entry.name for entry in ENDINGS if entry.kind.outcome == outcome]
-    return names[0] if names else str(outcome)
+            report.add(place, f"never paid: it needs the ending '{ending_for(reward.outcome)}'")

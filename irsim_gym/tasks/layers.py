@@ -72,6 +72,11 @@ class Merged:
         told = [problem if title == file else _elsewhere(title, problem) for title, problem in found]
         raise ScenarioError(file, told)
 
+    def own_place(self, *places: Place) -> Place:
+        """Return the first of these places that stands in the uppermost layer; the first of all where none does."""
+        own = {place for place, node in self.origins if node.layer.title == self.report.source.title}
+        return next((place for place in places if place in own), places[0])
+
     def _origin(self, problem: Problem) -> tuple[str, Problem]:
         place, node = self.origins[min(problem.line, len(self.origins)) - 1]
         suffix = problem.path[len(dotted(place)) :]

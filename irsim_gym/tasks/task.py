@@ -16,6 +16,7 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.scenario.source import Place, Source, read_file, read_mapping
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.scenario.validation import Report, build, build_named
+from irsim_gym.tasks.audit import Sharing, check_audit
 from irsim_gym.tasks.checks import check_action, check_fit, check_terms, choose_agents
 from irsim_gym.tasks.layers import Layer, merge
 
@@ -126,8 +127,9 @@ def load_task(
             terms["observations"] = check_fit(scenario, agents, name, terms, merged)
             check_action(scenario, agents, action, report)
         if is_sound:
-            own_share = 1.0 - options.team_reward * (1.0 - 1.0 / max(len(agents), 1))
-            check_terms(terms, options.audit, own_share, report)
+            check_terms(terms, report)
+            if options.audit:
+                check_audit(terms, Sharing(options.team_reward, len(agents)), merged)
     merged.refuse(_title(scenario))
     assert options is not None
     parts = {key: tuple(item for _, item in items) for key, items in terms.items()}

@@ -214,6 +214,16 @@ def draw_level(
     return path
 
 
+def refused_as_team(scenario: Scenario) -> ScenarioError | None:
+    """Return why the robots of a scenario cannot learn together; None where they can, or where there is but one."""
+    try:
+        if len(scenario.robots) > 1:
+            load_task(scenario, team=True)
+    except ScenarioError as error:
+        return error
+    return None
+
+
 def begin_level(scenario: Scenario, level: int = 0, split: str = "train", task: str | None = None) -> Simulation:
     """Return one world at the start of a level, with the learners of its task; with none where nobody can learn.
 

@@ -9,6 +9,14 @@ from irsim_gym import cli, families
 from irsim_gym.scenario.tables import MARKER
 
 BROKEN = "world: {height: 10, step_tme: 0.1}\nrobot: {shape: {name: circle, radius: -1}}\n"
+PAIR = """\
+robot:
+  number: 2
+  kinematics: {name: diff}
+  distribution: {name: circle, radius: 3, center: [5, 5]}
+task:
+  team_reward: 0.5
+"""
 
 
 def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
@@ -34,6 +42,24 @@ def test_check_tells_every_problem_and_goes_on(
     assert "none.yaml" in said.err
     assert "cluttered_room: fine (robots: 1" in said.out
     assert run(monkeypatch, "check", "cluttered_room") == 0
+
+
+def test_check_tells_what_a_team_would_be_refused_for(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "pair.yaml"
+    file.write_text(PAIR)
+    assert run(monkeypatch, "check", file) == 0
+    said = capsys.readouterr()
+    assert f"{file}: fine for one learner (robots: 2" in said.out
+    assert "where all robots learn together it is refused" in said.out
+    assert f"{file}:6   task.team_reward: an episode that ends as 'collided' costs 3" in said.out
+    assert run(monkeypatch, "check", "--team", file) == 1
+    assert f"{file}:6   task.team_reward: an episode" in capsys.readouterr().err
+    # Whom the task names learns in either case.
+    file.write_text(PAIR + "  agents: robot_1\n")
+    assert run(monkeypatch, "check", file) == 0
+    assert f"{file}: fine (robots: 2" in capsys.readouterr().out
 
 
 def test_schema_is_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -286,11 +286,19 @@ def test_rewards_that_make_a_crash_pay_are_refused() -> None:
     assert len(found) == 2
     assert all("one that goes on can cost 5.5" in text for text in found)
     without = {"rewards": [{"name": "collision", "use": False}]}
-    assert any("costs 0, one that goes on can cost 3" in text for text in messages(scenario(task=without)))
+    assert messages(scenario(task=without)) == [
+        "task.rewards: an episode that ends as 'collided' costs 0, one that goes on can cost 3 "
+        "(time 2 + clearance 0.8 + smoothness 0.2): add {name: collision, weight: ...} above 3 to rewards, "
+        "lower the latter, or say 'audit: false'"
+    ]
+    # An ending of one's own is told where it stands, the rewards being those of navigation.yaml.
+    (found,) = messages(scenario(task={"endings": ["deadlocked"]}))
+    assert found.startswith("task.endings[0]: an episode that ends as 'deadlocked' costs 0, one")
+    assert "add {name: deadlock, weight: ...} above 3 to rewards" in found
     assert load_task(scenario(task={**without, "audit": False})).rewards
     # The cheapest collision counts, of those that end the episode.
     task = {"rewards": [{"name": "collision", "weight": 9.0, "robot": 0.5}]}
-    assert any("costs 0.5, one" in text for text in messages(scenario(task=task)))
+    assert any("costs 0.5 (collision 0.5), one" in text for text in messages(scenario(task=task)))
     lenient = {**task, "endings": [{"name": "collided", "bodies": ["obstacle", "map"]}]}
     assert load_task(scenario(task=lenient)).endings
     # Nothing to fear where nothing but the time limit ends the episode.

@@ -98,8 +98,15 @@ def test_the_share_of_the_team_in_each_reward_term() -> None:
 
 
 def test_a_share_that_makes_crashing_cheap_is_refused() -> None:
-    with pytest.raises(ScenarioError, match="costs 2"):
+    with pytest.raises(ScenarioError) as caught:
         load_task(scenario(LANES[:2]), {"team_reward": 1.0}, team=True)
+    problem, *others = caught.value.problems
+    assert (len(others), problem.path) == (1, "team_reward")
+    assert problem.message == (
+        "an episode that ends as 'collided' costs 2 (collision 4, of which a share of 0.5 is the robot's own: "
+        "team_reward 1, 2 learners), one that goes on can cost 3 (time 2 + clearance 0.8 + smoothness 0.2): "
+        "raise the former above 6, lower the latter or team_reward, or say 'audit: false'"
+    )
 
 
 def test_standing_still_away_from_the_goal_is_a_deadlock() -> None:
