@@ -12,6 +12,8 @@ import torch
 from torch import nn
 
 import irsim_gym
+from irsim_gym.cli_tools import read_parameters
+from irsim_gym.errors import IrsimGymError
 
 GAMMA, LAMBDA, CLIP, EPOCHS, PARTS = 0.99, 0.95, 0.2, 4, 4
 
@@ -78,7 +80,12 @@ def train(
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenario", default="random_swap")
-    parser.add_argument("--robots", type=int, default=3)
+    parser.add_argument("--set", metavar="NAME=VALUE", action="append", help="a parameter; may be repeated")
     parser.add_argument("--updates", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
-    train(given.scenario, updates=given.updates, n_robots=given.robots)
+    settings = given.set or (["n_robots=3"] if given.scenario == "random_swap" else [])
+    try:
+        train(given.scenario, updates=given.updates, seed=given.seed, **read_parameters(settings))
+    except IrsimGymError as error:
+        parser.exit(1, f"{error}\n")

@@ -1,6 +1,7 @@
 """The example of a trainer of one's own on ``make_batch``."""
 
 import runpy
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,19 @@ def test_the_example_runs(script: dict[str, Any], capsys: pytest.CaptureFixture[
     first = script["train"]("random_swap", n_worlds=8, n_steps=8, updates=10, n_robots=2)
     assert capsys.readouterr().out.startswith("    1,280 steps: ")
     assert script["train"]("random_swap", n_worlds=8, n_steps=8, updates=10, n_robots=2) == first
+
+
+def test_parameters_and_mistakes_on_the_command_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = [str(SCRIPT), "--updates", "0", "--set", "n_robots=many", "--set", "speed=1"]
+    monkeypatch.setattr(sys, "argv", arguments)
+    with pytest.raises(SystemExit) as end:
+        runpy.run_path(str(SCRIPT), run_name="__main__")
+    assert end.value.code == 1
+    said = capsys.readouterr().err
+    assert "speed" in said
+    assert "Traceback" not in said
 
 
 @pytest.mark.slow
