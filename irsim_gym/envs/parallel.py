@@ -77,7 +77,11 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
     gone from ``agents``. What its body does then is the task's choice (``ended``). When ``agents`` is empty,
     ``step({})`` returns five empty dicts.
 
-    Infos hold the same keys at each call, all Python numbers, as those of ``WorldEnv``.
+    Infos hold the same keys at each call, all Python numbers, as those of ``WorldEnv``. Two of them are codes, which
+    ``Outcome(info["outcome"]).name`` and ``HitKind(info["hit_kind"]).name`` of ``irsim_gym.tasks`` turn into words:
+    ``outcome`` is 0 while the episode is under way, 1 success, 2 collision, 3 time limit, 4 left the world, 5 deadlock;
+    ``hit_kind`` says what the robot touches: 0 nothing, 1 an obstacle that stands still, 2 one that moves, 3 a robot,
+    4 the map.
 
     Attributes:
         possible_agents: Names of all agents, in the order of the scenario, or of the task's ``agents``.
@@ -121,6 +125,10 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         self.state_space = Box(-1.0, 1.0, (worlds.episodes.team_state_size,), np.float32)
         self._np_random: np.random.Generator | None = None
         self._begun = False
+
+    def __repr__(self) -> str:
+        scenario = self.worlds.scenario
+        return f"<{type(self).__name__} {scenario.label}: {len(self.possible_agents)} agents>"
 
     @property
     def max_cycles(self) -> int:

@@ -15,7 +15,7 @@ from team_scenes import ahead, crossing, four_ends, mixed, robot, towards, world
 
 import irsim_gym
 from irsim_gym.errors import UnknownNameError
-from irsim_gym.tasks.outcome import HitKind, Outcome
+from irsim_gym.tasks import HitKind, Outcome
 
 
 def test_each_ends_in_its_own_way():
@@ -230,10 +230,20 @@ def test_films(tmp_path):
     assert [file.name for file in (tmp_path / "films").iterdir()] == ["rl-video-episode-0.mp4"]
 
 
+def test_codes_in_the_infos_have_names():
+    env = irsim_gym.parallel_env("orca_circle", max_cycles=2)
+    _, infos = env.reset(seed=0)
+    codes = {(Outcome(info["outcome"]).name, HitKind(info["hit_kind"]).name) for info in infos.values()}
+    assert codes == {("RUNNING", "NOTHING")}
+    for kind in (Outcome, HitKind):
+        assert all(f"{code.value} " in type(env).__doc__ for code in kind)
+
+
 def test_names_are_those_of_the_file():
     env = irsim_gym.parallel_env("four_drives")
     assert env.possible_agents[:2] == ["wheels", "slider"]
     assert str(env) == "four_drives_v0"
+    assert repr(env) == "<WorldParallelEnv four_drives: 4 agents>"
 
 
 def test_pictures_and_closing():
