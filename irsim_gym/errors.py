@@ -54,6 +54,10 @@ class ScenarioWarning(UserWarning):
         return type(self), (self.file, self.problems)
 
 
+class WaitingRobotsWarning(UserWarning):
+    """An algorithm learns from rows in which robots waited for their world, which are no experience."""
+
+
 def listing(head: str, file: str, problems: Sequence[Problem]) -> str:
     """Return problems as text below a headline, each with file and line."""
     places = [f"{file}:{problem.line}" if problem.line else file for problem in problems]

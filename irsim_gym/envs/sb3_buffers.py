@@ -36,6 +36,7 @@ class MaskedRolloutBuffer(RolloutBuffer):
     """
 
     acted: Flags
+    leaves_out_waiting = True
 
     def reset(self) -> None:
         """Forget everything."""
@@ -63,6 +64,7 @@ class MaskedDictRolloutBuffer(DictRolloutBuffer):
     """
 
     acted: Flags
+    leaves_out_waiting = True
 
     def reset(self) -> None:
         """Forget everything."""
@@ -88,6 +90,8 @@ class MaskedReplayBuffer(ReplayBuffer):
 
     It holds up to ``buffer_size`` transitions of all slots together.
     """
+
+    leaves_out_waiting = True
 
     def __init__(
         self,
@@ -115,6 +119,8 @@ class MaskedReplayBuffer(ReplayBuffer):
 
 class MaskedDictReplayBuffer(DictReplayBuffer):
     """``MaskedReplayBuffer`` for dict observations."""
+
+    leaves_out_waiting = True
 
     def __init__(
         self,

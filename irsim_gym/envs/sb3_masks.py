@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Flags
+
+CALLERS = 24
+"""How many callers are looked through for an algorithm: more than wrappers put between it and its environment."""
 
 
 class SlotRewards(np.ndarray[Any, np.dtype[Any]]):
@@ -55,3 +60,21 @@ def acted_of(reward: Any) -> Flags:
             "around it have to compute with the rewards that they get (rewards * 2, not numpy.array(rewards) * 2)"
         )
     return acted
+
+
+def learner_buffer(env: VecEnv) -> Any | None:
+    """Return the buffer for which Stable-Baselines3 steps ``env`` right now; None if it does not collect experience.
+
+    An environment is never told who steps it, nor why. Looking for ``collect_rollouts`` among the callers tells
+    learning from evaluating and from loops of one's own, which may leave rows out as they like.
+    """
+    frame = sys._getframe(1)
+    for _ in range(CALLERS):
+        if frame.f_code.co_name == "collect_rollouts":
+            found = frame.f_locals
+            if getattr(found.get("env"), "unwrapped", None) is env:
+                return found.get("rollout_buffer", found.get("replay_buffer"))
+        if frame.f_back is None:
+            break
+        frame = frame.f_back
+    return None

@@ -52,6 +52,7 @@ class MaskedRecurrentRolloutBuffer(RecurrentRolloutBuffer):
     """
 
     acted: Flags
+    leaves_out_waiting = True
     slot_starts: NDArray[Any]
 
     def reset(self) -> None:
@@ -84,6 +85,7 @@ class MaskedRecurrentDictRolloutBuffer(RecurrentDictRolloutBuffer):
     """
 
     acted: Flags
+    leaves_out_waiting = True
     slot_starts: NDArray[Any]
 
     def reset(self) -> None:

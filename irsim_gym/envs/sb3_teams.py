@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import time
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
@@ -25,9 +26,10 @@ from irsim_gym.envs.sb3_buffers import (
     MaskedReplayBuffer,
     MaskedRolloutBuffer,
 )
-from irsim_gym.envs.sb3_masks import SlotRewards, slot_rewards
+from irsim_gym.envs.sb3_masks import SlotRewards, learner_buffer, slot_rewards
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
+from irsim_gym.errors import WaitingRobotsWarning
 from irsim_gym.tasks import Outcome
 
 Mode = Literal["episode", "respawn"]
@@ -116,13 +118,17 @@ class TeamVecEnv(NativeVecEnv):
     * ``"respawn"``: the robot begins elsewhere at once. A world begins its next level after ``world_steps`` steps; the
       episodes under way are then cut (``TimeLimit.truncated``) and are in no statistics, as they have no outcome.
 
-    Stable-Baselines3 counts idle slots as steps; ``idle_share`` says how many they are.
+    Stable-Baselines3 counts idle slots as steps; ``idle_share`` says how many they are. An algorithm that learns from
+    idle slots, as it was made without ``buffers_for``, is warned of once (``errors.WaitingRobotsWarning``). What a loop
+    of one's own does with them is not checked: it reads ``acted``, or ``idle`` in the infos.
 
     Attributes:
         batch: The worlds.
         acted: Slots whose row of the latest step is experience, ``(n_slots,)``.
         acting: Slots that will act in the next step, ``(n_slots,)``.
     """
+
+    _buffer_is_known = False
 
     def __init__(self, batch: Batch) -> None:
         self.batch = batch
@@ -194,6 +200,8 @@ class TeamVecEnv(NativeVecEnv):
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for slot in idle.tolist():
             infos[slot]["idle"] = True
+        if idle.size and not self._buffer_is_known:
+            self._look_at_the_buffer()
         dones: Flags = ended | (began & ~acted)
         if dones.any():
             self._tell(step, np.flatnonzero(ended), infos)
@@ -202,6 +210,19 @@ class TeamVecEnv(NativeVecEnv):
             for slot, info in zip(begun.tolist(), self._infos_now(begun), strict=True):
                 self.reset_infos[slot] = info
         return self._slots(step.observation), slot_rewards(step.reward.reshape(-1), acted.copy()), dones, infos
+
+    def _look_at_the_buffer(self) -> None:
+        """Warn if an algorithm is about to learn from idle slots."""
+        buffer = learner_buffer(self)
+        self._buffer_is_known = buffer is not None
+        if buffer is not None and not getattr(buffer, "leaves_out_waiting", False):
+            warnings.warn(
+                "robots that wait for their world are learnt from as if they acted: "
+                f"{type(buffer).__name__} keeps their rows. Make the algorithm with "
+                "**sb3.buffers_for(PPO, env), or the environment with mode='respawn'",
+                WaitingRobotsWarning,
+                stacklevel=3,
+            )
 
     def _tell(self, step: BatchStep, ended: Ints, infos: list[dict[str, Any]]) -> None:
         """Fill in the infos of slots whose own episodes have ended."""

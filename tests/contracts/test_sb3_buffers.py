@@ -145,6 +145,7 @@ def test_without_waiting_agents_all_is_as_in_stable_baselines():
     assert torch.equal(*weights)
 
 
+@pytest.mark.filterwarnings("ignore::irsim_gym.errors.WaitingRobotsWarning")
 def test_waiting_rows_would_have_changed_the_weights():
     weights = []
     for kwargs in ({}, {}, {"rollout_buffer_class": RolloutBuffer}):
