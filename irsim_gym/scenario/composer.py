@@ -6,6 +6,7 @@ values after aliases are expanded, anchors that contain themselves and duplicate
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -21,6 +22,7 @@ MAX_VALUES = 100_000
 
 _TAG = "tag:yaml.org,2002:"
 _SCALARS = {_TAG + name for name in ("null", "bool", "int", "float", "str")}
+_QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
@@ -87,7 +89,10 @@ def _syntax(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
     if "\t" in row[: len(row) - len(row.lstrip())]:
         return line, "tabs cannot indent YAML: use spaces"
     parts = [part for part in (error.context, error.problem) if part]
-    return line, f"not valid YAML: {', '.join(parts) or 'syntax error'}"
+    last = error.problem_mark.line + 1 if error.problem_mark is not None else line
+    is_parameter = "${" in _QUOTED.sub("", "\n".join(rows[max(line - 1, 0) : last]))
+    hint = '; within { } or [ ], text with ${...} in it has to be quoted: "${name}"' if is_parameter else ""
+    return line, f"not valid YAML: {', '.join(parts) or 'syntax error'}{hint}"
 
 
 class _Composer:

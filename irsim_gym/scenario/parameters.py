@@ -16,7 +16,7 @@ from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.scenario.shorthand import WRAPPER
 from irsim_gym.scenario.source import Place, Source
-from irsim_gym.scenario.validation import Report, build, read_numbers
+from irsim_gym.scenario.validation import BAD, Report, build, read_numbers
 
 SECTION = "parameters"
 ARGUMENTS = frozenset(
@@ -42,7 +42,8 @@ class ParameterSpec:
     """One parameter."""
 
     default: bool | int | float | str = option(
-        meaning="Its value where none is given. The type follows it: a whole number, a number, true or false, text."
+        meaning="Its value where none is given. The type follows it: a whole number (a number where min, max or one of "
+        "the choices is not whole), a number, true or false, text."
     )
     min: float | None = option(None, meaning="Least value, for numbers.")
     max: float | None = option(None, meaning="Greatest value, for numbers.")
@@ -55,17 +56,24 @@ class ParameterSpec:
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what does not fit together."""
         bounds = [key for key in ("min", "max") if getattr(self, key) is not None]
-        is_number = type(self.default) in (int, float)
+        is_number = self.value_type in (int, float)
         if bounds and self.choices is not None:
             yield "choices", "cannot stand beside min or max"
         elif bounds and not is_number:
             yield bounds[0], f"is for numbers, but the default is {show(self.default)}"
         elif len(bounds) == 2 and self.min > self.max:  # type: ignore[operator]
             yield "min", f"must not exceed max, got {self.min:g} and {self.max:g}"
-        elif any(type(self.convert(one)) is not type(self.default) for one in self.choices or ()):
+        elif any(type(self.convert(one)) is not self.value_type for one in self.choices or ()):
             yield "choices", f"must be of the type of the default, {show(self.default)}"
-        elif self.refusal(self.default):
-            yield "default", self.refusal(self.default)
+        elif self.refusal(self.convert(self.default)):
+            yield "default", self.refusal(self.convert(self.default))
+
+    @property
+    def value_type(self) -> type[bool | int | float | str]:
+        """Type of its values: that of the default, but for a whole one among bounds or choices that are not whole."""
+        others = (self.min, self.max, *(self.choices or ()))
+        is_whole = all(not isinstance(one, float) or one.is_integer() for one in others)
+        return float if type(self.default) is int and not is_whole else type(self.default)
 
     @property
     def allowed(self) -> str:
@@ -73,7 +81,7 @@ class ParameterSpec:
         if self.choices is not None:
             shown = [show(one) for one in self.choices]
             return " or ".join([", ".join(shown[:-1]), shown[-1]] if len(shown) > 1 else shown)
-        words = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}[type(self.default)]
+        words = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}[self.value_type]
         if self.min is not None and self.max is not None:
             return f"{words} from {self.min:g} to {self.max:g}"
         return (
@@ -83,26 +91,26 @@ class ParameterSpec:
         )
 
     def convert(self, value: Any) -> Any:
-        """Return a value in the default's type where it can be: numbers may be written as text, e.g. ``"pi/2"``."""
+        """Return a value in the parameter's type where it can be: numbers may be written as text, e.g. ``"pi/2"``."""
         value = value.item() if isinstance(value, np.generic) else value
         if isinstance(value, str) and isinstance(self.default, bool):
             return {"true": True, "false": False}.get(value.strip().lower(), value)
         if isinstance(value, str) and not isinstance(self.default, str):
             value = read_numbers(value)
-        if isinstance(self.default, float) and type(value) is int:
+        if self.value_type is float and type(value) is int:
             return float(value) if abs(value) < 1e300 else math.inf
         return value
 
     def refusal(self, value: Any) -> str:
         """Return why a converted value cannot be used; nothing when it can."""
-        good = type(value) is type(self.default)
+        good = type(value) is self.value_type
         if good and type(value) in (int, float):
             low, high = -math.inf if self.min is None else self.min, math.inf if self.max is None else self.max
             good = low <= value <= high and (type(value) is int or math.isfinite(value))
         if good and self.choices is not None:
             good = value in [self.convert(one) for one in self.choices]
         near = suggestion(value, [str(one) for one in self.choices or ()]) if isinstance(value, str) else ""
-        shown = str(value) if isinstance(value, float) and isinstance(self.default, int) else show(value)
+        shown = str(value) if isinstance(value, float) and self.value_type is int else show(value)
         return "" if good else f"must be {self.allowed}, got {shown}{near}"
 
 
@@ -130,7 +138,8 @@ def fill_in(source: Source, given: Mapping[str, Any]) -> tuple[Source, dict[str,
     for place, name in _sections(source.data):
         if name in values and name not in filler.used:
             report.add((*place, name), "is declared but never used")
-    return replace(source, data=data, problems=tuple(report.problems)), values
+    problems, unknown = tuple(report.problems), frozenset(filler.unknown)
+    return replace(source, data=data, problems=problems, unknown=unknown, origins=filler.origins), values
 
 
 def describe_parameters(source: Source, values: Mapping[str, Value] | None = None) -> list[str]:
@@ -214,12 +223,20 @@ def _chosen(source: Source, declared: Mapping[str, ParameterSpec | None], given:
 
 
 class _Filler:
-    """Replaces ``$name`` in the values of a file."""
+    """Replaces ``$name`` in the values of a file.
+
+    Attributes:
+        used: Names of the parameters that are used.
+        unknown: Paths of values that cannot be worked out; of the whole list where it is part of one.
+        origins: What stood in the place of the other values with ``$``.
+    """
 
     def __init__(
         self, declared: Mapping[str, ParameterSpec | None], values: Mapping[str, Value], report: Report
     ) -> None:
         self.used: set[str] = set()
+        self.unknown: set[Place] = set()
+        self.origins: dict[Place, str] = {}
         self._declared, self._values, self._report = declared, values, report
         self._numbers = {name: value for name, value in values.items() if not isinstance(value, str | bool)}
 
@@ -232,20 +249,33 @@ class _Filler:
             if name == WRAPPER and not place:
                 filled[name] = self.sections(section, (WRAPPER,))
             else:
-                filled[name] = section if name == SECTION else self._value(section, (*place, name), name == "custom")
+                filled[name] = section if name == SECTION else self._known(section, (*place, name), name == "custom")
         return filled
+
+    def _known(self, value: Any, place: Place, is_custom: bool) -> Any:
+        """Return a value filled in; None, as if it were not given, where it cannot be worked out."""
+        filled = self._value(value, place, is_custom)
+        if filled is BAD:
+            self.unknown.add(place)
+        return None if filled is BAD else filled
 
     def _value(self, value: Any, place: Place, is_custom: bool) -> Any:
         if isinstance(value, Mapping):
-            return {key: self._value(item, (*place, key), is_custom) for key, item in value.items()}
+            return {key: self._known(item, (*place, key), is_custom) for key, item in value.items()}
         if isinstance(value, list):
             if place[-1] == "obstacle_map":
                 return value  # cells, and many of them
-            return [self._value(item, (*place, i), is_custom) for i, item in enumerate(value)]
-        return self._text(value, place, is_custom) if isinstance(value, str) and "$" in value else value
+            items = [self._value(item, (*place, i), is_custom) for i, item in enumerate(value)]
+            return BAD if any(item is BAD for item in items) else items
+        if not isinstance(value, str) or "$" not in value:
+            return value
+        filled = self._text(value, place, is_custom)
+        if filled is not BAD and filled != value:
+            self.origins[place] = value
+        return filled
 
     def _text(self, text: str, place: Place, is_custom: bool) -> Any:
-        """Return what a text with ``$`` in it stands for; None after telling why it cannot be."""
+        """Return what a text with ``$`` in it stands for; BAD after telling why it cannot be."""
         within, names = _WITHIN.findall(text), names_in(text)
         bare = [name for name in _BARE.findall(text) if name in self._declared]
         unknown = [name for name in (*within, *names) if name not in self._declared]
@@ -253,10 +283,10 @@ class _Filler:
             return text
         if unknown:
             self._report.add(place, self._unknown(unknown[0]))
-            return None
+            return BAD
         self.used.update(within, names, bare)
         if any(name not in self._values for name in (*within, *names)):
-            return None
+            return BAD  # its declaration is refused, which is told there
         if within:
             return _WITHIN.sub(lambda match: _plain(self._values[match.group(1)]), text)
         if names:
@@ -271,12 +301,12 @@ class _Filler:
         for name in names:
             if name not in self._numbers:
                 self._report.add(place, f"'{name}' is {show(self._values[name])}, which is no number")
-                return None
+                return BAD
         value = evaluate(text, self._numbers)
         if value is None:
             settings = ", ".join(f"{name} = {show(self._numbers[name])}" for name in dict.fromkeys(names))
             self._report.add(place, f"cannot be worked out with {settings}, got {show(text)}")
-        return value
+        return BAD if value is None else value
 
     def _unknown(self, name: str) -> str:
         near = suggestion(name, self._declared)

@@ -32,12 +32,16 @@ class Source:
         data: Dictionaries with text keys, lists, text, numbers, booleans and None.
         lines: Line of each value, by its path, counted from 1; empty for a mapping.
         problems: Mistakes met while reading, e.g. keys given twice.
+        unknown: Paths of values that could not be worked out, which is among the problems.
+        origins: What stood in the place of values that parameters were put into, by path.
     """
 
     file: str
     data: Any
     lines: Mapping[Place, int] = field(default_factory=dict)
     problems: tuple[Problem, ...] = ()
+    unknown: frozenset[Place] = frozenset()
+    origins: Mapping[Place, str] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
@@ -52,8 +56,10 @@ class Source:
         return 0
 
     def problem(self, place: Place, message: str) -> Problem:
-        """Return a problem at a path, with its line."""
-        return Problem(self.line(place), dotted(place), message)
+        """Return a problem at a path, with its line, and with what stood there where a parameter gave the value."""
+        origin = self.origins.get(place)
+        told = message if origin is None else f"{message} (from {' '.join(origin[:LONGEST_KEY].split())})"
+        return Problem(self.line(place), dotted(place), told)
 
 
 def dotted(place: Place) -> str:

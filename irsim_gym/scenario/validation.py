@@ -45,6 +45,8 @@ class Report:
 
     def add(self, place: Place, message: str) -> None:
         """Tell a problem; the same one is told once, and after many the rest is left out."""
+        if any(place[:n] in self.source.unknown for n in range(1, len(place) + 1)):
+            return  # what follows from a value that is not known, which is told already
         problem = self.source.problem(place, message)
         if (problem.line, problem.path) in self._unread:
             return  # it could not even be read, which is told already

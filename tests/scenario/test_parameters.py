@@ -107,8 +107,8 @@ def test_a_value_that_is_not_allowed(name: str, value: Any, line: int, said: str
 def test_lines_stay_right(problems: Callable[[str], list[str]]) -> None:
     text = FILE.replace("number: $n_robots", "number: -$n_robots").replace("2 * $speed]", "2]\n    fov_radius: -$speed")
     assert problems(text) == [
-        "9 robot[0].number: must be >= 0, got -4",
-        "12 robot[0].fov_radius: must be > 0, got -1",
+        "9 robot[0].number: must be >= 0, got -4 (from -$n_robots)",
+        "12 robot[0].fov_radius: must be > 0, got -1 (from -$speed)",
     ]
 
 
@@ -185,6 +185,65 @@ def test_lines_stay_right(problems: Callable[[str], list[str]]) -> None:
 )
 def test_mistakes_in_a_file(text: str, said: list[str], problems: Callable[[str], list[str]]) -> None:
     assert problems(text) == said
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (  # a refused declaration: nothing follows from it, be it used in a list or as what is required
+            "parameters: {v: {default: 5, max: 2, meaning: x}}\n"
+            "robot: [{kinematics: {name: $v}, vel_max: [1, $v], goal: [[1, 2 * $v]]}]",
+            ["1 parameters.v.default: must be a whole number <= 2, got 5"],
+        ),
+        (  # a name that nobody declares
+            "robot:\n  vel_max: [1, $v]\n  goal: [[1, 2], [$v, 0]]",
+            [
+                "2 robot.vel_max[1]: no parameter named 'v': there is no section 'parameters'",
+                "3 robot.goal[1][0]: no parameter named 'v': there is no section 'parameters'",
+            ],
+        ),
+        (  # other mistakes are told beside it
+            "robot:\n  vel_max: [1, $v]\n  vel_min: [a, 0]",
+            [
+                "2 robot.vel_max[1]: no parameter named 'v': there is no section 'parameters'",
+                "3 robot.vel_min[0]: must be a list of numbers, got 'a'",
+            ],
+        ),
+        (
+            "parameters: {v: {default: -5, meaning: x}, d: {default: dif, meaning: x}}\n"
+            "robot: {kinematics: {name: $d}, shape: {name: circle, radius: 2 * $v}, goal_threshold: $v}",
+            [
+                "2 robot.goal_threshold: must be >= 0, got -5 (from $v)",
+                "2 robot.kinematics.name: no kinematics named 'dif' (did you mean 'diff'?) (from $d)",
+                "2 robot.shape.radius: must be > 0, got -10 (from 2 * $v)",
+            ],
+        ),
+    ],
+)
+def test_nothing_follows_from_a_value_that_is_not_known(
+    text: str, said: list[str], problems: Callable[[str], list[str]]
+) -> None:
+    assert problems(text) == said
+
+
+@pytest.mark.parametrize("bounds", ["min: 0.2, max: 2", "max: 2.5", "choices: [0.5, 1, 1.5]"])
+def test_a_whole_default_among_bounds_that_are_not_is_a_number(bounds: str, tmp_path: Path) -> None:
+    file = tmp_path / "speed.yaml"
+    file.write_text(f"parameters: {{v: {{default: 1, {bounds}, meaning: x}}}}\nrobot: {{vel_max: [$v, 1]}}")
+    for given, value in (({}, 1.0), ({"v": "1.5"}, 1.5), ({"v": 1}, 1.0)):
+        found = load_scenario(file, given).parameters["v"]
+        assert (found, type(found)) == (value, float)
+    with pytest.raises(ScenarioError, match=r"must be (a number|0\.5, 1 or 1\.5).*, got 3"):
+        load_scenario(file, {"v": 3})
+
+
+def test_a_name_in_braces_has_to_be_quoted_within_braces(problems: Callable[[str], list[str]]) -> None:
+    hint = 'within { } or [ ], text with ${...} in it has to be quoted: "${name}"'
+    for text in ("robot: {shape: {name: ${n}tangle}}", "robot:\n  color: [red, ${n}]"):
+        (problem,) = problems(text)
+        assert hint in problem
+    (problem,) = problems("world: {name: '${n}', width: [}")
+    assert hint not in problem
 
 
 def test_mistakes_come_together(problems: Callable[[str], list[str]]) -> None:
