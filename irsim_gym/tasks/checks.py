@@ -46,10 +46,24 @@ def choose_agents(scenario: Scenario, given: str | Sequence[str], team: bool, me
         if name in others:
             merged.report.add(place, f"'{name}' is an obstacle; only robots learn")
         elif name not in known:
-            merged.report.add(place, f"no robot named '{name}'{suggestion(name, known)}")
+            merged.report.add(place, _nobody(scenario, name, list(known)))
         elif name in names[:i]:
             merged.report.add(place, f"'{name}' is named twice")
     return tuple(known[name] for name in names) if set(names) <= set(known) else ()
+
+
+def _nobody(scenario: Scenario, name: str, known: Sequence[str]) -> str:
+    """Return the message for a learner's name that no robot has."""
+    members = [scenario.bodies[b].name for b in scenario.robots if scenario.bodies[b].group_name == name]
+    if members:
+        return f"'{name}' is a group: name its robots, {_some(members)}"
+    return f"no robot named '{name}'{suggestion(name, known)}; the robots: {_some(known)}"
+
+
+def _some(names: Sequence[str], most: int = 10) -> str:
+    """Return the first names, and how many others there are."""
+    others = f" and {len(names) - most} others" if len(names) > most else ""
+    return ", ".join(names[:most]) + others
 
 
 def check_fit(
@@ -125,7 +139,10 @@ def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Rep
             )
         return item
     if not item.without_sensor:
-        report.add(place, f"'{without[0]}' has no range sensor (without_sensor: names a substitute)")
+        report.add(
+            place,
+            f"'{without[0]}' has no range sensor: add one, or a substitute such as 'without_sensor: nearest_bodies'",
+        )
         return item
     try:
         substitute = OBSERVATIONS.entry(item.without_sensor).kind()

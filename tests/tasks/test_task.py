@@ -142,7 +142,15 @@ def test_who_learns(given: Any, team: bool, agents: tuple[int, ...]) -> None:
 
 def test_who_cannot_learn() -> None:
     assert messages(scenario(TWO, BALL, {"agents": "bib"})) == [
-        "task.agents: no robot named 'bib' (did you mean 'bob'?)"
+        "task.agents: no robot named 'bib' (did you mean 'bob'?); the robots: ann, bob"
+    ]
+    many = {**ROBOT, "number": 12, "group_name": "walkers", "distribution": {"name": "circle", "radius": 4}}
+    first = ", ".join(f"robot_{i}" for i in range(10))
+    assert messages(scenario(many, task={"agents": ["x"]})) == [
+        f"task.agents[0]: no robot named 'x'; the robots: {first} and 2 others"
+    ]
+    assert messages(scenario(many, task={"agents": "walkers"})) == [
+        f"task.agents: 'walkers' is a group: name its robots, {first} and 2 others"
     ]
     assert messages(scenario(TWO, {**BALL, "name": "ball"}, {"agents": ["ann", "ball"]})) == [
         "task.agents[1]: 'ball' is an obstacle; only robots learn"
@@ -174,7 +182,8 @@ def test_without_a_range_sensor_navigation_observes_bodies() -> None:
     found = names(load_task(scenario({"sensors": None}), both).observations)
     assert found == ["Goal", "LastAction", "GoalRecord", "Trail", "NearestBodies"]
     assert messages(scenario({"sensors": None}), {"name": "blank", "observations": ["scan"]}) == [
-        "observations[0]: 'robot_0' has no range sensor (without_sensor: names a substitute)"
+        "observations[0]: 'robot_0' has no range sensor: add one, or a substitute such as "
+        "'without_sensor: nearest_bodies'"
     ]
     circular = {"name": "blank", "observations": [{"name": "scan", "without_sensor": "free_travel"}]}
     assert messages(scenario({"sensors": None}), circular) == [
