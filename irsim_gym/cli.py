@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from irsim_gym.cli_tools import import_modules, print_options, read_parameters
+from irsim_gym.cli_tools import import_modules, print_options, print_shipped, read_parameters
 from irsim_gym.errors import IrsimGymError
 
 app = typer.Typer(
@@ -51,14 +51,7 @@ Imports = Annotated[
 @app.command("list")
 def list_shipped() -> None:
     """List the shipped scenarios and tasks."""
-    from irsim_gym.envs.registration import env_id
-    from irsim_gym.scenario.library import names
-
-    for section in ("scenarios", "tasks"):
-        print(section)
-        for name, file in names(section).items():
-            shown = env_id(name) if section == "scenarios" else name
-            print(f"  {shown:<32} {file}")
+    print_shipped()
 
 
 @app.command()

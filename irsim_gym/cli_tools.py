@@ -7,9 +7,12 @@ import importlib.util
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import shorten
 from typing import Any
 
 from irsim_gym.errors import IrsimGymError, suggestion
+
+LINE = 100
 
 
 def import_modules(names: Sequence[str] | None) -> None:
@@ -65,6 +68,31 @@ def _search(folder: Path) -> None:
     """Let modules of a folder be found, those of a file's neighbours too."""
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
+
+
+def print_shipped() -> None:
+    """Print the shipped scenarios and tasks: what each is about, how many robots it has, and its parameters."""
+    from irsim_gym.envs.registration import env_id
+    from irsim_gym.scenario.library import configs_folder, names
+    from irsim_gym.scenario.summary import first_sentence, summarize_file
+
+    width = max(len(name) for section in ("scenarios", "tasks") for name in names(section))
+    print(f"scenarios in {configs_folder() / 'scenarios'}")
+    print(f"(in gymnasium.make: {env_id('NAME')}; with several robots, all may learn as a team)")
+    for name, file in names("scenarios").items():
+        found = summarize_file(file)
+        robots = f"{found.robots} robots" if found.robots > 1 else ""
+        print(_row(f"  {name:<{width}}  {robots:<9}  ", found.about))
+        if found.parameters:
+            values = " ".join(f"--set {key}={value}" for key, value in found.parameters.items())
+            print(f"  {'':<{width}}  {'':<9}  {values}")
+    print(f"tasks in {configs_folder() / 'tasks'}")
+    for name, file in names("tasks").items():
+        print(_row(f"  {name:<{width}}  ", first_sentence(file)))
+
+
+def _row(head: str, about: str) -> str:
+    return f"{head}{shorten(about, LINE - len(head), placeholder=' ...')}".rstrip()
 
 
 def read_parameters(settings: Sequence[str] | None) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from irsim_gym import cli, families
+from irsim_gym.scenario.summary import Summary, summarize_file
 from irsim_gym.scenario.tables import MARKER
 
 BROKEN = "world: {height: 10, step_tme: 0.1}\nrobot: {shape: {name: circle, radius: -1}}\n"
@@ -28,7 +29,24 @@ def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
 
 def test_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(monkeypatch, "list") == 0
-    assert "irsim_gym/cluttered_room-v0" in capsys.readouterr().out
+    said = capsys.readouterr().out.splitlines()
+    assert any("irsim_gym/NAME-v0" in line for line in said)
+    rows = {line.split()[0]: line.split(maxsplit=1)[1] for line in said if line.startswith("  ")}
+    assert rows["cluttered_room"] == "A closed room with eight to ten random obstacles"
+    assert rows["circle_swap"].startswith("4 robots   Robots on a circle change sides")
+    assert rows["social_forces"].startswith("7 robots ")  # 4 and 3
+    assert rows["team_navigation"].startswith("Robots that learn together")
+    place = said.index(next(line for line in said if line.startswith("  circle_swap ")))
+    assert said[place + 1].strip() == "--set n_robots=4 --set jitter=0.4"
+    assert all(len(line) <= 100 for line in said if not line.startswith(("scenarios in", "tasks in")))
+
+
+def test_a_file_without_a_comment_is_listed_too(tmp_path: Path) -> None:
+    file = tmp_path / "bare.yaml"
+    file.write_text("world: {width: 3}\nrobot: {number: 2}\n# late\n")
+    assert summarize_file(file) == Summary("", 2, {})
+    file.write_text("# About\n# this; and more.\n# Not this\nobstacle: [1]\n")
+    assert summarize_file(file) == Summary("About this", 0, {})
 
 
 def test_check_tells_every_problem_and_goes_on(
@@ -150,9 +168,10 @@ def test_warmup(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[s
 
 
 def test_the_command_line_starts_light() -> None:
-    script = "import sys, irsim_gym.cli; print([m for m in ('numba', 'torch', 'matplotlib') if m in sys.modules])"
+    loaded = "print([m for m in ('numba', 'torch', 'matplotlib') if m in sys.modules])"
+    script = f"import sys, irsim_gym.cli_tools as tools; tools.print_shipped(); {loaded}"
     found = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "[]"
+    assert found.stdout.splitlines()[-1] == "[]"
 
 
 @pytest.mark.parametrize("name", ["train", "evaluate", "record"])

@@ -1,0 +1,58 @@
+"""What a scenario or task file is about, in a line or two, without loading it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.scenario.messages import show
+from irsim_gym.scenario.parameters import fill_in
+from irsim_gym.scenario.source import read_file
+
+SENTENCE_END = (". ", ": ", "; ")
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a list shows of a file.
+
+    Attributes:
+        about: First sentence of the comment at its top; empty where there is none.
+        robots: How many robots it has by default.
+        parameters: Default of each parameter, as text.
+    """
+
+    about: str
+    robots: int
+    parameters: Mapping[str, str]
+
+
+def summarize_file(file: Path) -> Summary:
+    """Read what a file is about. A file with mistakes is summarised as far as it can be read.
+
+    Raises:
+        ScenarioError: It is no YAML.
+    """
+    source, values = fill_in(read_file(file), {})
+    entries = source.data.get("robot", ()) if isinstance(source.data, Mapping) else ()
+    robots = sum(map(_count, entries if isinstance(entries, list) else [entries]))
+    return Summary(first_sentence(file), robots, {name: show(value) for name, value in values.items()})
+
+
+def first_sentence(file: Path) -> str:
+    """Return the first sentence of the comment at the top of a file, up to a full stop, colon or semicolon."""
+    words = []
+    for line in file.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("#"):
+            break
+        words += line.lstrip("#").split()
+    text = " ".join(words) + " "
+    ends = [text.find(mark) for mark in SENTENCE_END if mark in text]
+    return text[: min(ends, default=len(text))].strip()
+
+
+def _count(entry: Any) -> int:
+    number = entry.get("number", 1) if isinstance(entry, Mapping) else 0
+    return number if isinstance(number, int) else 1
