@@ -35,7 +35,7 @@ from irsim_gym.training.run import (
     scenario_name,
 )
 from irsim_gym.training.score import MARKS, Point, reached, score_run
-from irsim_gym.training.train import TrainingInterruptedError, train
+from irsim_gym.training.train import TrainingInterruptedError, ctrl_c_told, train
 
 Parameters = Mapping[str, Any] | None
 
@@ -100,17 +100,29 @@ def run_training(
     run = Run(out or default_folder(scenario, algorithm, seed, parameters, settings.hyperparameters.team))
     if resume and run.exists():
         settings = settings_to_resume(run, settings, steps, team)
+    elif resume:
+        console.print(f"no run in {run.folder} to go on with: a new one begins", markup=False, highlight=False)
     named = with_parameters(settings.scenario, settings.parameters)
     what = f"{settings.algorithm.upper()} on {named}, seed {settings.seed}"
     console.print(f"training {what}, in {run.folder}", markup=False, highlight=False)
+    if settings.hyperparameters.team is not None and _team_size(settings) == 1:
+        console.print("note: this team has one robot; --team is for several", markup=False, highlight=False)
     try:
-        train(settings, run.folder, resume=resume, console=console)
+        with ctrl_c_told("stopped at once; what the newest checkpoint holds is kept"):
+            train(settings, run.folder, resume=resume, console=console)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(f"{stop}. Go on with the same command and --resume.", stop.signal) from None
     if dev_levels:
-        print_table(marks_table(score_run(run, levels=dev_levels, console=console)))
+        with ctrl_c_told("the training is finished, its scoring is not: the same command goes on with it."):
+            points = score_run(run, levels=dev_levels, console=console)
+        print_table(marks_table(points))
     print(f"policy: {run.policy}")
     return run
+
+
+def _team_size(settings: Settings) -> int:
+    scenario = load_scenario(settings.scenario, settings.parameters, warn=False)
+    return len(load_task(scenario, settings.task, team=True).agents)
 
 
 def marks_table(points: Sequence[Point]) -> Table:

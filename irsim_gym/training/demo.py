@@ -14,7 +14,7 @@ from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.record import record_film
 from irsim_gym.training.run import Run
 from irsim_gym.training.score import reached, score_run
-from irsim_gym.training.train import TrainingInterruptedError, train
+from irsim_gym.training.train import TrainingInterruptedError, ctrl_c_told, train
 
 FILMED = (0, 1, 2, 3)
 FILES = {
@@ -40,8 +40,13 @@ def run_demo(
         seed: Seed of the training.
 
     Raises:
-        TrainingInterruptedError: Ctrl-C or SIGTERM during training; the next call goes on.
+        TrainingInterruptedError: Ctrl-C, or SIGTERM during training; the next call goes on.
     """
+    with ctrl_c_told("stopped. The same command goes on from here."):
+        _stages(folder, scenario, steps, levels, seed)
+
+
+def _stages(folder: Path, scenario: str, steps: int | None, levels: int, seed: int) -> None:
     screen, run = Console(stderr=True), Run(folder / "run")
     settings = new_settings(scenario, "ppo", seed, steps, None, None)
     if run.exists():

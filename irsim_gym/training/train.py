@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import shutil
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +35,22 @@ class TrainingInterruptedError(IrsimGymError):
         signal: Number of the signal.
     """
 
-    def __init__(self, message: str, signal: int) -> None:
+    def __init__(self, message: str, number: int) -> None:
         super().__init__(message)
-        self.signal = signal
+        self.signal = number
+
+
+@contextmanager
+def ctrl_c_told(message: str) -> Iterator[None]:
+    """Turn Ctrl-C, where nothing else listens to it, into an error with this message.
+
+    Raises:
+        TrainingInterruptedError: Ctrl-C.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise TrainingInterruptedError(message, signal.SIGINT) from None
 
 
 def train(settings: Settings, folder: Path, *, resume: bool = False, console: Console | None = None) -> Run:
@@ -147,6 +163,7 @@ def _learn(run: Run, settings: Settings, model: BaseAlgorithm, progress: files.P
             watch.finish()
             model.logger.close()
         last = save()
+        watch.tell()
         if (last / files.NORMALIZATION).is_file():
             write_bytes(run.folder / files.NORMALIZATION, (last / files.NORMALIZATION).read_bytes())
         files.export_policy(run.policy, model)

@@ -80,7 +80,7 @@ class Watch(BaseCallback):
         checkpoint_every: Steps between checkpoints.
         save: Writes a checkpoint.
         stop: Whether to stop.
-        console: Where the progress bar goes; it stays quiet when that is no terminal.
+        console: Where the progress bar goes; where that is no terminal, a line for each checkpoint.
     """
 
     def __init__(
@@ -96,6 +96,7 @@ class Watch(BaseCallback):
         self.progress, self.total, self.save_checkpoint, self.stop = progress, total, save, stop
         self.checkpoint_every = checkpoint_every
         self.next_checkpoint = (progress.steps // checkpoint_every + 1) * checkpoint_every
+        self.console = console
         self.clock = Clock(progress.training_seconds, progress.cpu_seconds)
         self.bar = Progress(
             TextColumn("{task.fields[steps]} steps"),
@@ -156,6 +157,15 @@ class Watch(BaseCallback):
             success=f"{row['success']:.0%}" if "success" in row else "-",
         )
 
+    def tell(self) -> None:
+        """Write a line into a log that shows no bar: how far the run is, and how well recent episodes went."""
+        if self.console.is_terminal:
+            return
+        progress, successes = self.progress, self.model.ep_success_buffer
+        recent = f", success {sum(successes) / len(successes):.0%} of recent training episodes" if successes else ""
+        line = f"{progress.steps:,} of {self.total:,} steps after {progress.training_seconds:,.0f} s{recent}"
+        self.console.print(line, markup=False, highlight=False, soft_wrap=True)
+
     def finish(self) -> None:
         """Take the clock and the bar down; safe to call twice."""
         self.clock.stop()
@@ -164,4 +174,5 @@ class Watch(BaseCallback):
     def _save(self) -> None:
         self.clock.stop()
         self.save_checkpoint()
+        self.tell()
         self.clock.start()
