@@ -25,12 +25,14 @@ class Layer:
         data: The plain data.
         line: Returns the line of a path within ``data``.
         prefix: Path of ``data`` in the file.
+        remark: Returns what is to be said of a value after any message, e.g. the parameter that it came from.
     """
 
     title: str
     data: Mapping[str, Any]
     line: Callable[[Place], int]
     prefix: Place = ()
+    remark: Callable[[Place], str] = lambda place: ""
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,8 @@ class Merged:
         place, node = self.origins[min(problem.line, len(self.origins)) - 1]
         suffix = problem.path[len(dotted(place)) :]
         path = dotted((*node.layer.prefix, *node.place)) + suffix
-        return node.layer.title, Problem(node.layer.line(node.place), path.removeprefix("."), problem.message)
+        message = problem.message + ("" if suffix else node.layer.remark(node.place))
+        return node.layer.title, Problem(node.layer.line(node.place), path.removeprefix("."), message)
 
 
 def _elsewhere(title: str, problem: Problem) -> Problem:

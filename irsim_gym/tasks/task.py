@@ -165,7 +165,7 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, Any] | None) -> 
     if isinstance(task, str | Path):
         return _file_layers(library.find(task, "tasks"), folder)
     if task is None:
-        top = Layer(_title(scenario), scenario.task, _task_line(scenario), ("task",))
+        top = Layer(_title(scenario), scenario.task, _task_line(scenario), ("task",), _task_remark(scenario))
     else:
         source = read_mapping(task)
         _refuse_unreadable(source)
@@ -183,6 +183,10 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, Any] | None) -> 
 
 def _task_line(scenario: Scenario) -> Callable[[Place], int]:
     return lambda place: scenario.problem(("task", *place), "").line
+
+
+def _task_remark(scenario: Scenario) -> Callable[[Place], str]:
+    return lambda place: scenario.problem(("task", *place), "").message
 
 
 def _path(layer: Layer) -> str:

@@ -226,6 +226,21 @@ def test_nothing_follows_from_a_value_that_is_not_known(
     assert problems(text) == said
 
 
+@pytest.mark.parametrize("wrapper", ["", "irsim."])
+def test_a_task_tells_the_parameter_as_well(wrapper: str) -> None:
+    data = {
+        "parameters": {"n": {"default": -1, "meaning": "x"}, "term": {"default": "tme", "meaning": "x"}},
+        "robot": {"kinematics": {"name": "diff"}, "goal": [5, 5]},
+        "task": {"max_steps": "10 * $n", "rewards": [{"name": "$term"}]},
+    }
+    with pytest.raises(ScenarioError) as caught:
+        load_task(load_scenario({"irsim": data} if wrapper else data))
+    assert [f"{problem.path}: {problem.message}" for problem in caught.value.problems] == [
+        "task.max_steps: must be >= 1, got -10 (from 10 * $n)",
+        "task.rewards[0].name: no reward named 'tme' (did you mean 'time'?) (from $term)",
+    ]
+
+
 @pytest.mark.parametrize("bounds", ["min: 0.2, max: 2", "max: 2.5", "choices: [0.5, 1, 1.5]"])
 def test_a_whole_default_among_bounds_that_are_not_is_a_number(bounds: str, tmp_path: Path) -> None:
     file = tmp_path / "speed.yaml"
