@@ -103,7 +103,8 @@ def main() -> None:
         (asked.out / folder).mkdir(parents=True, exist_ok=True)
     (asked.out / "results" / f"{name}.json").write_text(json.dumps(result, indent=1) + "\n")
     title = f"{name}: {seeds[0]['settings']['algorithm'].upper()}, {len(seeds)} seeds"
-    draw(asked.out / "results" / f"{name}.png", title, seeds, "all robots arrive", 0.0)
+    worst = 100 * min(point["success"] for seed in seeds for point in seed["curve"])
+    draw(asked.out / "results" / f"{name}.png", title, seeds, "all robots arrive", max(0.0, worst // 10 * 10 - 10))
     for run in asked.runs:
         shutil.copyfile(run / "policy.zip", asked.out / "policies" / f"{name}_{run.name}.zip")
     for test in tests:
