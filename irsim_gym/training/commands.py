@@ -38,6 +38,7 @@ from irsim_gym.training.score import MARKS, Point, reached, score_run
 from irsim_gym.training.train import TrainingInterruptedError, ctrl_c_told, train
 
 Parameters = Mapping[str, Any] | None
+PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
 
 
 def new_settings(
@@ -101,12 +102,12 @@ def run_training(
     if resume and run.exists():
         settings = settings_to_resume(run, settings, steps, team)
     elif resume:
-        console.print(f"no run in {run.folder} to go on with: a new one begins", markup=False, highlight=False)
+        console.print(f"no run in {run.folder} to go on with: a new one begins", **PLAIN)
     named = with_parameters(settings.scenario, settings.parameters)
     what = f"{settings.algorithm.upper()} on {named}, seed {settings.seed}"
-    console.print(f"training {what}, in {run.folder}", markup=False, highlight=False)
+    console.print(f"training {what}, in {run.folder}", **PLAIN)
     if settings.hyperparameters.team is not None and _team_size(settings) == 1:
-        console.print("note: this team has one robot; --team is for several", markup=False, highlight=False)
+        console.print("note: this team has one robot; --team is for several", **PLAIN)
     try:
         with ctrl_c_told("stopped at once; what the newest checkpoint holds is kept"):
             train(settings, run.folder, resume=resume, console=console)

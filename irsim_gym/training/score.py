@@ -53,6 +53,9 @@ def score_run(run: Run, *, levels: int = DEV_LEVELS, console: Console | None = N
             team=is_team,
         )
         screen, optima = console or Console(stderr=True), Optima("dev")
+        if not screen.is_terminal:
+            count = f"{len(waiting)} checkpoint{'' if len(waiting) == 1 else 's'}"
+            screen.print(f"scoring {count} on {levels:,} dev levels", highlight=False)
         with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
             for path in bar.track(waiting, description="scoring checkpoints"):
                 policy, figures = load_policy(path / "policy.zip"), _team_figures if is_team else _figures

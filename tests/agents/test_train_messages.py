@@ -18,7 +18,6 @@ Train = Callable[..., tuple[int, list[str]]]
 def train(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Train:
     """Run ``irsim-gym train`` in a new folder; return its exit status and what it told."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "200")
     Path("ppo.yaml").write_text(yaml.safe_dump({"default": {**PPO, "policy_kwargs": {"net_arch": [8]}}}))
 
     def trained(scenario: str, *arguments: str) -> tuple[int, list[str]]:
@@ -51,6 +50,7 @@ def test_scoring_that_is_stopped_goes_on_with_the_same_command(train: Train, mon
         patched.setattr("irsim_gym.training.score.evaluate", stop)
         status, said = train(*command)
     assert status == 130
+    assert "scoring 3 checkpoints on 2 dev levels" in said
     assert said[-1] == "the training is finished, its scoring is not: the same command goes on with it."
     assert train(*command)[0] == 0
     assert Path("runs/empty_goal-ppo-0/curve.csv").is_file()
