@@ -9,7 +9,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints, Words
 from irsim_gym.geometry.frames import place_outline
 from irsim_gym.jit import kernel
-from irsim_gym.placements.free_space import is_goal_free, is_start_free
+from irsim_gym.placements.free_space import bundles, is_goal_free, is_start_free
 from irsim_gym.placements.manual import put_on_start, world_box
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import kind, option
@@ -74,19 +74,7 @@ class CirclePlacement:
         if not group.options[0].is_random:
             put_on_start(shard.worlds, group.members, model.start, state.pose, state.placed)
             return
-        shapes = (
-            model.present,
-            model.solid,
-            model.reach,
-            model.segment_start,
-            model.segment_count,
-            model.local_segments,
-            model.disc_start,
-            model.disc_count,
-            model.local_discs,
-        )
-        targets = (model.has_goal, model.stands, model.goal_renewal, model.waypoints, model.waypoint_count)
-        scene = (state.pose, state.segments, state.discs, state.placed, model.cells)
+        shapes, targets, scene = bundles(model, state)
         draw_shifted(
             shard.worlds, group.members, group.params, group.arrays["circle"], shapes, targets, scene, state.random,
             failed,

@@ -14,7 +14,25 @@ from irsim_gym.geometry.cells import outline_near_cells, segment_cells_distance
 from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
 from irsim_gym.jit import kernel
 from irsim_gym.paths.reachability import is_reachable
-from irsim_gym.world.model import KEEP_GOAL, WANDER
+from irsim_gym.world.model import KEEP_GOAL, WANDER, WorldModel
+from irsim_gym.world.state import WorldState
+
+
+def bundles(model: WorldModel, state: WorldState) -> tuple[Any, Any, Any]:
+    """Return ``shapes``, ``targets`` and ``scene`` of a simulation."""
+    shapes = (
+        model.present,
+        model.solid,
+        model.reach,
+        model.segment_start,
+        model.segment_count,
+        model.local_segments,
+        model.disc_start,
+        model.disc_count,
+        model.local_discs,
+    )
+    targets = (model.has_goal, model.stands, model.goal_renewal, model.waypoints, model.waypoint_count)
+    return shapes, targets, (state.pose, state.segments, state.discs, state.placed, model.cells)
 
 
 @kernel

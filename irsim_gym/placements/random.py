@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Floats, Ints, Words
 from irsim_gym.geometry.frames import place_outline
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
-from irsim_gym.placements.free_space import has_way, is_goal_free, is_spaced, is_start_free
+from irsim_gym.placements.free_space import bundles, has_way, is_goal_free, is_spaced, is_start_free
 from irsim_gym.placements.manual import world_box
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import crossed_bounds, kind, option
@@ -110,19 +110,7 @@ class RandomPlacement:
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
         """Draw starts and goals; ``failed[w]`` becomes body + 1 where a member found no place."""
-        shapes = (
-            model.present,
-            model.solid,
-            model.reach,
-            model.segment_start,
-            model.segment_count,
-            model.local_segments,
-            model.disc_start,
-            model.disc_count,
-            model.local_discs,
-        )
-        targets = (model.has_goal, model.stands, model.goal_renewal, model.waypoints, model.waypoint_count)
-        scene = (state.pose, state.segments, state.discs, state.placed, model.cells)
+        shapes, targets, scene = bundles(model, state)
         table, slot = group.arrays, shard.slot
         grids = (
             table["blocks"][slot],
