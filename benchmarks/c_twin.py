@@ -19,7 +19,7 @@ import irsim_gym as ig
 HERE = Path(__file__).parent
 SOURCE = HERE / "twin" / "s1.c"
 FOLDER = HERE.parent / "build" / "twin"
-FLAGS = ("-O3", "-march=native", "-ffast-math", "-shared", "-fPIC")
+FLAGS = ("-O3", "-march=native", "-ffast-math", "-fPIC")
 WIDE = "-mprefer-vector-width=512"
 """Where it is known and the processor has such registers, gcc's loops are faster with it."""
 
@@ -55,26 +55,35 @@ def compiler() -> str | None:
 def library() -> ctypes.CDLL:
     """Compile the twin, unless that was done before, and load it.
 
+    It is linked without ``-ffast-math``: with it, loading the library would make the whole process flush denormal
+    numbers to 0.
+
     Raises:
         RuntimeError: There is no compiler, or it fails.
     """
     command = compiler()
     if command is None:
         raise RuntimeError("no C compiler found: set CC, or install clang or gcc")
-    key = hashlib.blake2b(SOURCE.read_bytes() + command.encode(), digest_size=8).hexdigest()
+    recipe = SOURCE.read_bytes() + " ".join((command, *FLAGS, "linked apart")).encode()
+    key = hashlib.blake2b(recipe, digest_size=8).hexdigest()
     file = FOLDER / f"s1-{key}.so"
     if not file.exists():
         FOLDER.mkdir(parents=True, exist_ok=True)
-        draft = file.with_suffix(f".{os.getpid()}")
+        draft, compiled = file.with_suffix(f".{os.getpid()}"), file.with_suffix(f".{os.getpid()}.o")
         for flags in ((*FLAGS, WIDE), FLAGS):
-            arguments = [command, *flags, "-o", str(draft), str(SOURCE), "-lm"]
-            made = subprocess.run(arguments, capture_output=True, text=True, check=False)
+            made = _run(command, *flags, "-c", "-o", str(compiled), str(SOURCE))
             if made.returncode == 0:
+                made = _run(command, "-shared", "-o", str(draft), str(compiled), "-lm")
                 break
-        else:
+        if made.returncode != 0:
             raise RuntimeError(f"{command} failed: {made.stderr}")
+        compiled.unlink()
         draft.replace(file)
     return ctypes.CDLL(str(file))
+
+
+def _run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(arguments, capture_output=True, text=True, check=False)
 
 
 class Twin:

@@ -75,3 +75,8 @@ def test_ended_worlds_begin_anew_clear_of_everything() -> None:
         assert (twin.way[fresh] >= 4.0).all()
         assert (np.abs(twin.observation) <= 1.0 + 1e-6).all()
     assert begun > 10
+
+
+def test_loading_it_leaves_the_arithmetic_of_the_process_alone() -> None:
+    Twin(1)
+    assert float(np.float64(1e-310) * 0.5) > 0.0  # denormal numbers are not flushed to 0

@@ -133,8 +133,8 @@ def test_scan_subtracts_the_outline_of_a_box() -> None:
 
 
 def test_near_and_zero_must_fit() -> None:
-    assert Scan(near=0.5, zero=1.0).check() == []
-    assert Scan(near=0.5, zero=1.1).check() == [("zero", "must be <= 0.5 / near = 1, got 1.1")]
+    assert list(Scan(near=0.5, zero=1.0).problems()) == []
+    assert list(Scan(near=0.5, zero=1.1).problems()) == [("zero", "must be <= 0.5 / near = 1, got 1.1")]
 
 
 # --- goal, goal_heading, last_action, velocity
