@@ -9,6 +9,8 @@ from statistics import NormalDist
 
 OUTCOMES = ("success", "collision", "timeout", "left_world", "deadlock")
 HITS = ("obstacle", "moving obstacle", "robot")
+HIT_OF_KIND = ("", *HITS, "obstacle")
+"""The word for each ``HitKind``; a map counts as an obstacle."""
 CONFIDENCE = 0.95
 
 

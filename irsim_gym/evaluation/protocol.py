@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.metrics import HITS, EpisodeRow
+from irsim_gym.evaluation.metrics import HIT_OF_KIND, EpisodeRow
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.world.model import ROBOT
 
 Driver = Policy | Callable[[NDArray[np.float32]], Actions]
 
@@ -114,26 +113,20 @@ def _run(policy: Policy, episodes: Episodes, levels: Ints, split: str) -> Iterat
             yield episode[idle], idle
 
 
-def episode_row(episodes: Episodes, optima: Optima, world: int, level: int, agent: int = 0) -> EpisodeRow:
-    """Return the row of an agent whose episode has ended."""
+def episode_row(
+    episodes: Episodes, optima: Optima, world: int, level: int, agent: int = 0, hits: Sequence[str] = HIT_OF_KIND
+) -> EpisodeRow:
+    """Return the row of an agent whose episode has ended; ``hits`` are the words for each ``HitKind``."""
     infos = {name: values[world, agent] for name, values in episodes.view.infos.items()}
     steps = int(infos["steps"])
     outcome = Outcome(int(infos["outcome"]))
     return EpisodeRow(
         level=level,
         outcome=outcome.name.lower(),
-        hit=hit_kind(episodes, int(infos["hit"])) if outcome is Outcome.COLLISION else "",
+        hit=hits[int(infos["hit_kind"])] if outcome is Outcome.COLLISION else "",
         steps=steps,
         time=steps * float(episodes.simulation.model.step_time[0]),
         path_length=float(infos["path_length"]),
         optimum=optima.of(episodes, world, level, agent),
         min_clearance=float(infos["min_clearance"]),
     )
-
-
-def hit_kind(episodes: Episodes, body: int) -> str:
-    """Return what a body is to the robot that touched it, one of ``HITS``; a map counts as an obstacle."""
-    model = episodes.simulation.model
-    if model.role[body] == ROBOT:
-        return HITS[2]
-    return HITS[0] if model.stands[body] else HITS[1]

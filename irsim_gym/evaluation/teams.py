@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.evaluation.optimum import Optima, straight_distance
 from irsim_gym.evaluation.protocol import Driver, drive, episode_row, optima_of
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
@@ -55,21 +53,15 @@ def evaluate_team(
 
 
 def _agent_row(episodes: Episodes, optima: Optima, world: int, level: int, agent: int) -> AgentRow:
-    row = episode_row(episodes, optima, world, level, agent)
+    row = episode_row(episodes, optima, world, level, agent, HIT_NAMES)
     stood = bool(episodes.view.infos["deadlocked"][world, agent])
     return AgentRow(
         agent=episodes.agent_names[agent],
-        episode=_with_map(row, episodes, world, agent),
+        episode=row,
         straight_distance=straight_distance(episodes, world, agent),
         top_speed=top_speed(episodes, world, agent),
         deadlocked=stood and row.outcome in STANDSTILLS,
     )
-
-
-def _with_map(row: EpisodeRow, episodes: Episodes, world: int, agent: int) -> EpisodeRow:
-    """Tell the map apart from other obstacles."""
-    kind = int(episodes.view.infos["hit_kind"][world, agent])
-    return replace(row, hit=HIT_NAMES[kind]) if row.hit else row
 
 
 def top_speed(episodes: Episodes, world: int, agent: int) -> float:

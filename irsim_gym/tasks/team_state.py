@@ -7,6 +7,7 @@ import numpy as np
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.tasks.outcome import RUNNING
+from irsim_gym.tasks.scaling import unit
 
 WIDTH = 10
 """Numbers for each agent."""
@@ -67,9 +68,3 @@ def write_team_state(
                 row[4], row[5] = unit(twist[w, b, 0] / largest), unit(twist[w, b, 1] / largest)
             row[8] = np.float32(1.0) if outcome[w, a] == RUNNING else np.float32(0.0)
             row[9] = np.float32(1.0)
-
-
-@kernel
-def unit(value: float) -> np.float32:
-    """Return a number cut to [-1, 1] as float32; 0 for NaN."""
-    return np.float32(0.0) if np.isnan(value) else np.float32(min(max(value, -1.0), 1.0))

@@ -12,6 +12,7 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.cells import nearest_cell_point
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
@@ -237,9 +238,3 @@ def write_found(
 def moving(w: int, b: int, axis: int, twist: Floats, stopped: Flags) -> float:
     """Return a component of a body's velocity; 0 when it is held in place."""
     return 0.0 if stopped[w, b] else twist[w, b, axis]
-
-
-@kernel
-def unit(value: float) -> np.float32:
-    """Return a number cut to [-1, 1] as float32."""
-    return np.float32(min(max(value, -1.0), 1.0))

@@ -11,12 +11,12 @@ from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.observations.nearest_bodies import WIDTH, moving
+from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
-
-WIDTH = 6
 
 
 @kind
@@ -162,12 +162,9 @@ def describe(
         return
     cosine, sine = np.cos(pose[w, own, 2]), np.sin(pose[w, own, 2])
     dx, dy = pose[w, body, 0] - pose[w, own, 0], pose[w, body, 1] - pose[w, own, 1]
-    moves, follows = 0.0 if stopped[w, body] else 1.0, 0.0 if stopped[w, own] else 1.0
-    vx = moves * twist[w, body, 0] - follows * twist[w, own, 0]
-    vy = moves * twist[w, body, 1] - follows * twist[w, own, 1]
-    out[0] = np.float32(min(max((dx * cosine + dy * sine) / far, -1.0), 1.0))
-    out[1] = np.float32(min(max((dy * cosine - dx * sine) / far, -1.0), 1.0))
-    out[2] = np.float32(min(max((vx * cosine + vy * sine) / speed, -1.0), 1.0))
-    out[3] = np.float32(min(max((vy * cosine - vx * sine) / speed, -1.0), 1.0))
-    out[4] = np.float32(min(reach[body] / far, 1.0))
+    vx = moving(w, body, 0, twist, stopped) - moving(w, own, 0, twist, stopped)
+    vy = moving(w, body, 1, twist, stopped) - moving(w, own, 1, twist, stopped)
+    out[0], out[1] = unit((dx * cosine + dy * sine) / far), unit((dy * cosine - dx * sine) / far)
+    out[2], out[3] = unit((vx * cosine + vy * sine) / speed), unit((vy * cosine - vx * sine) / speed)
+    out[4] = unit(reach[body] / far)
     out[5] = np.float32(1.0)
