@@ -8,7 +8,9 @@ import os
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, TypeVar, overload
 
@@ -45,7 +47,55 @@ def kernel(function: Any = None, /, *, contract: bool = False) -> Any:
     fastmath = {"contract"} if contract else False
     compiled = numba.njit(nogil=True, error_model="numpy", fastmath=fastmath)(function)
     _keep_on_disk(compiled)
-    return compiled
+    return Kernel(compiled)
+
+
+class Kernel:
+    """A compiled function: called as usual, from Python or from other kernels, unless its calls are recorded.
+
+    Attributes:
+        compiled: Numba's dispatcher; its attributes, such as ``py_func``, are found here too.
+    """
+
+    def __init__(self, compiled: Any) -> None:
+        functools.update_wrapper(self, compiled.py_func)
+        self.compiled = compiled
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run the function, or note the call where ``recording`` is under way in this thread."""
+        calls = _calls.get()
+        if calls is not None:
+            calls.append((self, arguments))
+            return None
+        return self.compiled(*arguments)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What Numba takes this for, within other kernels."""
+        return self.compiled._numba_type_
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "compiled":  # while it is unpickled
+            raise AttributeError(name)
+        return getattr(self.compiled, name)
+
+    def __reduce__(self) -> str:
+        return str(self.compiled.py_func.__qualname__)
+
+
+Calls = list[tuple[Kernel, tuple[Any, ...]]]
+_calls: ContextVar[Calls | None] = ContextVar("calls", default=None)
+
+
+@contextmanager
+def recording() -> Iterator[Calls]:
+    """Note the kernels that are called from Python here, with their arguments, in place of running them."""
+    calls: Calls = []
+    token = _calls.set(calls)
+    try:
+        yield calls
+    finally:
+        _calls.reset(token)
 
 
 def _keep_on_disk(compiled: Any) -> None:
