@@ -24,6 +24,8 @@ WIDE = "-mprefer-vector-width=512"
 """Where it is known and the processor has such registers, gcc's loops are faster with it."""
 
 BLOCK = 64
+TABLES = ("disc_x", "disc_y", "disc_r", "ax", "ay", "dx", "dy", "per_square", "solid", "beams_x", "beams_y")
+STATE = ("pose", "goal", "way", "path", "min_clearance", "steps", "random")
 OUTCOMES = ("running", "success", "collision", "timeout")
 
 
@@ -32,7 +34,7 @@ class Room(ctypes.Structure):
 
     _fields_ = (
         *((name, ctypes.c_int64) for name in ("n_discs", "n_segments", "n_beams", "n_padded")),
-        *((name, ctypes.c_void_p) for name in ("discs", "segments", "solid", "beams_x", "beams_y")),
+        *((name, ctypes.c_void_p) for name in TABLES),
         *((name, ctypes.c_double) for name in ("side", "step_time", "radius", "range_max", "goal_threshold")),
         *((name, ctypes.c_double) for name in ("clearance", "least_way", "max_speed", "max_turn")),
         *((name, ctypes.c_double) for name in ("w_progress", "w_arrival", "w_collision", "w_time")),
@@ -43,7 +45,7 @@ class Room(ctypes.Structure):
 class State(ctypes.Structure):
     """Where the robots are; see twin/s1.c."""
 
-    _fields_ = tuple((name, ctypes.c_void_p) for name in ("pose", "goal", "way", "steps", "random"))
+    _fields_ = tuple((name, ctypes.c_void_p) for name in STATE)
 
 
 def compiler() -> str | None:
@@ -90,23 +92,27 @@ class Twin:
     """A batch of S1 in C.
 
     Attributes:
+        tables: What all worlds share, by names of twin/s1.c.
         observation: What the robots perceive, float32 ``(n_worlds, n_beams + 6)``.
         reward: ``(n_worlds,)``.
         ended: Index into ``OUTCOMES``, ``(n_worlds,)``.
         pose: ``(n_worlds, 3)`` [m, m, rad].
         goal: ``(n_worlds, 2)`` [m].
         way: Distance to the goal [m], ``(n_worlds,)``.
+        path: Length of the path [m], ``(n_worlds,)``.
+        min_clearance: Least clearance of the episode [m], ``(n_worlds,)``.
         steps: Steps of the episode, ``(n_worlds,)``.
     """
 
     def __init__(self, n_worlds: int) -> None:
         self.n_worlds = n_worlds
         self._library = library()
-        self._room, self._tables = _room()
-        self.pose, self.goal, self.way = np.zeros((n_worlds, 3)), np.zeros((n_worlds, 2)), np.zeros(n_worlds)
+        self._room, self.tables = _room()
+        self.pose, self.goal = np.zeros((n_worlds, 3)), np.zeros((n_worlds, 2))
+        self.way, self.path, self.min_clearance = np.zeros((3, n_worlds))
         self.steps = np.zeros(n_worlds, np.int64)
-        self._random = np.arange(n_worlds, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
-        self._state = State(*(a.ctypes.data for a in (self.pose, self.goal, self.way, self.steps, self._random)))
+        self.random = np.arange(n_worlds, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+        self._state = State(*(getattr(self, name).ctypes.data for name in STATE))
         self.observation = np.zeros((n_worlds, self._room.n_beams + 6), np.float32)
         self.reward, self.ended = np.zeros(n_worlds), np.zeros(n_worlds, np.uint8)
         self._outputs = [ctypes.c_void_p(a.ctypes.data) for a in (self.observation, self.reward, self.ended)]
@@ -124,7 +130,7 @@ class Twin:
         self._library.twin_step(*self._fixed, given, ctypes.c_int64(restarts), *self._outputs)
 
 
-def _room() -> tuple[Room, list[NDArray[Any]]]:
+def _room() -> tuple[Room, dict[str, NDArray[Any]]]:
     """Return S1's room with the outlines as our own compiler of scenarios makes them, and the arrays it points to."""
     scenario = s1()
     simulation = ig.compile(ig.load_scenario(scenario), 1)
@@ -141,13 +147,18 @@ def _room() -> tuple[Room, list[NDArray[Any]]]:
     padded = -(-sensor["number"] // BLOCK) * BLOCK
     angles = np.zeros(padded)
     angles[: sensor["number"]] = group.arrays["angles"]
-    tables = [
-        np.array(discs, np.float64),
-        np.array(segments, np.float64),
+    rounds, ends = np.array(discs, np.float64).T.copy(), np.array(segments, np.float64).T.copy()
+    extent = ends[2:] - ends[:2]
+    arrays = [
+        *rounds,
+        *ends[:2],
+        *extent,
+        1.0 / np.sum(extent * extent, axis=0),
         np.array(solid, np.uint8),
         np.cos(angles).astype(np.float32),
         np.sin(angles).astype(np.float32),
     ]
+    tables = dict(zip(TABLES, arrays, strict=True))
     side, place = scenario["world"]["width"], scenario["robot"][0]["distribution"]
     weights = {term["name"]: term["weight"] for term in TASK["rewards"]}
     room = Room(
@@ -155,7 +166,7 @@ def _room() -> tuple[Room, list[NDArray[Any]]]:
         len(segments),
         sensor["number"],
         padded,
-        *(table.ctypes.data for table in tables),
+        *(table.ctypes.data for table in tables.values()),
         side,
         scenario["world"]["step_time"],
         DIFF["shape"]["radius"],

@@ -1,7 +1,7 @@
 /* The step of S1 in C: what a compiler makes of the same work without anything around it.
 
-   One robot per world, among discs and segments that never move and that all worlds share: kinematics, collision,
-   arrival, reward, 180 beams in inverse-depth form, the observation in float32, and a new start for ended worlds.
+   One robot per world, among discs and segments that never move and that all worlds share: kinematics, collision
+   and clearance, the length of the path, arrival, reward, 180 beams in inverse-depth form, the observation in float32, and a new start for ended worlds.
    State is double, rays are float relative to the sensor. See benchmarks/c_twin.py for who calls it. */
 
 #include <math.h>
@@ -13,9 +13,10 @@
 
 typedef struct {
     int64_t n_discs, n_segments, n_beams, n_padded;
-    const double *discs;    /* (n_discs, 3): x, y, radius [m] */
-    const double *segments; /* (n_segments, 4): ax, ay, bx, by [m]; around a solid body counter-clockwise */
-    const uint8_t *solid;   /* (n_segments): belongs to a body whose inside is never seen */
+    const double *disc_x, *disc_y, *disc_r; /* (n_discs) [m] */
+    const double *ax, *ay, *dx, *dy;        /* (n_segments): begin and extent [m]; counter-clockwise around solid bodies */
+    const double *per_square;               /* (n_segments): 1 / length squared [1/m2] */
+    const uint8_t *solid;                   /* (n_segments): belongs to a body whose inside is never seen */
     const float *beams_x, *beams_y; /* (n_padded): unit directions in the robot's frame */
     double side, step_time, radius, range_max, goal_threshold, clearance, least_way, max_speed, max_turn;
     double w_progress, w_arrival, w_collision, w_time; /* rewards as paid: per metre, once, once, per step */
@@ -26,6 +27,8 @@ typedef struct {
     double *pose; /* (n, 3) [m, m, rad] */
     double *goal; /* (n, 2) [m] */
     double *way;  /* (n): distance to the goal [m] */
+    double *path; /* (n): length of the path [m] */
+    double *min_clearance; /* (n): least clearance of the episode [m] */
     int64_t *steps;
     uint64_t *random;
 } State;
@@ -37,35 +40,37 @@ static double uniform(uint64_t *random, double low, double high) {
     return low + (high - low) * ((double)((z ^ (z >> 31)) >> 11) * 0x1p-53);
 }
 
-/* Whether a disc touches anything. */
-static int touches(const Room *room, double x, double y, double radius) {
+/* Surface distance from a disc to the nearest outline [m]; not positive where they touch. A robot that drives 0.1 m a step
+   meets the boundary of a solid body before it is within. */
+static double clearance_at(const Room *room, double x, double y, double radius) {
+    const double *restrict disc_x = room->disc_x, *restrict disc_y = room->disc_y, *restrict disc_r = room->disc_r;
+    const double *restrict ax = room->ax, *restrict ay = room->ay, *restrict dx = room->dx, *restrict dy = room->dy;
+    const double *restrict per_square = room->per_square;
+    double round = 1e300, straight = 1e300;
     for (int64_t d = 0; d < room->n_discs; d++) {
-        const double *disc = room->discs + 3 * d;
-        double dx = disc[0] - x, dy = disc[1] - y, near = disc[2] + radius;
-        if (dx * dx + dy * dy <= near * near) return 1;
+        double px = disc_x[d] - x, py = disc_y[d] - y, gap = sqrt(px * px + py * py) - disc_r[d];
+        round = gap < round ? gap : round;
     }
     for (int64_t s = 0; s < room->n_segments; s++) {
-        const double *ends = room->segments + 4 * s;
-        double dx = ends[2] - ends[0], dy = ends[3] - ends[1], px = x - ends[0], py = y - ends[1];
-        double along = (px * dx + py * dy) / (dx * dx + dy * dy);
+        double px = x - ax[s], py = y - ay[s], along = (px * dx[s] + py * dy[s]) * per_square[s];
         along = along < 0.0 ? 0.0 : along > 1.0 ? 1.0 : along;
-        px -= along * dx;
-        py -= along * dy;
-        if (px * px + py * py <= radius * radius) return 1;
+        px -= along * dx[s];
+        py -= along * dy[s];
+        double square = px * px + py * py;
+        straight = square < straight ? square : straight;
     }
-    return 0;
+    straight = sqrt(straight);
+    return (round < straight ? round : straight) - radius;
 }
 
-/* Whether the robot may begin here. What is drawn may lie within a solid body; a robot that drives 0.1 m a step meets its
-   boundary first, so that elsewhere `touches` is enough. */
+/* Whether the robot may begin here. What is drawn may lie within a solid body. */
 static int is_free(const Room *room, double x, double y) {
-    double radius = room->radius + room->clearance;
     int inside = 0;
-    if (touches(room, x, y, radius)) return 0;
+    if (clearance_at(room, x, y, room->radius) < room->clearance) return 0;
     for (int64_t s = 0; s < room->n_segments; s++) {
-        const double *ends = room->segments + 4 * s;
-        if (!room->solid[s] || (ends[1] > y) == (ends[3] > y)) continue;
-        inside ^= x < ends[0] + (y - ends[1]) / (ends[3] - ends[1]) * (ends[2] - ends[0]);
+        double ay = room->ay[s], dy = room->dy[s];
+        if (!room->solid[s] || (ay > y) == (ay + dy > y)) continue;
+        inside ^= x < room->ax[s] + (y - ay) / dy * room->dx[s];
     }
     return !inside;
 }
@@ -87,6 +92,8 @@ static void begin(const Room *room, State *state, int64_t w) {
         dy = goal[1] - pose[1];
     } while (dx * dx + dy * dy < room->least_way * room->least_way);
     state->way[w] = sqrt(dx * dx + dy * dy);
+    state->path[w] = 0.0;
+    state->min_clearance[w] = clearance_at(room, pose[0], pose[1], room->radius);
     state->steps[w] = 0;
 }
 
@@ -99,8 +106,7 @@ static void scan(const Room *room, double x, double y, double cosine, double sin
     int64_t n_seen = 0, n_round = 0;
     double far = room->range_max;
     for (int64_t d = 0; d < room->n_discs; d++) {
-        const double *disc = room->discs + 3 * d;
-        double dx = disc[0] - x, dy = disc[1] - y, r = disc[2], distance2 = dx * dx + dy * dy;
+        double dx = room->disc_x[d] - x, dy = room->disc_y[d] - y, r = room->disc_r[d], distance2 = dx * dx + dy * dy;
         if (distance2 > (far + r) * (far + r)) continue;
         cx[n_round] = (float)(cosine * dx + sine * dy);
         cy[n_round] = (float)(cosine * dy - sine * dx);
@@ -108,9 +114,8 @@ static void scan(const Room *room, double x, double y, double cosine, double sin
         scale[n_round++] = (float)(1.0 / (distance2 - r * r));
     }
     for (int64_t s = 0; s < room->n_segments; s++) {
-        const double *ends = room->segments + 4 * s;
-        double x0 = ends[0] - x, y0 = ends[1] - y, x1 = ends[2] - x, y1 = ends[3] - y;
-        double cross = x0 * y1 - y0 * x1, dx = x1 - x0, dy = y1 - y0;
+        double x0 = room->ax[s] - x, y0 = room->ay[s] - y, dx = room->dx[s], dy = room->dy[s];
+        double x1 = x0 + dx, y1 = y0 + dy, cross = x0 * y1 - y0 * x1;
         if (room->solid[s] && cross >= 0.0) continue;
         if (cross * cross > far * far * (dx * dx + dy * dy)) continue;
         double a_x = cosine * x0 + sine * y0, a_y = cosine * y0 - sine * x0;
@@ -186,12 +191,17 @@ void twin_step(const Room *room, State *state, int64_t n, const float *actions, 
         ahead = ahead < -1.0 ? -1.0 : ahead > 1.0 ? 1.0 : ahead;
         left = left < -1.0 ? -1.0 : left > 1.0 ? 1.0 : left;
         double speed = 0.5 * (1.0 + ahead) * room->max_speed, turn = left * room->max_turn;
-        pose[0] += speed * cos(pose[2]) * room->step_time;
-        pose[1] += speed * sin(pose[2]) * room->step_time;
+        double ahead_x = speed * cos(pose[2]) * room->step_time, ahead_y = speed * sin(pose[2]) * room->step_time;
+        pose[0] += ahead_x;
+        pose[1] += ahead_y;
         pose[2] += turn * room->step_time;
         if (pose[2] >= M_PI) pose[2] -= 2.0 * M_PI;
         if (pose[2] < -M_PI) pose[2] += 2.0 * M_PI;
-        int hit = touches(room, pose[0], pose[1], room->radius);
+        double gap = clearance_at(room, pose[0], pose[1], room->radius);
+        int hit = gap <= 0.0;
+        gap = hit ? 0.0 : gap;
+        state->min_clearance[w] = gap < state->min_clearance[w] ? gap : state->min_clearance[w];
+        state->path[w] += sqrt(ahead_x * ahead_x + ahead_y * ahead_y);
         double dx = goal[0] - pose[0], dy = goal[1] - pose[1], way = sqrt(dx * dx + dy * dy);
         int arrived = !hit && way < room->goal_threshold;
         state->steps[w] += 1;

@@ -21,14 +21,18 @@ def test_a_step_of_the_twin_is_ours() -> None:
     worlds.begin(range(N_WORLDS), range(N_WORLDS), [{}] * N_WORLDS, lambda w: w)
     state, view = worlds.simulation.state, worlds.episodes.view
     numbers = np.random.default_rng(0)
-    apart, outcomes = [], set()
+    apart, outcomes, nearest = [], set(), np.full(N_WORLDS, np.inf)
     for _ in range(N_STEPS):
         twin.pose[:], twin.goal[:] = state.pose[:, 0], state.goal[:, 0, :2]
         twin.way[:], twin.steps[:] = np.hypot(*(twin.goal - twin.pose[:, :2]).T), view.infos["steps"][:, 0]
+        twin.path[:], twin.min_clearance[:] = (view.infos[name][:, 0] for name in ("path_length", "min_clearance"))
         actions = numbers.uniform(-1.2, 1.2, (N_WORLDS, 2)).astype(np.float32)
         worlds.step(actions[:, None])
         twin.step(actions, restarts=False)
         np.testing.assert_allclose(twin.pose, state.pose[:, 0], rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(twin.path, view.infos["path_length"][:, 0], rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(twin.min_clearance, view.infos["min_clearance"][:, 0], rtol=0.0, atol=1e-9)
+        nearest = np.minimum(nearest, twin.min_clearance)
         np.testing.assert_allclose(twin.reward, view.reward[:, 0], rtol=0.0, atol=1e-12)
         told = [Outcome[OUTCOMES[k].upper()] for k in twin.ended]
         assert told == [Outcome(k) for k in view.infos["outcome"][:, 0].tolist()]
@@ -42,6 +46,7 @@ def test_a_step_of_the_twin_is_ours() -> None:
     # A beam that grazes an edge may hit or miss either way.
     assert np.mean(beams > 1e-5) < 5e-4
     assert {Outcome.RUNNING, Outcome.COLLISION} <= outcomes
+    assert nearest.min() == 0.0
 
 
 def test_an_arrival_and_a_time_limit_are_ours_too() -> None:
@@ -61,17 +66,21 @@ def test_an_arrival_and_a_time_limit_are_ours_too() -> None:
 
 def test_ended_worlds_begin_anew_clear_of_everything() -> None:
     twin = Twin(64)
-    discs, segments = (table for table in twin._tables[:2])
+    discs = np.column_stack([twin.tables[name] for name in ("disc_x", "disc_y", "disc_r")])
+    begins, extents = (np.column_stack([twin.tables[name] for name in names]) for names in (("ax", "ay"), ("dx", "dy")))
     numbers, begun = np.random.default_rng(1), 0
     for _ in range(60):
         twin.step(numbers.uniform(-1.0, 1.0, (64, 2)).astype(np.float32))
         fresh = twin.steps == 0
         begun += int(fresh.sum())
-        for x, y in twin.pose[fresh, :2]:
-            assert (np.hypot(discs[:, 0] - x, discs[:, 1] - y) - discs[:, 2]).min() >= 0.3
-            ahead, aside = segments[:, 2:] - segments[:, :2], [x, y] - segments[:, :2]
-            share = np.clip(np.sum(ahead * aside, axis=1) / np.sum(ahead * ahead, axis=1), 0.0, 1.0)
-            assert np.linalg.norm(aside - share[:, None] * ahead, axis=1).min() >= 0.3
+        for x, y, told in np.column_stack([twin.pose[fresh, :2], twin.min_clearance[fresh]]):
+            gap = (np.hypot(discs[:, 0] - x, discs[:, 1] - y) - discs[:, 2]).min()
+            aside = [x, y] - begins
+            share = np.clip(np.sum(extents * aside, axis=1) / np.sum(extents * extents, axis=1), 0.0, 1.0)
+            gap = min(gap, np.linalg.norm(aside - share[:, None] * extents, axis=1).min())
+            assert gap >= 0.3
+            assert told == pytest.approx(gap - 0.2, abs=1e-12)
+        assert (twin.path[fresh] == 0.0).all()
         assert (twin.way[fresh] >= 4.0).all()
         assert (np.abs(twin.observation) <= 1.0 + 1e-6).all()
     assert begun > 10
