@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
-from irsim_gym.paths.reachability import is_reachable
+from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.world.group import Shard
 from irsim_gym.world.model import KEEP_GOAL, UNOBSTRUCTED, WorldModel
@@ -24,17 +24,15 @@ class Ways:
 
     Attributes:
         agents: Bodies, shape ``(n,)``.
-        frame: Origin and cell of the grid [m], shape ``(3,)``.
         blocks: Scratch, shape ``(n_slots, body)``.
-        cells: Scratch, shape ``(n_slots, rows, columns)``.
-        runs: Scratch, shape ``(n_slots, n_runs, 4)``.
+        tables: The grid and its memory, see ``paths.regions``.
+        rigid: No outline is drawn anew for each level.
     """
 
     agents: Ints
-    frame: Floats
     blocks: Flags
-    cells: Bytes
-    runs: Ints
+    tables: WayTables
+    rigid: bool
 
 
 def guard_ways(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n_slots: int) -> Ways:
@@ -56,10 +54,9 @@ def guard_ways(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n
     grid = Grid.over(model.bounds, CELL_PER_REACH * reach if guarded else max(x1 - x0, y1 - y0))
     return Ways(
         agents=np.array(guarded, np.int64),
-        frame=np.array([grid.origin_x, grid.origin_y, grid.cell]),
         blocks=np.zeros((n_slots, len(model.role)), np.bool_),
-        cells=np.stack([grid.blocked()] * n_slots),
-        runs=np.stack([grid.runs()] * n_slots),
+        tables=way_tables(grid, n_slots, len(model.role)),
+        rigid=len(model.local_segments) == 1,
     )
 
 
@@ -80,7 +77,9 @@ def check(ways: Ways, model: WorldModel, state: WorldState, shard: Shard, failed
         model.reach,
         (model.segment_start, model.segment_count, model.disc_start, model.disc_count),
         (state.pose, state.segments, state.discs),
-        (ways.frame, ways.blocks[shard.slot], ways.cells[shard.slot], ways.runs[shard.slot]),
+        ways.blocks[shard.slot],
+        of_slot(ways.tables, shard.slot),
+        ways.rigid,
         model.cells,
         failed,
     )
@@ -100,14 +99,15 @@ def check_ways(
     reach: Floats,
     tables: tuple[Ints, Ints, Ints, Ints],
     scene: tuple[Floats, Floats, Floats],
-    grid: tuple[Floats, Flags, Bytes, Ints],
+    blocks: Flags,
+    grid: WayTables,
+    rigid: bool,
     map_cells: CellMap | None,
     failed: Ints,
 ) -> None:
     """Look for a way past all bodies that stand, from the start to the first goal and from each goal to the next."""
     segment_start, segment_count, disc_start, disc_count = tables
     pose, segments, discs = scene
-    frame, blocks, cells, runs = grid
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(agents.shape[0]):
@@ -116,30 +116,21 @@ def check_ways(
                 continue
             for b in range(blocks.shape[0]):
                 blocks[b] = present[w, b] and stands[b] and not unobstructed[b]
+            outlines = (
+                segments[w],
+                segment_start,
+                segment_count[w % segment_count.shape[0]],
+                discs[w],
+                disc_start,
+                disc_count[w % disc_count.shape[0]],
+                solid,
+                blocks,
+                map_cells,
+            )
             x, y = pose[w, own, 0], pose[w, own, 1]
             for g in range(waypoint_count[w, own]):
                 goal_x, goal_y = waypoints[w, own, g, 0], waypoints[w, own, g, 1]
-                if not is_reachable(
-                    segments[w],
-                    segment_start,
-                    segment_count[w % segment_count.shape[0]],
-                    discs[w],
-                    disc_start,
-                    disc_count[w % disc_count.shape[0]],
-                    solid,
-                    blocks,
-                    map_cells,
-                    reach[w % reach.shape[0], own],
-                    x,
-                    y,
-                    goal_x,
-                    goal_y,
-                    frame[0],
-                    frame[1],
-                    frame[2],
-                    cells,
-                    runs,
-                ):
+                if not way_exists(outlines, pose[w], rigid, reach[w % reach.shape[0], own], x, y, goal_x, goal_y, grid):
                     failed[w] = own + 1
                     break
                 x, y = goal_x, goal_y

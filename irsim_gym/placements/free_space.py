@@ -2,7 +2,7 @@
 
 The kernels share bundles of arrays: ``shapes`` (present, solid, reach, and the outline tables of the model),
 ``targets`` (has_goal, stands, goal_renewal, waypoints, waypoint_count), ``scene`` (pose, segments, discs, placed, and
-the map's cells or None) and ``grids`` (blocks, and for a coarse and a fine grid: frame, cells and runs).
+the map's cells or None) and ``grids`` (blocks, and a coarse and a fine grid as ``paths.regions`` takes them).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.geometry.cells import outline_near_cells, segment_cells_distance
 from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
 from irsim_gym.jit import kernel
-from irsim_gym.paths.reachability import is_reachable
+from irsim_gym.paths.regions import way_exists
 from irsim_gym.world.model import KEEP_GOAL, WANDER, WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -186,30 +186,20 @@ def has_way(w: int, b: int, shapes: Any, targets: Any, scene: Any, grids: Any) -
 @kernel
 def has_way_on(w: int, b: int, shapes: Any, targets: Any, scene: Any, blocks: Flags, grid: Any) -> bool:
     """Return whether a grid proves that there is a way."""
-    _, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
+    _, solid, reach, segment_start, segment_count, local_segments, disc_start, disc_count, _ = shapes
     pose, segments, discs, _, cells = scene
     goal = targets[3][w, b, 0]
-    frame, blocked, runs = grid
-    return bool(
-        is_reachable(
-            segments[w],
-            segment_start,
-            segment_count[w % segment_count.shape[0]],
-            discs[w],
-            disc_start,
-            disc_count[w % disc_count.shape[0]],
-            solid,
-            blocks,
-            cells,
-            reach[w % reach.shape[0], b],
-            pose[w, b, 0],
-            pose[w, b, 1],
-            goal[0],
-            goal[1],
-            frame[0],
-            frame[1],
-            frame[2],
-            blocked,
-            runs,
-        )
+    outlines = (
+        segments[w],
+        segment_start,
+        segment_count[w % segment_count.shape[0]],
+        discs[w],
+        disc_start,
+        disc_count[w % disc_count.shape[0]],
+        solid,
+        blocks,
+        cells,
     )
+    radius, x, y = reach[w % reach.shape[0], b], pose[w, b, 0], pose[w, b, 1]
+    rigid = local_segments.shape[0] == 1
+    return bool(way_exists(outlines, pose[w], rigid, radius, x, y, goal[0], goal[1], grid))

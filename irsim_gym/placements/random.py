@@ -11,6 +11,7 @@ from irsim_gym.arraytypes import Floats, Ints, Words
 from irsim_gym.geometry.frames import place_outline
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
+from irsim_gym.paths.regions import of_slot, way_tables
 from irsim_gym.placements.free_space import bundles, has_way, is_goal_free, is_spaced, is_start_free
 from irsim_gym.placements.manual import world_box
 from irsim_gym.rng import uniform
@@ -25,6 +26,7 @@ GOAL_TRIES = 100
 PATH_TRIES = 8
 COARSE, FINE = 1.0, 0.5
 """Sides of cells, relative to the reach of the body that looks for a way."""
+WAY_TABLES = ("frame", "blocked", "runs", "labels", "known")
 
 
 @kind
@@ -102,9 +104,8 @@ class RandomPlacement:
         whole = max(area[2] - area[0], area[3] - area[1])
         for name, share in (("coarse", COARSE), ("fine", FINE)):
             grid = Grid.over(area, share * reach if options.reachable else whole)
-            group.arrays[f"{name}_frame"] = np.array([grid.origin_x, grid.origin_y, grid.cell])
-            group.arrays[f"{name}_cells"] = np.stack([grid.blocked()] * n_slots)
-            group.arrays[f"{name}_runs"] = np.stack([grid.runs()] * n_slots)
+            tables = way_tables(grid, n_slots, len(model.role))
+            group.arrays |= {f"{name}_{table}": made for table, made in zip(WAY_TABLES, tables, strict=True)}
         return None
 
     @staticmethod
@@ -112,11 +113,8 @@ class RandomPlacement:
         """Draw starts and goals; ``failed[w]`` becomes body + 1 where a member found no place."""
         shapes, targets, scene = bundles(model, state)
         table, slot = group.arrays, shard.slot
-        grids = (
-            table["blocks"][slot],
-            (table["coarse_frame"], table["coarse_cells"][slot], table["coarse_runs"][slot]),
-            (table["fine_frame"], table["fine_cells"][slot], table["fine_runs"][slot]),
-        )
+        coarse, fine = (tuple(table[f"{name}_{part}"] for part in WAY_TABLES) for name in ("coarse", "fine"))
+        grids = table["blocks"][slot], of_slot(coarse, slot), of_slot(fine, slot)
         draw_members(
             shard.worlds,
             group.members,
