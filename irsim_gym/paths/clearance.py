@@ -8,6 +8,9 @@ from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2
 from irsim_gym.jit import kernel
 
+Outlines = tuple[Floats, Ints, Ints, Floats, Ints, Ints, Flags, Flags, CellMap | None]
+"""The nine tables of one world: see the package's description."""
+
 
 @kernel
 def way_is_free(

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.paths.clearance import Outlines
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.pulling import path_length
@@ -17,7 +18,6 @@ from irsim_gym.world.state import WorldState
 FINE, COARSE = 0.05, 0.1
 
 Point = Sequence[float] | Floats
-Outlines = tuple[Floats, Ints, Ints, Floats, Ints, Ints, Flags, Flags, CellMap | None]
 
 
 def standing_bodies(model: WorldModel, world: int) -> Flags:

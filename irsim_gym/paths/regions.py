@@ -7,13 +7,15 @@ around start and goal. It is always that of ``is_reachable``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Labels
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import way_is_free
+from irsim_gym.paths.clearance import Outlines, way_is_free
 from irsim_gym.paths.grid import BLOCKED, Grid, mark_blocked
 from irsim_gym.paths.reachability import FIRST, KEY, LAST, gate, is_reachable, join_runs, root
 
@@ -39,7 +41,7 @@ def way_tables(grid: Grid, n_slots: int, n_bodies: int) -> WayTables:
     )
 
 
-def of_slot(tables: WayTables, slot: int) -> WayTables:
+def of_slot(tables: Sequence[NDArray[Any]], slot: int) -> WayTables:
     """Return one slot's share of the tables."""
     frame, blocked, runs, labels, known = tables
     return frame, blocked[slot], runs[slot], labels[slot], known[slot]
@@ -47,7 +49,7 @@ def of_slot(tables: WayTables, slot: int) -> WayTables:
 
 @kernel
 def way_exists(
-    outlines: Any,
+    outlines: Outlines,
     pose: Floats,
     rigid: bool,
     radius: float,
@@ -116,7 +118,7 @@ def recall(known: Floats, blocks: Flags, pose: Floats, radius: float) -> float:
 
 @kernel
 def label_regions(
-    outlines: Any,
+    outlines: Outlines,
     radius: float,
     origin_x: float,
     origin_y: float,
@@ -165,7 +167,7 @@ def region(labels: Labels, row: int, column: int) -> int:
 
 @kernel
 def regions_meet(
-    outlines: Any,
+    outlines: Outlines,
     radius: float,
     start_x: float,
     start_y: float,

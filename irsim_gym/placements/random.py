@@ -104,7 +104,7 @@ class RandomPlacement:
         whole = max(area[2] - area[0], area[3] - area[1])
         for name, share in (("coarse", COARSE), ("fine", FINE)):
             grid = Grid.over(area, share * reach if options.reachable else whole)
-            tables = way_tables(grid, n_slots, len(model.role))
+            tables: Any = way_tables(grid, n_slots, len(model.role))
             group.arrays |= {f"{name}_{table}": made for table, made in zip(WAY_TABLES, tables, strict=True)}
         return None
 
@@ -113,8 +113,8 @@ class RandomPlacement:
         """Draw starts and goals; ``failed[w]`` becomes body + 1 where a member found no place."""
         shapes, targets, scene = bundles(model, state)
         table, slot = group.arrays, shard.slot
-        coarse, fine = (tuple(table[f"{name}_{part}"] for part in WAY_TABLES) for name in ("coarse", "fine"))
-        grids = table["blocks"][slot], of_slot(coarse, slot), of_slot(fine, slot)
+        coarse, fine = (of_slot([table[f"{name}_{part}"] for part in WAY_TABLES], slot) for name in ("coarse", "fine"))
+        grids = table["blocks"][slot], coarse, fine
         draw_members(
             shard.worlds,
             group.members,
