@@ -3,39 +3,37 @@
     python benchmarks/peers.py [-f REGEX] [--peer REGEX] [--json FILE] [--rounds N] [--tiny]
 
 Each peer lives in a virtual environment of its own (``--cache``), because they want conflicting packages, and plays in
-a process of its own. Rounds take turns (A, B, C, A, B, C ...); a round whose loop of plain Python took much longer than
-the fastest one was disturbed and is played again.
+a process of its own, all on one core. Rounds take turns (A, B, C, A, B, C ...); a round is disturbed when the loops of
+plain Python between its parts took more or less time than is usual in that process, and is played again. Who has too
+few good rounds in the end keeps the least disturbed ones; the result says how many were played, rejected and kept so.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import re
 import subprocess
 import sys
 import tempfile
-import threading
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack, suppress
-from dataclasses import dataclass, field
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import results
 import standard_worlds as worlds
 from machine import describe
+from processes import Player, environment, started, stop, take_turns
 from rich.console import Console
 from rich.table import Table
-from timing import is_disturbed, summed_up
+from timing import summed_up
 
 HERE = Path(__file__).parent
 CACHE = HERE.parent / "build" / "peers"
 CONSTRAINTS = HERE.parent / "constraints.txt"
-PATIENCE = 900.0
-"""Seconds after which a process that does not answer is given up."""
-
 REQUIREMENTS: dict[str, tuple[str, ...]] = {
     "ours": (),
     "irsim": ("ir-sim==2.12.0",),
@@ -60,51 +58,6 @@ WORKS: dict[str, Mapping[str, Any]] = {
     "s4": {"scenario": worlds.s4()},
     **{f"orca_{n}": {"scenario": worlds.crowd(worlds.ORCA, n), "n_steps": worlds.RUN_STEPS} for n in CROWDS},
 }
-
-
-@dataclass
-class Player:
-    """A process that plays one work in one way.
-
-    Attributes:
-        name: Peer and, where there are several, the way: ``ours_core``.
-        process: The process.
-        version: Of the peer's package.
-        values: Microseconds of CPU per agent and step of the good rounds.
-        rejected: Rounds that were disturbed.
-        failure: Why it does not play; empty while it does.
-    """
-
-    name: str
-    process: subprocess.Popen[str]
-    version: str | None = None
-    values: list[float] = field(default_factory=list)
-    rejected: int = 0
-    failure: str = ""
-
-    def answer(self) -> dict[str, Any]:
-        """Return the next line that the process says; empty, with ``failure`` set, when it has died or hangs."""
-        assert self.process.stdout is not None
-        assert self.process.stderr is not None
-        watch = threading.Timer(PATIENCE, self.process.kill)
-        watch.start()
-        line = self.process.stdout.readline()
-        watch.cancel()
-        if line:
-            found: dict[str, Any] = json.loads(line)
-            return found
-        self.process.wait()
-        said = self.process.stderr.seek(0) or self.process.stderr.read()
-        self.failure = next((text for text in reversed(str(said).splitlines()) if text.strip()), "it said nothing")
-        return {}
-
-    def play(self) -> dict[str, Any]:
-        """Ask for one round and return its answer."""
-        assert self.process.stdin is not None
-        with suppress(BrokenPipeError):
-            self.process.stdin.write("\n")
-            self.process.stdin.flush()
-        return self.answer()
 
 
 def python_of(peer: str, cache: Path, pip_arguments: Sequence[str]) -> Path:
@@ -132,14 +85,9 @@ def _run(command: Sequence[str]) -> None:
 def about(peer: str) -> dict[str, Any]:
     """Return what a peer says of itself; its package need not be there."""
     command = [sys.executable, str(HERE / "peers" / f"{peer}_peer.py"), "--describe"]
-    said = subprocess.run(command, check=True, capture_output=True, text=True, env=_environment())
+    said = subprocess.run(command, check=True, capture_output=True, text=True, env=environment())
     found: dict[str, Any] = json.loads(said.stdout)
     return found
-
-
-def _environment() -> dict[str, str]:
-    paths = [str(HERE), str(HERE / "peers"), str(HERE.parent), os.environ.get("PYTHONPATH", "")]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in paths if path), "PYTHONWARNINGS": "ignore"}
 
 
 def starts_of(scenario: Mapping[str, Any]) -> list[list[float]]:
@@ -167,57 +115,14 @@ def measure(work: str, pythons: Mapping[str, Path], ways: Mapping[str, list[str]
         for peer, names in ways.items():
             for name in names:
                 said = stack.enter_context((folder / f"{peer}-{name}.txt").open("w+", encoding="utf-8"))
-                player = _started(peer, name, pythons[peer], file, said)
-                stack.callback(_stop, player.process)
-                player.version = player.answer().get("version")
+                player = started(peer, name, pythons[peer], file, said)
+                stack.callback(stop, player.process)
+                ready = player.answer()
+                player.version = ready.get("version")
+                player.poses = ready.get("poses", [])
                 players.append(player)
-        _take_turns(players, asked.rounds)
+        take_turns(players, asked.rounds)
     return players
-
-
-def _started(peer: str, name: str, python: Path, given: Path, said: Any) -> Player:
-    command = [str(python), str(HERE / "peers" / f"{peer}_peer.py"), name, str(given)]
-    process = subprocess.Popen(
-        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=said, text=True, env=_environment()
-    )
-    process.stderr = said
-    _, _, way = name.partition("@")
-    return Player(f"{peer}_{way}" if way else peer, process)
-
-
-def _take_turns(players: Sequence[Player], rounds: int) -> None:
-    """Ask for rounds in turns until each has enough good ones; a disturbed one is played again, up to a limit."""
-    least = float("inf")
-    kept: list[tuple[Player, float, float]] = []
-    for _ in range(3 * rounds):
-        for player in players:
-            if player.failure or sum(one is player and not is_disturbed(c, least) for one, _, c in kept) >= rounds:
-                continue
-            found = player.play()
-            if found:
-                least = min(least, found["calibration_s"])
-                kept.append((player, found["us"], found["calibration_s"]))
-    for player, us, calibration_s in kept:
-        if is_disturbed(calibration_s, least):
-            player.rejected += 1
-        else:
-            player.values.append(us)
-    for player in players:
-        if not player.failure and len(player.values) < rounds:
-            player.failure = f"disturbed: {len(player.values)} of {rounds} rounds were good"
-
-
-def _stop(process: subprocess.Popen[str]) -> None:
-    assert process.stdin is not None
-    with suppress(BrokenPipeError):
-        process.stdin.close()
-    try:
-        process.wait(timeout=10.0)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
-    if process.stdout is not None:
-        process.stdout.close()
 
 
 def figures_of(players: Sequence[Player]) -> tuple[dict[str, float], dict[str, float]]:
@@ -232,7 +137,18 @@ def figures_of(players: Sequence[Player]) -> tuple[dict[str, float], dict[str, f
         for name, timing in timings.items():
             if not name.startswith("ours"):
                 figures[f"{name}_times_slower"] = timing.median / timings["ours"].median
+    figures |= {f"{name}_apart_m": apart for name, apart in apart_m(players).items()}
     return figures, noise
+
+
+def apart_m(players: Sequence[Player]) -> dict[str, float]:
+    """Return how far from ours the agents of others are after a run, at most [m]; of those who tell."""
+    ours = next((player.poses for player in players if player.name == "ours"), [])
+    return {
+        player.name: max(math.dist(a, b) for a, b in zip(player.poses, ours, strict=True))
+        for player in players
+        if ours and player.poses and player.name != "ours"
+    }
 
 
 def main() -> None:
@@ -259,7 +175,7 @@ def main() -> None:
             except subprocess.CalledProcessError as error:
                 lines = str(error.stderr or error).strip().splitlines()
                 told[peer]["missing"] = f"not installed: {lines[-1] if lines else error}"
-    result: dict[str, Any] = {"machine": machine, "results": {}, "noise": {}, "peers": told, "rejected_rounds": 0}
+    result: dict[str, Any] = {"machine": machine, "results": {}, "noise": {}, "peers": told, "rounds": {}}
     for work in (name for name in WORKS if re.search(asked.filter, name)):
         ways = {peer: [way for way in told[peer]["works"] if way.partition("@")[0] == work] for peer in pythons}
         with console.status(work):
@@ -275,8 +191,8 @@ def main() -> None:
 
 def _note(work: str, players: Sequence[Player], result: dict[str, Any]) -> None:
     result["results"][work], result["noise"][work] = figures_of(players)
+    result["rounds"][work] = {player.name: player.counts() for player in players}
     for player in players:
-        result["rejected_rounds"] += player.rejected
         peer = result["peers"][player.name.split("_")[0]]
         peer["version"] = player.version or peer["version"]
         if player.failure:

@@ -29,6 +29,7 @@ class Player:
         rewind: Goes back to the start, where a run must not go on for ever.
         n_steps: Steps of such a run; 0 where it may go on for ever.
         worlds: The worlds themselves, where there is no more than them.
+        places: Returns x, y of each agent of the first world [m], where all decide for themselves.
     """
 
     step: Callable[[], Any]
@@ -36,6 +37,7 @@ class Player:
     rewind: Callable[[], Any] | None = None
     n_steps: int = 0
     worlds: Worlds | None = None
+    places: Callable[[], Any] | None = None
 
 
 def actions(*shape: int) -> NDArray[np.float32]:
@@ -98,7 +100,14 @@ def crowd(scenario: Mapping[str, Any], n_worlds: int = 1) -> Player:
     """Return worlds whose bodies all decide for themselves."""
     simulation = ig.compile(ig.load_scenario(scenario), n_worlds)
     simulation.reset(0)
-    return Player(simulation.step, n_worlds * len(simulation.parts.names), lambda: simulation.reset(0), RUN_STEPS)
+    pose = simulation.state.pose
+    return Player(
+        simulation.step,
+        n_worlds * len(simulation.parts.names),
+        lambda: simulation.reset(0),
+        RUN_STEPS,
+        places=lambda: pose[0, :, :2].tolist(),
+    )
 
 
 def twin(n_worlds: int) -> Player:

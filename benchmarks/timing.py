@@ -1,4 +1,4 @@
-"""How times are taken: CPU time, several rounds, and a loop of plain Python that says whether a round was disturbed.
+"""How times are taken: CPU time, several rounds, and loops of plain Python that say whether a round was disturbed.
 
 Standard library alone: the peers' processes use it in their own virtual environments.
 """
@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-CALIBRATION_LOOPS = 200_000
+CALIBRATION_LOOPS = 50_000
+CALIBRATION_RUNS = 4
 DISTURBED = 0.25
-"""A round counts as disturbed when its calibration loop took longer than the least one by more than this share."""
+"""A round counts as disturbed when its calibration is off by more than this share of what is usual in its process."""
 
 
 @dataclass(frozen=True)
@@ -76,14 +77,18 @@ def cost(
 
 
 def calibration() -> float:
-    """Return the CPU seconds of a fixed loop of plain Python."""
-    begin = time.process_time()
+    """Return the CPU seconds of a loop of plain Python: the least of a few, so that waking up does not count."""
+    return min(seconds(_count) for _ in range(CALIBRATION_RUNS))
+
+
+def _count() -> int:
     total = 0
     for number in range(CALIBRATION_LOOPS):
         total += number & 7
-    return time.process_time() - begin
+    return total
 
 
-def is_disturbed(taken: float, least: float) -> bool:
-    """Return whether a calibration loop says that something else slowed the round down."""
-    return taken > (1.0 + DISTURBED) * least
+def off(calibrations: Sequence[float]) -> list[float]:
+    """Return by what share the calibration of each round is off from their median: as often too slow as too fast."""
+    usual = statistics.median(calibrations) if calibrations else 1.0
+    return [max(one, usual) / min(one, usual) - 1.0 for one in calibrations]

@@ -119,7 +119,11 @@ def wrapped_in_map(given: Mapping[str, Any]) -> Play:
 def crowd(given: Mapping[str, Any]) -> Play:
     """Return robots that decide for themselves, from the start in each round."""
     env = make(given)
-    return Play(env.step, len(env.robot_list), env.reset, given["n_steps"])
+
+    def places() -> list[list[float]]:
+        return [[float(v) for v in robot.state[:2, 0]] for robot in env.robot_list]
+
+    return Play(env.step, len(env.robot_list), env.reset, given["n_steps"], places)
 
 
 def team(given: Mapping[str, Any]) -> Play:

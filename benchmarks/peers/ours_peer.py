@@ -20,7 +20,7 @@ def _built(name: str, sized: str | None, given: Mapping[str, Any]) -> Play:
     sizes = () if sized is None else (given["sizes"][sized],)
     arguments = sizes if name == "twin" else (given["scenario"], *sizes)
     found = getattr(players, name)(*arguments)
-    return Play(found.step, found.n_agents, found.rewind, found.n_steps)
+    return Play(found.step, found.n_agents, found.rewind, found.n_steps, found.places)
 
 
 TWIN = ("S1 alone, without any interface around it", "starts are drawn without asking whether there is a way")

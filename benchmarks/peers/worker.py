@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 import os
+import statistics
 import sys
 import time
 from collections.abc import Callable, Mapping
@@ -22,6 +23,9 @@ from typing import Any
 from timing import calibration
 
 MOST_STEPS = 2**20
+PARTS = 4
+"""Parts of a round; after each the processor's pace is measured."""
+
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
 
@@ -34,12 +38,14 @@ class Play:
         n_agents: Agent-steps of a call.
         rewind: Goes back to the start before each round; None where a run may go on for ever.
         n_steps: Calls from one rewinding to the next; 0 for as many as fit into the wanted time.
+        places: Returns x, y of each agent, where those of others should be the same after a run.
     """
 
     step: Callable[[], Any]
     n_agents: int
     rewind: Callable[[], Any] | None = None
     n_steps: int = 0
+    places: Callable[[], list[list[float]]] | None = None
 
 
 @dataclass(frozen=True)
@@ -93,12 +99,29 @@ def serve(peer: Peer) -> None:
     play = peer.works[name].build(given)
     play.step()  # the first may compile
     n_steps, n_runs = _sizes(play, given["round_s"])
-    answers.write(json.dumps({"version": peer.about()["version"], "n_steps": n_steps * n_runs}) + "\n")
+    ready = {"version": peer.about()["version"], "n_steps": n_steps * n_runs}
+    if play.places is not None:
+        _run(play, n_steps)
+        ready["poses"] = play.places()
+    answers.write(json.dumps(ready) + "\n")
     for _ in sys.stdin:
-        before = calibration()
-        taken = sum(_run(play, n_steps) for _ in range(n_runs))
-        figures = {"us": 1e6 * taken / (n_steps * n_runs * play.n_agents)}
-        answers.write(json.dumps({**figures, "calibration_s": max(before, calibration())}) + "\n")
+        taken, calibration_s = _round(play, n_steps, n_runs)
+        us = 1e6 * taken / (n_steps * n_runs * play.n_agents)
+        answers.write(json.dumps({"us": us, "calibration_s": calibration_s}) + "\n")
+
+
+def _round(play: Play, n_steps: int, n_runs: int) -> tuple[float, float]:
+    """Return the CPU seconds of a round, and of the loop that calibrates: it runs in between, under the same load."""
+    if play.rewind is None:
+        parts = [(n_steps * (k + 1) // PARTS - n_steps * k // PARTS, 1) for k in range(PARTS)]
+    else:
+        parts = [(n_steps, n_runs * (k + 1) // PARTS - n_runs * k // PARTS) for k in range(PARTS)]
+    taken, loops = 0.0, []
+    for steps, runs in parts:
+        if steps and runs:
+            taken += sum(_run(play, steps) for _ in range(runs))
+            loops.append(calibration())
+    return taken, statistics.median(loops)
 
 
 def _run(play: Play, n_steps: int) -> float:

@@ -18,7 +18,7 @@ from jsonschema import Draft202012Validator
 from phases import Stopwatch, places, watching
 from players import Player
 from standard_worlds import s1, s4
-from timing import Timing, is_disturbed
+from timing import Timing, off
 
 from irsim_gym.envs.worlds import Worlds
 
@@ -75,9 +75,9 @@ def test_noise_is_how_far_the_median_lies_above_the_least() -> None:
     assert timing.times(4.0) == Timing(8.0, 10.0, 3)
 
 
-def test_a_calibration_loop_tells_of_a_disturbed_round() -> None:
-    assert not is_disturbed(1.2, least=1.0)
-    assert is_disturbed(1.3, least=1.0)
+def test_a_round_is_judged_by_what_is_usual() -> None:
+    assert off([1.0, 1.5, 1.0, 0.5, 1.0]) == [0.0, 0.5, 0.0, 1.0, 0.0]
+    assert off([]) == []
 
 
 def test_an_outer_phase_counts_as_a_whole() -> None:
