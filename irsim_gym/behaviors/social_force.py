@@ -36,6 +36,7 @@ SAFETY = option(0.0, ge=0.0, unit="m", meaning="Distance added around each body.
 class SocialForce:
     """Follow the sum of a pull to the goal and pushes from bodies and walls."""
 
+    only_kernels: ClassVar[bool] = True
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 

@@ -49,6 +49,7 @@ def compile(
     agents: Sequence[int] = (),
     num_threads: int = 1,
     check_starts: bool = True,
+    fused: bool = True,
 ) -> Simulation:
     """Turn a scenario into arrays for ``n_worlds`` worlds.
 
@@ -58,6 +59,7 @@ def compile(
         agents: Bodies whose behaviour is overridden: their commands come from outside.
         num_threads: Worlds are shared out over that many threads.
         check_starts: Refuse robots whose given start lies in an obstacle.
+        fused: Replay a step as one call where that is possible; the results are the same.
 
     Raises:
         ScenarioError: A robot's given start lies in an obstacle.
@@ -93,7 +95,7 @@ def compile(
     parts = collect_parts(scenario, outlines, model, tuple(agents), shards.n_slots)
     if check_starts:
         refuse_blocked_starts(scenario, parts, model, state)
-    return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards)
+    return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards, fused)
 
 
 def _write_world(scenario: Scenario, boxes: Ints, model: WorldModel) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from irsim_gym import rng
 from irsim_gym.arraytypes import Flags, Floats, Ints, Words
 from irsim_gym.engine import buckets, contact, field_of_view, outlines, respawn, restart
+from irsim_gym.engine.fused import Fused, only_kernels
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.step import Orders, advance, refresh
@@ -32,6 +33,7 @@ class Simulation:
         parts: Groups and index lists.
         agents: Bodies that are commanded from outside, shape ``(n_agents,)``.
         shards: The division of labour.
+        fused: Steps are recorded and replayed as one call where that is possible; False for the plain path.
     """
 
     scenario: Scenario
@@ -40,6 +42,25 @@ class Simulation:
     parts: Parts
     agents: Ints
     shards: Shards
+    fused: bool = True
+
+    def __post_init__(self) -> None:
+        self._advance = self.fuse(self.advance)
+
+    def fuse(self, function: Callable[[Shard], None], kinds: Iterable[Any] = ()) -> Fused:
+        """Return a function of a shard as one compiled call, where it consists of kernels alone.
+
+        Args:
+            function: The plain path; it may advance the worlds by a step.
+            kinds: Whom it calls, beside the kinds that act in a step of the simulation.
+        """
+        parts = self.parts
+        groups = (*parts.group_behaviors, *parts.behaviors, *parts.kinematics, *parts.sensors)
+        return Fused(function, self.fused and only_kernels([*kinds, *(group.kind for group in groups)]))
+
+    def rewire(self) -> None:
+        """Take note that arrays or lists of bodies have been replaced, so that what was recorded is out of date."""
+        self._advance.forget()
 
     @property
     def n_worlds(self) -> int:
@@ -212,14 +233,14 @@ class Simulation:
                 they override what those bodies decide.
         """
         if commands is None:
-            self.run(self.advance)
+            self.run(self._advance)
             return
         given = np.asarray(commands, np.float64)
         if bodies is not None:
             self._step_with(bodies, given)
             return
         self.state.command[:, self.agents, : given.shape[-1]] = given
-        self.run(self.advance)
+        self.run(self._advance)
 
     def _step_with(self, bodies: Ints, given: Floats) -> None:
         model, state = self.model, self.state

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -22,6 +22,8 @@ LEAST_SIZE = 1e-3
 @kind
 class Circle:
     """A disc."""
+
+    only_kernels: ClassVar[bool] = True
 
     radius: float = option(0.2, gt=0.0, unit="m", meaning="Radius.")
     center: tuple[float, float] = option((0.0, 0.0), unit="m", meaning="Centre in the body frame.")

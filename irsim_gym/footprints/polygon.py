@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from irsim_gym.world.state import WorldState
 @kind
 class Polygon(VertexShape):
     """A simple polygon, convex or not."""
+
+    only_kernels: ClassVar[bool] = True
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -22,6 +22,8 @@ LEAST_SIZE = 1e-3
 @kind
 class Rectangle:
     """A rectangle about the body's origin; with a wheelbase the origin is the rear axle."""
+
+    only_kernels: ClassVar[bool] = True
 
     length: float = option(1.0, gt=0.0, unit="m", meaning="Size along the body's x axis.")
     width: float = option(1.0, gt=0.0, unit="m", meaning="Size along the body's y axis.")

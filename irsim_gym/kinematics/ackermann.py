@@ -31,6 +31,7 @@ class Ackermann:
     turn: it keeps heading and steering angle.
     """
 
+    only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("linear", "steer")
     state_size: ClassVar[int] = 4
     drive: ClassVar[int] = ACKERMANN

@@ -22,6 +22,7 @@ from irsim_gym.world.state import WorldState
 class Differential:
     """Differential drive; command: linear velocity [m/s], angular velocity [rad/s]."""
 
+    only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("linear", "angular")
     state_size: ClassVar[int] = 3
     drive: ClassVar[int] = DIFFERENTIAL

@@ -22,6 +22,7 @@ from irsim_gym.world.state import WorldState
 class Omni:
     """Moves in any direction and keeps its heading; command: two velocities [m/s]."""
 
+    only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("x", "y")
     state_size: ClassVar[int] = 3
 

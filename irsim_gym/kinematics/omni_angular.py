@@ -22,6 +22,7 @@ from irsim_gym.world.state import WorldState
 class OmniAngular:
     """Moves in any direction while turning; command: forward, left [m/s] and angular velocity [rad/s]."""
 
+    only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("forward", "left", "angular")
     state_size: ClassVar[int] = 3
     drive: ClassVar[int] = OMNI_ANGULAR

@@ -99,6 +99,7 @@ def _put(simulation: Simulation, body: int, given: Given) -> None:
     others = parts.loop_returns[parts.loop_returns != body]
     parts.loop_returns = np.append(others, body) if given.returns else others
     parts.goal_bodies = np.flatnonzero(model.has_goal)
+    simulation.rewire()
 
 
 def make_room(model: WorldModel, n_goals: int) -> None:

@@ -27,6 +27,7 @@ JITTER_CLEARANCE = 0.05
 class CirclePlacement:
     """Starts on a circle; each goal lies on the other side."""
 
+    only_kernels: ClassVar[bool] = True
     roams: ClassVar[bool] = False
     ensures_way: ClassVar[bool] = False
     gives_goal: ClassVar[bool] = True

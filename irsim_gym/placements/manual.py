@@ -18,6 +18,7 @@ from irsim_gym.world.state import WorldState
 class ManualPlacement:
     """Poses and goals as they stand in the file."""
 
+    only_kernels: ClassVar[bool] = True
     is_random: ClassVar[bool] = False
     roams: ClassVar[bool] = False
     ensures_way: ClassVar[bool] = False

@@ -33,6 +33,7 @@ WAY_TABLES = ("frame", "blocked", "runs", "labels", "known")
 class RandomPlacement:
     """Uniform draws without any overlap; a draw that fails too often is an error that names the body."""
 
+    only_kernels: ClassVar[bool] = True
     is_random: ClassVar[bool] = True
     roams: ClassVar[bool] = True
     gives_goal: ClassVar[bool] = True

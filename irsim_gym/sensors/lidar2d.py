@@ -28,6 +28,7 @@ class LidarPlot:
 class Lidar2D:
     """A scanner of ``number`` beams, evenly spread over ``angle_range``, both ends included."""
 
+    only_kernels: ClassVar[bool] = True
     reading: ClassVar[str] = "ranges"
 
     number: int = option(

@@ -78,6 +78,15 @@ def open_books(
 
 
 @kernel
+def note_ended(worlds: Ints, terminated: Flags, truncated: Flags, over: Flags) -> None:
+    """Write whose episode has ended."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(over.shape[1]):
+            over[w, a] = terminated[w, a] or truncated[w, a]
+
+
+@kernel
 def limit_clearance(worlds: Ints, minded: float, min_clearance: Floats, clearance: Floats) -> None:
     """Write up to where clearances matter [m]: to the terms that mind them, and as a new minimum."""
     for i in range(worlds.shape[0]):

@@ -7,7 +7,7 @@ body's velocity limits: -1 is ``vel_min``, +1 is ``vel_max``. A drive whose comm
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,8 @@ FRAME = option("body", meaning="Frame of an omni drive's action: its own, or tha
 @kind
 class VelocityAction:
     """Continuous: one number in [-1, 1] for each component of the command; numbers outside are cut to it."""
+
+    only_kernels: ClassVar[bool] = True
 
     frame: Literal["body", "command"] = FRAME
 
@@ -52,6 +54,8 @@ class DiscreteAction:
     odd number of values and symmetric limits the middle one is 0. A drive with three components has ``lateral`` values
     of the one in between: choice ``(i * lateral + l) * angular + j``.
     """
+
+    only_kernels: ClassVar[bool] = True
 
     linear: int = option(3, ge=1, le=1000, meaning="Number of values of the first component; 1: the greatest alone.")
     lateral: int = option(

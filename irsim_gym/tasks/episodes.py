@@ -71,6 +71,8 @@ class Episodes:
         self.state.base[:] = stream_base(simulation.scenario.name, "train")
         self.view = transition_of(self.state)
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
+        every = [self._action, *self._observations, *self._rewards, *self._endings]
+        self._play = simulation.fuse(self._step, [type(term.options) for term in every])
 
     @property
     def n_worlds(self) -> int:
@@ -146,6 +148,7 @@ class Episodes:
         self.task = replace(self.task, max_steps=checked_limit(max_steps))
         for term in [self._action, *self._observations, *self._rewards, *self._endings]:
             term.max_steps = max_steps
+        self._play.forget()
 
     def begin(self, worlds: Ints, levels: Ints, split: str = "train") -> None:
         """Begin a level in some worlds; later ones of these worlds follow from it, within the same split.
@@ -221,7 +224,7 @@ class Episodes:
             ValueError: An action has the wrong shape or type, is not finite or is no choice; nothing has moved then.
         """
         self._take(given, worlds)
-        self.simulation.run(self._step, worlds)
+        self.simulation.run(self._play, worlds)
 
     def _take(self, given: NDArray[Any], worlds: Ints | None) -> None:
         """Check the actions, and copy them."""
@@ -285,7 +288,8 @@ class Episodes:
         """Play one step in the shard's worlds. This order is the specification."""
         simulation, model, world, state = self.simulation, self.simulation.model, self.simulation.state, self.state
         if self.task.ended == "vanish":
-            simulation.vanish(shard, self._agents, state.terminated | state.truncated)
+            account.note_ended(shard.worlds, state.terminated, state.truncated, state.over)
+            simulation.vanish(shard, self._agents, state.over)
         self._act(shard)
         simulation.advance(shard)
         account.limit_clearance(shard.worlds, self._minded_clearance, state.min_clearance, state.clearance)

@@ -18,6 +18,7 @@ from irsim_gym.world.state import WorldState
 class Arrived:
     """End with success when the agent is within its goal threshold of the last goal."""
 
+    only_kernels: ClassVar[bool] = True
     outcome: ClassVar[Outcome] = Outcome.SUCCESS
     needs_goal: ClassVar[bool] = True
 

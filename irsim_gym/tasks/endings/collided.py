@@ -26,6 +26,7 @@ class Collided:
     Of several bodies that are touched in the same step the one that stands first in the file counts.
     """
 
+    only_kernels: ClassVar[bool] = True
     outcome: ClassVar[Outcome] = Outcome.COLLISION
     needs_goal: ClassVar[bool] = False
 

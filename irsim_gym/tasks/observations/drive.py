@@ -25,6 +25,7 @@ class Drive:
     One policy that is shared by robots with different drives has to know which one it moves.
     """
 
+    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

@@ -26,6 +26,7 @@ class FreeTravel:
     few directions there are: what a pooled scan cannot tell. The codes are those of ``scan``.
     """
 
+    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 

@@ -23,6 +23,7 @@ class Goal:
     The bearing comes as cosine and sine because an angle would jump where it wraps.
     """
 
+    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 

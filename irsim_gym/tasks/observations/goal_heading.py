@@ -20,6 +20,7 @@ from irsim_gym.world.state import WorldState
 class GoalHeading:
     """Cosine and sine of the turn that is left to the goal's heading; both 0 where any heading will do."""
 
+    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 

@@ -26,6 +26,7 @@ class GoalRecord:
     the goal than ever before, and never go round in circles (Lumelsky & Stepanov 1987; Kamon & Rivlin 1997).
     """
 
+    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 

@@ -20,6 +20,7 @@ from irsim_gym.world.state import WorldState
 class LastAction:
     """The latest action, scaled to [-1, 1] as continuous actions are; that of standing still at the start."""
 
+    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

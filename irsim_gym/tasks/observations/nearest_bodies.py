@@ -30,6 +30,7 @@ class NearestBodies:
     over ``range``; and 1 for "there is one". Bodies whose surface is further away than ``range`` are not seen.
     """
 
+    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

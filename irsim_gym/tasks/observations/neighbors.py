@@ -29,6 +29,7 @@ class Neighbors:
     behaviour makes no difference.
     """
 
+    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

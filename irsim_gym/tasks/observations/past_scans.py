@@ -29,6 +29,7 @@ class PastScans:
     where. As long as an episode is younger than that, its first scan is taken.
     """
 
+    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 

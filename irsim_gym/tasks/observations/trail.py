@@ -25,6 +25,7 @@ class Trail:
     memory for a policy that has none: what has been tried already can be told from what has not.
     """
 
+    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

@@ -23,6 +23,7 @@ class Velocity:
     For an ``omni`` drive it is the velocity in the body frame, over the length of the two largest limits.
     """
 
+    only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 

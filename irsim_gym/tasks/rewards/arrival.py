@@ -18,6 +18,7 @@ from irsim_gym.world.state import WorldState
 class Arrival:
     """Bonus ``+weight``, once, when the episode ends with success."""
 
+    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "bonus"
     outcome: ClassVar[Outcome] = Outcome.SUCCESS
     needs_goal: ClassVar[bool] = True

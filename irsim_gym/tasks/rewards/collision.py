@@ -23,6 +23,7 @@ from irsim_gym.world.state import WorldState
 class Collision:
     """Penalty ``-weight`` in the step in which the agent begins to touch another body, or ends by that."""
 
+    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "penalty"
     outcome: ClassVar[Outcome] = Outcome.COLLISION
     needs_goal: ClassVar[bool] = False

@@ -18,6 +18,7 @@ from irsim_gym.world.state import WorldState
 class Deadlock:
     """Penalty ``-weight``, once, when the episode ends because the agent has stood still for too long."""
 
+    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "penalty"
     outcome: ClassVar[Outcome] = Outcome.DEADLOCK
     needs_goal: ClassVar[bool] = True

@@ -26,6 +26,7 @@ class Progress:
     The way is measured to the goal that was next before the step, so that a change of goal costs nothing.
     """
 
+    only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "potential"
     outcome: ClassVar[Outcome] = Outcome.RUNNING
     needs_goal: ClassVar[bool] = True

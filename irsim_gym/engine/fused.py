@@ -1,0 +1,78 @@
+"""A step as one compiled call, chosen where all that it does is to call kernels.
+
+The plain path says what a step is, in Python: phase after phase calls its kernels. Here it is run once while
+``jit.recording`` notes these calls instead of making them; ``replay.Program`` then makes them all at once, for any
+worlds. Nothing is written twice, and the results are the same to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.jit import recording
+from irsim_gym.replay import NotRecordableError, Program, is_possible
+from irsim_gym.world.group import Shard
+
+
+def only_kernels(kinds: Iterable[Any]) -> bool:
+    """Return whether all kinds say that their methods do nothing but call kernels, with arrays that stay.
+
+    A kind says so by itself, with ``only_kernels = True`` in its own body: what is derived from it may do other things.
+    """
+    return all(vars(kind).get("only_kernels", False) for kind in kinds)
+
+
+class Fused:
+    """A function of a shard that is recorded once for each slot, and replayed.
+
+    Where it cannot be recorded it is run as it is.
+
+    Args:
+        function: What to run. While it is recorded its kernels do nothing.
+        is_fusable: False to run it as it is in any case.
+    """
+
+    def __init__(self, function: Callable[[Shard], None], is_fusable: bool = True) -> None:
+        self.function = function
+        self.is_fusable = is_fusable and is_possible()
+        self._programs: dict[int, Program | None] = {}
+
+    def __call__(self, shard: Shard) -> None:
+        """Run the function for the shard's worlds."""
+        if not self.is_fusable:
+            self.function(shard)
+            return
+        if shard.slot not in self._programs:
+            self._programs[shard.slot] = self._record(shard.slot)
+        program = self._programs[shard.slot]
+        if program is None:
+            self.function(shard)
+        else:
+            program.run(shard.worlds)
+
+    def forget(self) -> None:
+        """Record anew the next time: an array or a number has been replaced by another one."""
+        self._programs.clear()
+
+    def _record(self, slot: int) -> Program | None:
+        """Return the program for a slot; None where recording twice does not give the same one.
+
+        An array made during the recording is held by the first program, so the second one has another.
+        """
+        try:
+            first, second = (self._look(slot) for _ in range(2))
+        except NotRecordableError:
+            return None
+        return first if first.equals(second) else None
+
+    def _look(self, slot: int) -> Program:
+        worlds = np.zeros(1, np.int64)
+        with recording() as calls:
+            self.function(Shard(worlds, slot))
+        return Program(calls, worlds)
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, "_programs": {}}

@@ -1,0 +1,199 @@
+"""A list of kernel calls that runs as one call: the arguments are packed once, a compiled loop makes the calls.
+
+Calling a kernel from Python costs some 50 ns for each array among its arguments, which have to be recognised, unpacked
+and counted. Here all that is done once: every argument is taken apart into the machine words that the compiled function
+expects (Numba's calling convention), and for each order of integers and floats there is a small function, the
+*doorway*, that loads the words and makes the call. A loop over doorways is then a whole step.
+
+The kernels are the very same compiled functions, so their results are too, to the last bit.
+"""
+
+from __future__ import annotations
+
+import struct
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from llvmlite import binding, ir
+from numba import types
+from numba.extending import intrinsic
+
+from irsim_gym.arraytypes import Ints
+from irsim_gym.jit import Calls, Kernel, config, kernel
+
+BLOCK = 64
+"""Worlds that go through all calls before the next ones do: few enough to stay in the processor's cache."""
+
+WORD, FLOAT, BYTE, STATUS = ir.IntType(64), ir.DoubleType(), ir.IntType(8), ir.IntType(32)
+KINDS = {"q": WORD, "d": FLOAT, "b": BYTE, "w": WORD, "n": WORD}
+OK, OK_NONE = 0, -2
+"""What a function of Numba's returns where nothing was raised, with and without a value."""
+
+Words = list[tuple[str, int]]
+WORLDS: Words = [("q", 0), ("q", 0), ("n", 0), ("q", 8), ("w", 0), ("n", 0), ("q", 8)]
+"""The worlds to treat: address and number are filled in when the call is made."""
+
+
+class Doorway(NamedTuple):
+    """Compiled code that makes calls of one kind.
+
+    Attributes:
+        address: Where it begins.
+        engine: Who owns it.
+    """
+
+    address: int
+    engine: Any
+
+
+class NotRecordableError(Exception):
+    """A call has an argument that cannot be packed, or gives something back."""
+
+
+class Program:
+    """Calls of kernels for any selection of worlds.
+
+    Attributes:
+        calls: What is called, with the arguments; held here, because the packed words point into the arrays.
+        words: All arguments, packed.
+    """
+
+    def __init__(self, calls: Calls, worlds: Ints) -> None:
+        """Pack recorded calls.
+
+        Args:
+            calls: From ``jit.recording``.
+            worlds: The array that stands for the worlds to treat: where it was an argument, the worlds of each run
+                will be.
+
+        Raises:
+            NotRecordableError: A call cannot be packed.
+        """
+        self.calls = calls
+        rows = [_packed(called, arguments, worlds) for called, arguments in calls]
+        self.words = np.array([word for _, row in rows for word in row], np.int64)
+        starts = np.cumsum([0, *(len(row) for _, row in rows)])[:-1]
+        self._entries = np.zeros((len(rows), 2), np.int64)
+        self._entries[:, 0] = [_doorway(order).address for order, _ in rows]
+        self._entries[:, 1] = self.words.ctypes.data + self.words.itemsize * starts
+
+    def run(self, worlds: Ints) -> None:
+        """Make all calls for the given worlds, shape ``(n,)``, contiguous."""
+        failed = make_calls(self._entries, worlds, BLOCK)
+        if failed:
+            raise RuntimeError(f"{self.calls[failed - 1][0].__name__} failed; NUMBA_DISABLE_JIT=1 shows where")
+
+    def equals(self, other: Program) -> bool:
+        """Return whether both make the same calls with the same arguments, which stay where they are."""
+        return bool(
+            np.array_equal(self.words, other.words) and np.array_equal(self._entries[:, 0], other._entries[:, 0])
+        )
+
+
+def is_possible() -> bool:
+    """Return whether calls can be packed: kernels are compiled, and not to look for errors."""
+    return not config.DISABLE_JIT and not config.BOUNDSCHECK
+
+
+def _packed(called: Kernel, arguments: tuple[Any, ...], worlds: Ints) -> tuple[str, list[int]]:
+    """Return the order of a call's words, and the words, that of the function itself first."""
+    compiled = called.compiled
+    given = tuple(compiled.typeof_pyval(value) for value in arguments)
+    if given not in compiled.overloads:
+        compiled.compile(given)
+    overload = compiled.overloads[given]
+    if overload.signature.return_type != types.none:
+        raise NotRecordableError(f"{called.__name__} gives something back")
+    words: Words = []
+    for kind, value in zip(given, arguments, strict=True):
+        words += WORLDS if value is worlds else _words(kind, value)
+    address = overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name)
+    return "".join(order for order, _ in words), [address, *(word for _, word in words)]
+
+
+def _words(kind: Any, value: Any) -> Words:
+    """Return an argument as Numba passes it on: an array as owner, parent, size, item size, address, shape, strides.
+
+    Nobody owns an array here: the program holds on to it.
+    """
+    if isinstance(kind, types.Array):
+        return [("q", n) for n in (0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)]
+    if isinstance(kind, types.BaseTuple):
+        inside: Any = kind
+        return [word for inner, item in zip(inside.types, value, strict=True) for word in _words(inner, item)]
+    if isinstance(kind, types.Boolean):
+        return [("b", int(value))]
+    if kind == types.float64:
+        return [("d", struct.unpack("q", struct.pack("d", value))[0])]
+    if kind in (types.int64, types.uint64):
+        return [("q", struct.unpack("q", struct.pack("Q", int(value) % 2**64))[0])]
+    if kind == types.none:
+        return [("q", 0)]
+    raise NotRecordableError(f"an argument of type {kind}")
+
+
+@cache
+def _doorway(order: str) -> Doorway:
+    """Return the function that loads words in this order and makes the call.
+
+    Its arguments are the address of the words, that of the worlds, and their number; it returns Numba's status.
+    """
+    module = ir.Module(name="doorway")
+    module.triple = binding.get_default_triple()
+    made = ir.Function(module, ir.FunctionType(STATUS, [WORD.as_pointer(), WORD, WORD]), "doorway")
+    build = ir.IRBuilder(made.append_basic_block())
+    words, where, count = made.args
+    target = ir.FunctionType(STATUS, [WORD, WORD, *(KINDS[one] for one in order)])
+    load = [build.load(build.gep(words, [WORD(k)])) for k in range(len(order) + 1)]
+    given: list[Any] = [build.ptrtoint(build.alloca(WORD), WORD) for _ in ("value", "error")]
+    for one, word in zip(order, load[1:], strict=True):
+        if one in "wn":
+            given.append(where if one == "w" else count)
+        elif one == "d":
+            given.append(build.bitcast(word, FLOAT))
+        else:
+            given.append(word if one == "q" else build.trunc(word, BYTE))
+    build.ret(build.call(build.inttoptr(load[0], target.as_pointer()), given))
+    machine = binding.Target.from_default_triple().create_target_machine(opt=1)
+    engine = binding.create_mcjit_compiler(binding.parse_assembly(str(module)), machine)
+    engine.finalize_object()
+    return Doorway(engine.get_function_address("doorway"), engine)
+
+
+def _enter(context: Any, entry: Any, words: Any, where: Any, count: Any) -> Any:
+    """Call the doorway at the address ``entry``, all int64, within a kernel; returns Numba's status."""
+
+    def generate(context: Any, build: Any, signature: Any, arguments: Any) -> Any:
+        address, packed, *rest = arguments
+        made = ir.FunctionType(STATUS, [WORD.as_pointer(), WORD, WORD])
+        pointer = build.inttoptr(packed, WORD.as_pointer())
+        return build.call(build.inttoptr(address, made.as_pointer()), [pointer, *rest])
+
+    return types.int32(types.int64, types.int64, types.int64, types.int64), generate
+
+
+enter: Any = intrinsic(_enter)
+
+
+@kernel
+def make_calls(entries: Ints, worlds: Ints, block: int) -> int:
+    """Make all calls for one block of worlds after the other.
+
+    Args:
+        entries: Address of the doorway and of the packed arguments of each call, shape ``(n_calls, 2)``.
+        worlds: The worlds to treat, shape ``(n,)``.
+        block: Most worlds in a block.
+
+    Returns:
+        The number of the call that failed, from 1; 0 if none did.
+    """
+    total = worlds.shape[0]
+    for first in range(0, total, block):
+        where = worlds.ctypes.data + 8 * first
+        count = min(block, total - first)
+        for k in range(entries.shape[0]):
+            status = enter(entries[k, 0], entries[k, 1], where, count)
+            if status != OK and status != OK_NONE:
+                return k + 1
+    return 0

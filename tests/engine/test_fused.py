@@ -1,0 +1,228 @@
+"""A recorded step is the plain step: the same bits, or not recorded at all."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import irsim_gym as ig
+from irsim_gym import families, replay
+from irsim_gym.engine import Shard, Simulation, compile
+from irsim_gym.engine.fused import Fused, only_kernels
+from irsim_gym.envs.worlds import Worlds
+from irsim_gym.jit import kernel, recording
+from irsim_gym.kinematics.differential import Differential
+from irsim_gym.scenario import load_scenario
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.world.state import WorldState
+
+pytestmark = pytest.mark.skipif(not replay.is_possible(), reason="nothing is recorded where nothing is compiled")
+
+SCENARIOS = sorted(file.stem for file in Path("configs/scenarios").glob("*.yaml"))
+MINE = {
+    "world": {"width": 10, "height": 10},
+    "robot": [{"kinematics": {"name": "diff"}, "state": [2, 2, 0], "goal": [8, 8, 0], "behavior": {"name": "dash"}}],
+}
+
+
+def arrays(simulation: Simulation) -> dict[str, NDArray[Any]]:
+    found = {name: getattr(simulation.state, name) for name in type(simulation.state).columns()}
+    found |= {f"model {name}": getattr(simulation.model, name) for name in type(simulation.model).columns()}
+    for g, group in enumerate(simulation.parts.sensors):
+        found |= {f"sensor {g} {name}": values for name, values in group.arrays.items()}
+    return found
+
+
+def differing(one: dict[str, NDArray[Any]], other: dict[str, NDArray[Any]]) -> list[str]:
+    assert set(one) == set(other)
+    return [name for name in one if one[name].tobytes() != other[name].tobytes()]
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_every_scenario_is_recorded_and_stays_the_same(name: str) -> None:
+    scenario = load_scenario(name)
+    fused, plain = (compile(scenario, 3, fused=fused) for fused in (True, False))
+    for simulation in (fused, plain):
+        simulation.reset(5)
+        for _ in range(15):
+            simulation.step()
+    assert differing(arrays(fused), arrays(plain)) == []
+    assert fused._advance._programs[0] is not None
+    assert plain._advance._programs == {}
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_every_task_is_recorded_and_stays_the_same(name: str) -> None:
+    scenario = load_scenario(name)
+    both = [Worlds(scenario, 3, team=True, num_threads=threads) for threads in (1, 2)]
+    both[1].episodes._play.is_fusable = False
+    numbers = np.random.default_rng(0)
+    episodes = both[0].episodes
+    for worlds in both:
+        worlds.begin(range(3), [7, 8, 9], [{}] * 3, lambda w: 0)
+    for _ in range(20):
+        actions: NDArray[Any] = numbers.uniform(-1.0, 1.0, episodes._given.shape)
+        if episodes.n_discrete:
+            actions = numbers.integers(0, episodes.n_discrete, episodes._given.shape)
+        for worlds in both:
+            worlds.step(actions)
+            view = worlds.episodes.view
+            ended = np.flatnonzero((view.terminated | view.truncated).all(axis=1))
+            if len(ended):
+                worlds.begin_next(ended)
+    found = [
+        {name: getattr(worlds.episodes.state, name) for name in EpisodeState.columns()} | arrays(worlds.simulation)
+        for worlds in both
+    ]
+    scratch = {name for name, values in found[0].items() if values.shape != found[1][name].shape}
+    assert not scratch & {*EpisodeState.columns(), *WorldState.columns()}, "a row for each thread"
+    assert set(differing(*found)) <= scratch
+    assert episodes._play._programs[0] is not None
+
+
+def test_every_shipped_kind_promises_it() -> None:
+    families.load()
+    kinds = [entry.kind for family in families.every() if family is not families.MAPS for entry in family]
+    loose = {kind.__name__ for kind in kinds if not only_kernels([kind])}
+    assert loose == {"Compound"}, "whose outline is never drawn"
+
+
+def test_what_is_derived_has_to_promise_for_itself() -> None:
+    class Mine(Differential):
+        pass
+
+    class Careful(Differential):
+        only_kernels: ClassVar[bool] = True
+
+    assert [only_kernels([kind]) for kind in (Differential, Mine, Careful, int)] == [True, False, True, False]
+
+
+def test_some_worlds_alone() -> None:
+    plain, fused = (compile(load_scenario(MINE), 5, fused=fused) for fused in (False, True))
+    for simulation in (plain, fused):
+        simulation.reset(0)
+        simulation.run(simulation._advance, np.array([1, 4]))
+        simulation.run(simulation._advance, np.array([4]))
+    assert fused.state.step.tolist() == [0, 1, 0, 0, 2]
+    assert differing(arrays(plain), arrays(fused)) == []
+
+
+def test_more_worlds_than_a_block() -> None:
+    n = 2 * replay.BLOCK + 3
+    plain, fused = (compile(load_scenario("wandering_crowd"), n, fused=fused) for fused in (False, True))
+    for simulation in (plain, fused):
+        simulation.reset(0)
+        for _ in range(3):
+            simulation.step()
+    assert differing(arrays(plain), arrays(fused)) == []
+
+
+def test_a_time_limit_that_changes_is_seen() -> None:
+    env = ig.make("empty_goal")
+    env.reset(seed=0)
+    env.step(np.zeros(2, np.float32))
+    env.unwrapped.worlds.limit(2)
+    assert env.step(np.zeros(2, np.float32))[3]
+
+
+def test_goals_that_are_replaced_are_seen() -> None:
+    world = ig.load(MINE)
+    world.step()
+    world.robot.set_goal([[5, 5, 0], [1, 1, 0], [2, 2, 0]])
+    for _ in range(400):
+        world.step()
+    assert np.allclose(world.robot.state[:2], [2, 2], atol=0.3)
+
+
+def test_copies_have_programs_of_their_own() -> None:
+    first = compile(load_scenario(MINE))
+    first.reset(0)
+    first.step()
+    before = first.state.pose.copy()
+    for other in (copy.deepcopy(first), pickle.loads(pickle.dumps(first))):
+        other.step()
+        assert (first.state.pose == before).all()
+        assert (other.state.pose != before).any()
+
+
+@kernel
+def add(worlds: NDArray[np.int64], amount: float, out: NDArray[np.float64]) -> None:
+    """Add an amount in some worlds."""
+    for i in range(worlds.shape[0]):
+        out[worlds[i]] += amount
+
+
+@kernel
+def total(worlds: NDArray[np.int64], values: NDArray[np.float64]) -> float:
+    """Sum up."""
+    found = 0.0
+    for i in range(worlds.shape[0]):
+        found += values[worlds[i]]
+    return found
+
+
+@kernel
+def mix(
+    worlds: NDArray[np.int64],
+    flag: bool,
+    whole: int,
+    large: np.uint64,
+    amount: float,
+    nothing: None,
+    pair: tuple[NDArray[np.float64], float],
+    nested: tuple[tuple[int, bool], NDArray[np.uint8]],
+    records: Any,
+    grid: NDArray[np.float32],
+    out: NDArray[np.float64],
+) -> None:
+    """Write a number that every argument has a part in."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        known = 1.0 if nothing is None else 0.0
+        small = np.float64(large >> np.uint64(60)) + nested[0][0] + (0.5 if nested[0][1] else 0.0) + nested[1][w]
+        out[w] += (2.0 if flag else 0.0) + whole + amount + known + pair[0][w] * pair[1] + small
+        out[w] += records[w].share + np.float64(grid[w, 1]) + grid.shape[1]
+
+
+def test_arguments_of_every_type() -> None:
+    out, pair = np.zeros(3), np.array([1.0, 2.0, 3.0])
+    records = np.zeros(3, np.dtype((np.record, [("index", np.int64), ("share", np.float64)])))
+    records["share"] = [0.125, 0.25, 0.375]
+    grid = np.arange(12, dtype=np.float32).reshape(3, 4)[:, ::2]
+    given = (True, -7, np.uint64(2**63 + 5), 0.5, None, (pair, 3.0), ((4, True), np.arange(3, dtype=np.uint8)))
+    worlds = np.array([0, 2])
+    with recording() as calls:
+        mix(worlds, *given, records, grid, out)
+    assert not out.any()
+    replay.Program(calls, worlds).run(worlds)
+    # 2 - 7 + 0.5 + 1 + 3 x + (8 + 4 + 0.5 + w) + share + the grid's column 2 + its 2 columns
+    expected = [2 - 7 + 0.5 + 1 + 3 * (w + 1) + 12.5 + w + 0.125 * (w + 1) + 4 * w + 2 + 2 for w in range(3)]
+    assert out.tolist() == [expected[0], 0.0, expected[2]]
+
+
+def fused(function: Any) -> Fused:
+    made = Fused(function)
+    made(Shard(np.arange(2)))
+    return made
+
+
+def test_what_cannot_be_recorded_runs_as_it_is() -> None:
+    out = np.zeros(2)
+    made_anew = fused(lambda shard: (add(shard.worlds, 1.0, out), add(shard.worlds, 2.0, np.zeros(2))))
+    gives_back = fused(lambda shard: (total(shard.worlds, out), add(shard.worlds, 1.0, out)))
+    untold = fused(lambda shard: add(shard.worlds, np.float32(1.0), out))
+    assert [one._programs for one in (made_anew, gives_back, untold)] == [{0: None}] * 3
+    assert out.tolist() == [3.0, 3.0]
+
+
+def test_a_number_that_changes_shows_when_it_is_recorded() -> None:
+    out, amounts = np.zeros(2), iter([1.0, 2.0, 4.0])
+    made = fused(lambda shard: add(shard.worlds, next(amounts), out))
+    assert made._programs == {0: None}
+    assert out.tolist() == [4.0, 4.0]
