@@ -268,4 +268,4 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         return {name: self._layouts[name].fresh(rows[self._indices[name]]) for name in names}
 
     def _infos(self, names: list[str]) -> dict[str, dict[str, Any]]:
-        return {name: self.worlds.info_of(0, self._indices[name]) for name in names}
+        return {name: self.worlds.infos.of(0, self._indices[name]) for name in names}

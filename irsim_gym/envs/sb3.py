@@ -102,7 +102,8 @@ class WorldVecEnv(NativeVecEnv):
         self._reset_options()
         self._returns[:] = 0.0
         self._all_begun = True
-        self.reset_infos = self.worlds.infos_of(np.arange(self.num_envs))
+        every = np.arange(self.num_envs)
+        self.note_beginnings(every, every)
         return self.worlds.observation()
 
     def step_async(self, actions: NDArray[Any]) -> None:
@@ -138,13 +139,13 @@ class WorldVecEnv(NativeVecEnv):
         view = worlds.episodes.view
         cut = (view.truncated[ended, 0] & ~view.terminated[ended, 0]).tolist()
         elapsed = round(time.time() - self._started, 6)
-        indices = ended.tolist()
-        for w, truncated, info in zip(indices, cut, worlds.infos_of(ended), strict=True):
-            info["terminal_observation"] = worlds.observation_of(w)
+        told, returns = worlds.infos.told, self._returns[ended].tolist()
+        rows = zip(ended.tolist(), worlds.infos.rows(ended), worlds.observations_of(ended), cut, returns, strict=True)
+        for w, row, observation, truncated, total in rows:
+            info = infos[w] = told(row)
+            info["terminal_observation"] = observation
             info["TimeLimit.truncated"] = truncated
-            info["episode"] = {"r": round(self._returns.item(w), 6), "l": info["steps"], "t": elapsed}
-            infos[w] = info
+            info["episode"] = {"r": round(total, 6), "l": info["steps"], "t": elapsed}
         self._returns[ended] = 0.0
         worlds.begin_next(ended)
-        for w, info in zip(indices, worlds.infos_of(ended), strict=True):
-            self.reset_infos[w] = info
+        self.note_beginnings(ended, ended)

@@ -11,7 +11,7 @@ from gymnasium import Space
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.arraytypes import Bytes
+from irsim_gym.arraytypes import Bytes, Ints
 from irsim_gym.envs.worlds import Worlds
 
 Indices = None | int | Iterable[int]
@@ -34,6 +34,23 @@ class NativeVecEnv(VecEnv):
         self.views = views
         super().__init__(len(views), observation_space, action_space)
         self.metadata: dict[str, Any] = {**self.metadata, "render_fps": worlds.render_fps}
+
+    @property
+    def reset_infos(self) -> list[dict[str, Any]]:
+        """What each slot's latest episode began with; made when it is asked for, as hardly anybody does."""
+        for slot, row in self._begun.items():
+            self._reset_infos[slot] = self.worlds.infos.told(row)
+        self._begun.clear()
+        return self._reset_infos
+
+    @reset_infos.setter
+    def reset_infos(self, infos: list[dict[str, Any]]) -> None:
+        self._begun: dict[int, tuple[Any, ...]] = {}
+        self._reset_infos = infos
+
+    def note_beginnings(self, slots: Ints, worlds: Ints, agents: int | Ints = 0) -> None:
+        """Keep what ``reset_infos`` tells about slots whose episodes have just begun, each an agent of a world."""
+        self._begun.update(zip(slots.tolist(), self.worlds.infos.rows(worlds, agents), strict=True))
 
     def close(self) -> None:
         """Free the renderer. May be called twice."""

@@ -172,7 +172,7 @@ class TeamVecEnv(NativeVecEnv):
         self._reset_seeds()
         self._reset_options()
         self.acting = begun.live.reshape(-1)
-        self.reset_infos = self._infos_now(np.arange(self.num_envs))
+        self._note(np.arange(self.num_envs))
         return self._slots(begun.observation)
 
     def step_async(self, actions: NDArray[Any]) -> None:
@@ -206,9 +206,7 @@ class TeamVecEnv(NativeVecEnv):
         if dones.any():
             self._tell(step, np.flatnonzero(ended), infos)
             self._tell_idle(step, np.flatnonzero(began & ~acted), infos)
-            begun = np.flatnonzero(began)
-            for slot, info in zip(begun.tolist(), self._infos_now(begun), strict=True):
-                self.reset_infos[slot] = info
+            self._note(np.flatnonzero(began))
         return self._slots(step.observation), slot_rewards(step.reward.reshape(-1), acted.copy()), dones, infos
 
     def _look_at_the_buffer(self) -> None:
@@ -250,9 +248,8 @@ class TeamVecEnv(NativeVecEnv):
             infos[slot]["terminal_observation"] = self._one(step.final_observation, slot)
             infos[slot]["TimeLimit.truncated"] = False
 
-    def _infos_now(self, slots: Ints) -> list[dict[str, Any]]:
-        worlds, agents = np.divmod(slots, self.n_agents)
-        return self.worlds.infos_of(worlds, agents)
+    def _note(self, begun: Ints) -> None:
+        self.note_beginnings(begun, *np.divmod(begun, self.n_agents))
 
     def _slots(self, observation: Observation) -> Observation:
         """Return observations with one axis for all slots."""

@@ -60,7 +60,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         worlds = self.worlds
         worlds.begin([0], [seed], [options or {}], lambda _: int(self.np_random.integers(LEVELS)))
         self._going = True
-        return worlds.observation_of(0), worlds.info_of(0)
+        return worlds.observation_of(0), worlds.infos.of(0)
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Advance the world by one step.
@@ -79,7 +79,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         view = worlds.episodes.view
         terminated, truncated = view.terminated.item(0), view.truncated.item(0)
         self._going = not (terminated or truncated)
-        return worlds.observation_of(0), view.reward.item(0), terminated, truncated, worlds.info_of(0)
+        return worlds.observation_of(0), view.reward.item(0), terminated, truncated, worlds.infos.of(0)
 
     def render(self) -> Bytes | None:
         """Return a fresh picture ``(height, width, 3)``; None, with a warning, without a render mode."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -21,10 +22,12 @@ class Layout:
 
     Attributes:
         columns: Columns of each term, by name, in order.
+        picked: All these columns; None where that is every one there is.
         flat: True for one vector, False for a dict of vectors.
     """
 
     columns: dict[str, slice | Ints]
+    picked: Ints | None
     flat: bool
 
     def fresh(self, rows: Rays) -> Observation:
@@ -35,11 +38,18 @@ class Layout:
         """
         if not self.flat:
             return {name: np.array(rows[..., columns], order="C") for name, columns in self.columns.items()}
-        if any(not isinstance(columns, slice) for columns in self.columns.values()):
-            return np.ascontiguousarray(
-                rows[..., np.concatenate([np.r_[columns] for columns in self.columns.values()])]
-            )
-        return rows.copy()
+        return rows.copy() if self.picked is None else rows.take(self.picked, axis=-1)
+
+    def each(self, rows: Rays) -> Sequence[Observation]:
+        """Return each of some flat observations in the declared form.
+
+        Args:
+            rows: Flat observations that nobody else holds, shape ``(n, n_features)``; they are handed out.
+        """
+        if self.flat:
+            return list(rows if self.picked is None else rows.take(self.picked, axis=1))
+        parts = [np.ascontiguousarray(rows[:, columns]) for columns in self.columns.values()]
+        return [dict(zip(self.columns, row, strict=True)) for row in zip(*parts, strict=True)]
 
 
 def observation_layout(episodes: Episodes, agent: int | None = None) -> Layout:
@@ -50,13 +60,17 @@ def observation_layout(episodes: Episodes, agent: int | None = None) -> Layout:
         agent: Leave out the columns that mean nothing to this agent; None for those of the richest.
     """
     columns: dict[str, slice | Ints] = {}
+    picked: list[Ints] = []
     start = 0
     for name, low, _ in episodes.observation_terms:
         used = np.ones(low.size, np.bool_) if agent is None else _used(episodes, agent, start, low.size)
         if used.any():
-            columns[name] = slice(start, start + low.size) if used.all() else start + np.flatnonzero(used)
+            places = start + np.flatnonzero(used)
+            columns[name] = slice(start, start + low.size) if used.all() else places
+            picked.append(places)
         start += low.size
-    return Layout(columns, episodes.task.observation_form == "flat")
+    every = sum(map(len, picked)) == start
+    return Layout(columns, None if every else np.concatenate(picked), episodes.task.observation_form == "flat")
 
 
 def observation_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:

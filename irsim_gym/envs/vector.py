@@ -110,7 +110,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
                 self._seeds[w], self._generators[w] = seeds[w], None
         self._ended[chosen] = False
         self._all_begun = bool(self.worlds.begun.all())
-        return self.worlds.observation(), self.worlds.batched_infos(mask)
+        return self.worlds.observation(), self.worlds.infos.batched(mask)
 
     def step(self, actions: Any) -> Step:
         """Advance all worlds by one step; ended ones restart as ``autoreset_mode`` says.
@@ -156,12 +156,12 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         if ended.any():
             restarted = np.flatnonzero(ended)
             final = np.full(self.num_envs, None, object)
-            for w in restarted.tolist():
-                final[w] = worlds.observation_of(w)
-            infos = {"final_obs": final, "_final_obs": ended, "final_info": worlds.batched_infos(ended)}
+            for w, observation in zip(restarted.tolist(), worlds.observations_of(restarted), strict=True):
+                final[w] = observation
+            infos = {"final_obs": final, "_final_obs": ended, "final_info": worlds.infos.batched(ended)}
             infos["_final_info"] = ended.copy()
             worlds.begin_next(restarted)
-        infos.update(worlds.batched_infos())
+        infos.update(worlds.infos.batched())
         return worlds.observation(), rewards, terminations, truncations, infos
 
     def _results(self) -> tuple[Floats, Flags, Flags]:
@@ -173,7 +173,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         """Return fresh copies of what the last step gave, and note which worlds have ended."""
         rewards, terminations, truncations = self._results()
         np.logical_or(terminations, truncations, out=self._ended)
-        return self.worlds.observation(), rewards, terminations, truncations, self.worlds.batched_infos()
+        return self.worlds.observation(), rewards, terminations, truncations, self.worlds.infos.batched()
 
     def render(self) -> tuple[Bytes | None, ...]:  # type: ignore[override]
         """Return a fresh picture of each world; Nones, with a warning, without a render mode."""

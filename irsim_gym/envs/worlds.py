@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Ints
 from irsim_gym.engine import compile
+from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
 from irsim_gym.errors import SeveralAgentsError, UnknownNameError, suggestion
 from irsim_gym.scenario import Scenario, load_scenario
@@ -68,6 +69,7 @@ class Worlds:
             self.task = load_task(self.scenario, task, outer_limit, team=team)
         self.simulation = compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
         self.episodes = Episodes(self.simulation, self.task)
+        self.infos = Infos(self.episodes)
         if self.episodes.n_agents != 1 and not team:
             raise SeveralAgentsError(
                 f"a single-agent environment needs one learner, but task '{self.task.name}' has "
@@ -178,42 +180,13 @@ class Worlds:
         """Return a fresh copy of an agent's observation, in the space that all agents share."""
         return self.layout.fresh(self.episodes.view.observation[w, agent])
 
+    def observations_of(self, worlds: Ints, agents: int | Ints = 0) -> Sequence[Observation]:
+        """Return ``observation_of`` for several worlds, each with the same agent or one of its own."""
+        return self.layout.each(self.episodes.view.observation[worlds, agents])
+
     def info_of(self, w: int, agent: int = 0) -> dict[str, Any]:
         """Return what is known about an agent of a world, as Python numbers: a dict of its own at each call."""
-        view = self.episodes.view
-        info: dict[str, Any] = {key: values.item(w, agent) for key, values in view.infos.items()}
-        info["reward_terms"] = dict(zip(self.episodes.reward_names, view.reward_terms[w, agent].tolist(), strict=True))
-        return info
-
-    def infos_of(self, worlds: Ints, agents: int | Ints = 0) -> list[dict[str, Any]]:
-        """Return ``info_of`` for several worlds, each with the same agent or one of its own."""
-        view, names = self.episodes.view, self.episodes.reward_names
-        columns = [values[worlds, agents].tolist() for values in view.infos.values()]
-        infos = [dict(zip(view.infos, row, strict=True)) for row in zip(*columns, strict=True)]
-        for info, terms in zip(infos, view.reward_terms[worlds, agents].tolist(), strict=True):
-            info["reward_terms"] = dict(zip(names, terms, strict=True))
-        return infos
-
-    def batched_infos(self, chosen: Flags | None = None) -> dict[str, Any]:
-        """Return infos as Gymnasium's vector environments do: arrays, each with a mask ``_key`` beside it.
-
-        Args:
-            chosen: Worlds that have an info, shape ``(n_worlds,)``; the others get zeros. None for all.
-        """
-        view, names = self.episodes.view, self.episodes.reward_names
-        values = {key: _masked(array[:, 0], chosen) for key, array in view.infos.items()}
-        terms = dict(zip(names, _masked(view.reward_terms[:, 0].T, chosen), strict=True))
-        masks = iter(self._masks(len(values) + len(terms) + 1, chosen))
-        infos = with_masks(values, masks)
-        infos["reward_terms"] = with_masks(terms, masks)
-        infos["_reward_terms"] = next(masks)
-        return infos
-
-    def _masks(self, count: int, chosen: Flags | None) -> NDArray[np.bool_]:
-        masks = np.ones((count, self.n_worlds), np.bool_)
-        if chosen is not None:
-            masks &= chosen
-        return masks
+        return self.infos.of(w, agent)
 
     def frame(self, w: int) -> Bytes | None:
         """Return a fresh picture of a world, ``(height, width, 3)``; None without a render mode."""
@@ -278,19 +251,3 @@ def read_options(options: Mapping[str, Any]) -> tuple[str | None, int | None]:
 def fresh_level(w: int = 0) -> int:
     """Return a level drawn from the operating system's entropy."""
     return int(np.random.default_rng().integers(LEVELS))
-
-
-def with_masks(values: Mapping[str, Any], masks: Any) -> dict[str, Any]:
-    """Return the values, each followed by its mask under ``_key``."""
-    infos: dict[str, Any] = {}
-    for key, value in values.items():
-        infos[key] = value
-        infos[f"_{key}"] = next(masks)
-    return infos
-
-
-def _masked(array: NDArray[Any], chosen: Flags | None) -> NDArray[Any]:
-    """Return a fresh contiguous copy, with zeros where a world is not chosen."""
-    if chosen is None:
-        return np.array(array, order="C")
-    return np.where(chosen, array, array.dtype.type(0))

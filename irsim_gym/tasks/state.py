@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -13,6 +14,12 @@ from irsim_gym.world.arrays import Arrays, column
 @dataclass
 class EpisodeState(Arrays):
     """The moment of every episode, beside the moment of the world; agents are counted within a world."""
+
+    together: ClassVar[tuple[tuple[str, ...], ...]] = (
+        ("path_length", "min_clearance", "goal_distance", "stalled"),
+        ("outcome", "hit", "hit_kind", "steps", "level"),
+        ("success", "deadlocked"),
+    )
 
     base: Words = column("world", np.uint64, "", "key of the split that the world draws its levels from")
     first_level: Ints = column("world", np.int64, "", "level that the world's chain of levels began with")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -46,7 +46,13 @@ def column(axes: str, dtype: type[Any], unit: str, meaning: str) -> Any:
 
 
 class Arrays:
-    """Base of the dataclasses whose fields are declared with ``column``."""
+    """Base of the dataclasses whose fields are declared with ``column``.
+
+    Attributes:
+        together: Fields of one shape and type that are rows of one array, in this order, so that one copy takes all.
+    """
+
+    together: ClassVar[tuple[tuple[str, ...], ...]] = ()
 
     @classmethod
     def columns(cls) -> dict[str, Column]:
@@ -61,9 +67,10 @@ class Arrays:
             sizes: Length of each named axis.
             per_world: Fields with a ``world*`` axis that need a row for every world.
         """
-        return cls(
-            **{
-                name: np.zeros(declared.shape(sizes, shared=name not in per_world), declared.dtype)
-                for name, declared in cls.columns().items()
-            }
-        )
+        arrays = {
+            name: np.zeros(declared.shape(sizes, shared=name not in per_world), declared.dtype)
+            for name, declared in cls.columns().items()
+        }
+        for names in cls.together:
+            arrays |= zip(names, np.stack([arrays[name] for name in names]), strict=True)
+        return cls(**arrays)

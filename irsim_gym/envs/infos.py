@@ -1,0 +1,134 @@
+"""What is known about agents beside observation and reward: as Python numbers, or as arrays with masks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Flags, Ints
+from irsim_gym.tasks import Episodes
+
+NUMBERS = ("path_length", "min_clearance", "goal_distance", "stalled")
+COUNTS = ("outcome", "hit", "hit_kind", "steps", "level")
+FLAGS = ("is_success", "deadlocked")
+MASKED = tuple((key, f"_{key}") for key in (*NUMBERS, *COUNTS, *FLAGS))
+
+
+class Infos:
+    """The infos of the agents of some worlds; whatever is handed out is fresh.
+
+    ``EpisodeState`` lays the columns of one type next to each other, so that three copies serve eleven columns. A copy
+    of a batch (pickle, deepcopy) has them apart; there they are brought together when they are asked for.
+
+    Args:
+        episodes: The episodes that the infos are about.
+    """
+
+    def __init__(self, episodes: Episodes) -> None:
+        known = episodes.view.infos
+        self._columns = [[known[key] for key in keys] for keys in (NUMBERS, COUNTS, FLAGS)]
+        self._terms = episodes.view.reward_terms
+        self._names = episodes.reward_names
+        self._masked_names = tuple((name, f"_{name}") for name in self._names)
+        self._n_worlds, self._n_agents = episodes.n_worlds, episodes.n_agents
+        self._find_blocks()
+
+    def of(self, w: int, agent: int = 0) -> dict[str, Any]:
+        """Return what is known about an agent of a world, as Python numbers: a dict of its own at each call."""
+        views = self._views.get((w, agent))
+        if views is None:
+            views = [*(block[:, w, agent] for block in self._blocks()), self._terms[w, agent]]
+            if self._n_worlds == 1 and self._together:
+                self._views[w, agent] = views
+        numbers, counts, flags, terms = views
+        return self.told((*numbers.tolist(), *counts.tolist(), *flags.tolist(), terms.tolist()))
+
+    def rows(self, worlds: Ints, agents: int | Ints = 0) -> list[tuple[Any, ...]]:
+        """Return what ``told`` makes an info of for several worlds, each with the same agent or one of its own."""
+        places = worlds * self._n_agents + agents
+        columns: list[Any] = []
+        for block in self._blocks():
+            columns += block.reshape(len(block), -1).take(places, axis=1).tolist()
+        terms = self._terms.reshape(self._n_worlds * self._n_agents, len(self._names))
+        return list(zip(*columns, terms.take(places, axis=0).tolist(), strict=True))
+
+    def told(self, row: tuple[Any, ...]) -> dict[str, Any]:
+        """Return the info of one of ``rows``; a dict that is written out is the fastest to make."""
+        (
+            path_length, min_clearance, goal_distance, stalled,
+            outcome, hit, hit_kind, steps, level, is_success, deadlocked, terms,
+        ) = row  # fmt: skip
+        return {
+            "outcome": outcome,
+            "hit": hit,
+            "hit_kind": hit_kind,
+            "path_length": path_length,
+            "min_clearance": min_clearance,
+            "goal_distance": goal_distance,
+            "is_success": is_success,
+            "steps": steps,
+            "stalled": stalled,
+            "deadlocked": deadlocked,
+            "level": level,
+            "reward_terms": dict(zip(self._names, terms, strict=False)),
+        }
+
+    def batched(self, chosen: Flags | None = None) -> dict[str, Any]:
+        """Return the first agents' infos as Gymnasium's vector environments do: arrays, and a mask ``_key`` for each.
+
+        Args:
+            chosen: Worlds that have an info, shape ``(n_worlds,)``; the others get zeros. None for all.
+        """
+        parts = [*(block[:, :, 0] for block in self._blocks()), self._terms[:, 0].T]
+        n_masks = len(MASKED) + len(self._names) + 1
+        if chosen is None:
+            *blocks, terms = [np.array(part, order="C") for part in parts]
+            masks = np.ones((n_masks, self._n_worlds), np.bool_)
+        else:
+            *blocks, terms = [_spread(part, np.flatnonzero(chosen)) for part in parts]
+            masks = np.repeat(chosen[None], n_masks, axis=0)
+        infos: dict[str, Any] = {}
+        mask = iter(masks)
+        for (key, masked), values in zip(MASKED, (row for block in blocks for row in block), strict=True):
+            infos[key], infos[masked] = values, next(mask)
+        inner = infos["reward_terms"] = {}
+        for (name, masked), values in zip(self._masked_names, terms, strict=True):
+            inner[name], inner[masked] = values, next(mask)
+        infos["_reward_terms"] = next(mask)
+        return infos
+
+    def _blocks(self) -> list[NDArray[Any]]:
+        """Return arrays of shape ``(n_columns, n_worlds, n_agents)``: numbers, counts, flags."""
+        return self._together or [np.stack(columns) for columns in self._columns]
+
+    def _find_blocks(self) -> None:
+        found = [block for block in map(_block, self._columns) if block is not None]
+        self._together = found if len(found) == len(self._columns) else []
+        self._views: dict[tuple[int, int], list[NDArray[Any]]] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {key: value for key, value in self.__dict__.items() if key not in ("_together", "_views")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._find_blocks()
+
+
+def _block(columns: Sequence[NDArray[Any]]) -> NDArray[Any] | None:
+    """Return the array that these columns are the rows of; None where each has memory of its own."""
+    base = columns[0].base
+    if base is None or base.shape != (len(columns), *columns[0].shape):
+        return None
+    if any(one.base is not base or one.ctypes.data != row.ctypes.data for one, row in zip(columns, base, strict=True)):
+        return None
+    return base
+
+
+def _spread(part: NDArray[Any], chosen: Ints) -> NDArray[Any]:
+    """Return a fresh copy with zeros in all columns but the chosen ones."""
+    copy = np.zeros(part.shape, part.dtype)
+    copy[:, chosen] = part[:, chosen]
+    return copy
