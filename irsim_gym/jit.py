@@ -30,22 +30,26 @@ F = TypeVar("F", bound=Callable[..., Any])
 @overload
 def kernel(function: F, /) -> F: ...
 @overload
-def kernel(*, contract: bool = False) -> Callable[[F], F]: ...
-def kernel(function: Any = None, /, *, contract: bool = False) -> Any:
+def kernel(*, contract: bool = False, allocates: bool = False) -> Callable[[F], F]: ...
+def kernel(function: Any = None, /, *, contract: bool = False, allocates: bool = False) -> Any:
     """Compile a function: it releases the GIL, divides as NumPy does and is cached on disk.
 
     With ``NUMBA_DISABLE_JIT=1`` the function stays plain Python, under ``np.errstate``.
 
+    A kernel owns no arrays: it is compiled without reference counts, so that a row of an array costs nothing (with
+    them, S1's step takes half as long again), and one that allocates does not compile.
+
     Args:
         function: The function, when used without brackets.
         contract: Allow fused multiply-add; for float32 ray kernels alone.
+        allocates: It makes arrays, or sorts, and is called rarely enough not to mind what that costs.
     """
     if function is None:
-        return functools.partial(kernel, contract=contract)
+        return functools.partial(kernel, contract=contract, allocates=allocates)
     if config.DISABLE_JIT:
         return np.errstate(all="ignore")(function)
     fastmath = {"contract"} if contract else False
-    compiled = numba.njit(nogil=True, error_model="numpy", fastmath=fastmath)(function)
+    compiled = numba.njit(nogil=True, error_model="numpy", fastmath=fastmath, _nrt=allocates)(function)
     _keep_on_disk(compiled)
     return Kernel(compiled)
 

@@ -10,9 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numba.core.errors import NumbaError
 
 import irsim_gym
 from irsim_gym import jit
+from irsim_gym.arraytypes import Floats
 
 PACKAGE = Path(irsim_gym.__file__).parent
 SCRIPT = """
@@ -86,3 +88,14 @@ def test_the_first_compilation_is_announced_once(tmp_path: Path) -> None:
     assert done.stderr.count("compiling kernels") == 1
     assert "(half a minute or so, first use only)" in done.stderr
     assert "compiling" not in run(["-c", script], NUMBA_CACHE_DIR=str(tmp_path)).stderr
+
+
+@jit.kernel
+def sum_of_a_copy(values: Floats) -> float:
+    return float(values.copy().sum())
+
+
+@pytest.mark.skipif(jit.config.DISABLE_JIT, reason="nothing is compiled")
+def test_a_kernel_that_allocates_does_not_compile() -> None:
+    with pytest.raises(NumbaError, match="NRT required"):
+        sum_of_a_copy(np.ones(3))

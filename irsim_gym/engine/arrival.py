@@ -99,7 +99,8 @@ def check_arrival(
             arrived[w, b] = present[w, b] and near < goal_threshold[w % goal_threshold.shape[0], b]
             if arrived[w, b] and waypoint[w, b] + 1 < waypoint_end[w, b]:
                 waypoint[w, b] += 1
-                goal[w, b] = waypoints[w, b, waypoint[w, b]]
+                for axis in range(3):
+                    goal[w, b, axis] = waypoints[w, b, waypoint[w, b], axis]
                 arrived[w, b] = False
             goal_distance[w, b] = goal_gap(pose[w, b], goal[w, b], False)
 
@@ -141,7 +142,8 @@ def renew_goals(
             else:
                 continue
             waypoint[w, b] = 0
-            goal[w, b] = waypoints[w, b, 0]
+            for axis in range(3):
+                goal[w, b, axis] = waypoints[w, b, 0, axis]
             arrived[w, b] = False
         for k in range(loop_returns.shape[0]):
             b = loop_returns[k]

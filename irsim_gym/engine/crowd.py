@@ -12,7 +12,7 @@ from irsim_gym.jit import kernel
 ROUNDING = 1.0 + 1e-9
 
 
-@kernel
+@kernel(allocates=True)
 def find_near_contacts(
     worlds: Ints,
     bodies: Ints,

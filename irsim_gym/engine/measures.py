@@ -33,7 +33,7 @@ def measure_into(worlds: Ints, bodies: Ints, model: WorldModel, radius: Floats, 
     )
 
 
-@kernel
+@kernel(allocates=True)
 def measure_bodies(
     worlds: Ints,
     bodies: Ints,

@@ -20,7 +20,7 @@ def square_of(value: float, low: float, side: float, count: int) -> int:
     return int(min(max(place, 0.0), count - 1.0))
 
 
-@kernel
+@kernel(allocates=True)
 def find_nearby(x: float, y: float, radius: float, frame: Floats, first: Ints, following: Ints, found: Ints) -> int:
     """Write the numbers of the bodies that may lie near a point, ascending; return how many there are.
 

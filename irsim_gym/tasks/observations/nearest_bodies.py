@@ -191,7 +191,9 @@ def keep(gap: float, dx: float, dy: float, radius: float, body: int, distance: F
     if gap >= distance[k]:
         return
     while k > 0 and gap < distance[k - 1]:
-        distance[k], found[k] = distance[k - 1], found[k - 1]
+        distance[k] = distance[k - 1]
+        for column in range(found.shape[1]):
+            found[k, column] = found[k - 1, column]
         k -= 1
     distance[k] = gap
     found[k, 0], found[k, 1], found[k, 2], found[k, 3], found[k, 5] = dx, dy, radius, float(body), 1.0

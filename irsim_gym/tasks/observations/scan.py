@@ -151,10 +151,22 @@ def pool(
         w = worlds[i]
         for a in range(members.shape[0]):
             scan, own, row = ranges[w, members[a]], extent[a], out[w, a, column : column + n_sectors]
-            for s in range(n_sectors):
-                least = far[a]
-                for k in range(first[s], last[s]):
-                    depth = scan[k] - own[k]
-                    least = depth if depth < least else least
-                row[s] = least if least > np.float32(0.0) else np.float32(0.0)
+            if n_sectors == own.shape[0]:
+                write_depths(far[a], own, scan, row)
+            else:
+                for s in range(n_sectors):
+                    least = far[a]
+                    for k in range(first[s], last[s]):
+                        depth = scan[k] - own[k]
+                        least = depth if depth < least else least
+                    row[s] = least if least > np.float32(0.0) else np.float32(0.0)
             encode(row, code, near_32, zero_32, far[a])
+
+
+@kernel
+def write_depths(far: np.float32, own: Rays, scan: Rays, row: Rays) -> None:
+    """Write the depth of each beam beyond the own outline, from 0 to ``far``: what sectors of one beam show."""
+    for k in range(row.shape[0]):
+        depth = scan[k] - own[k]
+        depth = depth if depth < far else far
+        row[k] = depth if depth > np.float32(0.0) else np.float32(0.0)
