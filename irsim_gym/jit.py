@@ -49,7 +49,8 @@ def kernel(function: Any = None, /, *, contract: bool = False, allocates: bool =
     if config.DISABLE_JIT:
         return np.errstate(all="ignore")(function)
     fastmath = {"contract"} if contract else False
-    compiled = numba.njit(nogil=True, error_model="numpy", fastmath=fastmath, _nrt=allocates)(function)
+    options: Any = {"nogil": True, "error_model": "numpy", "fastmath": fastmath, "_nrt": allocates}
+    compiled = numba.njit(**options)(function)
     _keep_on_disk(compiled)
     return Kernel(compiled)
 
