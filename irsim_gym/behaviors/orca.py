@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from irsim_gym.behaviors.orca_crowd import Crowd, lay_squares, reserve
 from irsim_gym.behaviors.orca_map import SIGHT
 from irsim_gym.behaviors.orca_planning import Scratch, command_plans, plan_velocities
 from irsim_gym.behaviors.orca_walls import EDGE
@@ -45,14 +46,20 @@ class OrcaGroup:
         is_wall = ~model.movable & ~model.unobstructed
         n_sides = most_map_walls(model, SIGHT)
         most = min(group.options[0].maxNeighbors, len(group.members))
+        seen, decides = is_member & model.movable & ~model.unobstructed, np.zeros(n_bodies, np.bool_)
+        deciding = group.members[group.arrays["decides"]]
+        decides[deciding] = True
+        concerned = np.flatnonzero(seen | decides)
+        squares = lay_squares(model.bounds, len(concerned), group.options[0].neighborDist, most)
         group.arrays |= {
-            "seen": is_member & model.movable & ~model.unobstructed,
+            "concerned": concerned,
+            "squares": squares,
+            "seen": seen,
+            "plans": decides,
             "is_wall": is_wall,
             "walls": np.flatnonzero(is_wall),
-            "deciding": group.members[group.arrays["decides"]],
-            "found": np.zeros((n_slots, n_bodies), np.int64),
-            "nearest": np.zeros((n_slots, most), np.int64),
-            "nearest_gap": np.zeros((n_slots, most)),
+            "deciding": deciding,
+            "nearby": np.zeros((n_slots, n_bodies), np.int64),
             "parts": np.zeros((n_slots, n_parts), np.int64),
             "parts_gap": np.zeros((n_slots, n_parts)),
             "owners": np.zeros((n_slots, n_parts), np.int64),
@@ -62,10 +69,8 @@ class OrcaGroup:
             "edge": np.zeros((n_slots, EDGE)),
             "planes": np.zeros((n_slots, n_parts + n_sides + most, 3)),
             "spare": np.zeros((n_slots, n_parts + n_sides + most, 3)),
+            **reserve(n_slots, len(concerned), most, int(squares[3] * squares[4])),
         }
-        decides = np.zeros(n_bodies, np.bool_)
-        decides[group.arrays["deciding"]] = True
-        group.arrays["plans"] = decides
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -75,7 +80,8 @@ class OrcaGroup:
             return
         plan_velocities(
             shard.worlds,
-            arrays["deciding"],
+            arrays["concerned"],
+            arrays["squares"],
             group.params,
             model.step_time,
             model.drive,
@@ -88,6 +94,7 @@ class OrcaGroup:
             state.goal,
             state.plan,
             scene_of(model, state),
+            Crowd(*(arrays[name][slot] for name in Crowd._fields)),
             Scratch(*(arrays[name][slot] for name in Scratch._fields)),
             state.command,
         )

@@ -1,65 +1,16 @@
-"""What an ORCA body looks at: the nearest members of its group, and the walls and discs in its way."""
+"""What stands in the way of an ORCA body: walls and discs of bodies that never move."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.geometry.buckets import find_nearby, gather_nearby
+from irsim_gym.geometry.buckets import find_nearby
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
 
 FEW_WALLS = 64
 """So many bodies without motion are looked through one by one; more are looked up in the buckets."""
-
-
-@kernel
-def find_nearest(
-    b: int,
-    reach: float,
-    frame: Floats,
-    first: Ints,
-    following: Ints,
-    seen: Flags,
-    present: Flags,
-    pose: Floats,
-    found: Ints,
-    gap2: Floats,
-    nearest: Ints,
-) -> int:
-    """Write the nearest bodies that a body sees, nearest first; return how many there are.
-
-    The circle that is searched grows until it holds enough bodies: the cost depends on their number, not on ``reach``.
-
-    Args:
-        b: The body.
-        reach: Bodies whose origins are this far away or farther are not seen [m].
-        frame: ``model.bucket_frame``.
-        first: First body of each bucket, shape ``(bucket,)``.
-        following: Next body of the same bucket, shape ``(body,)``.
-        seen: Who can be seen, shape ``(body,)``.
-        present: Who exists, shape ``(body,)``.
-        pose: x, y, heading [m, m, rad], shape ``(body, 3)``.
-        found: Scratch, shape ``(body,)``.
-        gap2: Scratch, shape ``(most,)``; its length bounds how many are written.
-        nearest: Written, shape ``(most,)``.
-    """
-    most = nearest.shape[0]
-    x, y = pose[b, 0], pose[b, 1]
-    within = min(reach, frame[2] * np.sqrt(0.5 * (most + 1.0))) if frame[3] > 0.0 else reach
-    while True:
-        count = 0
-        for i in range(gather_nearby(x, y, within, frame, first, following, found)):
-            q = found[i]
-            if q == b or not seen[q] or not present[q]:
-                continue
-            dx, dy = pose[q, 0] - x, pose[q, 1] - y
-            distance2 = dx * dx + dy * dy
-            if distance2 < within * within:
-                count = put_in_order(q, distance2, nearest, gap2, count, most)
-        if count == most or within >= reach:
-            return count
-        within = min(reach, 2.0 * within)
 
 
 @kernel

@@ -7,9 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.behaviors.orca_lines import away, disc_plane
+from irsim_gym.behaviors.orca_crowd import Crowd, gather, keep_nearest, sort_members
+from irsim_gym.behaviors.orca_lines import LANES, away, disc_plane, disc_planes
 from irsim_gym.behaviors.orca_map import SIGHT, add_map
-from irsim_gym.behaviors.orca_neighbors import find_nearest, find_walls
+from irsim_gym.behaviors.orca_neighbors import find_walls
 from irsim_gym.behaviors.orca_walls import is_covered, see_edge, wall_plane
 from irsim_gym.behaviors.steering import to_command
 from irsim_gym.behaviors.surroundings import Scene, row_of
@@ -33,14 +34,16 @@ HELD = 0.1
 
 
 @kernel
-def speed_cap(drive: int, fastest: Floats, most: float) -> float:
+def speed_cap(drive: int, fastest_x: float, fastest_y: float, most: float) -> float:
     """Return the speed [m/s] that a drive can hold in every direction, no more than ``most`` (NaN: no bound)."""
-    speed = fastest[0] if drive == DIFFERENTIAL else min(fastest[0], fastest[1])
+    speed = fastest_x if drive == DIFFERENTIAL else min(fastest_x, fastest_y)
     return float(max(min(speed, most) if most == most else speed, 0.0))
 
 
 @kernel
-def preferred_velocity(drive: int, fastest: Floats, speed: float, dx: float, dy: float) -> tuple[float, float]:
+def preferred_velocity(
+    drive: int, fastest_x: float, fastest_y: float, speed: float, dx: float, dy: float
+) -> tuple[float, float]:
     """Return the velocity [m/s] towards a goal at (dx, dy) [m].
 
     As in IR-SIM, an omnidirectional body stops near its goal and leans to the axis on which it is faster; a
@@ -52,7 +55,7 @@ def preferred_velocity(drive: int, fastest: Floats, speed: float, dx: float, dy:
     distance = np.sqrt(dx * dx + dy * dy)
     if distance <= AT_GOAL:
         return 0.0, 0.0
-    vx, vy = fastest[0] * dx / distance, fastest[1] * dy / distance
+    vx, vy = fastest_x * dx / distance, fastest_y * dy / distance
     length = np.sqrt(vx * vx + vy * vy)
     if length < 1e-9:
         return 0.0, 0.0
@@ -60,18 +63,16 @@ def preferred_velocity(drive: int, fastest: Floats, speed: float, dx: float, dy:
 
 
 @kernel
-def is_held(plan: Floats, speed: float) -> bool:
-    """Return whether a body is on its way, but hardly moves."""
-    planned2 = plan[0] * plan[0] + plan[1] * plan[1]
+def is_held(vx: float, vy: float, speed: float) -> bool:
+    """Return whether a body with this plan [m/s] is on its way, but hardly moves."""
+    planned2 = vx * vx + vy * vy
     return bool(0.0 < planned2 < HELD * HELD * speed * speed)
 
 
 class Scratch(NamedTuple):
     """Memory of one shard: for a search of bodies, the sides and discs in reach, those of a map, and half-planes."""
 
-    found: Ints
-    nearest_gap: Floats
-    nearest: Ints
+    nearby: Ints
     parts_gap: Floats
     parts: Ints
     owners: Ints
@@ -86,7 +87,8 @@ class Scratch(NamedTuple):
 @kernel
 def plan_velocities(
     worlds: Ints,
-    deciding: Ints,
+    members: Ints,
+    squares: Floats,
     params: Any,
     step_time: Floats,
     drive: Ints,
@@ -99,94 +101,123 @@ def plan_velocities(
     goal: Floats,
     plan: Floats,
     scene: Scene,
+    crowd: Crowd,
     scratch: Scratch,
     command: Floats,
 ) -> None:
-    """Write the velocities that the members choose, in the world frame, to the first two components of ``command``."""
-    options, planes = params[0], scratch.planes
+    """Write the velocities that the members choose, in the world frame, to the first two components of ``command``.
+
+    The circle in which a member looks for others grows until it holds enough of them.
+    """
+    options, dt, most = params[0], step_time[0], crowd.nearest.shape[0]
+    columns, rows, first_ring, reach = int(squares[3]), int(squares[4]), squares[5], options.neighborDist
+    places, moves, body, _, starts, found, gap2, nearest, nearest_gap, lanes = crowd
+    planes, spare, has_obstacles = scratch.planes, scratch.spare, walls.shape[0] > 0 or scene.map_frame[4] >= 0.0
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        radii, pose = scene.radius[row_of(scene.radius, w)], scene.pose[w]
-        for k in range(deciding.shape[0]):
-            b = deciding[k]
-            if not scene.present[w, b]:
-                continue
-            fastest = velocity_max[row_of(velocity_max, w), b]
-            speed, own = speed_cap(drive[b], fastest, options.maxSpeed), radii[b] + options.safe_radius
-            within, n_hard = options.timeHorizonObst * speed + own, 0
-            if walls.shape[0] > 0:
-                n_hard = add_walls(
-                    w, walls, is_wall, within, own, options.timeHorizonObst, pose[b], plan[w, b], scene, scratch
-                )
-            if scene.map_frame[4] >= 0.0:
-                n_hard = add_map(
-                    own, options.timeHorizonObst, min(within, SIGHT), pose[b], plan[w, b],
-                    scene.map_frame, scene.map_squares,
-                    scratch.sides, scratch.sides_gap, scratch.sides_order, scratch.edge, planes, n_hard,
+        radii, pose, planned = scene.radius[row_of(scene.radius, w)], scene.pose[w], plan[w]
+        limits = velocity_max[row_of(velocity_max, w)]
+        sort_members(members, squares, seen, plans, scene.present[w], radii, pose, planned, scene.twist[w], crowd)
+        for place in range(columns * rows):
+            row = place // columns
+            for m in range(starts[place], starts[place + 1]):
+                b = body[m]
+                if not plans[b]:
+                    continue
+                x, y, ring = pose[b, 0], pose[b, 1], 1
+                while True:
+                    within = reach if ring >= max(columns, rows) else min(reach, ring * first_ring)
+                    n_found = gather(
+                        m, x, y, within, ring, place - row * columns, row, columns, rows, starts, places, gap2, found
+                    )
+                    if n_found >= most or within >= reach:
+                        break
+                    ring *= 2
+                n_near = keep_nearest(n_found, gap2, found, body, nearest_gap, nearest)
+                own = radii[b] + options.safe_radius
+                speed, n_hard = speed_cap(drive[b], limits[b, 0], limits[b, 1], options.maxSpeed), 0
+                if has_obstacles:
+                    n_hard = add_obstacles(w, walls, is_wall, own, speed, options, pose[b], planned[b], scene, scratch)
+                add_members(
+                    m, n_near, n_hard, own, options.safe_radius, x, y, planned[b, 0], planned[b, 1], dt,
+                    options.timeHorizon, body, places, moves, nearest, lanes, planes,
                 )  # fmt: skip
-            n_near = add_members(
-                b, own, options, step_time[0], scene.bucket_frame, scene.bucket_first[w], scene.bucket_next[w],
-                seen, plans, scene.present[w], radii, pose, plan[w], scene.twist[w],
-                scratch.found, scratch.nearest_gap, scratch.nearest, planes[n_hard:],
-            )  # fmt: skip
-            wanted_x, wanted_y = 0.0, 0.0
-            if has_goal[b]:
-                wanted_x, wanted_y = preferred_velocity(
-                    drive[b], fastest, speed, goal[w, b, 0] - pose[b, 0], goal[w, b, 1] - pose[b, 1]
+                wanted_x, wanted_y = 0.0, 0.0
+                if has_goal[b]:
+                    wanted_x, wanted_y = preferred_velocity(
+                        drive[b], limits[b, 0], limits[b, 1], speed, goal[w, b, 0] - x, goal[w, b, 1] - y
+                    )
+                if options.sidestep and is_held(planned[b, 0], planned[b, 1], speed):
+                    wanted_x, wanted_y = wanted_y, -wanted_x
+                command[w, b, 0], command[w, b, 1] = choose(
+                    planes, n_hard, n_hard + n_near, speed, wanted_x, wanted_y, spare
                 )
-            if options.sidestep and is_held(plan[w, b], speed):
-                wanted_x, wanted_y = wanted_y, -wanted_x
-            command[w, b, 0], command[w, b, 1] = choose(
-                planes, n_hard, n_hard + n_near, speed, wanted_x, wanted_y, scratch.spare
-            )
 
 
 @kernel
 def add_members(
-    b: int,
+    m: int,
+    n_near: int,
+    n_hard: int,
     own: float,
-    options: Any,
+    safe: float,
+    x: float,
+    y: float,
+    vx: float,
+    vy: float,
     step_time: float,
-    frame: Floats,
-    bucket_first: Ints,
-    bucket_next: Ints,
-    seen: Flags,
-    plans: Flags,
-    present: Flags,
-    radii: Floats,
-    pose: Floats,
-    plan: Floats,
-    twist: Floats,
-    found: Ints,
-    gap2: Floats,
+    horizon: float,
+    body: Ints,
+    places: Floats,
+    moves: Floats,
     nearest: Ints,
+    lanes: Floats,
     planes: Floats,
-) -> int:
-    """Write the half-planes of the nearest members of the group; return their number.
+) -> None:
+    """Write the half-planes of the nearest members behind the hard ones. Who overlaps has one step to part."""
+    for first in range(0, n_near, LANES):
+        n_lanes = min(n_near - first, LANES)
+        for j in range(n_lanes):
+            q = nearest[first + j]
+            lanes[j], lanes[LANES + j] = places[0, q] - x, places[1, q] - y
+            lanes[2 * LANES + j], lanes[3 * LANES + j] = moves[q, 0], moves[q, 1]
+            lanes[4 * LANES + j] = own + moves[q, 2] + safe
+        disc_planes(vx, vy, step_time, horizon, HALF, lanes)
+        for j in range(n_lanes):
+            k, nx = n_hard + first + j, lanes[5 * LANES + j]
+            planes[k, 0], planes[k, 1], planes[k, 2] = nx, lanes[6 * LANES + j], lanes[7 * LANES + j]
+            if np.isnan(nx):
+                dx, dy, both = lanes[j], lanes[LANES + j], lanes[4 * LANES + j]
+                disc_plane(
+                    dx, dy, vx, vy, lanes[2 * LANES + j], lanes[3 * LANES + j], both,
+                    step_time if dx * dx + dy * dy <= both * both else horizon, HALF,
+                    1.0 if body[m] < body[nearest[first + j]] else -1.0, planes[k],
+                )  # fmt: skip
 
-    Members that plan do as they planned, the others as they move. Who overlaps has one step to part.
-    """
-    count = find_nearest(
-        b, options.neighborDist, frame, bucket_first, bucket_next, seen, present, pose, found, gap2, nearest
-    )
-    for j in range(count):
-        q = nearest[j]
-        both = own + radii[q] + options.safe_radius
-        overlap = gap2[j] <= both * both
-        other_vx, other_vy = (plan[q, 0], plan[q, 1]) if plans[q] else (twist[q, 0], twist[q, 1])
-        disc_plane(
-            pose[q, 0] - pose[b, 0],
-            pose[q, 1] - pose[b, 1],
-            plan[b, 0],
-            plan[b, 1],
-            other_vx,
-            other_vy,
-            both,
-            step_time if overlap else options.timeHorizon,
-            HALF,
-            1.0 if b < q else -1.0,
-            planes[j],
-        )
+
+@kernel
+def add_obstacles(
+    w: int,
+    walls: Ints,
+    is_wall: Flags,
+    own: float,
+    speed: float,
+    options: Any,
+    pose: Floats,
+    velocity: Floats,
+    scene: Scene,
+    scratch: Scratch,
+) -> int:
+    """Write the half-planes of what never moves and of the map; return their number."""
+    horizon, count = options.timeHorizonObst, 0
+    within = horizon * speed + own
+    if walls.shape[0] > 0:
+        count = add_walls(w, walls, is_wall, within, own, horizon, pose, velocity, scene, scratch)
+    if scene.map_frame[4] >= 0.0:
+        count = add_map(
+            own, horizon, min(within, SIGHT), pose, velocity, scene.map_frame, scene.map_squares,
+            scratch.sides, scratch.sides_gap, scratch.sides_order, scratch.edge, scratch.planes, count,
+        )  # fmt: skip
     return count
 
 
@@ -214,7 +245,7 @@ def add_walls(
         scene.present[w], scene.pose[w], scene.reach[row_of(scene.reach, w)],
         scene.segment_start, n_segments, segments,
         scene.disc_start, scene.disc_count[row_of(scene.disc_count, w)], scene.discs[w],
-        scratch.found, scratch.parts_gap, scratch.parts, scratch.owners,
+        scratch.nearby, scratch.parts_gap, scratch.parts, scratch.owners,
     )  # fmt: skip
     count = 0
     for i in range(n_parts):
