@@ -13,7 +13,7 @@ from effort import Effort, Figures
 from players import Player
 from standard_worlds import RUN_STEPS, crowd
 
-SIZES = (10, 100, 1000, 4000)
+SIZES = (10, 100, 1000)
 PEER_SIZES = (10, 100)
 BATCH_SIZE, BATCH_WORLDS = 10, 256
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +15,8 @@ Figures = dict[str, float | Timing]
 
 MOST_STEPS = 100_000
 MOST_RUNS = 1000
+LEAST_ROUNDS = 5
+LONG_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -21,7 +24,7 @@ class Effort:
     """How much is done.
 
     Attributes:
-        rounds: Measurements of each figure.
+        rounds: Measurements of each figure; ``LEAST_ROUNDS`` where all of them would take longer than ``LONG_S``.
         round_s: CPU time that a round should take at least [s].
         largest: Sizes above it are left out; None for no limit.
     """
@@ -44,14 +47,19 @@ class Effort:
         """Return CPU microseconds per agent and step."""
         return self.in_turns_us({"": player})[""]
 
-    def in_turns_us(self, players: Mapping[str, Player]) -> dict[str, Timing]:
-        """Return CPU microseconds per agent and step of several players, whose rounds take turns."""
+    def in_turns_us(
+        self, players: Mapping[str, Player], clock: Callable[[], float] = time.process_time
+    ) -> dict[str, Timing]:
+        """Return microseconds of CPU, or of another clock, per agent and step of several players; rounds take turns."""
         sizes = {name: self._sizes(player) for name, player in players.items()}
         values: dict[str, list[float]] = {name: [] for name in players}
-        for _ in range(self.rounds):
+        begin = time.perf_counter()
+        for k in range(self.rounds):
+            if k >= LEAST_ROUNDS and time.perf_counter() - begin > LONG_S * len(players):
+                break
             for name, player in players.items():
                 n_steps, n_runs = sizes[name]
-                taken = sum(run_s(player, n_steps) for _ in range(n_runs))
+                taken = sum(run_s(player, n_steps, clock) for _ in range(n_runs))
                 values[name].append(1e6 * taken / (n_steps * n_runs * player.n_agents))
         return {name: summed_up(found) for name, found in values.items()}
 
@@ -67,15 +75,15 @@ class Effort:
         return max(1, min(most, int(self.round_s / taken))) if taken > 0.0 else 1
 
 
-FULL = Effort(rounds=9, round_s=0.25)
+FULL = Effort(rounds=7, round_s=0.15)
 TINY = Effort(rounds=1, round_s=0.0, largest=1)
 
 
-def run_s(player: Player, n_steps: int) -> float:
-    """Return the CPU seconds of so many steps, from the start where the player has one."""
+def run_s(player: Player, n_steps: int, clock: Callable[[], float] = time.process_time) -> float:
+    """Return the seconds of so many steps, of CPU or by another clock, from the start where the player has one."""
     if player.rewind is not None:
         player.rewind()
-    return seconds(lambda: repeat(player.step, n_steps))
+    return seconds(lambda: repeat(player.step, n_steps), clock)
 
 
 def repeat(step: Callable[[], Any], count: int) -> None:

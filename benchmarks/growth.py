@@ -5,9 +5,8 @@ from __future__ import annotations
 import time
 
 import players
-from effort import Effort, Figures, repeat
+from effort import Effort, Figures
 from standard_worlds import ORCA, crowd, s1, s3
-from timing import cost
 
 AGENTS = (10, 30, 100, 300, 1000, 3000, 10_000)
 OBSTACLES = (10, 40, 160, 640)
@@ -40,16 +39,15 @@ def worlds(effort: Effort) -> Figures:
 
 
 def threads(effort: Effort) -> Figures:
-    """Measure S1 and S3 on one and on two threads: wall time, so that it says something on an idle machine only."""
+    """Measure S1 and S3 on one and on two threads in turns: wall time, so that it says something when idle only."""
     figures: Figures = {}
     for n_worlds in effort.sizes((64, 1024)):
         for name, scenario in {"s1": s1(), "s3_cave": s3("cave")}.items():
-            for n_threads in THREADS:
-                player = players.core(scenario, n_worlds, n_threads)
-                count = effort.steps(player.step)
-                taken = cost(lambda p=player, n=count: repeat(p.step, n), effort.rounds, clock=time.perf_counter)
-                key = f"{name}_{n_worlds}_worlds_{n_threads}_threads_wall_us"
-                figures[key] = taken.times(1e6 / count / n_worlds)
+            pair = {f"{n}_threads": players.core(scenario, n_worlds, n) for n in THREADS}
+            timings = effort.in_turns_us(pair, time.perf_counter)
+            figures |= {f"{name}_{n_worlds}_worlds_{key}_wall_us": timing for key, timing in timings.items()}
+            one, two = (timings[f"{n}_threads"].least for n in THREADS)
+            figures[f"{name}_{n_worlds}_worlds_2_threads_times_faster"] = one / two
     return figures
 
 

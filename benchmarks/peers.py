@@ -18,6 +18,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -175,11 +176,13 @@ def main() -> None:
             except subprocess.CalledProcessError as error:
                 lines = str(error.stderr or error).strip().splitlines()
                 told[peer]["missing"] = f"not installed: {lines[-1] if lines else error}"
-    result: dict[str, Any] = {"machine": machine, "results": {}, "noise": {}, "peers": told, "rounds": {}}
+    result: dict[str, Any] = {"machine": machine, "results": {}, "noise": {}, "peers": told, "rounds": {}, "took_s": {}}
     for work in (name for name in WORKS if re.search(asked.filter, name)):
         ways = {peer: [way for way in told[peer]["works"] if way.partition("@")[0] == work] for peer in pythons}
+        begin = time.perf_counter()
         with console.status(work):
             players = measure(work, pythons, ways, asked)
+        result["took_s"][work] = round(time.perf_counter() - begin, 1)
         _note(work, players, result)
         _show(work, result, players, console)
         if asked.json:

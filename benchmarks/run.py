@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import re
+import time
+from collections.abc import Mapping
 from pathlib import Path
 
 import results
@@ -31,18 +33,27 @@ def main() -> None:
     console, table = Console(), Table("case", "figure", "value", "noise")
     found: dict[str, dict[str, float]] = {}
     noises: dict[str, dict[str, float]] = {}
+    took: dict[str, float] = {}
     machine = describe()
     for name, case in chosen.items():
+        begin = time.perf_counter()
         with console.status(name):
             figures = case(TINY if asked.tiny else FULL)
+        took[name] = round(time.perf_counter() - begin, 1)
         for figure, value, noise in flatten(figures):
             found.setdefault(name, {})[figure] = value
             if noise is not None:
                 noises.setdefault(name, {})[figure] = noise
             table.add_row(name, figure, f"{value:.4g}", "" if noise is None else f"{100.0 * noise:.0f} %")
         if asked.json:
-            results.write(asked.json, {"machine": machine, "results": found, "noise": noises})
+            results.write(asked.json, {"machine": machine, "results": found, "noise": noises, "took_s": took})
     console.print(table)
+    console.print(f"{sum(took.values()):.0f} s; most of it: {', '.join(most(took))}")
+
+
+def most(took: Mapping[str, float], count: int = 5) -> list[str]:
+    """Return what took longest: ``startup 60 s``."""
+    return [f"{name} {s:.0f} s" for name, s in sorted(took.items(), key=lambda one: -one[1])[:count]]
 
 
 if __name__ == "__main__":

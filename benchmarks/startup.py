@@ -32,13 +32,17 @@ simulation.reset(0)
 simulation.step()
 """
 
+WARM_ROUNDS = 5
+"""Processes with everything compiled; with nothing compiled there is one, for that takes long and hardly varies."""
+
 
 def startup(effort: Effort) -> Figures:
     """Measure wall and CPU seconds of processes: import; first step, cold and warm; what lands on the disk.
 
-    With little effort nothing is compiled, for that takes half a minute.
+    With little effort nothing is compiled, for that takes long.
     """
-    empty, imported = _process("pass", effort.rounds), _process("import irsim_gym", effort.rounds)
+    rounds = min(WARM_ROUNDS, effort.rounds)
+    empty, imported = _process("pass", rounds), _process("import irsim_gym", rounds)
     figures: Figures = {
         "python_s": empty[0],
         "import_s": imported[0].least - empty[0].least,
@@ -52,7 +56,7 @@ def startup(effort: Effort) -> Figures:
     if effort.largest is not None:
         return figures
     for name, (code, scenario) in wanted.items():
-        figures |= {f"{name}_{key}": value for key, value in _cold_and_warm(code, scenario, effort.rounds).items()}
+        figures |= {f"{name}_{key}": value for key, value in _cold_and_warm(code, scenario, rounds).items()}
     return figures
 
 

@@ -85,6 +85,14 @@ def beside_others(name: str, result: Mapping[str, Any]) -> str:
             others = [figures.get(f"{player}_{key}") for key in ("median_us", "times_slower")]
             rows.append([work, player, *map(number, (least, *others))])
     parts = [provenance(name, result), markdown(["work", "who", "least [us]", "median [us]", "times slower"], rows)]
+    if rounds := [counts for players in result.get("rounds", {}).values() for counts in players.values()]:
+        parts.append(rounds_told(rounds))
+    parts += [
+        f"`{work}`: {figure.removesuffix('_apart_m')}'s agents end at most {value:.2g} m from ours."
+        for work, figures in result["results"].items()
+        for figure, value in figures.items()
+        if figure.endswith("_apart_m")
+    ]
     parts.append("What each does not do, or does otherwise, in the same work:")
     lines = []
     for said in who.values():
@@ -94,6 +102,16 @@ def beside_others(name: str, result: Mapping[str, Any]) -> str:
         lines += [f"- {title}, `{work}`: {why}." for work, why in said.get("failures", {}).items()]
     parts.append("\n".join(lines))
     return "\n\n".join(parts)
+
+
+def rounds_told(rounds: Sequence[Mapping[str, float]]) -> str:
+    """Return how many rounds were played, and whether all went at one pace."""
+    played, rejected, kept = (int(sum(one[name] for one in rounds)) for name in ("played", "rejected", "disturbed"))
+    loops = [one["calibration_us"] for one in rounds if "calibration_us" in one] or [0.0]
+    return (
+        f"{played} rounds were played; {rejected} were rejected because disturbed, and {kept} kept though disturbed. "
+        f"By the median of each process the calibrating loop took {min(loops):.0f} to {max(loops):.0f} us."
+    )
 
 
 def targets(results: Mapping[str, Mapping[str, float]]) -> str:

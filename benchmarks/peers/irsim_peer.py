@@ -15,7 +15,7 @@ OURS_ALONE = ("clearance", "min_goal_distance", "reachable")
 """Options of a distribution that ir-sim does not have."""
 
 
-STAY = 10
+STAY = 2
 """Steps at each place of a map."""
 
 
@@ -46,16 +46,19 @@ class Wrapper:
     def __init__(self, given: Mapping[str, Any], stay: int = 0) -> None:
         import numpy as np
 
-        self.stay, self.count = stay, 0
-
-        self.np = np
+        self.np, self.stay = np, stay
         self.env = make(given)
         self.robot = self.env.robot
         world, sensor = given["scenario"]["world"], given["scenario"]["robot"][0]["sensors"][0]
         self.far, self.diagonal = sensor["range_max"], math.hypot(world["width"], world["height"])
         self.max_steps = given["scenario"]["task"]["max_steps"]
-        self.starts = itertools.cycle(given["starts"])
-        self.actions = itertools.cycle(np.array(random_actions(64, 2)))
+        self.places = given["starts"]
+        self.rewind()
+
+    def rewind(self) -> None:
+        """Begin with the first start again, and with the same actions."""
+        self.count, self.starts = 0, itertools.cycle(self.places)
+        self.actions = itertools.cycle(self.np.array(random_actions(64, 2)))
         self.reset()
 
     def reset(self) -> Any:
@@ -112,8 +115,9 @@ def wrapped(given: Mapping[str, Any]) -> Play:
 
 
 def wrapped_in_map(given: Mapping[str, Any]) -> Play:
-    """Return the same, at another place of the map every few steps: so few steps see little of it otherwise."""
-    return Play(Wrapper(given, STAY).step, 1)
+    """Return the same, at each start of the list for a few steps: what they cost differs much from place to place."""
+    wrapper = Wrapper(given, STAY)
+    return Play(wrapper.step, 1, wrapper.rewind, STAY * len(given["starts"]))
 
 
 def crowd(given: Mapping[str, Any]) -> Play:
@@ -152,7 +156,7 @@ IN_MAP = Work(
     wrapped_in_map,
     (
         ONE_WORLD,
-        f"put at the next of a list of starts every {STAY} steps, at no cost, to see all of the map",
+        f"put at each of a list of starts for {STAY} steps, without looking around there first, to see all of the map",
     ),
 )
 

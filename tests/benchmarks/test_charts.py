@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import charts
+import pictures
 import pytest
 import tables
 from targets import TARGETS
@@ -30,16 +31,30 @@ def found() -> charts.Found:
         "s1/faces": {"single_us": 5.0, "core_1_worlds_us": 4.0, "core_64_worlds_us": 1.0},
         "s1/twin": {"twin_64_worlds_us": 0.5},
         "growth/agents": {"10_agents_us": 1.0, "100_agents_us": 1.5, "10000_agents_us": 3.0},
-        "phases/s1": {"64_worlds_sense_us": 0.75, "64_worlds_pay_us": 0.25, "64_worlds_whole_us": 1.0},
+        "phases/s1": {
+            "64_worlds_sense_us": 0.75,
+            "64_worlds_pay_us": 0.25,
+            "64_worlds_whole_us": 1.0,
+            "64_worlds_fused_us": 0.5,
+        },
     }
     beside = {"s1_single": {"ours_us": 4.0, "ours_median_us": 5.0, "irsim_us": 900.0, "irsim_median_us": 1000.0}}
     beside["s1_single"]["irsim_times_slower"] = 200.0
+    beside["s2_rvo"] = {"irsim_apart_m": 2e-15}
+    rounds = {
+        "ours": {"played": 7, "rejected": 0, "disturbed": 0, "calibration_us": 1000.0},
+        "irsim": {"played": 12, "rejected": 5, "disturbed": 2, "calibration_us": 1100.0},
+    }
     who = {
         "ours": {"package": "irsim_gym", "version": "1", "works": {"s1_single": []}},
         "irsim": {"package": "ir-sim", "version": "2.12.0", "works": {"s1_single": ["circles have corners"]}},
         "vmas": {"package": "vmas", "version": None, "works": {}, "missing": "no wheel"},
     }
-    return {"cases.json": result(cases), "peers.json": result(beside, peers=who), "old.json": result({"a": {"b_s": 1}})}
+    return {
+        "cases.json": result(cases),
+        "peers.json": result(beside, peers=who, rounds={"s1_single": rounds}),
+        "old.json": result({"a": {"b_s": 1}}),
+    }
 
 
 def test_readme_is_what_the_results_say() -> None:
@@ -55,26 +70,37 @@ def test_what_stands_outside_of_the_marks_stays() -> None:
 
 
 def test_charts_are_drawn_for_what_was_measured(found: charts.Found, tmp_path: Path) -> None:
-    drawn = charts.draw(found, tmp_path / "charts")
+    drawn = pictures.draw(found, tmp_path / "charts")
     assert sorted(file.name for file in drawn) == ["growth.png", "peers.png", "phases.png"]
     assert all(file.read_bytes().startswith(b"\x89PNG") for file in drawn)
-    assert charts.draw({"old.json": found["old.json"]}, tmp_path / "none") == []
+    assert pictures.draw({"old.json": found["old.json"]}, tmp_path / "none") == []
 
 
 def test_a_chart_shows_each_phase_as_its_share(found: charts.Found) -> None:
-    (panel,) = charts.phases(found["cases.json"]["results"]).axes
+    (panel,) = pictures.phases(found["cases.json"]["results"]).axes
     assert [bar.get_width() for bar in panel.patches] == [0.75, 0.25]
+    assert [text.get_text() for text in panel.texts] == ["1 us plain, 0.5 us fused"]
 
 
 def test_bars_are_agent_steps_per_second_of_the_median(found: charts.Found) -> None:
-    (panel,) = charts.rates(found["peers.json"]["results"]).axes
+    (panel,) = pictures.rates(found["peers.json"]["results"]).axes
     assert [bar.get_width() for bar in panel.patches] == [1e6 / 1000.0, 1e6 / 5.0]
 
 
 def test_curves_have_the_sizes_in_their_names(found: charts.Found) -> None:
     figures = found["cases.json"]["results"]
-    assert charts.sized(figures["growth/agents"], "agents", "") == {10: 1.0, 100: 1.5, 10000: 3.0}
-    assert charts.sized(figures["s1/faces"], "worlds", "core") == {1: 4.0, 64: 1.0}
+    assert pictures.sized(figures["growth/agents"], "agents", "") == {10: 1.0, 100: 1.5, 10000: 3.0}
+    assert pictures.sized(figures["s1/faces"], "worlds", "core") == {1: 4.0, 64: 1.0}
+
+
+def test_growth_shows_navground_and_threads_where_there_are_figures(found: charts.Found) -> None:
+    figures = found["cases.json"]["results"]
+    figures["growth/threads"] = {"s1_64_worlds_1_threads_wall_us": 4.0, "s1_64_worlds_2_threads_wall_us": 2.5}
+    chart = pictures.growth(figures, {"orca_100": {"navground_us": 9.0}, "s2_orca": {"irsim_us": 1.0}})
+    drawn = {line.get_label(): line.get_xydata().tolist() for panel in chart.axes for line in panel.lines}
+    assert drawn["navground"] == [[100.0, 9.0]]
+    assert drawn["s1, 64 worlds"] == [[1.0, 4.0], [2.0, 2.5]]
+    assert drawn["C twin"] == [[64.0, 0.5]]
 
 
 def test_figures_with_sizes_become_a_table_of_sizes() -> None:
@@ -98,6 +124,9 @@ def test_the_page_says_who_did_what(found: charts.Found) -> None:
     assert "| s1_single | irsim | 900 | 1,000 | 200 |" in text
     assert "- ir-sim 2.12.0, `s1_single`: circles have corners." in text
     assert "- vmas took no part: no wheel." in text
+    assert "19 rounds were played; 5 were rejected because disturbed, and 2 kept though disturbed" in text
+    assert "took 1000 to 1100 us" in text
+    assert "`s2_rvo`: irsim's agents end at most 2e-15 m from ours." in text
     assert f"| {TARGETS[0].text} | 200 | 150 | 500 | reached |" in text
     assert "| ORCA, an agent of 10,000 over one of 100 | 2 | 1.5 | 1.1 | **missed** |" in text
     assert "## Old" in text
