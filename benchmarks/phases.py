@@ -1,6 +1,7 @@
-"""What each phase of a step takes: the phases are wrapped from outside, the package knows nothing of it.
+"""What each phase of a step takes on the plain path, beside the whole step as one fused call.
 
-A wrapper takes time itself; it is measured on a function that does nothing and taken off for each call.
+The phases are wrapped from outside, the package knows nothing of it. A wrapper takes time itself; it is measured on a
+function that does nothing and taken off for each call. A fused step has no phases that Python could see.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any
 import players
 from effort import Effort, Figures, repeat
 from standard_worlds import s1, s2, s3, s4
-from timing import summed_up
+from timing import seconds, summed_up
 
 from irsim_gym.engine import arrival, buckets, contact, limits, outlines, step
 from irsim_gym.envs.worlds import Worlds
@@ -129,21 +130,28 @@ def phases(build: Callable[[], dict[str, Any]], team: bool, effort: Effort) -> F
 
 
 def _measured(scenario: dict[str, Any], n_worlds: int, team: bool, effort: Effort, added: float) -> dict[str, Any]:
-    player = players.core(scenario, n_worlds, team=team)
-    count, watch = effort.steps(player.step), Stopwatch()
-    scale = 1e6 / count / player.n_agents
+    """Return microseconds of each phase and of whole steps, ``whole`` and ``fused``, in each round."""
+    player, fused = (players.core(scenario, n_worlds, team=team) for _ in range(2))
+    use_plain_path(player.worlds)
+    count, fused_count, watch = effort.steps(player.step), effort.steps(fused.step), Stopwatch()
+    scale = 1e6 / player.n_agents
     found: dict[str, list[float]] = {}
-    with watching(player.worlds, watch):
-        for _ in range(effort.rounds):
-            watch.forget()
-            begin = time.perf_counter()
-            repeat(player.step, count)
-            whole = time.perf_counter() - begin - added * watch.calls.total()
-            net = {name: max(0.0, taken - added * watch.calls[name]) for name, taken in watch.seconds.items()}
-            net |= {"whole": whole, "between phases": max(0.0, whole - sum(net.values()))}
-            for name, taken in net.items():
-                found.setdefault(name, []).append(scale * taken)
+    for _ in range(effort.rounds):
+        watch.forget()
+        with watching(player.worlds, watch):
+            whole = seconds(lambda: repeat(player.step, count), time.perf_counter) - added * watch.calls.total()
+        net = {name: max(0.0, taken - added * watch.calls[name]) for name, taken in watch.seconds.items()}
+        net |= {"whole": whole, "between phases": max(0.0, whole - sum(net.values()))}
+        for name, taken in net.items():
+            found.setdefault(name, []).append(scale * taken / count)
+        taken = seconds(lambda: repeat(fused.step, fused_count), time.perf_counter)
+        found.setdefault("fused", []).append(scale * taken / fused_count)
     return found
+
+
+def use_plain_path(worlds: Worlds) -> None:
+    """Let the steps of some worlds call phase after phase from Python."""
+    worlds.episodes._play.is_fusable = False
 
 
 def s2_task(behavior: str) -> dict[str, Any]:

@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import c_twin
+import numpy as np
 import pytest
 import results
 from catalogue import CASES, LONG
 from effort import TINY, Effort, flatten
 from jsonschema import Draft202012Validator
-from phases import Stopwatch, places, watching
+from phases import Stopwatch, places, use_plain_path, watching
 from players import Player
 from standard_worlds import s1, s4
 from timing import Timing, off
@@ -95,6 +96,15 @@ def test_wrappers_of_the_phases_are_taken_off_again() -> None:
     with watching(worlds, Stopwatch()):
         assert all(vars(owner).get(name) is not before for owner, name, before in owners)
     assert all(vars(owner).get(name) is before for owner, name, before in owners)
+
+
+def test_on_the_plain_path_a_step_goes_through_every_phase() -> None:
+    worlds, watch = Worlds(s4(2, 2), 1, team=True), Stopwatch()
+    worlds.begin([0], [0], [{}], lambda w: w)
+    use_plain_path(worlds)
+    with watching(worlds, watch):
+        worlds.step(np.zeros((1, 2, 2), np.float32))
+    assert {"act", "decide", "move", "sense", "contact", "clearance", "books", "pay", "observe"} <= watch.calls.keys()
 
 
 def test_more_obstacles_keep_their_density() -> None:
