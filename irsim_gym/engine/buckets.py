@@ -37,9 +37,7 @@ def n_buckets(n_bodies: int) -> int:
 def empty(model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Take all bodies out of the buckets."""
     if model.bucket_frame[3] > 0.0:
-        state.bucket[shard.worlds] = -1
-        state.bucket_first[shard.worlds] = -1
-        state.bucket_next[shard.worlds] = -1
+        empty_buckets(shard.worlds, state.bucket, state.bucket_first, state.bucket_next)
 
 
 def refresh(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -56,6 +54,14 @@ def refresh(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) ->
             state.bucket_first,
             state.bucket_next,
         )
+
+
+@kernel
+def empty_buckets(worlds: Ints, bucket: Ints, first: Ints, following: Ints) -> None:
+    """Leave no body in any bucket."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        bucket[w, :], first[w, :], following[w, :] = -1, -1, -1
 
 
 @kernel

@@ -121,7 +121,7 @@ def _measure(scenario: Scenario, outlines: Sequence[Outline], model: WorldModel,
     if not any(group.kind.reads_neighbors for group in deciding):
         return np.zeros(0, np.int64)
     everyone = np.arange(len(outlines), dtype=np.int64)
-    measure(np.arange(len(model.present), dtype=np.int64), everyone, model)
+    measure(np.arange(len(model.radius), dtype=np.int64), everyone, model)
     for b, outline in enumerate(outlines):
         if outline.centroid is not None:
             model.centroid[:, b] = outline.centroid

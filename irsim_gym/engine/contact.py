@@ -25,9 +25,9 @@ def find(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> No
 
 def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write ``model.static_partner``: contacts between bodies that never move, once per level."""
-    state.hit[shard.worlds] = NOBODY
+    forget_contacts(shard.worlds, state.hit)
     _find_pairs(bodies, model, state, shard)
-    model.static_partner[shard.worlds] = state.hit[shard.worlds]
+    note_partners(shard.worlds, state.hit, model.static_partner)
 
 
 def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -77,6 +77,22 @@ def _outline(model: WorldModel, state: WorldState) -> OutlineTables:
         model.disc_count,
         state.discs,
     )
+
+
+@kernel
+def forget_contacts(worlds: Ints, hit: Ints) -> None:
+    """Begin with nobody who touches anybody."""
+    for i in range(worlds.shape[0]):
+        hit[worlds[i], :] = NOBODY
+
+
+@kernel
+def note_partners(worlds: Ints, hit: Ints, static_partner: Ints) -> None:
+    """Keep the contacts that last through the level."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for b in range(hit.shape[1]):
+            static_partner[w, b] = hit[w, b]
 
 
 @kernel
@@ -191,6 +207,13 @@ def clearance(
             state.discs,
             distance,
         )
+
+
+@kernel
+def fill(worlds: Ints, value: float, distance: Floats) -> None:
+    """Write one number [m] into the rows ``(n_worlds, n_bodies)`` of some worlds."""
+    for i in range(worlds.shape[0]):
+        distance[worlds[i], :] = value
 
 
 @kernel

@@ -27,14 +27,15 @@ class Fog:
     Attributes:
         frame: x and y of the lower left corner, width and height of a cell [m], shape ``(4,)``.
         explored: Cells that were seen, shape ``(n_worlds, columns, rows)``, from the left and from the bottom.
-        scans: Groups of range sensors, each with its members that belong to robots.
+        scans: Groups of range sensors, each with its members that belong to robots, and where all members are
+            mounted in the body frame, shape ``(n_members, 3)``.
         watchers: Robots without such a sensor but with a field of view, shape ``(n,)``.
         views: Width [rad] and depth [m] of their fields of view, shape ``(n, 2)``.
     """
 
     frame: Floats
     explored: Flags
-    scans: list[tuple[Group, Ints]]
+    scans: list[tuple[Group, Ints, Floats]]
     watchers: Ints
     views: Floats
 
@@ -56,7 +57,7 @@ def lay_fog(scenario: Scenario, sensors: Sequence[Group], model: WorldModel) -> 
         frame=np.array([*world.offset, world.width / columns, world.height / rows]),
         explored=np.zeros((len(model.present), columns, rows), np.bool_),
         scans=[
-            (group, np.flatnonzero(model.role[group.members] == ROBOT))
+            (group, np.flatnonzero(model.role[group.members] == ROBOT), _mounts(group))
             for group in sensors
             if group.kind.reading == "ranges" and "cast_angles" in group.arrays
         ],
@@ -65,16 +66,26 @@ def lay_fog(scenario: Scenario, sensors: Sequence[Group], model: WorldModel) -> 
     )
 
 
+def _mounts(group: Group) -> Floats:
+    return np.array([options.offset for options in group.options], np.float64)
+
+
 def cover(fog: Fog, shard: Shard) -> None:
     """Forget what was seen in the shard's worlds."""
-    fog.explored[shard.worlds] = False
+    cover_cells(shard.worlds, fog.explored)
+
+
+@kernel
+def cover_cells(worlds: Ints, explored: Flags) -> None:
+    """Mark all cells of the worlds as not seen."""
+    for i in range(worlds.shape[0]):
+        explored[worlds[i], :, :] = False
 
 
 def reveal(fog: Fog, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Note what the robots' sensors see now."""
-    for group, chosen in fog.scans:
+    for group, chosen, offsets in fog.scans:
         table = group.arrays
-        offsets = np.array([options.offset for options in group.options], np.float64)
         reveal_beams(
             shard.worlds,
             group.members,

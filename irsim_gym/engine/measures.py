@@ -17,9 +17,8 @@ def measure(worlds: Ints, bodies: Ints, model: WorldModel) -> None:
 
 def measure_into(worlds: Ints, bodies: Ints, model: WorldModel, radius: Floats, centroid: Floats) -> None:
     """Write radius and centroid of bodies from their outlines, in arrays shaped as the model's."""
-    rows = worlds if len(radius) > 1 else worlds[:1]
     measure_bodies(
-        rows,
+        worlds,
         bodies,
         model.solid,
         model.segment_start,
@@ -49,7 +48,8 @@ def measure_bodies(
 ) -> None:
     """Write the radius of the least circle around each footprint, and the centre of its area."""
     points = np.empty((2 * local_segments.shape[1] + CORNERS * local_discs.shape[1], 2))
-    for i in range(worlds.shape[0]):
+    n_rows = worlds.shape[0] if radius.shape[0] > 1 else min(worlds.shape[0], 1)
+    for i in range(n_rows):
         row = worlds[i] % radius.shape[0]
         for k in range(bodies.shape[0]):
             b = bodies[k]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Words
@@ -17,34 +19,39 @@ from irsim_gym.world.state import WorldState
 
 LEVEL_TRIES = 100
 
+Phase = Callable[[Shard], None]
 
-def begin(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, streams: Words) -> None:
-    """Draw a level for each of the shard's worlds.
+
+def begin(parts: Parts, state: WorldState, shard: Shard, draw: Phase, start: Phase) -> None:
+    """Draw a level for each of the shard's worlds, again where it fails, and begin it.
 
     Args:
         parts: The compiled scenario.
-        model: Its constants; what differs between levels is rewritten.
-        state: Its moment; rewritten.
+        state: Its moment; ``random`` holds the stream of each level.
         shard: The worlds.
-        streams: Random stream state of every world, shape ``(n_worlds,)``.
+        draw: ``draw_level`` for some worlds.
+        start: ``start_drawn`` for some worlds.
 
     Raises:
         PlacementError: A body found no place in any of the tries.
     """
-    state.random[shard.worlds] = streams[shard.worlds]
-    failed = np.zeros(len(state.random), np.int64)
     remaining = shard
     for _ in range(LEVEL_TRIES):
-        draw_level(parts, model, state, remaining, failed)
-        worlds = remaining.worlds[failed[remaining.worlds] > 0]
+        draw(remaining)
+        worlds = remaining.worlds[state.failed[remaining.worlds] > 0]
         if not len(worlds):
             break
         remaining = Shard(worlds, shard.slot)
     else:
-        raise PlacementError(_failure(parts.places[failed[remaining.worlds[0]] - 1]))
+        raise PlacementError(_failure(parts.places[state.failed[remaining.worlds[0]] - 1]))
+    start(shard)
+
+
+def start_drawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Begin the episode of levels that were just drawn, and note how their random streams go on."""
     if len(parts.measured):
         measures.measure(shard.worlds, parts.measured, model)
-    model.level_random[shard.worlds] = state.random[shard.worlds]
+    copy_words(shard.worlds, state.random, model.level_random)
     start(parts, model, state, shard)
 
 
@@ -86,8 +93,16 @@ def _failure(place: str) -> str:
     )
 
 
-def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
-    """Draw presence, outlines and placements; ``failed`` gets body + 1 where a body found no place, else 0."""
+@kernel
+def copy_words(worlds: Ints, source: Words, target: Words) -> None:
+    """Copy the numbers of some worlds, shape ``(n_worlds,)``."""
+    for i in range(worlds.shape[0]):
+        target[worlds[i]] = source[worlds[i]]
+
+
+def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Draw presence, outlines and placements, and write ``state.failed``."""
+    failed = state.failed
     draw_presence(shard.worlds, parts.number_ranges, state.random, model.present, state.placed, state.pose, failed)
     for group in parts.footprints:
         group.kind.draw(group, model, state, shard)

@@ -45,7 +45,10 @@ class Simulation:
     fused: bool = True
 
     def __post_init__(self) -> None:
+        levels = [group.kind for group in (*self.parts.footprints, *self.parts.placements)]
         self._advance = self.fuse(self.advance)
+        self._draw = self.fuse(self._draw_level, levels)
+        self._start = self.fuse(self._start_drawn)
 
     def fuse(self, function: Callable[[Shard], None], kinds: Iterable[Any] = ()) -> Fused:
         """Return a function of a shard as one compiled call, where it consists of kernels alone.
@@ -60,7 +63,8 @@ class Simulation:
 
     def rewire(self) -> None:
         """Take note that arrays or lists of bodies have been replaced, so that what was recorded is out of date."""
-        self._advance.forget()
+        for function in (self._advance, self._draw, self._start):
+            function.forget()
 
     @property
     def n_worlds(self) -> int:
@@ -171,7 +175,14 @@ class Simulation:
 
     def begin(self, shard: Shard, streams: Words) -> None:
         """Draw a new level in the shard's worlds from random streams of shape ``(n_worlds,)``."""
-        restart.begin(self.parts, self.model, self.state, shard, streams)
+        restart.copy_words(shard.worlds, streams, self.state.random)
+        restart.begin(self.parts, self.state, shard, self._draw, self._start)
+
+    def _draw_level(self, shard: Shard) -> None:
+        restart.draw_level(self.parts, self.model, self.state, shard)
+
+    def _start_drawn(self, shard: Shard) -> None:
+        restart.start_drawn(self.parts, self.model, self.state, shard)
 
     def advance(self, shard: Shard) -> None:
         """Advance the shard's worlds by one step."""
@@ -196,7 +207,7 @@ class Simulation:
         the limit: the nearer it is, the fewer bodies have to be looked at.
         """
         if not isinstance(limit, np.ndarray):
-            distance[shard.worlds] = limit
+            contact.fill(shard.worlds, float(limit), distance)
             limit = distance
         contact.clearance(bodies, limit, self.model, self.state, shard, distance)
 

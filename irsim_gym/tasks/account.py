@@ -78,6 +78,13 @@ def open_books(
 
 
 @kernel
+def mark(worlds: Ints, value: bool, flags: Flags) -> None:
+    """Set the flags ``(n_worlds, n_agents)`` of some worlds."""
+    for i in range(worlds.shape[0]):
+        flags[worlds[i], :] = value
+
+
+@kernel
 def note_ended(worlds: Ints, terminated: Flags, truncated: Flags, over: Flags) -> None:
     """Write whose episode has ended."""
     for i in range(worlds.shape[0]):

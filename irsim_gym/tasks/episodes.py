@@ -72,7 +72,8 @@ class Episodes:
         self.view = transition_of(self.state)
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
         every = [self._action, *self._observations, *self._rewards, *self._endings]
-        self._play = simulation.fuse(self._step, [type(term.options) for term in every])
+        kinds = [type(term.options) for term in every]
+        self._play, self._begin_books = (simulation.fuse(run, kinds) for run in (self._step, self._open))
 
     @property
     def n_worlds(self) -> int:
@@ -149,6 +150,7 @@ class Episodes:
         for term in [self._action, *self._observations, *self._rewards, *self._endings]:
             term.max_steps = max_steps
         self._play.forget()
+        self._begin_books.forget()
 
     def begin(self, worlds: Ints, levels: Ints, split: str = "train") -> None:
         """Begin a level in some worlds; later ones of these worlds follow from it, within the same split.
@@ -210,7 +212,7 @@ class Episodes:
 
     def _respawn(self, shard: Shard) -> None:
         self.simulation.respawn(shard, self._agents, self.state.began)
-        self._open(shard)
+        self._begin_books(shard)
 
     def step(self, given: NDArray[Any], worlds: Ints | None = None) -> None:
         """Play one step.
@@ -246,8 +248,8 @@ class Episodes:
         simulation, state, worlds = self.simulation, self.state, shard.worlds
         take_levels(worlds, state.base, state.first_level, state.episode, state.level, state.stream)
         simulation.begin(shard, state.stream)
-        state.began[worlds] = True
-        self._open(shard)
+        account.mark(worlds, True, state.began)
+        self._begin_books(shard)
 
     def _open(self, shard: Shard) -> None:
         """Begin the episodes of the agents that ``state.began`` names, where their bodies stand."""
@@ -282,7 +284,7 @@ class Episodes:
         for term in self._remembering:
             term.options.begin(term, model, simulation.state, state, shard)
         self._observe(shard)
-        state.began[worlds] = False
+        account.mark(worlds, False, state.began)
 
     def _step(self, shard: Shard) -> None:
         """Play one step in the shard's worlds. This order is the specification."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
+from irsim_gym.jit import kernel
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.world.model import WorldModel
@@ -144,6 +145,14 @@ class EndingKind(Protocol):
 
 def forget(memory: NDArray[Any], value: Any, episode: EpisodeState, shard: Shard) -> None:
     """Write ``value`` into the rows of a memory ``(n_worlds, n_agents, ...)`` whose agents' episodes begin."""
-    rows = memory[shard.worlds]
-    rows[episode.began[shard.worlds]] = value
-    memory[shard.worlds] = rows
+    overwrite(shard.worlds, episode.began, memory.dtype.type(value), memory.reshape(*memory.shape[:2], -1))
+
+
+@kernel
+def overwrite(worlds: Ints, chosen: Flags, value: Any, memory: NDArray[Any]) -> None:
+    """Write a value into the chosen rows ``(n_worlds, n_agents)`` of a memory ``(n_worlds, n_agents, n)``."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(chosen.shape[1]):
+            for k in range(memory.shape[2] if chosen[w, a] else 0):
+                memory[w, a, k] = value

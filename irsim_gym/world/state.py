@@ -39,3 +39,4 @@ class WorldState(Arrays):
     bucket_first: Ints = column("world bucket", np.int64, "", "first body of each bucket, -1 for none")
     bucket_next: Ints = column("world body", np.int64, "", "next body of the same bucket, -1 for none")
     placed: Flags = column("world body", np.bool_, "", "has its start; False only while a level is drawn")
+    failed: Ints = column("world", np.int64, "", "body + 1 that found no place in the level as it was drawn, else 0")

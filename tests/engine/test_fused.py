@@ -61,7 +61,9 @@ def test_every_scenario_is_recorded_and_stays_the_same(name: str) -> None:
 def test_every_task_is_recorded_and_stays_the_same(name: str) -> None:
     scenario = load_scenario(name)
     both = [Worlds(scenario, 3, team=True, num_threads=threads) for threads in (1, 2)]
-    both[1].episodes._play.is_fusable = False
+    plain = both[1].episodes
+    for one in (plain._play, plain._begin_books, plain.simulation._draw, plain.simulation._start):
+        one.is_fusable = False
     numbers = np.random.default_rng(0)
     episodes = both[0].episodes
     for worlds in both:
@@ -83,7 +85,8 @@ def test_every_task_is_recorded_and_stays_the_same(name: str) -> None:
     scratch = {name for name, values in found[0].items() if values.shape != found[1][name].shape}
     assert not scratch & {*EpisodeState.columns(), *WorldState.columns()}, "a row for each thread"
     assert set(differing(*found)) <= scratch
-    assert episodes._play._programs[0] is not None
+    for one in (episodes._play, episodes._begin_books, episodes.simulation._draw, episodes.simulation._start):
+        assert one._programs[0] is not None
 
 
 def test_every_shipped_kind_promises_it() -> None:
