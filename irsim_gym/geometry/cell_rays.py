@@ -2,48 +2,196 @@
 
 Where a beam stands in a free cell, the largest free square that has this cell in its corner and grows the way the
 beam looks holds nothing that it could hit; so it may go on to where it leaves that square.
+
+Beams walk in blocks, all beams of a block one square at a time, so that the compiler can work on many at once. A block
+lies in one array of floats and one of integers at constant places (``EAST`` and so on): with an array for each number
+it could not tell that they do not overlap. Beams that look left or down walk in a mirrored map, so that all of them
+walk right and up. Numbers are float32, counted from the sensor's own cell.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Rays
+from irsim_gym.arraytypes import Bytes, CellMap, Labels, Rays
 from irsim_gym.jit import kernel
 
 STEEP = 1e30
 """Cells per metre of a beam that does not move along an axis, inverted."""
 
+LANES = 32
+"""Beams of a block."""
+EAST, NORTH, SLOW_X, SLOW_Y = 0, LANES, 2 * LANES, 3 * LANES
+TIME, FAR, COLUMN, ROW = 4 * LANES, 5 * LANES, 6 * LANES, 7 * LANES
+PLACE_X, PLACE_Y, COLUMNS, ROWS = 8 * LANES, 9 * LANES, 10 * LANES, 11 * LANES
+FIRST, STEP_X, STEP_Y, CELL, FREE = 0, LANES, 2 * LANES, 3 * LANES, 4 * LANES
+N_FLOATS, N_INTEGERS = 12 * LANES, 5 * LANES
+
+NONE, ONE, FLAT = np.float32(0.0), np.float32(1.0), np.float32(1.0 / STEEP)
+EDGE = np.float32(1.0 - 2.0**-24)
+"""The last place in a cell before its end."""
+
 
 @kernel
 def cast_cells(
-    frame: Floats,
-    squares: Bytes,
+    cells: CellMap,
     x: float,
     y: float,
     heading: float,
     beams_x: Rays,
     beams_y: Rays,
+    floats: Rays,
+    integers: Labels,
     ranges: Rays,
 ) -> None:
     """Shorten ``ranges`` to the nearest occupied cell; from within one, to where the beam leaves what is occupied.
 
     Args:
-        frame: See ``cells``.
-        squares: See ``cells``.
+        cells: The map, see ``cells``.
         x: The sensor's position [m].
         y: The sensor's position [m].
         heading: The sensor's heading [rad].
         beams_x: Unit directions in the sensor frame, at least as many as ranges.
         beams_y: As ``beams_x``.
+        floats: Scratch, shape ``(N_FLOATS,)``.
+        integers: Scratch, shape ``(N_INTEGERS,)``.
         ranges: Changed: ranges [m], shape ``(n_beams,)``; what lies farther is not looked for.
     """
+    frame, squares, boxes = cells
+    if boxes.shape[0] == 0:
+        return
+    columns, rows = squares.shape[1], squares.shape[2]
     cosine, sine = np.cos(heading), np.sin(heading)
     across, up = (x - frame[0]) / frame[2], (y - frame[1]) / frame[3]
-    for k in range(ranges.shape[0]):
-        east = (cosine * beams_x[k] - sine * beams_y[k]) / frame[2]
-        north = (sine * beams_x[k] + cosine * beams_y[k]) / frame[3]
-        ranges[k] = np.float32(walk(squares, across, up, east, north, np.float64(ranges[k])))
+    if not (0.0 <= across < columns and 0.0 <= up < rows) or squares[0, int(across), int(up)] == 0:
+        for k in range(ranges.shape[0]):
+            east = (cosine * beams_x[k] - sine * beams_y[k]) / frame[2]
+            north = (sine * beams_x[k] + cosine * beams_y[k]) / frame[3]
+            ranges[k] = np.float32(walk(squares, across, up, east, north, np.float64(ranges[k])))
+        return
+    turn = (
+        np.float32(cosine / frame[2]), np.float32(sine / frame[2]),
+        np.float32(cosine / frame[3]), np.float32(sine / frame[3]),
+    )  # fmt: skip
+    occupied = np.int32(boxes[0, 0] * rows + boxes[0, 2])
+    every = squares.reshape(-1)
+    for begin in range(0, ranges.shape[0], LANES):
+        take_beams(begin, beams_x, beams_y, ranges, floats)
+        begin_block(turn, across, up, columns, rows, floats, integers)
+        walk_block(every, occupied, floats, integers)
+        end_block(begin, floats, ranges)
+
+
+@kernel
+def take_beams(begin: int, beams_x: Rays, beams_y: Rays, ranges: Rays, floats: Rays) -> None:
+    """Write the directions of a block in the sensor frame, and how far its beams look [m]; spare ones see nothing."""
+    count = min(LANES, ranges.shape[0] - begin)
+    along_x, along_y, far = beams_x[begin : begin + count], beams_y[begin : begin + count], ranges[begin:]
+    for k in range(count):
+        floats[EAST + k], floats[NORTH + k], floats[FAR + k] = along_x[k], along_y[k], far[k]
+    for k in range(count, LANES):
+        floats[EAST + k], floats[NORTH + k], floats[FAR + k] = ONE, ONE, NONE
+
+
+@kernel(contract=True)
+def begin_block(
+    turn: Any,
+    across: float,
+    up: float,
+    columns: int,
+    rows: int,
+    floats: Rays,
+    integers: Labels,
+) -> None:
+    """Turn the beams of a block into the map [cells/m], and put them into the cell of their sensor.
+
+    Args:
+        turn: Cosine and sine of the sensor's heading over the width of a cell, and over its height [1/m].
+        across: The sensor's place [cells].
+        up: The sensor's place [cells].
+        columns: Of the map.
+        rows: Of the map.
+        floats: The block, changed.
+        integers: The block, changed.
+    """
+    cosine_x, sine_x, cosine_y, sine_y = turn
+    i, j = int(across), int(up)
+    aside, above = min(np.float32(across - i), EDGE), min(np.float32(up - j), EDGE)
+    right, left, high, low = np.float32(columns - i), np.float32(i + 1), np.float32(rows - j), np.float32(j + 1)
+    row, size, none = np.int32(rows), np.int32(columns * rows), np.int32(0)
+    here, twice = np.int32(i * rows + j), np.int32(2 * columns * rows)
+    for k in range(LANES):
+        east = cosine_x * floats[EAST + k] - sine_x * floats[NORTH + k]
+        north = sine_y * floats[EAST + k] + cosine_y * floats[NORTH + k]
+        fast_x, fast_y = east if east >= NONE else -east, north if north >= NONE else -north
+        floats[EAST + k], floats[NORTH + k] = fast_x, fast_y
+        floats[SLOW_X + k] = ONE / (fast_x if fast_x > FLAT else FLAT)
+        floats[SLOW_Y + k] = ONE / (fast_y if fast_y > FLAT else FLAT)
+        floats[TIME + k], floats[COLUMN + k], floats[ROW + k] = NONE, NONE, NONE
+        floats[PLACE_X + k] = aside if east >= NONE else ONE - aside
+        floats[PLACE_Y + k] = above if north >= NONE else ONE - above
+        floats[COLUMNS + k] = right if east >= NONE else left
+        floats[ROWS + k] = high if north >= NONE else low
+        quadrant = np.int32(here + (none if east >= NONE else size))
+        integers[FIRST + k] = np.int32(quadrant + (none if north >= NONE else twice))
+        integers[STEP_X + k] = row if east >= NONE else np.int32(-row)
+        integers[STEP_Y + k] = np.int32(1) if north >= NONE else np.int32(-1)
+
+
+@kernel(contract=True)
+def walk_block(squares: Bytes, occupied: Any, floats: Rays, integers: Labels) -> None:
+    """Take each beam of a block from free square to free square, until none goes on.
+
+    A beam that met something stays where it is; one that left the map is far away.
+
+    Args:
+        squares: Sides of the free squares, flat: see ``cells``.
+        occupied: Number of an occupied cell, for beams that came to their end: they go nowhere from there.
+        floats: The block, changed.
+        integers: The block, changed.
+    """
+    while True:
+        for k in range(LANES):
+            along_x = np.int32(np.int32(floats[COLUMN + k]) * integers[STEP_X + k])
+            along_y = np.int32(np.int32(floats[ROW + k]) * integers[STEP_Y + k])
+            cell = np.int32(np.int32(integers[FIRST + k] + along_x) + along_y)
+            integers[CELL + k] = cell if floats[TIME + k] < floats[FAR + k] else occupied
+        some = 0
+        for k in range(LANES):
+            integers[FREE + k] = squares[np.uint32(integers[CELL + k])]
+            some |= int(integers[FREE + k])
+        if some == 0:
+            return
+        for k in range(LANES):
+            time, i, j, free = floats[TIME + k], floats[COLUMN + k], floats[ROW + k], np.float32(integers[FREE + k])
+            to_i, to_j = i + free, j + free
+            time_x = (to_i - floats[PLACE_X + k]) * floats[SLOW_X + k]
+            time_y = (to_j - floats[PLACE_Y + k]) * floats[SLOW_Y + k]
+            leaves_x = time_x < time_y
+            then = time_x if leaves_x else time_y
+            then = then if then > time else time
+            beside = np.float32(np.int32(floats[PLACE_X + k] + then * floats[EAST + k]))
+            beside = beside if beside > i else i
+            beside = beside if beside < to_i - ONE else to_i - ONE
+            above = np.float32(np.int32(floats[PLACE_Y + k] + then * floats[NORTH + k]))
+            above = above if above > j else j
+            above = above if above < to_j - ONE else to_j - ONE
+            next_i, next_j = to_i if leaves_x else beside, above if leaves_x else to_j
+            then = then if (next_i < floats[COLUMNS + k]) & (next_j < floats[ROWS + k]) else floats[FAR + k]
+            floats[TIME + k] = then if free > NONE else time
+            floats[COLUMN + k] = next_i if free > NONE else i
+            floats[ROW + k] = next_j if free > NONE else j
+
+
+@kernel
+def end_block(begin: int, floats: Rays, ranges: Rays) -> None:
+    """Shorten the ranges to where the beams of a block have ended."""
+    count = min(LANES, ranges.shape[0] - begin)
+    own = ranges[begin : begin + count]
+    for k in range(count):
+        own[k] = floats[TIME + k] if floats[TIME + k] < own[k] else own[k]
 
 
 @kernel

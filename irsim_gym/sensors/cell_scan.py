@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints, Labels, Rays
 from irsim_gym.geometry.cell_rays import cast_cells
 from irsim_gym.jit import kernel
 from irsim_gym.sensors.casting import mount_pose
@@ -22,6 +22,8 @@ def scan_cells(
     cells: CellMap,
     present: Flags,
     pose: Floats,
+    floats: Rays,
+    integers: Labels,
     ranges: Rays,
 ) -> None:
     """Shorten the ranges of all members in all given worlds to the nearest occupied cell, not below range_min.
@@ -36,10 +38,11 @@ def scan_cells(
         cells: The map.
         present: Which bodies exist, shape ``(n_worlds, n_bodies)``.
         pose: Poses [m, m, rad], shape ``(n_worlds, n_bodies, 3)``.
+        floats: Scratch, see ``cell_rays``.
+        integers: Scratch, see ``cell_rays``.
         ranges: Changed [m], shape ``(n_worlds, n_members, n_beams)``.
     """
-    frame, squares, _ = cells
-    own = int(frame[4])
+    own = int(cells[0][4])
     for i in range(worlds.shape[0]):
         w = worlds[i]
         if not present[w, own]:
@@ -48,7 +51,7 @@ def scan_cells(
             x, y, heading = mount_pose(pose[w, members[k]], params[k].offset)
             turned = w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
             row = ranges[w, k]
-            cast_cells(frame, squares, x, y, heading, beams_x[turned], beams_y[turned], row)
-            shortest = params[k].range_min
+            cast_cells(cells, x, y, heading, beams_x[turned], beams_y[turned], floats, integers, row)
+            shortest = np.float32(params[k].range_min)
             for j in range(row.shape[0]):
-                row[j] = max(row[j], np.float32(shortest))
+                row[j] = row[j] if row[j] > shortest else shortest

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Rays
+from irsim_gym.geometry.cell_rays import N_FLOATS, N_INTEGERS
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.sensors import hits, noise
 from irsim_gym.sensors.casting import cast_bodies, cast_outline
 from irsim_gym.sensors.cell_scan import scan_cells
+from irsim_gym.world.arrays import aligned
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import Outline
@@ -71,6 +73,8 @@ def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: i
         "ranges": np.tile(far[None, :, None], (n_worlds, 1, len(angles))),
         "footprint": np.zeros((n_members, len(angles)), np.float32),
     }
+    group.arrays["walk_floats"] = aligned((n_slots, N_FLOATS), np.float32)
+    group.arrays["walk_integers"] = aligned((n_slots, N_INTEGERS), np.int32)
     if is_noisy:
         noise.prepare(group)
     for k, outline in enumerate(outlines):
@@ -125,7 +129,8 @@ def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
     if (cells := model.cells) is not None:
         rows = table["beams_x"], table["beams_y"]
         members, params = group.members, table["cast_params"]
-        scan_cells(shard.worlds, members, params, *rows, cells, model.present, state.pose, table["ranges"])
+        scratch = table["walk_floats"][shard.slot], table["walk_integers"][shard.slot]
+        scan_cells(shard.worlds, members, params, *rows, cells, model.present, state.pose, *scratch, table["ranges"])
     if "hit" in table:
         hits.find(group, model, state, shard)
     if is_noisy:
