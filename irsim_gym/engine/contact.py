@@ -5,7 +5,7 @@ from __future__ import annotations
 from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
 from irsim_gym.engine.cell_contact import find_cell_contacts, measure_cell_clearance
 from irsim_gym.engine.crowd import find_near_contacts
-from irsim_gym.geometry.overlap import outline_distance, outlines_overlap
+from irsim_gym.geometry.overlap import disc_meets_outline, disc_outline_distance, outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
 from irsim_gym.world.model import ROBOT, STOP, UNOBSTRUCTED, WorldModel
@@ -130,37 +130,27 @@ def find_contacts(
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        reaches, rows, rounds = reach[w % reach.shape[0]], segments[w], discs[w]
+        reaches, rows, rounds, here, there = reach[w % reach.shape[0]], segments[w], discs[w], pose[w], present[w]
         n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
         for k in range(bodies.shape[0]):
             b = bodies[k]
-            if unobstructed[b] or not present[w, b]:
+            if unobstructed[b] or not there[b]:
                 continue
-            for q in range(hit.shape[1]):
-                if q == b or unobstructed[q] or not present[w, q]:
+            x, y, own, moves, d = here[b, 0], here[b, 1], reaches[b], movable[b], disc_start[b]
+            is_disc = n_segments[b] == 0 and n_discs[b] == 1
+            for q in range(there.shape[0]):
+                dx, dy, near = here[q, 0] - x, here[q, 1] - y, own + reaches[q]
+                if dx * dx + dy * dy > near * near * (1.0 + 1e-12) or q == b or unobstructed[q] or not there[q]:
                     continue
-                if (movable[q] == movable[b] and q < b) or (movable[q] and not movable[b]):
+                if (movable[q] == moves and q < b) or (movable[q] and not moves):
                     continue
-                dx, dy = pose[w, q, 0] - pose[w, b, 0], pose[w, q, 1] - pose[w, b, 1]
-                near = reaches[b] + reaches[q]
-                if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
-                    continue
-                if outlines_overlap(
-                    rows,
-                    segment_start[b],
-                    n_segments[b],
-                    rounds,
-                    disc_start[b],
-                    n_discs[b],
-                    solid[b],
-                    rows,
-                    segment_start[q],
-                    n_segments[q],
-                    rounds,
-                    disc_start[q],
-                    n_discs[q],
-                    solid[q],
-                ):
+                other = segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q]
+                if is_disc:
+                    meets = disc_meets_outline(rounds[d, 0], rounds[d, 1], rounds[d, 2], rows, *other)
+                else:
+                    whole = segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b]
+                    meets = outlines_overlap(rows, *whole, rows, *other)
+                if meets:
                     collided[w, b], collided[w, q] = True, True
                     hit[w, b] = q if hit[w, b] < 0 else min(hit[w, b], q)
                     hit[w, q] = b if hit[w, q] < 0 else min(hit[w, q], b)
@@ -237,35 +227,20 @@ def measure_clearance(
     """Write exact surface distances, passing over bodies that cannot be the nearest."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        reaches, rows, rounds = reach[w % reach.shape[0]], segments[w], discs[w]
+        reaches, rows, rounds, here, there = reach[w % reach.shape[0]], segments[w], discs[w], pose[w], present[w]
         n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
         for k in range(bodies.shape[0]):
             b, best = bodies[k], limit[w, k]
-            for q in range(present.shape[1]):
-                if q == b or unobstructed[q] or not present[w, q]:
+            x, y, own, d = here[b, 0], here[b, 1], reaches[b], disc_start[b]
+            is_disc = n_segments[b] == 0 and n_discs[b] == 1
+            for q in range(there.shape[0]):
+                dx, dy, near = here[q, 0] - x, here[q, 1] - y, best + own + reaches[q]
+                if dx * dx + dy * dy >= near * near or q == b or unobstructed[q] or not there[q]:
                     continue
-                dx, dy = pose[w, q, 0] - pose[w, b, 0], pose[w, q, 1] - pose[w, b, 1]
-                near = best + reaches[b] + reaches[q]
-                if dx * dx + dy * dy >= near * near:
-                    continue
-                best = min(
-                    best,
-                    outline_distance(
-                        rows,
-                        segment_start[b],
-                        n_segments[b],
-                        rounds,
-                        disc_start[b],
-                        n_discs[b],
-                        solid[b],
-                        rows,
-                        segment_start[q],
-                        n_segments[q],
-                        rounds,
-                        disc_start[q],
-                        n_discs[q],
-                        solid[q],
-                        best,
-                    ),
-                )
+                other = segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q]
+                if is_disc:
+                    best = disc_outline_distance(rounds[d, 0], rounds[d, 1], rounds[d, 2], rows, *other, best)
+                else:
+                    whole = segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b]
+                    best = min(best, outline_distance(rows, *whole, rows, *other, best))
             distance[w, k] = best

@@ -134,6 +134,71 @@ def point_outline_distance(
 
 
 @kernel
+def disc_meets_outline(
+    x: float, y: float, radius: float, seg: Floats, s: int, n: int, disc: Floats, d: int, m: int, solid: bool
+) -> bool:
+    """Return whether a disc and an outline have a point in common: what ``outlines_overlap`` says, for most robots.
+
+    Arguments as in ``disc_outline_distance``.
+    """
+    for i in range(d, d + m):
+        dx, dy, both = x - disc[i, 0], y - disc[i, 1], radius + disc[i, 2]
+        if dx * dx + dy * dy <= both * both:
+            return True
+    radius2 = radius * radius
+    for i in range(s, s + n):
+        if point_segment_distance2(x, y, seg[i, 0], seg[i, 1], seg[i, 2], seg[i, 3]) <= radius2:
+            return True
+    return solid and contains_point(seg, s, n, x, y)
+
+
+@kernel
+def disc_outline_distance(
+    x: float,
+    y: float,
+    radius: float,
+    seg: Floats,
+    s: int,
+    n: int,
+    disc: Floats,
+    d: int,
+    m: int,
+    solid: bool,
+    limit: float,
+) -> float:
+    """Return the distance [m] of a disc from an outline, the same number as ``outline_distance`` in fewer steps.
+
+    Args:
+        x: Centre of the disc [m].
+        y: Centre of the disc [m].
+        radius: Its radius [m].
+        seg: Segment table [m], shape ``(segment, 4)``.
+        s: First row of the outline's segments.
+        n: Number of them.
+        disc: Disc table [m], shape ``(disc, 3)``.
+        d: First row of the outline's discs.
+        m: Number of them.
+        solid: The segments bound an area.
+        limit: Returned when the distance is not smaller [m]; may be inf.
+    """
+    best = limit
+    for i in range(d, d + m):
+        dx, dy, both = x - disc[i, 0], y - disc[i, 1], radius + disc[i, 2]
+        distance2 = dx * dx + dy * dy
+        if distance2 <= both * both:
+            return 0.0
+        best = min(best, np.sqrt(distance2) - both)
+    if n == 0:
+        return best
+    least2 = np.inf
+    for i in range(s, s + n):
+        least2 = min(least2, point_segment_distance2(x, y, seg[i, 0], seg[i, 1], seg[i, 2], seg[i, 3]))
+    if least2 <= radius * radius or (solid and contains_point(seg, s, n, x, y)):
+        return 0.0
+    return min(best, np.sqrt(least2) - radius)
+
+
+@kernel
 def discs_overlap(disc_a: Floats, da: int, ma: int, disc_b: Floats, db: int, mb: int) -> bool:
     """Return whether a disc of a touches a disc of b."""
     for i in range(da, da + ma):

@@ -4,7 +4,13 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
+from irsim_gym.geometry.overlap import (
+    disc_meets_outline,
+    disc_outline_distance,
+    outline_distance,
+    outlines_overlap,
+    point_outline_distance,
+)
 from tests.geometry.shapes import (
     NO_DISCS,
     NO_SEGMENTS,
@@ -67,6 +73,19 @@ def test_points_against_shapely() -> None:
         shape, point = random_shape(rng), rng.uniform(-3.0, 3.0, 2)
         expected = max(shapely.distance(shape.geometry, shapely.Point(point)) - radius_of(shape), 0.0)
         assert point_outline_distance(*point, *shape.arguments) == pytest.approx(expected, abs=TOLERANCE)
+
+
+def test_a_single_disc_gets_the_same_answers_bit_for_bit() -> None:
+    rng = np.random.default_rng(15)
+    touching = 0
+    for _ in range(2000):
+        shape, (x, y), radius = random_shape(rng), rng.uniform(-3.0, 3.0, 2), rng.uniform(0.05, 1.0)
+        limit = rng.choice([0.1, 0.7, np.inf])
+        ring = disc(x, y, radius)
+        assert disc_meets_outline(x, y, radius, *shape.arguments) is overlap(ring, shape)
+        assert disc_outline_distance(x, y, radius, *shape.arguments, limit) == distance(ring, shape, limit)
+        touching += overlap(ring, shape)
+    assert 200 < touching < 1800
 
 
 @pytest.mark.parametrize(
