@@ -195,7 +195,7 @@ def disc_outline_distance(
         least2 = min(least2, point_segment_distance2(x, y, seg[i, 0], seg[i, 1], seg[i, 2], seg[i, 3]))
     if least2 <= radius * radius or (solid and contains_point(seg, s, n, x, y)):
         return 0.0
-    return min(best, np.sqrt(least2) - radius)
+    return float(min(best, np.sqrt(least2) - radius))
 
 
 @kernel
