@@ -37,6 +37,7 @@ class Fused:
 
     def __init__(self, function: Callable[[Shard], None], is_fusable: bool = True) -> None:
         self.function = function
+        self.__qualname__ = getattr(function, "__qualname__", type(self).__qualname__)
         self.is_fusable = is_fusable and is_possible()
         self._programs: dict[int, Program | None] = {}
 

@@ -1,0 +1,193 @@
+"""Shares of worlds on threads: who does what, errors, interrupts, forks, the end of the threads."""
+
+from __future__ import annotations
+
+import gc
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from types import FrameType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from irsim_gym.engine import shards
+from irsim_gym.engine.shards import Shards
+from irsim_gym.world.group import Shard
+
+N = 7
+
+
+def ours() -> int:
+    return sum(thread.name == "irsim_gym" for thread in threading.enumerate())
+
+
+class Visits:
+    """Counts how often each world is treated, and by which threads."""
+
+    def __init__(self, pause: float = 0.0) -> None:
+        self.pause = pause
+        self.seen = np.zeros(N, np.int64)
+        self.slots: set[int] = set()
+        self.threads: set[int] = set()
+
+    def __call__(self, shard: Shard) -> None:
+        time.sleep(self.pause * len(shard.worlds))
+        self.seen[shard.worlds] += 1
+        self.slots.add(shard.slot)
+        self.threads.add(threading.get_ident())
+
+
+@pytest.mark.parametrize("num_threads", [1, 2, 3, 7, 20])
+def test_every_world_is_treated_once(num_threads: int) -> None:
+    made, visits = Shards(N, num_threads), Visits()
+    for _ in range(50):
+        made.run(visits)
+    made.run(visits, np.array([1, 4]))
+    made.run(visits, np.array([], np.int64))
+    assert visits.seen.tolist() == [50, 51, 50, 50, 51, 50, 50]
+    assert visits.slots == set(range(min(num_threads, N)))
+    assert len(visits.threads) == min(num_threads, N)
+
+
+def test_little_work_stays_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shards, "WORTH_S", 1.0)
+    made, visits = Shards(N, 3), Visits()
+    for _ in range(20):
+        made.run(visits)
+    assert visits.threads == {threading.get_ident()}
+    assert made._lanes == []
+
+
+@pytest.mark.parametrize(("worth", "shares"), [(0.004, 3), (0.01, 2), (0.02, 1)])
+def test_the_least_time_so_far_says_into_how_many_shares(
+    worth: float, shares: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shards, "WORTH_S", worth)
+    made = Shards(N, 3)
+    made._seconds["Work"] = 0.003  # 0.021 s for all worlds
+    visits = type("Work", (Visits,), {})()
+    made.run(visits)
+    assert len(visits.threads) == shares
+
+
+def test_the_first_time_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shards, "WORTH_S", 1e-3)
+    made, visits = Shards(N, 2), Visits(0.001)
+    numbers = []
+    for _ in range(3):
+        visits.threads.clear()
+        made.run(visits)
+        numbers.append(len(visits.threads))
+    assert numbers == [1, 1, 2]
+
+
+@pytest.mark.parametrize("failing", [0, 2])
+def test_errors_are_passed_on_when_all_have_ended(failing: int) -> None:
+    made, visits = Shards(N, 3), Visits(0.002)
+
+    def work(shard: Shard) -> None:
+        if shard.slot == failing:
+            raise ZeroDivisionError("slot")
+        visits(shard)
+
+    with pytest.raises(ZeroDivisionError, match="slot"):
+        made.run(work)
+    assert visits.slots == {0, 1, 2} - {failing}
+    made.run(visits)
+    assert visits.seen.max() == 2
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs the timers of POSIX")
+@pytest.mark.parametrize("waits", [False, True])
+def test_an_interrupt_leaves_no_share_under_way(waits: bool) -> None:
+    """It comes while the first share runs, or while its thread waits for the other one."""
+    made, ended = Shards(2, 2), []
+
+    def work(shard: Shard) -> None:
+        time.sleep(0.0 if waits and shard.slot == 0 else 0.15)
+        ended.append(shard.slot)
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
+        with pytest.raises(KeyboardInterrupt):
+            made.run(work)
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert ended == ([0, 1] if waits else [1])
+    visits = Visits()
+    for _ in range(20):
+        made.run(visits)
+    assert visits.seen[:2].tolist() == [20, 20]
+
+
+def test_threads_end_with_their_owner() -> None:
+    before = ours()
+    made = Shards(N, 3)
+    made.run(Visits())
+    assert ours() == before + 2
+    del made
+    gc.collect()
+    deadline = time.monotonic() + 5.0
+    while ours() > before and time.monotonic() < deadline:
+        time.sleep(0.001)
+    assert ours() == before
+
+
+def test_threads_forget_what_they_did() -> None:
+    made = Shards(N, 3)
+
+    class Work:
+        def __call__(self, shard: Shard) -> None:
+            pass
+
+    work = Work()
+    made.run(work)
+    made.run(lambda shard: None)
+    assert len(gc.get_referrers(work)) <= 1
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_forked_child_makes_its_own_threads() -> None:
+    made, visits = Shards(N, 3), Visits()
+    made.run(visits)
+    child = os.fork()
+    if child == 0:
+        made.run(visits)
+        os._exit(0 if visits.seen.tolist() == [2] * N else 1)
+    assert os.waitpid(child, 0)[1] == 0
+    made.run(visits)
+    assert visits.seen.tolist() == [2] * N
+
+
+def test_copies_have_no_threads() -> None:
+    made = Shards(N, 3)
+    made.run(Visits())
+    twin: Any = pickle.loads(pickle.dumps(made))
+    assert twin._lanes == []
+    visits = Visits()
+    twin.run(visits)
+    assert visits.seen.tolist() == [1] * N
+
+
+@pytest.mark.parametrize("last", ["pass", "raise SystemExit(0)"])
+def test_sleeping_threads_do_not_keep_the_process(last: str) -> None:
+    program = f"""
+from irsim_gym.engine import shards
+shards.WORTH_S = 0.0
+made = shards.Shards(4, 3)
+made.run(lambda shard: None)
+assert len(made._lanes) == 2
+{last}
+"""
+    assert subprocess.run([sys.executable, "-c", program], timeout=60, check=False).returncode == 0
