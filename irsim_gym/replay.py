@@ -11,8 +11,9 @@ The kernels are the very same compiled functions, so their results are too, to t
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from llvmlite import binding, ir
@@ -33,18 +34,6 @@ OK, OK_NONE = 0, -2
 Words = list[tuple[str, int]]
 WORLDS: Words = [("q", 0), ("q", 0), ("n", 0), ("q", 8), ("w", 0), ("n", 0), ("q", 8)]
 """The worlds to treat: address and number are filled in when the call is made."""
-
-
-class Doorway(NamedTuple):
-    """Compiled code that makes calls of one kind.
-
-    Attributes:
-        address: Where it begins.
-        engine: Who owns it.
-    """
-
-    address: int
-    engine: Any
 
 
 class NotRecordableError(Exception):
@@ -75,7 +64,7 @@ class Program:
         self.words = np.array([word for _, row in rows for word in row], np.int64)
         starts = np.cumsum([0, *(len(row) for _, row in rows)])[:-1]
         self._entries = np.zeros((len(rows), 2), np.int64)
-        self._entries[:, 0] = [_doorway(order).address for order, _ in rows]
+        self._entries[:, 0] = _doorways().find([order for order, _ in rows])
         self._entries[:, 1] = self.words.ctypes.data + self.words.itemsize * starts
 
     def run(self, worlds: Ints) -> None:
@@ -133,32 +122,61 @@ def _words(kind: Any, value: Any) -> Words:
     raise NotRecordableError(f"an argument of type {kind}")
 
 
-@cache
-def _doorway(order: str) -> Doorway:
-    """Return the function that loads words in this order and makes the call.
+class Doorways:
+    """Compiled functions, each of which loads words in one order and makes the call; one for all with that order.
 
-    Its arguments are the address of the words, that of the worlds, and their number; it returns Numba's status.
+    The arguments of a doorway are the address of the words, that of the worlds, and their number; it returns Numba's
+    status. They are written as text, because LLVM's objects in Python take four times as long.
     """
-    module = ir.Module(name="doorway")
-    module.triple = binding.get_default_triple()
-    made = ir.Function(module, ir.FunctionType(STATUS, [WORD.as_pointer(), WORD, WORD]), "doorway")
-    build = ir.IRBuilder(made.append_basic_block())
-    words, where, count = made.args
-    target = ir.FunctionType(STATUS, [WORD, WORD, *(KINDS[one] for one in order)])
-    load = [build.load(build.gep(words, [WORD(k)])) for k in range(len(order) + 1)]
-    given: list[Any] = [build.ptrtoint(build.alloca(WORD), WORD) for _ in ("value", "error")]
-    for one, word in zip(order, load[1:], strict=True):
+
+    def __init__(self) -> None:
+        self._addresses: dict[str, int] = {}
+        self._engines: list[Any] = []
+
+    def find(self, orders: Sequence[str]) -> list[int]:
+        """Return the address of the doorway for each order; those that are missing are compiled, together."""
+        missing = [order for order in dict.fromkeys(orders) if order not in self._addresses]
+        if missing:
+            text = "\n".join(_doorway(f"doorway_{n}", order) for n, order in enumerate(missing))
+            machine = binding.Target.from_default_triple().create_target_machine(opt=1)
+            engine = binding.create_mcjit_compiler(binding.parse_assembly(text), machine)
+            engine.finalize_object()
+            self._engines.append(engine)
+            self._addresses |= {order: engine.get_function_address(f"doorway_{n}") for n, order in enumerate(missing)}
+        return [self._addresses[order] for order in orders]
+
+
+@cache
+def _doorways() -> Doorways:
+    return Doorways()
+
+
+def _doorway(name: str, order: str) -> str:
+    """Return a doorway in LLVM's language."""
+    kinds = [KINDS[one] for one in order]
+    pointer, target = WORD.as_pointer(), ir.FunctionType(STATUS, [WORD, WORD, *kinds]).as_pointer()
+    lines = [f"define i32 @{name}({pointer} %words, i64 %where, i64 %count) {{", *map(_slot, ("value", "error"))]
+    given = ["i64 %value", "i64 %error"]
+    for k, one in enumerate(f"q{order}"):
         if one in "wn":
-            given.append(where if one == "w" else count)
-        elif one == "d":
-            given.append(build.bitcast(word, FLOAT))
-        else:
-            given.append(word if one == "q" else build.trunc(word, BYTE))
-    build.ret(build.call(build.inttoptr(load[0], target.as_pointer()), given))
-    machine = binding.Target.from_default_triple().create_target_machine(opt=1)
-    engine = binding.create_mcjit_compiler(binding.parse_assembly(str(module)), machine)
-    engine.finalize_object()
-    return Doorway(engine.get_function_address("doorway"), engine)
+            given.append("i64 %where" if one == "w" else "i64 %count")
+            continue
+        lines.append(f"%at{k} = getelementptr i64, {pointer} %words, i64 {k}")
+        lines.append(f"%word{k} = load i64, {pointer} %at{k}")
+        if one == "d":
+            lines.append(f"%float{k} = bitcast i64 %word{k} to double")
+        elif one == "b":
+            lines.append(f"%byte{k} = trunc i64 %word{k} to i8")
+        given.append({"q": f"i64 %word{k}", "d": f"double %float{k}", "b": f"i8 %byte{k}"}[one])
+    given.remove("i64 %word0")
+    lines.append(f"%function = inttoptr i64 %word0 to {target}")
+    lines.append(f"%status = call i32 %function({', '.join(given)})")
+    return "\n".join([*lines, "ret i32 %status", "}"])
+
+
+def _slot(name: str) -> str:
+    """Return the lines that make room on the stack and take its address."""
+    return f"%{name}_slot = alloca i64\n%{name} = ptrtoint {WORD.as_pointer()} %{name}_slot to i64"
 
 
 def _enter(context: Any, entry: Any, words: Any, where: Any, count: Any) -> Any:
