@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import results
-from rich.console import Console
 from rich.table import Table
 
 Verdict = Literal["better", "worse", "same", "gone", "new"]
@@ -100,7 +99,7 @@ def main() -> int:
     parser.add_argument("--all", action="store_true", help="show what stayed the same too")
     asked = parser.parse_args()
     before, after = results.read(asked.before), results.read(asked.after)
-    console = Console()
+    console = results.console()
     for difference in machines_differ(before, after):
         console.print(f"[yellow]The machines differ: {difference}")
     found = [

@@ -46,7 +46,7 @@ REQUIREMENTS: dict[str, tuple[str, ...]] = {
 
 SIZES = {"ours": 1024, "vmas": 1024, "jaxnav": 64, "map": 64, "one": 1}
 TINY_SIZES = {"ours": 2, "vmas": 2, "jaxnav": 2, "map": 2, "one": 1}
-N_STARTS = 64
+N_STARTS, N_LEVELS = 64, 8
 CROWDS = (10, 100, 1000)
 
 WORKS: dict[str, Mapping[str, Any]] = {
@@ -56,7 +56,7 @@ WORKS: dict[str, Mapping[str, Any]] = {
     "s2_orca": {"scenario": worlds.s2("orca"), "n_steps": worlds.RUN_STEPS},
     "s3_cave": {"scenario": worlds.s3("cave")},
     "s3_floor_plan": {"scenario": worlds.s3("floor_plan")},
-    "s4": {"scenario": worlds.s4()},
+    "s4": {"scenario": worlds.s4(), "n_steps": worlds.TEAM_STEPS},
     **{f"orca_{n}": {"scenario": worlds.crowd(worlds.ORCA, n), "n_steps": worlds.RUN_STEPS} for n in CROWDS},
 }
 
@@ -93,20 +93,39 @@ def about(peer: str) -> dict[str, Any]:
 
 def starts_of(scenario: Mapping[str, Any]) -> list[list[float]]:
     """Return x, y, heading and the goal's x, y of the learner in the first levels, as our environments draw them."""
-    from irsim_gym.envs.worlds import Worlds
-
-    if "task" not in scenario or scenario["robot"][0].get("number", 1) > 1:
+    if "task" not in scenario or is_team(scenario):
         return []
-    drawn = Worlds(scenario, N_STARTS)
-    drawn.begin(range(N_STARTS), range(N_STARTS), [{}] * N_STARTS, lambda w: w)
-    state = drawn.simulation.state
+    state = drawn(scenario, N_STARTS).simulation.state
     pairs = zip(state.pose[:, 0].tolist(), state.goal[:, 0, :2].tolist(), strict=True)
     return [[*pose, *goal] for pose, goal in pairs]
 
 
+def levels_of(scenario: Mapping[str, Any]) -> list[list[list[float]]]:
+    """Return x, y, heading of every body in the first levels of a team, as our environments draw them."""
+    if "task" not in scenario or not is_team(scenario):
+        return []
+    levels: list[list[list[float]]] = drawn(scenario, N_LEVELS).simulation.state.pose.tolist()
+    return levels
+
+
+def is_team(scenario: Mapping[str, Any]) -> bool:
+    """Return whether several robots learn."""
+    return bool(scenario["robot"][0].get("number", 1) > 1)
+
+
+def drawn(scenario: Mapping[str, Any], count: int) -> Any:
+    """Return our worlds at the first levels."""
+    from irsim_gym.envs.worlds import Worlds
+
+    found = Worlds(scenario, count, team=is_team(scenario))
+    found.begin(range(count), range(count), [{}] * count, lambda w: w)
+    return found
+
+
 def measure(work: str, pythons: Mapping[str, Path], ways: Mapping[str, list[str]], asked: Any) -> list[Player]:
     """Play one work with all who can, in turns."""
-    given = {**WORKS[work], "starts": starts_of(WORKS[work]["scenario"]), "round_s": asked.round_s}
+    scenario = WORKS[work]["scenario"]
+    given = {**WORKS[work], "starts": starts_of(scenario), "levels": levels_of(scenario), "round_s": asked.round_s}
     given["sizes"] = TINY_SIZES if asked.tiny else SIZES
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
@@ -159,7 +178,7 @@ def main() -> None:
     parser.add_argument("--peer", default="", help="only the peers whose names match")
     parser.add_argument("--json", type=Path, help="write the figures to this file")
     parser.add_argument("--rounds", type=int, default=7, help="good rounds of each")
-    parser.add_argument("--round-s", type=float, default=0.5, help="CPU seconds of a round")
+    parser.add_argument("--round-s", type=float, default=0.4, help="CPU seconds of a round")
     parser.add_argument("--cache", type=Path, default=CACHE, help="folder of the virtual environments")
     parser.add_argument("--pip-args", default=os.environ.get("PIP_ARGS", ""), help="passed on to pip")
     parser.add_argument("--tiny", action="store_true", help="one short round each: to see that all run")

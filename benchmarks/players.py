@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from standard_worlds import RUN_STEPS
+from standard_worlds import RUN_STEPS, TEAM_STEPS
 
 import irsim_gym as ig
 from irsim_gym.envs.single import WorldEnv
@@ -92,8 +92,14 @@ def vec_env(scenario: Mapping[str, Any], n_worlds: int) -> Player:
 
 
 def team(scenario: Mapping[str, Any], n_worlds: int) -> Player:
-    """Return a batch whose robots all learn, each with an observation of its own."""
-    return core(scenario, n_worlds, team=True)
+    """Return a batch whose robots all learn, each with an observation of its own; from the start in each run."""
+    found = core(scenario, n_worlds, team=True)
+
+    def rewind() -> None:
+        assert found.worlds is not None
+        found.worlds.begin(range(n_worlds), range(n_worlds), [{}] * n_worlds, lambda w: w)
+
+    return Player(found.step, found.n_agents, rewind, TEAM_STEPS)
 
 
 def crowd(scenario: Mapping[str, Any], n_worlds: int = 1) -> Player:

@@ -6,8 +6,19 @@ import json
 from pathlib import Path
 from typing import Any
 
+from rich.console import Console
+
 FOLDER = Path(__file__).parent / "results"
+WIDTH = 140
 SCHEMA = Path(__file__).parent / "result.schema.json"
+
+
+def console() -> Console:
+    """Return where tables are shown: wide enough for names where the output goes to a file."""
+    found = Console()
+    if not found.is_terminal:
+        found.width = WIDTH
+    return found
 
 
 def write(file: Path, result: dict[str, Any]) -> None:

@@ -12,7 +12,6 @@ import results
 from catalogue import CASES
 from effort import FULL, TINY, flatten
 from machine import describe
-from rich.console import Console
 from rich.table import Table
 
 
@@ -30,7 +29,7 @@ def main() -> None:
     if asked.list:
         print("\n".join(chosen))
         return
-    console, table = Console(), Table("case", "figure", "value", "noise")
+    console, table = results.console(), Table("case", "figure", "value", "noise")
     found: dict[str, dict[str, float]] = {}
     noises: dict[str, dict[str, float]] = {}
     took: dict[str, float] = {}

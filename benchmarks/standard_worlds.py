@@ -21,6 +21,9 @@ SPACING = 3.0
 RUN_STEPS = 60
 """Steps of a crowd from its start: until then hardly anybody has arrived, and nobody has nothing to do."""
 
+TEAM_STEPS = 16
+"""Steps of a team from its start."""
+
 DIFF: Data = {
     "kinematics": {"name": "diff"},
     "shape": {"name": "circle", "radius": 0.2},
@@ -44,8 +47,8 @@ TASK: Data = {
 }
 """Every beam, goal and velocity; the reward of the peers' wrappers and of the C twin."""
 
-ENDLESS: Data = {**TASK, "max_steps": 10**6, "endings": ["arrived"], "rewards": TASK["rewards"][:2]}
-"""For robots that go on wherever they bump into something."""
+TEAM_TASK: Data = {**TASK, "max_steps": 100, "endings": ["arrived"], "rewards": TASK["rewards"][:2]}
+"""For robots that go on wherever they bump into something, but not for ever: no walls hold them."""
 
 
 def lidar(beams: int, far: float) -> list[Data]:
@@ -124,7 +127,7 @@ def s4(n_robots: int = 10, n_wanderers: int = 10) -> Data:
     }
     robots = {**DIFF, "number": n_robots, "distribution": {"name": "random", **area}, "sensors": lidar(100, 6.0)}
     world = {"width": side, "height": side, "step_time": 0.1, "collision_mode": "unobstructed"}
-    return {"world": world, "robot": [robots], "obstacle": [wanderers], "task": ENDLESS}
+    return {"world": world, "robot": [robots], "obstacle": [wanderers], "task": TEAM_TASK}
 
 
 def crowd(behavior: Data, n_agents: int) -> Data:

@@ -50,7 +50,8 @@ def pivot(figures: Mapping[str, float]) -> str:
         if found is None:
             plain[figure] = value
             continue
-        row = f"{int(found['count']):,} {found['unit']}"
+        count = int(found["count"])
+        row = f"{count:,} {found['unit'] if count != 1 else found['unit'].removesuffix('s')}"
         column = "_".join(part for part in (found["what"], found["rest"]) if part)
         cells.setdefault(row, {})[column] = value
     parts = []

@@ -110,7 +110,7 @@ def test_figures_with_sizes_become_a_table_of_sizes() -> None:
     assert text.splitlines() == [
         "|  | core_us | vec_env_us |",
         "| --- | --- | --- |",
-        "| 1 worlds | 4 | 5.5 |",
+        "| 1 world | 4 | 5.5 |",
         "| 4,096 worlds | 1 |  |",
         "",
         "| figure | value |",

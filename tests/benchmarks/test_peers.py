@@ -155,6 +155,15 @@ def test_starts_of_a_work_are_free_places() -> None:
     assert peers.starts_of(standard_worlds.s2("rvo")) == []
 
 
+def test_levels_of_a_team_have_a_place_for_each_body() -> None:
+    levels = np.array(peers.levels_of(standard_worlds.s4()))
+    assert levels.shape == (peers.N_LEVELS, 20, 3)
+    assert (np.abs(levels[:, :, :2] - 6.0) <= 5.5).all()
+    apart = np.linalg.norm(levels[:, :, None, :2] - levels[:, None, :, :2], axis=-1)[:, *np.triu_indices(20, 1)]
+    assert apart.min() > 0.4
+    assert peers.levels_of(standard_worlds.s1()) == []
+
+
 def test_a_result_follows_the_schema() -> None:
     told = {name: peers.about(name) for name in PEERS}
     told["vmas"]["missing"] = "not installed"
