@@ -64,7 +64,8 @@ class Program:
         self.words = np.array([word for _, row in rows for word in row], np.int64)
         starts = np.cumsum([0, *(len(row) for _, row in rows)])[:-1]
         self._entries = np.zeros((len(rows), 2), np.int64)
-        self._entries[:, 0] = _doorways().find([order for order, _ in rows])
+        self._doorways = _doorways()
+        self._entries[:, 0] = self._doorways.find([order for order, _ in rows])
         self._entries[:, 1] = self.words.ctypes.data + self.words.itemsize * starts
 
     def run(self, worlds: Ints) -> None:
