@@ -13,7 +13,7 @@ import pytest
 from numba.core.errors import NumbaError
 
 import irsim_gym
-from irsim_gym import jit
+from irsim_gym import jit, jit_cache
 from irsim_gym.arraytypes import Floats
 
 PACKAGE = Path(irsim_gym.__file__).parent
@@ -50,10 +50,8 @@ def test_kernels_run_as_plain_python_with_the_same_results(tmp_path: Path) -> No
 def test_the_cache_folder_follows_the_sources(tmp_path: Path) -> None:
     copy = tmp_path / "irsim_gym"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    ask = [
-        "-c",
-        f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from irsim_gym import jit; print(jit.cache_folder())",
-    ]
+    code = f"sys.path.insert(0, {str(tmp_path)!r}); from irsim_gym import jit_cache; print(jit_cache.cache_folder())"
+    ask = ["-c", f"import sys; {code}"]
     before = run(ask).stdout
     assert str(tmp_path) in before
     assert run(ask).stdout == before
@@ -63,14 +61,14 @@ def test_the_cache_folder_follows_the_sources(tmp_path: Path) -> None:
 
 
 def test_without_a_writable_folder_nothing_is_cached(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(jit, "_cache_roots", lambda: [Path("/proc/irsim_gym")])
-    jit.cache_folder.cache_clear()
+    monkeypatch.setattr(jit_cache, "_cache_roots", lambda: [Path("/proc/irsim_gym")])
+    jit_cache.cache_folder.cache_clear()
     try:
-        assert jit.cache_folder() is None
+        assert jit_cache.cache_folder() is None
         assert jit.kernel(lambda x: x + 1)(1) == 2
     finally:
         monkeypatch.undo()
-        jit.cache_folder.cache_clear()
+        jit_cache.cache_folder.cache_clear()
 
 
 def test_old_cache_folders_are_pruned(tmp_path: Path) -> None:
@@ -78,16 +76,8 @@ def test_old_cache_folders_are_pruned(tmp_path: Path) -> None:
         folder = tmp_path / f"irsim_gym-{age}"
         folder.mkdir()
         os.utime(folder, (1000 - age, 1000 - age))
-    jit._prune(tmp_path)
+    jit_cache._prune(tmp_path)
     assert sorted(folder.name for folder in tmp_path.iterdir()) == [f"irsim_gym-{age}" for age in range(4)]
-
-
-def test_the_first_compilation_is_announced_once(tmp_path: Path) -> None:
-    script = "from irsim_gym import rng; import numpy as np; rng.mix(np.uint64(1)); rng.later_level(1, 2)"
-    done = run(["-c", script], NUMBA_CACHE_DIR=str(tmp_path))
-    assert done.stderr.count("compiling kernels") == 1
-    assert "(half a minute or so, first use only)" in done.stderr
-    assert "compiling" not in run(["-c", script], NUMBA_CACHE_DIR=str(tmp_path)).stderr
 
 
 @jit.kernel
@@ -99,3 +89,118 @@ def sum_of_a_copy(values: Floats) -> float:
 def test_a_kernel_that_allocates_does_not_compile() -> None:
     with pytest.raises(NumbaError, match="NRT required"):
         sum_of_a_copy(np.ones(3))
+
+
+def test_folders_used_lately_are_not_pruned(tmp_path: Path) -> None:
+    for name in "abcdef":
+        (tmp_path / f"irsim_gym-{name}").mkdir()
+    jit_cache._prune(tmp_path)
+    assert len(list(tmp_path.iterdir())) == 6
+
+
+USE = "from irsim_gym import rng; import numpy as np; rng.mix(np.uint64(1)); rng.later_level(1, 2)"
+COUNT = """
+from numba.core import event
+class Count(event.Listener):
+    n = 0
+    def on_start(self, event): self.n += 1
+    def on_end(self, event): pass
+count = Count()
+event.register("numba:compile", count)
+"""
+
+
+def compilations(folder: Path, use: str = USE, **environment: str) -> int:
+    """Use two kernels in a process of its own, of which one calls a third; return how many were compiled."""
+    done = run(["-W", "error", "-c", f"{COUNT}\n{use}\nprint(count.n)"], NUMBA_CACHE_DIR=str(folder), **environment)
+    assert done.returncode == 0, done.stderr
+    return int(done.stdout)
+
+
+def test_what_is_on_disk_is_not_compiled_again(tmp_path: Path) -> None:
+    assert compilations(tmp_path) == 3
+    assert compilations(tmp_path) == 0
+
+
+def test_processors_and_settings_have_files_of_their_own(tmp_path: Path) -> None:
+    assert compilations(tmp_path) == 3
+    assert compilations(tmp_path, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == 3
+    assert compilations(tmp_path, NUMBA_BOUNDSCHECK="1") == 3
+    assert compilations(tmp_path) == 0
+
+
+def test_a_damaged_file_is_compiled_anew(tmp_path: Path) -> None:
+    assert compilations(tmp_path) == 3
+    files = sorted(tmp_path.rglob("*.nbc"))
+    files[0].write_bytes(files[0].read_bytes()[:-10])
+    files[1].write_bytes(b"")
+    files[2].write_bytes(files[2].read_bytes()[:99] + b"x" + files[2].read_bytes()[100:])
+    assert compilations(tmp_path) == 3
+    assert compilations(tmp_path) == 0
+
+
+def test_a_full_disk_is_done_without(tmp_path: Path) -> None:
+    full = """
+from pathlib import Path
+def write_bytes(self, content):
+    self.touch()
+    raise OSError(28, "No space left on device")
+Path.write_bytes = write_bytes
+"""
+    assert compilations(tmp_path, full + USE) == 3
+    assert not [file for file in tmp_path.rglob("*") if file.is_file()]
+
+
+def test_processes_that_compile_at_once_do_not_disturb_each_other(tmp_path: Path) -> None:
+    command = [sys.executable, "-W", "error", "-c", USE]
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    processes = [subprocess.Popen(command, env=environment) for _ in range(3)]
+    assert [process.wait(timeout=120) for process in processes] == [0, 0, 0]
+    assert compilations(tmp_path) == 0
+    assert {file.suffix for file in tmp_path.rglob("*") if file.is_file()} == {".nbc"}
+
+
+def test_a_kernel_elsewhere_follows_what_it_calls_and_reads(tmp_path: Path) -> None:
+    files = {
+        "mine": "from irsim_gym.jit import kernel\nfrom lib import twice, STEP\n"
+        "@kernel\ndef answer(x):\n    return twice(x) + STEP\n",
+        "lib": "from irsim_gym.jit import kernel\nSTEP = 1.0\n@kernel\ndef twice(x):\n    return 2.0 * x\n",
+    }
+    for name, text in files.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    ask = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from mine import answer; print(answer(10.0))"
+
+    def answer() -> float:
+        done = run(["-B", "-c", ask], NUMBA_CACHE_DIR=str(tmp_path / "cache"))
+        return float(done.stdout)
+
+    assert answer() == answer() == 21.0
+    (tmp_path / "lib.py").write_text(files["lib"].replace("2.0 *", "3.0 *"))
+    assert answer() == 31.0
+    (tmp_path / "lib.py").write_text(files["lib"].replace("STEP = 1.0", "STEP = 5.0"))
+    assert answer() == 25.0
+
+
+def test_a_temporary_folder_of_somebody_else_is_not_trusted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    theirs = tmp_path / "theirs"
+    theirs.mkdir()
+    link = tmp_path / "irsim_gym-here"
+    link.symlink_to(theirs)
+    assert not jit_cache._is_private(link)
+    assert jit_cache._is_private(theirs)
+    assert theirs.stat().st_mode & 0o077 == 0
+    monkeypatch.setattr(os, "getuid", lambda: theirs.stat().st_uid + 1)
+    assert not jit_cache._is_private(theirs)
+
+
+def test_a_long_compilation_is_announced_once(tmp_path: Path) -> None:
+    hasty = "from irsim_gym import jit_watch; jit_watch.PATIENCE_S = 0.0;"
+    first = run(["-c", hasty + USE], NUMBA_CACHE_DIR=str(tmp_path))
+    assert first.stderr.count("compiling kernels") == 1
+    assert "`irsim-gym warmup`" in first.stderr
+    assert run(["-c", hasty + USE], NUMBA_CACHE_DIR=str(tmp_path)).stderr == ""
+
+
+def test_a_short_compilation_is_not_worth_a_word(tmp_path: Path) -> None:
+    patient = "from irsim_gym import jit_watch; jit_watch.PATIENCE_S = 60.0;"
+    assert run(["-c", patient + USE], NUMBA_CACHE_DIR=str(tmp_path)).stderr == ""

@@ -1,0 +1,201 @@
+"""Compiled code on disk: never stale, shared by processes, and never a reason to fail."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import pickle
+import shutil
+import sys
+import tempfile
+import time
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+import llvmlite
+import numba
+import numpy as np
+from numba.core import compiler, serialize
+from numba.core import config as numba_config
+
+config: Any = numba_config
+CompileResult: Any = compiler.CompileResult
+PACKAGE = Path(__file__).parent
+KEPT_FOLDERS = 4
+KEPT_S = 3600.0
+"""Folders of other sources stay that long [s] after their last use, the newest ``KEPT_FOLDERS`` for good."""
+WITHOUT_KERNELS = {"scenario", "envs", "evaluation", "training", "render", "live", "__init__.py"}
+SETTINGS = ("OPT", "BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE", "DEBUGINFO_DEFAULT")
+
+
+def keep_on_disk(dispatcher: Any) -> None:
+    """Give a dispatcher a cache of ours, unless there is no folder or no source file whose changes would be seen."""
+    function = dispatcher.py_func
+    if function.__closure__ is None and Path(function.__code__.co_filename).is_file() and cache_folder() is not None:
+        dispatcher._cache = KernelCache(function, repr(sorted(dispatcher.targetoptions.items(), key=str)))
+
+
+class KernelCache:
+    """Numba's interface of a cache, in place of its own, whose index mixes up signatures saved at the same time.
+
+    One file for each kernel, signature and processor, replaced as a whole, with a checksum. A file that cannot be
+    read, is damaged or does not fit is compiled anew; one that cannot be written is done without.
+    """
+
+    def __init__(self, function: Any, options: str) -> None:
+        self._name = f"{function.__module__}.{function.__qualname__}".replace("<", "").replace(">", "")
+        self._key = "" if _is_own(function) else _fingerprint(function, set())
+        self._options = options
+
+    @property
+    def cache_path(self) -> str:
+        """The folder, '' if there is none."""
+        return str(cache_folder() or "")
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """Return the compiled code for some types of arguments, None if it has to be compiled."""
+        target.refresh()
+        try:
+            content = self._file(signature, target.codegen()).read_bytes()
+            if content[:16] != _checksum(content[16:]):
+                return None
+            compiled = CompileResult._rebuild(target, *pickle.loads(content[16:]))
+        except (OSError, pickle.UnpicklingError, ImportError, AttributeError):
+            return None
+        return compiled if tuple(compiled.signature.args) == tuple(signature) else None
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Write compiled code, if it can be kept and there is room."""
+        if compiled.library.has_dynamic_globals:
+            return
+        content: bytes = serialize.dumps(compiled._reduce())  # type: ignore[no-untyped-call]
+        file = self._file(signature, compiled.codegen)
+        passing = file.with_suffix(f".{os.getpid()}")
+        try:
+            passing.write_bytes(_checksum(content) + content)
+            passing.replace(file)
+        except OSError:
+            passing.unlink(missing_ok=True)
+
+    def enable(self) -> None:
+        """Part of the interface: this cache is always on."""
+
+    def disable(self) -> None:
+        """Part of the interface: this cache is always on."""
+
+    def flush(self) -> None:
+        """Part of the interface: files are never stale."""
+
+    def _file(self, signature: Any, codegen: Any) -> Path:
+        settings = [str(getattr(config, name, None)) for name in SETTINGS]
+        key = [*map(str, signature), *map(str, codegen.magic_tuple()), *settings, self._options, self._key]
+        digest = hashlib.blake2b("\n".join(key).encode(), digest_size=10).hexdigest()
+        return (cache_folder() or Path()) / f"{self._name}-{digest}.nbc"
+
+
+def _checksum(content: bytes) -> bytes:
+    return hashlib.blake2b(content, digest_size=16).digest()
+
+
+def _is_own(function: Any) -> bool:
+    return Path(function.__code__.co_filename).is_relative_to(PACKAGE)
+
+
+def _fingerprint(function: Any, seen: set[int]) -> str:
+    """Return what a kernel outside of the package is made of: its file, the values it reads, the kernels it calls."""
+    if id(function) in seen or _is_own(function):
+        return ""
+    seen.add(id(function))
+    code: CodeType = function.__code__
+    parts = [_source(code.co_filename), str(code.co_firstlineno)]
+    for name in code.co_names:
+        value = function.__globals__.get(name)
+        called = getattr(value, "__wrapped__", value)
+        if isinstance(called, FunctionType):
+            parts.append(_fingerprint(called, seen))
+        elif isinstance(value, np.ndarray):
+            parts.append(hashlib.blake2b(value.tobytes()).hexdigest())
+        elif isinstance(value, ModuleType):
+            parts.append(_source(getattr(value, "__file__", None) or ""))
+        else:
+            parts.append(repr(value))
+    return "\n".join(parts)
+
+
+def _source(file: str) -> str:
+    return hashlib.blake2b(Path(file).read_bytes()).hexdigest() if file.endswith(".py") else file
+
+
+@functools.cache
+def cache_folder() -> Path | None:
+    """Return the folder for compiled code: named by a digest of all sources, so it is never stale.
+
+    The place is ``NUMBA_CACHE_DIR`` if set, else ``__pycache__`` of the package, else the user's cache
+    directory, else a temporary one; None when nothing can be written.
+    """
+    for root in _cache_roots():
+        folder = root / f"irsim_gym-{source_digest()}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            if root == _temporary_root() and not _is_private(root):
+                continue
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+            os.utime(folder)
+        except OSError:
+            continue
+        _prune(root)
+        return folder
+    return None
+
+
+def _cache_roots() -> list[Path]:
+    try:
+        user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    except RuntimeError:  # nobody's home
+        user = _temporary_root()
+    roots = [PACKAGE / "__pycache__", user / "irsim_gym", _temporary_root()]
+    return [Path(config.CACHE_DIR), *roots] if config.CACHE_DIR else roots
+
+
+def _temporary_root() -> Path:
+    return Path(tempfile.gettempdir()) / f"irsim_gym-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
+
+
+def _is_private(root: Path) -> bool:
+    """Return whether nobody else can put compiled code there: what is read from the folder is run."""
+    if not hasattr(os, "getuid"):
+        return True
+    root.chmod(0o700)
+    return not root.is_symlink() and root.stat().st_uid == os.getuid()
+
+
+@functools.cache
+def source_digest() -> str:
+    """Return a digest of all Python sources that can enter a kernel, and of the compiler's versions."""
+    digest = hashlib.blake2b(digest_size=8)
+    versions = sys.implementation.cache_tag, numba.__version__, llvmlite.__version__, np.__version__
+    digest.update(repr(versions).encode())
+    for file in sorted(PACKAGE.rglob("*.py")):
+        place = file.relative_to(PACKAGE)
+        if place.parts[0] not in WITHOUT_KERNELS and not place.parts[0].startswith("cli"):
+            digest.update(place.as_posix().encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def _prune(root: Path) -> None:
+    """Remove the folders of other sources that nobody used lately."""
+    folders = sorted(root.glob("irsim_gym-*"), key=_modified, reverse=True)
+    for old in folders[KEPT_FOLDERS:]:
+        if _modified(old) < time.time() - KEPT_S:
+            shutil.rmtree(old, ignore_errors=True)
+
+
+def _modified(folder: Path) -> float:
+    try:
+        return folder.stat().st_mtime
+    except OSError:
+        return 0.0
