@@ -12,6 +12,7 @@ from irsim_gym.engine.checks import refuse_blocked_starts
 from irsim_gym.engine.collect import collect_parts
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
+from irsim_gym.geometry.cell_room import find_room
 from irsim_gym.geometry.cells import find_boxes, find_free_squares
 from irsim_gym.scenario.spec import BodySpec, Scenario
 from irsim_gym.world.model import (
@@ -111,6 +112,7 @@ def _write_world(scenario: Scenario, boxes: Ints, model: WorldModel) -> None:
         columns, rows = scenario.occupied.shape
         model.map_frame[2:] = [world.width / columns, world.height / rows, len(scenario.bodies) - 1]
         find_free_squares(scenario.occupied, model.map_squares)
+        find_room(model.map_frame, model.map_squares, np.zeros(columns), model.map_room)
         model.map_boxes[:] = boxes
 
 

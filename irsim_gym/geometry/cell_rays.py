@@ -59,7 +59,7 @@ def cast_cells(
         integers: Scratch, shape ``(N_INTEGERS,)``.
         ranges: Changed: ranges [m], shape ``(n_beams,)``; what lies farther is not looked for.
     """
-    frame, squares, boxes = cells
+    frame, squares, boxes, _ = cells
     if boxes.shape[0] == 0:
         return
     columns, rows = squares.shape[1], squares.shape[2]

@@ -1,13 +1,13 @@
 """An occupancy map: which of many equal rectangles are occupied, and what touches or sees them.
 
-A map is three arrays: ``frame`` holds x and y of the lower left corner, width and height of a cell [m] (and the
+A map is four arrays: ``frame`` holds x and y of the lower left corner, width and height of a cell [m] (and the
 map's body, which nothing here reads); ``squares[quadrant, i, j]`` holds for the cell in column i (from the left) and
 row j (from the bottom) the side, in cells, of the largest free square that has this cell in its corner and grows into
 the quadrant: 0 to the upper right, 1 to the upper left, 2 to the lower right, 3 to the lower left. It is 0 where the
 cell is occupied and at most 255. ``boxes`` covers the occupied cells with few boxes: first column, end column, first
-row, end row of each. What lies outside of the map is free.
+row, end row of each; ``room`` is that of ``cell_room``. What lies outside of the map is free.
 
-Cells are closed sets, so touching one is overlapping it. A world without a map has None in place of the three: kernels
+Cells are closed sets, so touching one is overlapping it. A world without a map has None in place of the four: kernels
 are compiled for either, and those for None hold nothing of what is here.
 """
 
@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
+from irsim_gym.geometry.cell_room import room_about
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.segments import point_segment_distance2, side
 from irsim_gym.jit import kernel
@@ -190,7 +191,13 @@ def capsule_meets_cells(cells: CellMap | None, ax: float, ay: float, bx: float, 
     """
     if cells is None:
         return False
-    frame, squares, _ = cells
+    frame, squares, _, _ = cells
+    half = 0.5 * np.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
+    least, most = room_about(cells, 0.5 * (ax + bx), 0.5 * (ay + by))
+    if least > radius + half * (1.0 + SLACK):
+        return False
+    if most < radius:
+        return True
     return bool(nearest_cell2(frame, squares, ax, ay, bx, by, radius, radius * radius) <= radius * radius)
 
 
@@ -198,12 +205,17 @@ def capsule_meets_cells(cells: CellMap | None, ax: float, ay: float, bx: float, 
 def segment_cells_distance(cells: CellMap | None, ax: float, ay: float, bx: float, by: float, limit: float) -> float:
     """Return the distance [m] of the segment ab from the nearest occupied cell, ``limit`` (may be inf) if not smaller.
 
-    The search begins near the segment and doubles its reach until it finds a cell.
+    The search reaches as far as the room in the segment's middle says, and where that is unknown it doubles its reach
+    until it finds a cell.
     """
     if cells is None:
         return limit
-    frame, squares, _ = cells
-    reach = 4.0 * max(frame[2], frame[3])
+    frame, squares, _, _ = cells
+    half = 0.5 * np.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
+    least, most = room_about(cells, 0.5 * (ax + bx), 0.5 * (ay + by))
+    if least - half * (1.0 + SLACK) >= limit:
+        return limit
+    reach = most if most < np.inf else 4.0 * max(frame[2], frame[3])
     width, height = frame[2] * squares.shape[1], frame[3] * squares.shape[2]
     centre_x, centre_y = frame[0] + 0.5 * width, frame[1] + 0.5 * height
     whole = abs(centre_x - ax) + abs(centre_y - ay) + width + height
@@ -216,11 +228,20 @@ def segment_cells_distance(cells: CellMap | None, ax: float, ay: float, bx: floa
 
 
 @kernel
+def cells_are_closer(cells: CellMap | None, x: float, y: float, limit: float) -> bool:
+    """Return whether an occupied cell comes closer than ``limit`` [m] to a point."""
+    if cells is None:
+        return False
+    _, most = room_about(cells, x, y)
+    return bool(most < limit or segment_cells_distance(cells, x, y, x, y, limit) < limit)
+
+
+@kernel
 def nearest_cell_point(cells: CellMap | None, x: float, y: float, limit: float) -> tuple[float, float, float]:
     """Return distance and position [m] of the nearest point of an occupied cell; inf and (x, y) if none is in limit."""
     if cells is None:
         return np.inf, x, y
-    frame, squares, _ = cells
+    frame, squares, _, _ = cells
     best, best_x, best_y = np.inf, x, y
     reach = segment_cells_distance(cells, x, y, x, y, limit) * (1.0 + SLACK)
     if reach >= limit:
@@ -272,7 +293,7 @@ def holds_cell(cells: CellMap, segments: Floats, s: int, n: int) -> bool:
 
     Occupied cells that touch each other are then on one side, so one point of each run in a column is enough.
     """
-    frame, squares, _ = cells
+    frame, squares, _, _ = cells
     left, low, right, high = np.inf, np.inf, -np.inf, -np.inf
     for k in range(s, s + n):
         left, right = min(left, segments[k, 0]), max(right, segments[k, 0])
@@ -336,6 +357,10 @@ def outline_near_cells(
     """
     if cells is None:
         return False
+    for k in range(d, d + m):
+        _, most = room_about(cells, discs[k, 0], discs[k, 1])
+        if most < discs[k, 2] + clearance:
+            return True
     if clearance <= 0.0:
         return bool(outline_meets_cells(cells, segments, s, n, discs, d, m, solid))
     return bool(outline_cells_distance(cells, segments, s, n, discs, d, m, solid, clearance) < clearance)

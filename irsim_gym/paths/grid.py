@@ -141,7 +141,7 @@ def block_around_cells(
     """Block the cells whose centres lie within ``radius`` [m] of an occupied cell of the map."""
     if cells is None:
         return
-    frame, _, boxes = cells
+    frame, _, boxes, _ = cells
     x, y = frame[0] - origin_x, frame[1] - origin_y
     for k in range(boxes.shape[0]):
         left, right = x + boxes[k, 0] * frame[2], x + boxes[k, 1] * frame[2]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.geometry.cells import outline_near_cells, segment_cells_distance
+from irsim_gym.geometry.cells import cells_are_closer, outline_near_cells
 from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
 from irsim_gym.jit import kernel
 from irsim_gym.paths.regions import way_exists
@@ -136,7 +136,7 @@ def is_goal_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, sc
     pose, segments, discs, placed, cells = scene
     row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
     x, y, room = waypoints[w, b, 0, 0], waypoints[w, b, 0, 1], reach[row, b] + clearance
-    if segment_cells_distance(cells, x, y, x, y, room) < room:
+    if cells_are_closer(cells, x, y, room):
         return False
     for q in range(present.shape[1]):
         if q == b or not placed[w, q] or not present[w, q]:

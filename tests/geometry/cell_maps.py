@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from irsim_gym.geometry.cell_room import find_room
 from irsim_gym.geometry.cells import find_boxes, find_free_squares
 
 
@@ -15,7 +16,9 @@ def cell_map(occupied: Any, x: float = 0.0, y: float = 0.0, width: float = 1.0, 
     occupied = np.asarray(occupied, np.bool_)
     squares = np.zeros((4, *occupied.shape), np.uint8)
     find_free_squares(occupied, squares)
-    return np.array([x, y, width, height, 0.0]), squares, find_boxes(occupied)
+    frame, room = np.array([x, y, width, height, 0.0]), np.zeros(occupied.shape, np.float32)
+    find_room(frame, squares, np.zeros(len(occupied)), room)
+    return frame, squares, find_boxes(occupied), room
 
 
 def random_map(seed: int, share: float = 0.2, columns: int = 17, rows: int = 12) -> tuple[Any, Any]:

@@ -1,0 +1,76 @@
+"""How much room there is in an occupancy map: bounds on the distance from its cells that cost one look.
+
+For the centre of each cell the distance from the nearest occupied cell is known; for a point beside it the distance is
+as large, give or take the way between the two. Most questions are answered by that; the others are answered exactly.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, CellMap, Floats, Rays
+from irsim_gym.jit import kernel
+
+FARTHEST = 64
+"""Room is not looked for beyond so many cells."""
+DOUBT = 1e-6
+"""Relative error that bounds allow for: rooms are float32."""
+
+
+@kernel
+def find_room(frame: Floats, squares: Bytes, line: Floats, room: Rays) -> None:
+    """Write the distance [m] from the centre of each cell to the nearest occupied cell, as far as is looked.
+
+    Args:
+        frame: See ``cells``.
+        squares: See ``cells``.
+        line: Scratch, shape ``(columns,)``.
+        room: Written, shape ``(columns, rows)``.
+    """
+    columns, rows = room.shape
+    width, height, far = frame[2], frame[3], farthest(frame)
+    for i in range(columns):
+        gap = far
+        for j in range(rows):
+            gap = 0.0 if squares[0, i, j] == 0 else min(gap + (0.5 * height if gap == 0.0 else height), far)
+            room[i, j] = gap
+        gap = far
+        for a in range(rows):
+            j = rows - 1 - a
+            gap = 0.0 if squares[0, i, j] == 0 else min(gap + (0.5 * height if gap == 0.0 else height), far)
+            room[i, j] = min(room[i, j], gap)
+    for j in range(rows):
+        for i in range(columns):
+            line[i] = room[i, j]
+        for i in range(columns):
+            best = line[i] * line[i]
+            for step in range(1, columns):
+                aside = (step - 0.5) * width
+                if aside * aside >= best:
+                    break
+                near = line[i - step] if i >= step else far
+                near = min(near, line[i + step]) if i + step < columns else near
+                best = min(best, aside * aside + near * near)
+            room[i, j] = np.sqrt(best)
+
+
+@kernel
+def farthest(frame: Floats) -> float:
+    """Return the distance [m] up to which room is looked for."""
+    return float((FARTHEST - 0.5) * min(frame[2], frame[3]))
+
+
+@kernel
+def room_about(cells: CellMap, x: float, y: float) -> tuple[float, float]:
+    """Return bounds on the distance [m] of a point from the occupied cells; 0 and inf where nothing is known."""
+    frame, _, _, room = cells
+    i, j = np.floor((x - frame[0]) / frame[2]), np.floor((y - frame[1]) / frame[3])
+    if not (0.0 <= i < room.shape[0] and 0.0 <= j < room.shape[1]):
+        return 0.0, np.inf
+    middle = float(room[int(i), int(j)])
+    aside, up = x - frame[0] - (i + 0.5) * frame[2], y - frame[1] - (j + 0.5) * frame[3]
+    away = np.sqrt(aside * aside + up * up)
+    most = middle * (1.0 + DOUBT) + away * (1.0 + DOUBT)
+    if middle * (1.0 + DOUBT) >= farthest(frame):
+        most = np.inf
+    return max(middle * (1.0 - DOUBT) - away * (1.0 + DOUBT), 0.0), most
