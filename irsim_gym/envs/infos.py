@@ -14,6 +14,8 @@ from irsim_gym.tasks import Episodes
 NUMBERS = ("path_length", "min_clearance", "goal_distance", "stalled")
 COUNTS = ("outcome", "hit", "hit_kind", "steps", "level")
 FLAGS = ("is_success", "deadlocked")
+DERIVED = ("_together", "_flat", "_flat_terms", "_views")
+"""What points into arrays, and is found again in a copy."""
 MASKED = tuple((key, f"_{key}") for key in (*NUMBERS, *COUNTS, *FLAGS))
 
 
@@ -48,12 +50,11 @@ class Infos:
 
     def rows(self, worlds: Ints, agents: int | Ints = 0) -> list[tuple[Any, ...]]:
         """Return what ``told`` makes an info of for several worlds, each with the same agent or one of its own."""
-        places = worlds * self._n_agents + agents
+        places = worlds if self._n_agents == 1 else worlds * self._n_agents + agents
         columns: list[Any] = []
-        for block in self._blocks():
-            columns += block.reshape(len(block), -1).take(places, axis=1).tolist()
-        terms = self._terms.reshape(self._n_worlds * self._n_agents, len(self._names))
-        return list(zip(*columns, terms.take(places, axis=0).tolist(), strict=True))
+        for block in self._flat or [block.reshape(len(block), -1) for block in self._blocks()]:
+            columns += block.take(places, axis=1).tolist()
+        return list(zip(*columns, self._flat_terms.take(places, axis=0).tolist(), strict=True))
 
     def told(self, row: tuple[Any, ...]) -> dict[str, Any]:
         """Return the info of one of ``rows``; a dict that is written out is the fastest to make."""
@@ -107,10 +108,12 @@ class Infos:
     def _find_blocks(self) -> None:
         found = [block for block in map(_block, self._columns) if block is not None]
         self._together = found if len(found) == len(self._columns) else []
+        self._flat = [block.reshape(len(block), -1) for block in self._together]
+        self._flat_terms = self._terms.reshape(self._n_worlds * self._n_agents, len(self._names))
         self._views: dict[tuple[int, int], list[NDArray[Any]]] = {}
 
     def __getstate__(self) -> dict[str, Any]:
-        return {key: value for key, value in self.__dict__.items() if key not in ("_together", "_views")}
+        return {key: value for key, value in self.__dict__.items() if key not in DERIVED}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)

@@ -125,12 +125,14 @@ class WorldVecEnv(NativeVecEnv):
         worlds.step(self._actions)
         self._actions = None
         view = worlds.episodes.view
-        rewards = view.reward[:, 0].astype(np.float32)
-        self._returns += view.reward[:, 0]
+        reward = view.reward[:, 0]
+        self._returns += reward
         dones: Flags = view.terminated[:, 0] | view.truncated[:, 0]
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        if dones.any():
-            self._end(np.flatnonzero(dones), infos)
+        ended = dones.nonzero()[0]
+        rewards = reward.astype(np.float32)
+        if len(ended):
+            self._end(ended, infos)
         return worlds.observation(), rewards, dones, infos
 
     def _end(self, ended: Ints, infos: list[dict[str, Any]]) -> None:

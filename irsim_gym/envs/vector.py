@@ -153,8 +153,8 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         rewards, terminations, truncations = self._results()
         ended = terminations | truncations
         infos: dict[str, Any] = {}
-        if ended.any():
-            restarted = np.flatnonzero(ended)
+        restarted = ended.nonzero()[0]
+        if len(restarted):
             final = np.full(self.num_envs, None, object)
             for w, observation in zip(restarted.tolist(), worlds.observations_of(restarted), strict=True):
                 final[w] = observation

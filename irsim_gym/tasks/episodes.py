@@ -230,18 +230,18 @@ class Episodes:
 
     def _take(self, given: NDArray[Any], worlds: Ints | None) -> None:
         """Check the actions, and copy them."""
-        if given.shape != self._given.shape:
-            raise ValueError(f"actions must have shape {self._given.shape}, got {given.shape}")
-        kinds = "iu" if self.n_discrete else "fiu"
-        if given.dtype.kind not in kinds:
-            wanted = "whole numbers" if self.n_discrete else "numbers"
+        kept, n_choices = self._given, self.n_discrete
+        if given.shape != kept.shape:
+            raise ValueError(f"actions must have shape {kept.shape}, got {given.shape}")
+        if given.dtype.kind not in ("iu" if n_choices else "fiu"):
+            wanted = "whole numbers" if n_choices else "numbers"
             raise ValueError(f"actions must be {wanted}, got an array of {given.dtype}")
-        np.copyto(self._given, given, casting="unsafe")
-        for shard in self.simulation.shards.all if worlds is None else (Shard(worlds),):
-            if self.n_discrete and not actions.all_within(shard.worlds, self.n_discrete, self._given):
-                raise ValueError(f"an action is not a choice from 0 to {self.n_discrete - 1}")
-            if not self.n_discrete and not actions.all_finite(shard.worlds, self.action_sizes, self._given):
-                raise ValueError("an action is not finite")
+        kept[...] = given
+        rows = self.simulation.shards.all[0].worlds if worlds is None else worlds
+        if n_choices and not actions.all_within(rows, n_choices, kept):
+            raise ValueError(f"an action is not a choice from 0 to {n_choices - 1}")
+        if not n_choices and not actions.all_finite(rows, self.action_sizes, kept):
+            raise ValueError("an action is not finite")
 
     def _begin(self, shard: Shard) -> None:
         """Draw the levels of the shard's worlds and begin their episodes."""
