@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Rays = NDArray[np.float32]
 Ints = NDArray[np.int64]
+Spans = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 Bytes = NDArray[np.uint8]
 Labels = NDArray[np.int32]

@@ -6,10 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import Flags, Floats, Ints, Rays, Spans
 from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.geometry.ray_chunks import (
+    CHUNK,
+    list_kept,
+    prepare_discs,
+    prepare_segments,
+    raise_by_discs,
+    raise_by_segments,
+    span_discs,
+    span_segments,
+)
 from irsim_gym.geometry.rays import inverse_depth_disc, inverse_depth_segment
-from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
 
 
@@ -77,6 +86,7 @@ def cast_bodies(
     worlds: Ints,
     members: Ints,
     params: Any,
+    fan: Floats,
     beams_x: Rays,
     beams_y: Rays,
     pose: Floats,
@@ -90,64 +100,130 @@ def cast_bodies(
     disc_start: Ints,
     disc_count: Ints,
     discs: Floats,
-    seen: Rays,
+    near: Floats,
+    slopes: Rays,
+    spans: Spans,
     inverse: Rays,
     ranges: Rays,
 ) -> None:
     """Write the ranges of all members in all given worlds.
 
-    The beams of member k in world w are row ``w * n_members + k`` of ``beams_x`` and ``beams_y``, or their only row.
+    The beams of member k in world w are row ``w * n_members + k`` of ``beams_x`` and ``beams_y``, or their only row;
+    ``fan`` holds the direction of the first one [rad] and their number per rad, 0 where they are not evenly spread.
+    ``near``, ``slopes`` and ``spans`` are scratch, see ``geometry/ray_chunks.py``.
     """
+    sides, rounds = near[: 5 * CHUNK], near[5 * CHUNK :]
+    first, density = np.float32(fan[0]), np.float32(fan[1])
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        reaches = reach[w % reach.shape[0]]
+        reaches, rows, rings, here, there = reach[w % reach.shape[0]], segments[w], discs[w], pose[w], present[w]
         n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
-        rows, rounds = segments[w], discs[w]
         for k in range(members.shape[0]):
-            own, far = members[k], params[k].range_max
-            row = w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
-            along_x, along_y = beams_x[row], beams_y[row]
-            x, y, heading = mount_pose(pose[w, own], params[k].offset)
-            cosine, sine = np.cos(heading), np.sin(heading)
-            inverse[:] = np.float32(0.0)
-            n_seen = 0
-            for b in range(present.shape[1]):
-                if b == own or unobstructed[b] or not present[w, b]:
-                    continue
-                near = far + reaches[b]
-                dx, dy = pose[w, b, 0] - x, pose[w, b, 1] - y
+            own, far, row = members[k], params[k].range_max, w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
+            x, y, cosine, sine = mount(here[own], params[k].offset)
+            beams = first, density, slopes, spans, beams_x[row], beams_y[row], inverse
+            for j in range(inverse.shape[0]):
+                inverse[j] = np.float32(0.0)
+            n_sides, n_rounds = 0, 0
+            for b in range(there.shape[0]):
+                dx, dy, within = here[b, 0] - x, here[b, 1] - y, far + reaches[b]
                 distance2 = dx * dx + dy * dy
-                if distance2 > near * near:
+                if distance2 > within * within or b == own or unobstructed[b] or not there[b]:
                     continue
                 for d in range(disc_start[b], disc_start[b] + n_discs[b]):
-                    cast_disc(rounds[d, 0] - x, rounds[d, 1] - y, rounds[d, 2], cosine, sine, along_x, along_y, inverse)
-                start, end = segment_start[b], segment_start[b] + n_segments[b]
-                two_sided = not solid[b] or (
+                    if n_rounds == CHUNK:
+                        n_rounds = cast_rounds(n_rounds, cosine, sine, rounds, *beams)
+                    rounds[n_rounds], rounds[n_rounds + CHUNK] = rings[d, 0] - x, rings[d, 1] - y
+                    rounds[n_rounds + 2 * CHUNK] = rings[d, 2]
+                    n_rounds += 1
+                start, end, limit = segment_start[b], segment_start[b] + n_segments[b], 0.0
+                if not solid[b] or (
                     distance2 <= reaches[b] * reaches[b] and contains_point(rows, start, end - start, x, y)
-                )
-                sure = far - reaches[b]
-                in_range = sure > 0.0 and distance2 <= sure * sure
+                ):
+                    limit = np.inf
                 for s in range(start, end):
-                    ax, ay, bx, by = rows[s, 0] - x, rows[s, 1] - y, rows[s, 2] - x, rows[s, 3] - y
-                    if (two_sided or faces(ax, ay, bx, by)) and (in_range or is_near(ax, ay, bx, by, far)):
-                        seen[n_seen, 0] = np.float32(cosine * ax + sine * ay)
-                        seen[n_seen, 1] = np.float32(cosine * ay - sine * ax)
-                        seen[n_seen, 2] = np.float32(cosine * bx + sine * by)
-                        seen[n_seen, 3] = np.float32(cosine * by - sine * bx)
-                        n_seen += 1
-            cast_seen(n_seen, seen, along_x, along_y, inverse)
+                    if n_sides == CHUNK:
+                        n_sides = cast_sides(n_sides, cosine, sine, far, sides, *beams)
+                    sides[n_sides], sides[n_sides + CHUNK] = rows[s, 0] - x, rows[s, 1] - y
+                    sides[n_sides + 2 * CHUNK], sides[n_sides + 3 * CHUNK] = rows[s, 2] - x, rows[s, 3] - y
+                    sides[n_sides + 4 * CHUNK] = limit
+                    n_sides += 1
+            if n_rounds > 0:
+                cast_rounds(n_rounds, cosine, sine, rounds, *beams)
+            if n_sides > 0:
+                cast_sides(n_sides, cosine, sine, far, sides, *beams)
             write_ranges(inverse, params[k].range_min, far, ranges[w, k])
 
 
 @kernel
-def cast_seen(count: int, seen: Rays, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
-    """Cast against the first rows of ``seen``, segments in the sensor frame [m].
+def cast_sides(
+    count: int,
+    cosine: float,
+    sine: float,
+    far: float,
+    near: Floats,
+    first: np.float32,
+    density: np.float32,
+    slopes: Rays,
+    spans: Spans,
+    beams_x: Rays,
+    beams_y: Rays,
+    inverse: Rays,
+) -> int:
+    """Cast against a chunk of segments, which may be seen edge-on; return 0, the number that is left."""
+    whole_lanes = (count + 7) // 8 * 8
+    for j in range(count, whole_lanes):
+        near[j + 4 * CHUNK] = -np.inf
+    n_edges = prepare_segments(whole_lanes, cosine, sine, far, near, slopes, spans)
+    span_segments(count, inverse.shape[0], first, density, slopes, spans)
+    raise_by_segments(list_kept(count, spans), slopes, spans, beams_x, beams_y, inverse)
+    if n_edges > 0:
+        for j in range(count):
+            if spans[j] < 0:
+                ax, ay = slopes[j + 5 * CHUNK], slopes[j + 6 * CHUNK]
+                bx, by = slopes[j + 7 * CHUNK], slopes[j + 8 * CHUNK]
+                inverse_depth_segment(ax, ay, bx, by, beams_x, beams_y, inverse)
+    return 0
 
-    A loop of its own keeps the ray kernel's vector code whole: among the tests of ``cast_bodies`` it takes twice the
-    time.
-    """
-    for s in range(count):
-        inverse_depth_segment(seen[s, 0], seen[s, 1], seen[s, 2], seen[s, 3], beams_x, beams_y, inverse)
+
+@kernel
+def cast_rounds(
+    count: int,
+    cosine: float,
+    sine: float,
+    near: Floats,
+    first: np.float32,
+    density: np.float32,
+    slopes: Rays,
+    spans: Spans,
+    beams_x: Rays,
+    beams_y: Rays,
+    inverse: Rays,
+) -> int:
+    """Cast against a chunk of discs, which may hold the sensor; return 0, the number that is left."""
+    whole_lanes = (count + 7) // 8 * 8
+    for j in range(count, whole_lanes):
+        near[j], near[j + 2 * CHUNK] = 1.0, 0.0
+    n_around = prepare_discs(whole_lanes, cosine, sine, near, slopes, spans)
+    span_discs(count, inverse.shape[0], first, density, slopes, spans)
+    raise_by_discs(list_kept(count, spans), slopes, spans, beams_x, beams_y, inverse)
+    if n_around > 0:
+        for j in range(count):
+            if spans[j] < 0:
+                radius = np.float32(near[j + 2 * CHUNK])
+                inverse_depth_disc(slopes[j], slopes[j + CHUNK], radius, beams_x, beams_y, inverse)
+    return 0
+
+
+@kernel
+def mount(pose: Floats, offset: Floats) -> tuple[float, float, float, float]:
+    """Return the sensor's place in the world frame [m], and cosine and sine of its heading."""
+    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+    x = pose[0] + cosine * offset[0] - sine * offset[1]
+    y = pose[1] + sine * offset[0] + cosine * offset[1]
+    if offset[2] != 0.0:
+        cosine, sine = np.cos(pose[2] + offset[2]), np.sin(pose[2] + offset[2])
+    return x, y, cosine, sine
 
 
 @kernel
@@ -157,21 +233,6 @@ def mount_pose(pose: Floats, offset: Floats) -> tuple[float, float, float]:
     x = pose[0] + cosine * offset[0] - sine * offset[1]
     y = pose[1] + sine * offset[0] + cosine * offset[1]
     return x, y, pose[2] + offset[2]
-
-
-@kernel
-def faces(ax: float, ay: float, bx: float, by: float) -> bool:
-    """Return whether a segment of a solid body shows its front to the origin.
-
-    Boundaries of solid bodies run counter-clockwise, so their front lies to the right of the segment.
-    """
-    return (by - ay) * ax - (bx - ax) * ay <= 0.0
-
-
-@kernel
-def is_near(ax: float, ay: float, bx: float, by: float, far: float) -> bool:
-    """Return whether a segment comes within ``far`` [m] of the origin."""
-    return bool(point_segment_distance2(0.0, 0.0, ax, ay, bx, by) <= far * far)
 
 
 @kernel

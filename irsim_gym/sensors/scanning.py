@@ -10,6 +10,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Rays
 from irsim_gym.geometry.cell_rays import N_FLOATS, N_INTEGERS
 from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK
 from irsim_gym.sensors import hits, noise
 from irsim_gym.sensors.casting import cast_bodies, cast_outline
 from irsim_gym.sensors.cell_scan import scan_cells
@@ -19,7 +20,6 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import Outline
 from irsim_gym.world.state import WorldState
 
-LANES = 16
 FULL_TURN = 2.0 * np.pi
 
 
@@ -56,9 +56,9 @@ def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: i
         n_slots: Number of shards, each with a scratch row of its own.
     """
     angles = beam_angles(group.options[0])
-    padded = -(-len(angles) // LANES) * LANES
+    padded = -(-len(angles) // BLOCK) * BLOCK
     n_worlds, n_members = len(model.present), len(group.members)
-    is_noisy = group.options[0].noise
+    is_noisy, spread = group.options[0].noise, angles[-1] - angles[0]
     n_rows = n_worlds * n_members if is_noisy else 1
     directions = np.concatenate([angles, np.zeros(padded - len(angles))])
     far = np.array([option.range_max for option in group.options], np.float32)
@@ -68,7 +68,10 @@ def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: i
         "beams_x": np.tile(np.cos(directions).astype(np.float32), (n_rows, 1)),
         "beams_y": np.tile(np.sin(directions).astype(np.float32), (n_rows, 1)),
         "cast_params": group.params,
-        "seen": np.zeros((n_slots, model.local_segments.shape[1], 4), np.float32),
+        "fan": np.array([angles[0], 0.0 if is_noisy or spread == 0.0 else (len(angles) - 1) / spread]),
+        "near": np.zeros((n_slots, 8 * CHUNK)),
+        "slopes": np.zeros((n_slots, 9 * CHUNK), np.float32),
+        "spans": np.zeros((n_slots, 4 * CHUNK), np.int32),
         "inverse": np.zeros((n_slots, padded), np.float32),
         "ranges": np.tile(far[None, :, None], (n_worlds, 1, len(angles))),
         "footprint": np.zeros((n_members, len(angles)), np.float32),
@@ -109,6 +112,7 @@ def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
         shard.worlds,
         group.members,
         table["cast_params"],
+        table["fan"],
         table["beams_x"],
         table["beams_y"],
         state.pose,
@@ -122,7 +126,9 @@ def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
         model.disc_start,
         model.disc_count,
         state.discs,
-        table["seen"][shard.slot],
+        table["near"][shard.slot],
+        table["slopes"][shard.slot],
+        table["spans"][shard.slot],
         table["inverse"][shard.slot],
         table["ranges"],
     )

@@ -65,6 +65,19 @@ def test_a_sensor_inside_a_disc_sees_the_exit() -> None:
     assert ranges({}, [disc], number=1) == pytest.approx([2.5])
 
 
+def test_more_primitives_than_a_chunk_holds() -> None:
+    turns = np.linspace(-np.pi, np.pi, 151)[:-1]
+    ring = {"name": "polygon", "vertices": [[4.0 * np.cos(turn), 4.0 * np.sin(turn)] for turn in turns]}
+    posts = [
+        {"shape": {"name": "circle", "radius": 0.03}, "state": [5 + 3 * np.cos(turn), 5 + 3 * np.sin(turn), 0]}
+        for turn in np.linspace(-np.pi, np.pi, 181)[::2]
+    ]
+    fence = {"shape": ring, "state": [5, 5, 0], "kinematics": {"name": "diff"}}
+    found = ranges({}, [fence, *posts], number=181, angle_range="2 * pi")
+    assert found[::2] == pytest.approx(np.full(91, 2.97), abs=1e-5)
+    assert found[1::2] == pytest.approx(np.full(90, 4.0), abs=1e-3)
+
+
 def test_unobstructed_bodies_are_transparent_and_short_ranges_are_cut() -> None:
     ghost = {"shape": {"name": "circle", "radius": 0.5}, "state": [6, 5, 0], "unobstructed": True}
     disc = {"shape": {"name": "circle", "radius": 0.5}, "state": [7, 5, 0]}

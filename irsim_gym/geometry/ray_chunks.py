@@ -1,0 +1,231 @@
+"""Many segments and discs at once, made ready for the loops over beams, and these loops.
+
+What ``geometry/rays.py`` does for one primitive is split here: first all primitives of a chunk are looked at in lanes
+(which of them can be seen, the coefficients of their inverse depth, which beams may meet them), then each one that is
+kept is cast against the beams of its span alone. All tables are flat with a stride of ``CHUNK``: constant offsets into
+one array let the compiler see that its parts do not overlap.
+
+On the line through a and b the inverse depth of a beam with unit direction d is n.d with n = (by - ay, ax - bx) / (a x
+b); with m = a + b, the place on the segment, from -1 at a to 1 at b, is (q.d) / (n.d) with q = (-my, mx) / (a x b). So
+a beam meets the segment where abs(q.d) <= n.d: two dot products, an absolute value and a comparison.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Rays, Spans
+from irsim_gym.geometry.rays import EDGE_ON
+from irsim_gym.jit import kernel
+
+CHUNK = 64
+"""Primitives that are looked at together."""
+
+BLOCK = 32
+"""Beams that are cast together; tables of beams have a multiple of it."""
+
+ALIGN = 16
+"""Spans begin at a multiple of it."""
+
+SLACK = 3e-7
+"""Segments are widened at both ends by up to three times this angle [rad] at the farther end, so that no beam slips
+between two that share a vertex."""
+
+MARGIN = 0.008
+"""What is added to both ends of an angle of sight [rad]: the error of ``rough_angle``, and room for the slack."""
+
+HALF_TURN = 3.1415
+"""A little less than pi: what comes near the direction of -pi is cast against all beams."""
+
+
+@kernel
+def prepare_segments(
+    count: int, cosine: float, sine: float, far: float, near: Floats, slopes: Rays, spans: Spans
+) -> int:
+    """Write what the beams need to know of segments, and which of them are kept: those in range that show their front.
+
+    Args:
+        count: Number of segments, at most CHUNK.
+        cosine: Of the sensor's heading.
+        sine: Of the sensor's heading.
+        far: Range of the sensor [m].
+        near: Ends relative to the sensor, in the world frame [m], and the largest a x b [m2] with which a segment shows
+            its front: ax, ay, bx, by, limit, shape ``(5 * CHUNK,)``.
+        slopes: Written, in the sensor frame: n, q [1/m], slack [1/m] and both ends [m], shape ``(9 * CHUNK,)``.
+        spans: Written: 1 for segments that are kept, else 0, in the first CHUNK; shape ``(4 * CHUNK,)``.
+
+    Returns:
+        How many would be kept but are seen edge-on, so that they need the care of ``inverse_depth_segment``; these are
+        marked by -1.
+    """
+    n_edges = np.int64(0)
+    for j in range(count):
+        gx, gy, hx, hy = near[j], near[j + CHUNK], near[j + 2 * CHUNK], near[j + 3 * CHUNK]
+        ax, ay = cosine * gx + sine * gy, cosine * gy - sine * gx
+        bx, by = cosine * hx + sine * hy, cosine * hy - sine * hx
+        cross = gx * hy - gy * hx
+        ex, ey = hx - gx, hy - gy
+        a2, b2, length2 = gx * gx + gy * gy, hx * hx + hy * hy, ex * ex + ey * ey
+        along = -(gx * ex + gy * ey)
+        least = cross * cross
+        least = b2 * length2 if along >= length2 else least
+        least = a2 * length2 if along <= 0.0 else least
+        wanted = (cross <= near[j + 4 * CHUNK]) & (least <= far * far * length2)
+        clear = cross * cross > EDGE_ON * EDGE_ON * a2 * b2
+        share = 1.0 / cross
+        normal_x, normal_y = (by - ay) * share, (ax - bx) * share
+        place_x, place_y = -(ay + by) * share, (ax + bx) * share
+        slopes[j], slopes[j + CHUNK] = np.float32(normal_x), np.float32(normal_y)
+        slopes[j + 2 * CHUNK], slopes[j + 3 * CHUNK] = np.float32(place_x), np.float32(place_y)
+        spread = np.abs(normal_x) + np.abs(normal_y) + np.abs(place_x) + np.abs(place_y)
+        slopes[j + 4 * CHUNK] = np.float32(SLACK * spread)
+        slopes[j + 5 * CHUNK], slopes[j + 6 * CHUNK] = np.float32(ax), np.float32(ay)
+        slopes[j + 7 * CHUNK], slopes[j + 8 * CHUNK] = np.float32(bx), np.float32(by)
+        edge = wanted & (not clear)
+        spans[j] = np.int32(wanted) - np.int32(2) * np.int32(edge)
+        n_edges += np.int64(edge)
+    return int(n_edges)
+
+
+@kernel
+def prepare_discs(count: int, cosine: float, sine: float, near: Floats, slopes: Rays, spans: Spans) -> int:
+    """Write what the beams need to know of discs.
+
+    Args:
+        count: Number of discs, at most CHUNK.
+        cosine: Of the sensor's heading.
+        sine: Of the sensor's heading.
+        near: Centres relative to the sensor, in the world frame, and radii [m]: x, y, r, shape ``(3 * CHUNK,)``.
+        slopes: Written, in the sensor frame: centre [m], squared radius [m2], 1 / (c.c - r^2) [1/m2] and the rough
+            half of the angle of sight [rad], shape ``(5 * CHUNK,)``.
+        spans: Written: 1 in the first CHUNK; shape ``(4 * CHUNK,)``.
+
+    Returns:
+        How many hold the sensor, so that ``inverse_depth_disc`` has to cast them; these are marked by -1.
+    """
+    n_around = np.int64(0)
+    for j in range(count):
+        x, y, r = near[j], near[j + CHUNK], near[j + 2 * CHUNK]
+        distance2, r2 = x * x + y * y, r * r
+        power = distance2 - r2
+        slopes[j], slopes[j + CHUNK] = np.float32(cosine * x + sine * y), np.float32(cosine * y - sine * x)
+        slopes[j + 2 * CHUNK], slopes[j + 3 * CHUNK] = np.float32(r2), np.float32(1.0 / power)
+        sine2 = r2 / distance2
+        slopes[j + 4 * CHUNK] = np.float32(np.sqrt(sine2) * (1.0 + 0.5708 * sine2))
+        around = power <= 1e-30
+        spans[j] = np.int32(1) - np.int32(2) * np.int32(around)
+        n_around += np.int64(around)
+    return int(n_around)
+
+
+@kernel(contract=True)
+def rough_angle(x: np.float32, y: np.float32) -> np.float32:
+    """Return the direction of (x, y) [rad] with an error of less than 0.0065 rad; NaN where there is none."""
+    across, up = np.abs(x), np.abs(y)
+    t = up / (across + up)
+    u = t * (np.float32(1.5708) - np.float32(0.728) * (np.float32(1.0) - t) * (np.float32(1.0) - t - t))
+    u = u if x >= np.float32(0.0) else np.float32(3.14159265) - u
+    return np.float32(u if y >= np.float32(0.0) else -u)
+
+
+@kernel(contract=True)
+def span_segments(count: int, n_beams: int, first: np.float32, density: np.float32, slopes: Rays, spans: Spans) -> None:
+    """Write for each segment the first of the beams that may meet it, and in how many blocks they lie.
+
+    Args:
+        count: Number of segments.
+        n_beams: Number of beams, a multiple of BLOCK.
+        first: Direction of the first beam [rad].
+        density: Beams per rad; 0 where the beams are not evenly spread, so that all are cast.
+        slopes: From ``prepare_segments``.
+        spans: Written: first beams in the second CHUNK, numbers of blocks in the third.
+    """
+    for j in range(count):
+        ax, ay, bx, by = slopes[j + 5 * CHUNK], slopes[j + 6 * CHUNK], slopes[j + 7 * CHUNK], slopes[j + 8 * CHUNK]
+        a, b = rough_angle(ax, ay), rough_angle(bx, by)
+        turns_left = ax * by - ay * bx > np.float32(0.0)
+        low, high = (a if turns_left else b), (b if turns_left else a)
+        low = low if low <= high else np.float32(-9.0)
+        begin, blocks = span(low, high, n_beams, first, density)
+        spans[j + CHUNK], spans[j + 2 * CHUNK] = begin, blocks
+
+
+@kernel(contract=True)
+def span_discs(count: int, n_beams: int, first: np.float32, density: np.float32, slopes: Rays, spans: Spans) -> None:
+    """Write for each disc the first of the beams that may meet it, and in how many blocks they lie."""
+    for j in range(count):
+        middle, half = rough_angle(slopes[j], slopes[j + CHUNK]), slopes[j + 4 * CHUNK]
+        begin, blocks = span(middle - half, middle + half, n_beams, first, density)
+        spans[j + CHUNK], spans[j + 2 * CHUNK] = begin, blocks
+
+
+@kernel(contract=True)
+def span(
+    low: np.float32, high: np.float32, n_beams: int, first: np.float32, density: np.float32
+) -> tuple[np.int32, np.int32]:
+    """Return the first beam between two directions and the number of blocks; all beams where they lie across -pi."""
+    zero, one, last = np.float32(0.0), np.float32(1.0), np.float32(n_beams - 1)
+    low, high = low - np.float32(MARGIN), high + np.float32(MARGIN)
+    is_part = (low >= np.float32(-HALF_TURN)) & (high <= np.float32(HALF_TURN)) & (density > zero)
+    begin, end = (low - first) * density, (high - first) * density
+    missed = (end < zero) | (begin > last)
+    begin = begin if begin > zero else zero
+    end = end + one if end + one < last else last
+    place = np.int32(begin) & np.int32(-ALIGN)
+    blocks = ((np.int32(end) - place) >> np.int32(5)) + np.int32(1)
+    most = np.int32(n_beams) - (blocks << np.int32(5))
+    place = place if place < most else most
+    blocks = np.int32(0) if missed else blocks
+    place = np.int32(0) if missed | (not is_part) else place
+    return place, blocks if is_part else np.int32(n_beams >> 5)
+
+
+@kernel
+def list_kept(count: int, spans: Spans) -> int:
+    """Write the numbers of the primitives marked by 1 one after the other, in the last CHUNK; return how many."""
+    n = 0
+    for j in range(count):
+        spans[n + 3 * CHUNK] = j
+        n += spans[j] > 0
+    return n
+
+
+@kernel(contract=True)
+def raise_by_segments(n: int, slopes: Rays, spans: Spans, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
+    """Raise ``inverse`` [1/m] where beams meet the listed segments, from either side."""
+    zero = np.float32(0.0)
+    for m in range(n):
+        s = spans[m + 3 * CHUNK]
+        normal_x, normal_y = slopes[s], slopes[s + CHUNK]
+        place_x, place_y = slopes[s + 2 * CHUNK], slopes[s + 3 * CHUNK]
+        slack, p = slopes[s + 4 * CHUNK], np.uint64(spans[s + CHUNK])
+        for _ in range(spans[s + 2 * CHUNK]):
+            for i in range(np.uint64(BLOCK)):
+                x, y = beams_x[p + i], beams_y[p + i]
+                depth = normal_x * x + normal_y * y
+                place = place_x * x + place_y * y
+                depth = depth if depth + slack >= np.abs(place) else zero
+                depth = depth if depth > inverse[p + i] else inverse[p + i]
+                inverse[p + i] = depth if depth > zero else zero
+            p += np.uint64(BLOCK)
+
+
+@kernel(contract=True)
+def raise_by_discs(n: int, slopes: Rays, spans: Spans, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
+    """Raise ``inverse`` [1/m] where beams meet the listed discs, seen from outside."""
+    zero = np.float32(0.0)
+    for m in range(n):
+        s = spans[m + 3 * CHUNK]
+        cx, cy, radius2, scale = slopes[s], slopes[s + CHUNK], slopes[s + 2 * CHUNK], slopes[s + 3 * CHUNK]
+        p = np.uint64(spans[s + CHUNK])
+        for _ in range(spans[s + 2 * CHUNK]):
+            for i in range(np.uint64(BLOCK)):
+                x, y = beams_x[p + i], beams_y[p + i]
+                ahead, aside = cx * x + cy * y, cx * y - cy * x
+                room = radius2 - aside * aside
+                depth = (ahead + np.sqrt(room if room > zero else zero)) * scale
+                inner = room if room < ahead else ahead
+                depth = depth if inner >= zero else zero
+                depth = depth if depth > inverse[p + i] else inverse[p + i]
+                inverse[p + i] = depth if depth > zero else zero
+            p += np.uint64(BLOCK)

@@ -1,0 +1,141 @@
+"""Chunks of primitives against a textbook in float64, and what is left out against what is not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from irsim_gym.geometry.ray_chunks import CHUNK, prepare_segments, rough_angle
+from irsim_gym.sensors.casting import cast_rounds, cast_sides
+from tests.geometry.ray_rooms import N_BEAMS, beams, random_room, steady, textbook
+from tests.geometry.shapes import closed
+
+FAR = 30.0
+
+
+def cast(
+    segments: Any,
+    discs: Any,
+    angles: NDArray[np.float64],
+    *,
+    narrow: bool = True,
+    heading: float = 0.0,
+    far: float = FAR,
+    plain: bool = False,
+) -> NDArray[np.float64]:
+    """Return ranges of a sensor at the origin, inf where nothing is met; both sides of segments are seen."""
+    x, y = np.cos(angles).astype(np.float32), np.sin(angles).astype(np.float32)
+    density = (len(angles) - 1) / (angles[-1] - angles[0]) if narrow else 0.0
+    sides: Any = cast_sides.py_func if plain else cast_sides  # type: ignore[attr-defined]
+    rounds: Any = cast_rounds.py_func if plain else cast_rounds  # type: ignore[attr-defined]
+    inverse, turn = np.zeros(len(angles), np.float32), (np.cos(heading), np.sin(heading))
+    scratch = np.zeros(9 * CHUNK, np.float32), np.zeros(4 * CHUNK, np.int32)
+    beams_of_it = np.float32(angles[0]), np.float32(density), *scratch, x, y, inverse
+    table = np.asarray(segments, np.float64).reshape(-1, 4)
+    for rows in np.array_split(table, -(-len(table) // CHUNK)) if len(table) else []:
+        near = np.zeros((5, CHUNK))
+        near[:4, : len(rows)], near[4] = rows.T, np.inf
+        assert sides(len(rows), *turn, far, near.ravel(), *beams_of_it) == 0
+    table = np.asarray(discs, np.float64).reshape(-1, 3)
+    if len(table):
+        near = np.zeros((3, CHUNK))
+        near[:, : len(table)] = table.T
+        assert rounds(len(table), *turn, near.ravel(), *beams_of_it) == 0
+    return np.divide(1.0, inverse, out=np.full(len(angles), np.inf), where=inverse > 0.0, dtype=np.float64)
+
+
+def test_rooms_against_a_textbook() -> None:
+    rng = np.random.default_rng(31)
+    total = grazing = 0
+    for _ in range(150):
+        segments, discs = random_room(rng)
+        found, expected = cast(segments, discs, beams()), textbook(segments, discs, beams())
+        calm = steady(segments, discs, beams())
+        assert np.max(np.abs(found - expected)[calm]) < 2e-5
+        total, grazing = total + N_BEAMS, grazing + int(np.sum(np.abs(found - expected) > 1e-4))
+    assert grazing <= total * 1e-4
+
+
+@pytest.mark.parametrize("span", [0.02, 1.0, np.pi, 6.0, 2.0 * np.pi])
+def test_beams_that_are_left_out_would_have_met_nothing(span: float) -> None:
+    rng = np.random.default_rng(32)
+    angles = np.linspace(-0.5 * span, 0.5 * span, 224)
+    fewer = 0
+    for _ in range(60):
+        segments, discs = random_room(rng)
+        found = cast(segments, discs, angles)
+        np.testing.assert_array_equal(found, cast(segments, discs, angles, narrow=False))
+        fewer += int(np.isinf(found).any())
+    assert fewer < 60
+
+
+def test_a_turned_sensor_sees_the_turned_room() -> None:
+    rng = np.random.default_rng(33)
+    for heading in (-3.0, -0.7, 1.9):
+        segments, discs = random_room(rng)
+        calm = steady(segments, discs, beams() + heading)
+        expected = textbook(segments, discs, beams() + heading)
+        np.testing.assert_allclose(cast(segments, discs, beams(), heading=heading)[calm], expected[calm], atol=2e-5)
+
+
+def test_compiled_chunks_agree_with_plain_python() -> None:
+    rng = np.random.default_rng(34)
+    with np.errstate(all="ignore"):
+        for _ in range(2):
+            segments, discs = random_room(rng)
+            calm = steady(segments, discs, beams(64))
+            twin = cast(segments, discs, beams(64), plain=True)
+            np.testing.assert_allclose(cast(segments, discs, beams(64))[calm], twin[calm], rtol=1e-5)
+
+
+def test_no_beam_slips_between_two_segments() -> None:
+    """Beams that point exactly at the vertices of a ring around the sensor all meet it."""
+    rng = np.random.default_rng(35)
+    for n in (7, 16, 100):
+        for _ in range(40):
+            angles = np.sort(rng.uniform(-np.pi, np.pi, n))
+            if np.max(np.diff(np.append(angles, angles[0] + 2.0 * np.pi))) >= 3.0:
+                continue
+            radii = rng.uniform(0.1, 30.0, n)
+            ring = closed(np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1))
+            found = cast(ring, [], np.resize(angles, -(-n // 32) * 32), narrow=False, far=100.0)[:n]
+            assert np.all(np.isfinite(found))
+            assert np.all(found <= np.max(radii) * 1.0001)
+
+
+@pytest.mark.parametrize("row", [(-1.0, 0.0, 2.0, 0.0), (0.0, 0.0, 2.0, 1.0), (1.0, 1.0, 0.0, 0.0), (0.0,) * 4])
+def test_a_sensor_on_a_segment_of_a_chunk(row: tuple[float, ...]) -> None:
+    assert (cast([row, (9.0, -1.0, 9.0, 1.0)], [], beams()) < 1e-20).all()
+
+
+def test_a_segment_seen_edge_on_and_a_disc_around_the_sensor() -> None:
+    angles = np.linspace(-1.0, 1.0, 33)[:32]
+    found = cast([(1.0, 0.0, 3.0, 0.0)], [(0.5, 0.0, 4.0)], angles)
+    assert found[16] == pytest.approx(1.0, rel=1e-6)
+    np.testing.assert_allclose(np.delete(found, 16), textbook([], [(0.5, 0.0, 4.0)], np.delete(angles, 16)), rtol=1e-6)
+
+
+def test_what_is_out_of_range_or_shows_its_back_is_left_out() -> None:
+    rows = [
+        (2.0, -1.0, 2.0, 1.0),
+        (2.0, 1.0, 2.0, -1.0),
+        (7.0, -1.0, 7.0, 1.0),
+        (9.0, 1.0, 5.0, 4.0),
+        (-1.0, 3.0, 1.0, 3.0),
+    ]
+    near, slopes, spans = np.zeros((5, CHUNK)), np.zeros(9 * CHUNK, np.float32), np.zeros(4 * CHUNK, np.int32)
+    near[:4, : len(rows)] = np.array(rows).T  # a front is seen with the body to the left of the way from a to b
+    assert prepare_segments(len(rows), 1.0, 0.0, 6.5, near.ravel(), slopes, spans) == 0
+    assert spans[: len(rows)].tolist() == [0, 1, 0, 0, 1]
+    near[4] = np.inf
+    assert prepare_segments(len(rows), 1.0, 0.0, 6.5, near.ravel(), slopes, spans) == 0
+    assert spans[: len(rows)].tolist() == [1, 1, 0, 1, 1]
+
+
+def test_rough_angles_are_near_enough() -> None:
+    for angle in np.linspace(-np.pi, np.pi, 721)[1:-1]:
+        found = rough_angle(np.float32(3.0 * np.cos(angle)), np.float32(3.0 * np.sin(angle)))
+        assert found == pytest.approx(angle, abs=0.0065)
