@@ -19,6 +19,7 @@ from standard_worlds import s1, s2, s3, s4
 from timing import seconds, summed_up
 
 from irsim_gym.engine import arrival, buckets, contact, limits, outlines, step
+from irsim_gym.engine.fused import Fused
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.tasks import account
 
@@ -150,8 +151,11 @@ def _measured(scenario: dict[str, Any], n_worlds: int, team: bool, effort: Effor
 
 
 def use_plain_path(worlds: Worlds) -> None:
-    """Let the steps of some worlds call phase after phase from Python."""
-    worlds.episodes._play.is_fusable = False
+    """Let steps and beginnings of some worlds call phase after phase from Python."""
+    for owner in (worlds.episodes, worlds.simulation):
+        for fused in vars(owner).values():
+            if isinstance(fused, Fused):
+                fused.is_fusable = False
 
 
 def s2_task(behavior: str) -> dict[str, Any]:
