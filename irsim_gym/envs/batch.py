@@ -210,12 +210,12 @@ class Batch:
         self.worlds.step(np.asarray(actions))
         view, acted = self.worlds.episodes.view, self.live
         self._age += 1
-        self._returns += np.where(acted, view.reward, 0.0)
-        np.copyto(self._seen, view.observation, where=acted[..., None])
+        reward = np.where(acted, view.reward, 0.0)
+        self._returns += reward
         terminated, truncated = acted & view.terminated, acted & view.truncated & ~view.terminated
         if self.respawn:
             truncated |= (self._age >= self.world_steps)[:, None] & ~terminated
-        reward, terms, infos = np.where(acted, view.reward, 0.0), view.reward_terms.copy(), self._infos()
+        terms, infos = view.reward_terms.copy(), self._infos()
         final, final_state = self.observation(), self.state()
         began = self._begin_again(terminated | truncated)
         return BatchStep(
@@ -235,7 +235,11 @@ class Batch:
 
     def observation(self) -> Observation:
         """Return a fresh copy of what the agents perceive now."""
-        return self.worlds.layout.fresh(self._seen)
+        rows = self.worlds.episodes.view.observation.copy()
+        if not self._live.all():
+            waiting = ~self._live
+            rows[waiting] = self._seen[waiting]
+        return self.worlds.layout.formed(rows)
 
     def state(self) -> Rays:
         """Return what a centralised critic sees now, fresh, ``(n_worlds, state_size)``."""
@@ -249,7 +253,9 @@ class Batch:
 
     def _begin_again(self, ended: Flags) -> Flags:
         """Begin levels and episodes where they are due, and return the agents that begin."""
-        self._live &= ~ended
+        if ended.any():
+            self._seen[ended] = self.worlds.episodes.view.observation[ended]
+            self._live &= ~ended
         over = self._age >= self.world_steps if self.respawn else ~self._live.any(axis=1) & self.autoreset
         began: Flags = np.zeros_like(ended)
         if over.any():
@@ -287,13 +293,11 @@ class Batch:
         )
 
     def _open(self, began: Flags) -> None:
-        """Open the books of agents that begin; who lives beside them sees where they are now."""
+        """Open the books of agents that begin."""
         if not began.any():
             return
         self._live |= began
         self._returns[began] = 0.0
-        touched = self._live & began.any(axis=1, keepdims=True)
-        np.copyto(self._seen, self.worlds.episodes.view.observation, where=touched[..., None])
 
     def _infos(self) -> dict[str, NDArray[Any]]:
         infos = {key: values.copy() for key, values in self.worlds.episodes.view.infos.items()}

@@ -224,30 +224,26 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
 
     def _taken(self, actions: Mapping[str, Any]) -> NDArray[Any]:
         """Return the actions as the batch of one takes them; those of agents who are not there are 0."""
-        live = set(self.agents)
         for name in actions:
-            if name not in live:
+            if name not in self.agents:
                 self._of(self.action_spaces, name)
                 raise ValueError(f"an action for '{name}', whose episode has ended; 'agents' is {self.agents}")
         missing = [name for name in self.agents if name not in actions]
         if missing:
             raise ValueError(f"no action for {', '.join(missing)}: each agent in 'agents' needs one")
-        episodes = self.worlds.episodes
-        is_discrete = episodes.n_discrete > 0
-        size = 1 if is_discrete else len(episodes.action_low)
-        given = np.zeros((1, episodes.n_agents, size), np.int64 if is_discrete else np.float64)
+        n_choices, sizes = self.worlds.episodes.n_discrete, self.worlds.episodes.action_sizes.tolist()
+        given = np.zeros((1, len(sizes), 1 if n_choices else max(sizes)), np.int64 if n_choices else np.float64)
         for name in self.agents:
             a = self._indices[name]
-            row = self._checked(name, np.asarray(actions[name]), int(episodes.action_sizes[a]))
-            given[0, a, : row.size] = row
+            row = self._checked(name, np.asarray(actions[name]), n_choices)
+            given[0, a, : sizes[a]] = row if n_choices else row[: sizes[a]]
         if not np.isfinite(given).all():
             culprit = self.possible_agents[np.argwhere(~np.isfinite(given))[0, 1]]
             raise ValueError(f"the action of '{culprit}' is not finite: {actions[culprit]}")
-        return given[..., 0] if is_discrete else given
+        return given[..., 0] if n_choices else given
 
-    def _checked(self, name: str, row: NDArray[Any], size: int) -> NDArray[Any]:
-        """Return the part of an agent's action that counts, or refuse it."""
-        n_choices = self.worlds.episodes.n_discrete
+    def _checked(self, name: str, row: NDArray[Any], n_choices: int) -> NDArray[Any]:
+        """Return an agent's action, or refuse it."""
         shape = self.action_spaces[name].shape
         if row.shape != shape:
             raise ValueError(f"the action of '{name}' must have shape {shape}, got {row.shape}")
@@ -256,7 +252,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
             raise ValueError(f"the action of '{name}' must be {wanted}, got an array of {row.dtype}")
         if n_choices and not 0 <= row < n_choices:
             raise ValueError(f"the action of '{name}' is not a choice from 0 to {n_choices - 1}: {row}")
-        return row if n_choices else row[:size]
+        return row
 
     def _each(self, names: list[str], values: NDArray[Any]) -> zip[tuple[str, Any]]:
         """Return the agents' values ``(1, n_agents)`` as Python numbers."""

@@ -40,16 +40,16 @@ class Layout:
             return {name: np.array(rows[..., columns], order="C") for name, columns in self.columns.items()}
         return rows.copy() if self.picked is None else rows.take(self.picked, axis=-1)
 
-    def each(self, rows: Rays) -> Sequence[Observation]:
-        """Return each of some flat observations in the declared form.
+    def formed(self, rows: Rays) -> Observation:
+        """Return flat observations that nobody else holds in the declared form, themselves where that is theirs."""
+        return rows if self.flat and self.picked is None else self.fresh(rows)
 
-        Args:
-            rows: Flat observations that nobody else holds, shape ``(n, n_features)``; they are handed out.
-        """
-        if self.flat:
-            return list(rows if self.picked is None else rows.take(self.picked, axis=1))
-        parts = [np.ascontiguousarray(rows[:, columns]) for columns in self.columns.values()]
-        return [dict(zip(self.columns, row, strict=True)) for row in zip(*parts, strict=True)]
+    def each(self, rows: Rays) -> Sequence[Observation]:
+        """Return each of some flat observations that nobody else holds, shape ``(n, n_features)``, as ``formed``."""
+        formed = self.formed(rows)
+        if not isinstance(formed, dict):
+            return list(formed)
+        return [dict(zip(formed, row, strict=True)) for row in zip(*formed.values(), strict=True)]
 
 
 def observation_layout(episodes: Episodes, agent: int | None = None) -> Layout:
