@@ -74,3 +74,48 @@ def room_about(cells: CellMap, x: float, y: float) -> tuple[float, float]:
     if middle * (1.0 + DOUBT) >= farthest(frame):
         most = np.inf
     return max(middle * (1.0 - DOUBT) - away * (1.0 + DOUBT), 0.0), most
+
+
+@kernel
+def nearest_to_point2(frame: Floats, squares: Bytes, x: float, y: float, reach: float) -> float:
+    """Return the squared distance [m2] of a point from the occupied cells; inf if none is as near as ``reach`` [m].
+
+    Column after column is looked at, from the point's own to both sides, as far as something nearer may lie in it.
+
+    Args:
+        frame: See ``cells``.
+        squares: See ``cells``.
+        x: The point [m].
+        y: The point [m].
+        reach: How far to look [m].
+    """
+    columns, rows = squares.shape[1], squares.shape[2]
+    best, bound = np.inf, reach * reach * (1.0 + DOUBT)
+    own_i = int(min(max(np.floor((x - frame[0]) / frame[2]), 0.0), columns - 1.0))
+    own_j = int(min(max(np.floor((y - frame[1]) / frame[3]), 0.0), rows - 1.0))
+    for direction in range(2):
+        i = own_i - direction
+        while 0 <= i < columns:
+            aside = max(frame[0] + i * frame[2] - x, x - (frame[0] + (i + 1) * frame[2]), 0.0)
+            if aside * aside > bound:
+                break
+            j = own_j
+            while j < rows:
+                up = max(frame[1] + j * frame[3] - y, y - (frame[1] + (j + 1) * frame[3]), 0.0)
+                free, near = int(squares[0, i, j]), aside * aside + up * up
+                if free == 0 or near > bound:
+                    best = min(best, near) if near <= bound else best
+                    break
+                j += free
+            bound = min(best, bound)
+            j = own_j
+            while j >= 0:
+                up = max(frame[1] + j * frame[3] - y, y - (frame[1] + (j + 1) * frame[3]), 0.0)
+                free, near = int(squares[2, i, j]), aside * aside + up * up
+                if free == 0 or near > bound:
+                    best = min(best, near) if near <= bound else best
+                    break
+                j -= free
+            bound = min(best, bound)
+            i += 1 - 2 * direction
+    return best

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
-from irsim_gym.geometry.cell_room import room_about
+from irsim_gym.geometry.cell_room import nearest_to_point2, room_about
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.segments import point_segment_distance2, side
 from irsim_gym.jit import kernel
@@ -198,6 +198,8 @@ def capsule_meets_cells(cells: CellMap | None, ax: float, ay: float, bx: float, 
         return False
     if most < radius:
         return True
+    if half == 0.0:
+        return bool(nearest_to_point2(frame, squares, ax, ay, radius) <= radius * radius)
     return bool(nearest_cell2(frame, squares, ax, ay, bx, by, radius, radius * radius) <= radius * radius)
 
 
@@ -221,7 +223,10 @@ def segment_cells_distance(cells: CellMap | None, ax: float, ay: float, bx: floa
     whole = abs(centre_x - ax) + abs(centre_y - ay) + width + height
     while True:
         reach = min(reach, limit, whole)
-        best = np.sqrt(nearest_cell2(frame, squares, ax, ay, bx, by, reach, 0.0))
+        if half == 0.0:
+            best = np.sqrt(nearest_to_point2(frame, squares, ax, ay, reach))
+        else:
+            best = np.sqrt(nearest_cell2(frame, squares, ax, ay, bx, by, reach, 0.0))
         if best <= reach or reach >= limit or reach >= whole:
             return float(min(best, limit))
         reach = 2.0 * reach

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import shapely
 
-from irsim_gym.geometry.cell_room import DOUBT, farthest, room_about
-from irsim_gym.geometry.cells import cells_are_closer, outline_near_cells
+from irsim_gym.geometry.cell_room import DOUBT, farthest, nearest_to_point2, room_about
+from irsim_gym.geometry.cells import cells_are_closer, nearest_cell2, outline_near_cells
 from tests.geometry.cell_maps import area, cell_map, random_map
 from tests.geometry.shapes import disc
 
@@ -41,3 +41,17 @@ def test_bounds_hold_and_decide_as_shapely_does(seed: int) -> None:
         for limit in (0.1, 0.3, 0.7):
             assert cells_are_closer(cells, x, y, limit) == (true < limit)
             assert outline_near_cells(cells, *disc(x, y, 0.2).arguments, limit) == (true < 0.2 + limit)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.01, 0.1, 0.5])
+def test_the_nearest_cell_to_a_point_is_that_of_the_plain_search(share: float) -> None:
+    cells, occupied = random_map(11, share, 31, 25)
+    for x, y in np.random.default_rng(12).uniform([-1, 0], [12, 9], (300, 2)):
+        true = shapely.distance(occupied, shapely.Point(x, y)) if share > 0.0 else np.inf
+        for reach in (0.05, 0.5, 3.0, 20.0):
+            found = nearest_to_point2(*cells[:2], x, y, reach)
+            if true <= reach:
+                assert found == nearest_cell2(*cells[:2], x, y, x, y, reach, 0.0)
+                assert found == pytest.approx(true * true, abs=1e-12)
+            else:
+                assert found == np.inf
