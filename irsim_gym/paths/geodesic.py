@@ -261,17 +261,24 @@ def add_ring(field: Floats, cell: float) -> None:
         for column in range(columns):
             if field[row, column] < np.inf:
                 continue
-            best = np.inf
-            for to_row in range(max(row - 1, 0), min(row + 2, rows)):
-                for to_column in range(max(column - 1, 0), min(column + 2, columns)):
-                    corner = to_row != row and to_column != column
-                    if field[to_row, to_column] >= 0.0:
-                        best = min(best, field[to_row, to_column] + (np.sqrt(2.0) if corner else 1.0) * cell)
+            beside, across = np.inf, np.inf
+            for side in range(-1, 2, 2):
+                up, aside = min(max(row + side, 0), rows - 1), min(max(column + side, 0), columns - 1)
+                other = min(max(column - side, 0), columns - 1)
+                beside = min(beside, known(field[up, column]), known(field[row, aside]))
+                across = min(across, known(field[up, aside]), known(field[up, other]))
+            best = min(beside + cell, across + np.sqrt(2.0) * cell)
             if best < np.inf:
                 field[row, column] = -best
     for row in range(rows):
         for column in range(columns):
             field[row, column] = abs(field[row, column])
+
+
+@kernel
+def known(distance: float) -> float:
+    """Return a distance, inf for one that was new in this ring."""
+    return distance if distance >= 0.0 else np.inf
 
 
 @kernel

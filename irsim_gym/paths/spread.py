@@ -45,17 +45,16 @@ def clear_field(field: Floats, queue: Ints) -> None:
 
 
 @kernel
-def offer(field: Floats, queue: Ints, row: int, column: int, distance: float, parent: int, cell: float) -> None:
-    """Put a cell into its bucket if this distance [m] is less than the one it has."""
-    known = field[row, column]
-    if distance >= known:
+def offer(known: Floats, queue: Ints, here: int, distance: float, parent: int, cell: float) -> None:
+    """Put a cell, by its number, into its bucket if this distance [m] is less than the one that is known."""
+    before_now = known[here]
+    if distance >= before_now:
         return
-    n_cells, here = field.size, row * field.shape[1] + column
-    if known < np.inf:
+    if before_now < np.inf:
         before, after = queue[PREVIOUS, here], queue[NEXT, here]
         queue[NEXT, before], queue[PREVIOUS, after] = after, before
-    field[row, column], queue[PARENT, here] = distance, parent
-    head = n_cells + int(distance / cell) % N_BUCKETS
+    known[here], queue[PARENT, here] = distance, parent
+    head = known.shape[0] + int(distance / cell) % N_BUCKETS
     after = queue[NEXT, head]
     queue[NEXT, head], queue[PREVIOUS, here], queue[NEXT, here], queue[PREVIOUS, after] = here, head, after, here
 
@@ -84,6 +83,7 @@ def offer_gates(
     """Offer the free cells about the source (x, y) [m] that can be reached straight from it; their PARENT is -1."""
     outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
     rows, columns = blocked.shape
+    known = field.reshape(-1)
     for i in range(16):
         row, column = gate(i, x - origin_x, y - origin_y, cell)
         if row < 0 or column < 0 or row >= rows or column >= columns or blocked[row, column] == BLOCKED:
@@ -91,7 +91,7 @@ def offer_gates(
         gate_x, gate_y = origin_x + (column + 0.5) * cell, origin_y + (row + 0.5) * cell
         if way_is_free(*outlines, radius, x, y, gate_x, gate_y):
             dx, dy = gate_x - x, gate_y - y
-            offer(field, queue, row, column, np.sqrt(dx * dx + dy * dy), -1, cell)
+            offer(known, queue, row * columns + column, np.sqrt(dx * dx + dy * dy), -1, cell)
 
 
 @kernel
@@ -107,6 +107,8 @@ def spread(blocked: Bytes, cell: float, target_row: int, target_column: int, fie
         queue: Changed: the queue, and in row PARENT the number of the cell before on the way, -1 at the source.
     """
     n_cells, bucket, idle = field.size, 0, 0
+    rows, columns = blocked.shape
+    walls, known = blocked.reshape(-1), field.reshape(-1)
     while idle < N_BUCKETS:
         head = n_cells + bucket % N_BUCKETS
         here = queue[NEXT, head]
@@ -118,22 +120,24 @@ def spread(blocked: Bytes, cell: float, target_row: int, target_column: int, fie
         idle = 0
         after = queue[NEXT, here]
         queue[NEXT, head], queue[PREVIOUS, after] = after, head
-        relax(blocked, cell, here, field, queue)
+        relax(walls, rows, columns, cell, here, known, queue)
 
 
 @kernel
-def relax(blocked: Bytes, cell: float, here: int, field: Floats, queue: Ints) -> None:
-    """Offer all neighbours of a cell."""
-    rows, columns = blocked.shape
-    row, column = here // columns, here % columns
+def relax(walls: Bytes, rows: int, columns: int, cell: float, here: int, known: Floats, queue: Ints) -> None:
+    """Offer all neighbours of a cell; the distance is looked at first, because most neighbours are nearer already."""
+    row, column, reach = here // columns, here % columns, known[here]
+    is_inner = 2 <= row < rows - 2 and 2 <= column < columns - 2
     for k in range(STEPS.shape[0]):
-        to_row, to_column = row + STEPS[k, 0], column + STEPS[k, 1]
-        if to_row < 0 or to_column < 0 or to_row >= rows or to_column >= columns:
+        if not is_inner:
+            to_row, to_column = row + STEPS[k, 0], column + STEPS[k, 1]
+            if to_row < 0 or to_column < 0 or to_row >= rows or to_column >= columns:
+                continue
+        to, distance = here + STEPS[k, 0] * columns + STEPS[k, 1], reach + LENGTHS[k] * cell
+        if distance >= known[to] or walls[to] == BLOCKED:
             continue
-        if blocked[to_row, to_column] == BLOCKED:
+        if walls[here + VIA[k, 0, 0] * columns + VIA[k, 0, 1]] == BLOCKED:
             continue
-        if blocked[row + VIA[k, 0, 0], column + VIA[k, 0, 1]] == BLOCKED:
+        if walls[here + VIA[k, 1, 0] * columns + VIA[k, 1, 1]] == BLOCKED:
             continue
-        if blocked[row + VIA[k, 1, 0], column + VIA[k, 1, 1]] == BLOCKED:
-            continue
-        offer(field, queue, to_row, to_column, field[row, column] + LENGTHS[k] * cell, here, cell)
+        offer(known, queue, to, distance, here, cell)
