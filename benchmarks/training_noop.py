@@ -1,4 +1,4 @@
-"""PPO with S1 against PPO with an environment of the same shapes that does nothing: what a learner waits for."""
+"""PPO and SAC with S1 against the same with an environment that does nothing: what a learner waits for."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import torch
 from effort import Effort, Figures
-from stable_baselines3 import PPO
+from stable_baselines3 import PPO, SAC
+from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 from standard_worlds import s1
@@ -19,6 +20,8 @@ import irsim_gym as ig
 SIZES = (8, 64, 512)
 ROLLOUT, MINIBATCH = 8192, 1024
 UPDATES = 3
+SAC_STEPS = 100
+"""Steps of all worlds in a round of SAC; each is followed by as many updates as the shipped settings ask for."""
 MOST_ROUNDS = 5
 
 
@@ -62,25 +65,47 @@ class NothingVecEnv(VecEnv):
 
 
 def measure(effort: Effort) -> Figures:
-    """Return frames per CPU second of both, in turns, and their ratio of medians."""
+    """Return frames per CPU second of both, in turns, and the ratio of their medians, by algorithm and batch."""
     torch.set_num_threads(1)
     figures: Figures = {}
     for n_worlds in effort.sizes(SIZES):
         env = ig.sb3.make_vec_env(s1(), n_worlds, seed=0, render_mode=None)
-        models = {"s1": _model(env), "noop": _model(NothingVecEnv(env))}
-        rates: dict[str, list[float]] = {name: [] for name in models}
-        for _ in range(min(MOST_ROUNDS, effort.rounds)):
-            for name, model in models.items():
-                begin = time.process_time()
-                model.learn(UPDATES * ROLLOUT, reset_num_timesteps=False)
-                rates[name].append(UPDATES * ROLLOUT / (time.process_time() - begin))
-        medians = {name: statistics.median(found) for name, found in rates.items()}
-        figures |= {f"{name}_{n_worlds}_worlds_per_cpu_s": rate for name, rate in medians.items()}
-        figures[f"{n_worlds}_worlds_share_of_noop"] = medians["s1"] / medians["noop"]
+        envs = {"s1": env, "noop": NothingVecEnv(env)}
+        figures |= _shares("", n_worlds, {name: _ppo(one) for name, one in envs.items()}, UPDATES * ROLLOUT, effort)
+        models = {name: _sac(one) for name, one in envs.items()}
+        figures |= _shares("sac_", n_worlds, models, SAC_STEPS * n_worlds, effort)
     return figures
 
 
-def _model(env: VecEnv) -> PPO:
+def _shares(prefix: str, n_worlds: int, models: dict[str, BaseAlgorithm], frames: int, effort: Effort) -> Figures:
+    """Let both learn for so many frames in turns."""
+    rates: dict[str, list[float]] = {name: [] for name in models}
+    for _ in range(min(MOST_ROUNDS, effort.rounds)):
+        for name, model in models.items():
+            begin = time.process_time()
+            model.learn(frames, reset_num_timesteps=False)
+            rates[name].append(frames / (time.process_time() - begin))
+    medians = {name: statistics.median(found) for name, found in rates.items()}
+    figures: Figures = {f"{prefix}{name}_{n_worlds}_worlds_per_cpu_s": rate for name, rate in medians.items()}
+    return figures | {f"{prefix}{n_worlds}_worlds_share_of_noop": medians["s1"] / medians["noop"]}
+
+
+def _ppo(env: VecEnv) -> PPO:
     model = PPO("MlpPolicy", env, n_steps=ROLLOUT // env.num_envs, batch_size=MINIBATCH, n_epochs=5, device="cpu")
     model.learn(ROLLOUT)
+    return model
+
+
+def _sac(env: VecEnv) -> SAC:
+    """Return SAC with the shipped settings, past its first steps without updates."""
+    model = SAC(
+        "MlpPolicy",
+        env,
+        learning_starts=env.num_envs,
+        buffer_size=50_000,
+        gradient_steps=4,
+        policy_kwargs={"net_arch": [128, 128]},
+        device="cpu",
+    )
+    model.learn(4 * env.num_envs)
     return model
