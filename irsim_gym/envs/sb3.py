@@ -128,7 +128,7 @@ class WorldVecEnv(NativeVecEnv):
         reward = view.reward[:, 0]
         self._returns += reward
         dones: Flags = view.terminated[:, 0] | view.truncated[:, 0]
-        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        infos = self.no_infos()
         ended = dones.nonzero()[0]
         rewards = reward.astype(np.float32)
         if len(ended):
@@ -137,17 +137,14 @@ class WorldVecEnv(NativeVecEnv):
 
     def _end(self, ended: Ints, infos: list[dict[str, Any]]) -> None:
         """Fill in the infos of worlds that have ended, and restart them."""
-        worlds = self.worlds
-        view = worlds.episodes.view
-        cut = (view.truncated[ended, 0] & ~view.terminated[ended, 0]).tolist()
+        worlds, view, told = self.worlds, self.worlds.episodes.view, self.worlds.infos.told
         elapsed = round(time.time() - self._started, 6)
-        told, returns = worlds.infos.told, self._returns[ended].tolist()
-        rows = zip(ended.tolist(), worlds.infos.rows(ended), worlds.observations_of(ended), cut, returns, strict=True)
-        for w, row, observation, truncated, total in rows:
+        rows = zip(ended.tolist(), worlds.infos.rows(ended), worlds.observations_of(ended), strict=True)
+        for w, row, observation in rows:
             info = infos[w] = told(row)
             info["terminal_observation"] = observation
-            info["TimeLimit.truncated"] = truncated
-            info["episode"] = {"r": round(total, 6), "l": info["steps"], "t": elapsed}
+            info["TimeLimit.truncated"] = view.truncated.item(w, 0) and not view.terminated.item(w, 0)
+            info["episode"] = {"r": round(self._returns.item(w), 6), "l": info["steps"], "t": elapsed}
         self._returns[ended] = 0.0
         worlds.begin_next(ended)
         self.note_beginnings(ended, ended)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Sequence
+from itertools import repeat
 from typing import Any
 
 import gymnasium
@@ -51,6 +52,10 @@ class NativeVecEnv(VecEnv):
     def note_beginnings(self, slots: Ints, worlds: Ints, agents: int | Ints = 0) -> None:
         """Keep what ``reset_infos`` tells about slots whose episodes have just begun, each an agent of a world."""
         self._begun.update(zip(slots.tolist(), self.worlds.infos.rows(worlds, agents), strict=True))
+
+    def no_infos(self) -> list[dict[str, Any]]:
+        """Return a dict of its own for each slot, as wrappers may write into any; this is the fastest way."""
+        return list(map(dict.copy, repeat({}, self.num_envs)))
 
     def close(self) -> None:
         """Free the renderer. May be called twice."""

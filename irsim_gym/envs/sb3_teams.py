@@ -197,7 +197,7 @@ class TeamVecEnv(NativeVecEnv):
         idle = np.flatnonzero(~acted)
         self._counts[0] += idle.size
         self._counts[1] += self.num_envs
-        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        infos = self.no_infos()
         for slot in idle.tolist():
             infos[slot]["idle"] = True
         if idle.size and not self._buffer_is_known:

@@ -180,9 +180,9 @@ class Worlds:
         """Return a fresh copy of an agent's observation, in the space that all agents share."""
         return self.layout.fresh(self.episodes.view.observation[w, agent])
 
-    def observations_of(self, worlds: Ints, agents: int | Ints = 0) -> Sequence[Observation]:
-        """Return ``observation_of`` for several worlds, each with the same agent or one of its own."""
-        return self.layout.each(self.episodes.view.observation[worlds, agents])
+    def observations_of(self, worlds: Ints, agent: int = 0) -> Sequence[Observation]:
+        """Return ``observation_of`` for several worlds."""
+        return self.layout.each(self.episodes.view.observation[:, agent].take(worlds, axis=0))
 
     def info_of(self, w: int, agent: int = 0) -> dict[str, Any]:
         """Return what is known about an agent of a world, as Python numbers: a dict of its own at each call."""
