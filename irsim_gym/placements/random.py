@@ -114,8 +114,10 @@ class RandomPlacement:
         """Draw starts and goals; ``failed[w]`` becomes body + 1 where a member found no place."""
         shapes, targets, scene = bundles(model, state)
         table, slot = group.arrays, shard.slot
-        coarse, fine = (of_slot([table[f"{name}_{part}"] for part in WAY_TABLES], slot) for name in ("coarse", "fine"))
-        grids = table["blocks"][slot], coarse, fine
+        grids: Any = None  # then nothing that looks for a way is compiled
+        if group.options[0].reachable:
+            both = (of_slot([table[f"{name}_{part}"] for part in WAY_TABLES], slot) for name in ("coarse", "fine"))
+            grids = table["blocks"][slot], *both
         draw_members(
             shard.worlds,
             group.members,
@@ -167,8 +169,8 @@ def draw_members(
                     not has_goal[b]
                     or draw_goal(w, k, members, options, goal_low, goal_high, shapes, targets, scene, random)
                 )
-                if placed[w, b] and options.reachable and has_goal[b]:
-                    placed[w, b] = has_way(w, b, shapes, targets, scene, grids)
+                if grids is not None:
+                    placed[w, b] = placed[w, b] and (not has_goal[b] or has_way(w, b, shapes, targets, scene, grids))
                 if placed[w, b]:
                     break
             if not placed[w, b]:
