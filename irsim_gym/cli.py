@@ -286,9 +286,9 @@ def warmup(
     modules: Imports = None,
 ) -> None:
     """Compile the kernels of scenarios, so that later commands start at once."""
-    from irsim_gym.training.commands import compile_scenarios
+    from irsim_gym.training.warmup import warm_up
 
-    compile_scenarios(scenarios or [])
+    warm_up(scenarios or [])
 
 
 def run(command: Callable[..., Any]) -> None:

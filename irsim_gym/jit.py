@@ -13,7 +13,7 @@ import numpy as np
 from numba.core import config as numba_config
 
 from irsim_gym.jit_cache import keep_on_disk
-from irsim_gym.jit_watch import watch_compilation
+from irsim_gym.jit_watch import compilation
 
 config: Any = numba_config
 
@@ -84,7 +84,7 @@ class Kernel:
         return dispatcher.overloads[signature]
 
     def _dispatcher(self, **options: Any) -> Any:
-        watch_compilation()
+        compilation()
         given: Any = {"no_cfunc_wrapper": True, **self._options, **options}
         dispatcher = numba.njit(**given)(self._function)
         keep_on_disk(dispatcher)

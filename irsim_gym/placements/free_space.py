@@ -178,10 +178,10 @@ def has_way(w: int, b: int, shapes: Any, targets: Any, scene: Any, grids: Any) -
     blocks, coarse, fine = grids
     for q in range(blocks.shape[0]):
         blocks[q] = q != b and placed[w, q] and present[w, q] and stands[q]
-    for step in range(2):
-        if has_way_on(w, b, shapes, targets, scene, blocks, coarse if step == 0 else fine):
-            return True
-    return False
+    proven = False
+    for grid in (coarse, fine):
+        proven = proven or has_way_on(w, b, shapes, targets, scene, blocks, grid)
+    return proven
 
 
 @kernel

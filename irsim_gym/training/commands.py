@@ -11,11 +11,8 @@ from rich.table import Table
 from rich.text import Text
 
 from irsim_gym.engine import Simulation, compile
-from irsim_gym.envs import sb3
 from irsim_gym.errors import IrsimGymError, ScenarioError
-from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.tables import print_table
-from irsim_gym.scenario.library import scenario_names
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.spec import Scenario
@@ -253,20 +250,3 @@ def begin_level(scenario: Scenario, level: int = 0, split: str = "train", task: 
     simulation = compile(scenario, agents=agents)
     simulation.reset(seed=level, split=split)
     return simulation
-
-
-def compile_scenarios(scenarios: Sequence[str]) -> None:
-    """Step each scenario once in a batch and measure a path, which compiles and keeps all that they need."""
-    for name in scenarios or scenario_names():
-        env = sb3.make_vec_env(scenario_name(name), n_envs=2, seed=0, render_mode=None)
-        env.reset()
-        env.step(env.worlds.episodes.view.infos["steps"][:, 0] if not env.action_space.shape else _zeros(env))
-        Optima("train").of(env.worlds.episodes, 0, 0)
-        env.close()
-        print(f"{name}: ready")
-
-
-def _zeros(env: sb3.WorldVecEnv) -> Any:
-    import numpy as np
-
-    return np.zeros((env.num_envs, *(env.action_space.shape or ())), np.float32)

@@ -1,0 +1,55 @@
+"""Compiling beforehand what scenarios need."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+
+import numpy as np
+from rich.console import Console
+from rich.progress import Progress
+
+from irsim_gym.engine import compile
+from irsim_gym.envs.batch import make_batch
+from irsim_gym.envs.single import WorldEnv
+from irsim_gym.errors import ScenarioError
+from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.jit_cache import cache_folder
+from irsim_gym.jit_watch import compilation
+from irsim_gym.scenario.library import scenario_names
+from irsim_gym.scenario.load import load_scenario
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.training.run import scenario_name
+
+
+def warm_up(names: Sequence[str]) -> None:
+    """Compile the kernels of scenarios, those of all shipped ones where none is named, and say where they are kept."""
+    begun, watch = time.perf_counter(), compilation()
+    before = watch.compiled
+    chosen = [scenario_name(name) for name in names or scenario_names()]
+    watch.said = True  # the bar says it
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        for name in progress.track(chosen, description="compiling"):
+            use(load_scenario(name))
+    place = cache_folder()
+    kept = f"kept in {place}" if place else "kept nowhere: no folder can be written, NUMBA_CACHE_DIR names another"
+    spent = time.perf_counter() - begun
+    ready = f"{len(chosen)} scenario{'s' * (len(chosen) != 1)} ready"
+    print(f"{ready}: {watch.compiled - before} kernels compiled in {spent:.0f} s, {kept}")
+
+
+def use(scenario: Scenario) -> None:
+    """Do once what is done with a scenario: step it by itself, with one learner, as a team, and measure a path."""
+    simulation = compile(scenario, 1)
+    simulation.reset(seed=0)
+    simulation.step()
+    with suppress(ScenarioError):  # nobody can learn there
+        env = WorldEnv(scenario)
+        env.reset(seed=0)
+        env.step(env.action_space.sample())
+        Optima("train").of(env.worlds.episodes, 0, 0)
+    with suppress(ScenarioError):  # or not as a team
+        batch = make_batch(scenario)
+        batch.reset(seed=0)
+        batch.step(np.stack([[batch.action_space.sample()] * batch.n_agents]))
