@@ -34,7 +34,7 @@ def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
     """Write who touches whom: all pairs, or near ones through the buckets where there are any; then the map."""
     outline = _outline(model, state)
     if model.bucket_frame[3] > 0.0:
-        buckets = (model.bucket_frame, state.bucket_first, state.bucket_next)
+        buckets = (model.bucket_frame, state.bucket_first, state.bucket_next, state.nearby)
         find_near_contacts(
             shard.worlds, bodies, model.movable, *outline, state.pose, *buckets, state.collided, state.hit
         )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.geometry.buckets import gather_nearby
 from irsim_gym.geometry.overlap import outlines_overlap
@@ -12,7 +10,7 @@ from irsim_gym.jit import kernel
 ROUNDING = 1.0 + 1e-9
 
 
-@kernel(allocates=True)
+@kernel
 def find_near_contacts(
     worlds: Ints,
     bodies: Ints,
@@ -31,6 +29,7 @@ def find_near_contacts(
     frame: Floats,
     bucket_first: Ints,
     bucket_next: Ints,
+    nearby: Ints,
     collided: Flags,
     hit: Ints,
 ) -> None:
@@ -38,9 +37,9 @@ def find_near_contacts(
 
     Bodies in the buckets reach no farther than the side of a square.
     """
-    found = np.empty(hit.shape[1], np.int64)
     for i in range(worlds.shape[0]):
         w = worlds[i]
+        found = nearby[w]
         reaches, rows, rounds = reach[w % reach.shape[0]], segments[w], discs[w]
         n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
         for k in range(bodies.shape[0]):

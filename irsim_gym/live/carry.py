@@ -15,7 +15,7 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 ROW_NUMBERS = ("segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit")
-NOT_CARRIED = frozenset({*ROW_NUMBERS, "radius", "centroid"})
+NOT_CARRIED = frozenset({*ROW_NUMBERS, "nearby", "radius", "centroid"})
 """Fields about bodies that hold row numbers, bodies or buckets, or that not every world asks for; worked out anew."""
 
 PLACE_TRIES = 20

@@ -38,5 +38,6 @@ class WorldState(Arrays):
     bucket: Ints = column("world body", np.int64, "", "the bucket that the body is in, -1 for none")
     bucket_first: Ints = column("world bucket", np.int64, "", "first body of each bucket, -1 for none")
     bucket_next: Ints = column("world body", np.int64, "", "next body of the same bucket, -1 for none")
+    nearby: Ints = column("world body", np.int64, "", "scratch: the bodies in the buckets around one")
     placed: Flags = column("world body", np.bool_, "", "has its start; False only while a level is drawn")
     failed: Ints = column("world", np.int64, "", "body + 1 that found no place in the level as it was drawn, else 0")

@@ -9,7 +9,7 @@ import pytest
 
 import irsim_gym as ig
 from irsim_gym.engine import buckets, contact, outlines
-from irsim_gym.geometry.buckets import find_nearby
+from irsim_gym.geometry.buckets import find_nearby, put_in_order
 from irsim_gym.world.group import Shard
 
 WORLDS = Shard(np.arange(2, dtype=np.int64))
@@ -169,3 +169,11 @@ def test_a_step_keeps_the_buckets_up_to_date() -> None:
     inside = ((state.pose[0, :, :2] > 0.1) & (state.pose[0, :, :2] < 19.9)).all(axis=1)
     assert inside.sum() > 50
     np.testing.assert_array_equal(state.bucket[0, inside], place[inside])
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 10, 47, 300])
+def test_numbers_are_put_in_order(count: int) -> None:
+    numbers = np.random.default_rng(count).integers(-50, 50, 310)
+    before = numbers.copy()
+    put_in_order(numbers, count)
+    assert numbers.tolist() == [*sorted(before[:count].tolist()), *before[count:].tolist()]
