@@ -9,16 +9,17 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.behaviors.free_samples import LANES, ROW_NUMBERS, nearest_free, rough_cones
 from irsim_gym.behaviors.steering import to_command, wanted_velocity
 from irsim_gym.behaviors.surroundings import MARGIN, Scene, look_around, most_map_walls, row_of, scene_of, wall_bodies
 from irsim_gym.behaviors.velocity_obstacles import (
+    CONE,
     PITCH,
     disc_cones,
     lay_samples,
     least_penalty,
-    nearest_free,
-    order_samples,
     side_cones,
+    write_samples,
 )
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import crossed_bounds, kind, option
@@ -81,8 +82,10 @@ class Rvo:
         group.arrays["nearby"] = np.zeros((n_slots, len(model.role)), np.int64)
         group.arrays["rounds"] = np.zeros((n_slots, n_rounds, 6))
         group.arrays["sides"] = np.zeros((n_slots, n_sides, 4))
-        group.arrays["cones"] = np.zeros((n_slots, n_rounds + n_sides, 6))
+        group.arrays["cones"] = np.zeros((n_slots, n_rounds + n_sides, CONE))
         group.arrays["samples"] = np.zeros((n_slots, 2, n_samples))
+        group.arrays["spans"] = np.zeros((n_slots, n_rounds + n_sides, 2 * LANES))
+        group.arrays["rows"] = np.zeros((n_slots, ROW_NUMBERS))
         group.arrays["order"] = np.zeros((n_slots, 2, n_samples), np.int64)
 
     @staticmethod
@@ -105,6 +108,8 @@ class Rvo:
             arrays["cones"][slot],
             arrays["samples"][slot],
             arrays["order"][slot],
+            arrays["spans"][slot],
+            arrays["rows"][slot],
             state.command,
         )
 
@@ -132,6 +137,8 @@ def decide_rvo(
     cones: Floats,
     samples: Floats,
     order: Ints,
+    spans: Floats,
+    rows: Floats,
     command: Floats,
 ) -> None:
     """Write the commands of bodies that avoid what they see."""
@@ -162,6 +169,8 @@ def decide_rvo(
                 cones,
                 samples,
                 order,
+                spans,
+                rows,
             )
             alone = n_rounds == 0 and n_sides == 0
             steer(drive[b], pose[2], vx, vy, alone, wanted_x, wanted_y, command[w, b])
@@ -183,35 +192,27 @@ def choose_velocity(
     cones: Floats,
     samples: Floats,
     order: Ints,
+    spans: Floats,
+    rows: Floats,
 ) -> tuple[float, float]:
     """Return the best of the sampled velocities [m/s]: outside of all cones, or with the least penalty."""
     vx, vy = velocity[0], velocity[1]
-    n_x = lay_samples(vx, options["acce"], options.vxmax, samples[0])
-    n_y = lay_samples(vy, options["acce"], options.vymax, samples[1])
-    order_samples(samples[0], n_x, wanted_x, order[0])
-    order_samples(samples[1], n_y, wanted_y, order[1])
-    n_cones = disc_cones(options.mode, x, y, vx, vy, r, rounds, n_rounds, cones)
-    n_cones = side_cones(x, y, r, sides, n_sides, cones, n_cones)
-    best = nearest_free(cones, n_cones, samples, n_x, n_y, wanted_x, wanted_y, order)
-    if best < 0:
-        best = least_penalty(
-            x,
-            y,
-            vx,
-            vy,
-            r,
-            rounds,
-            n_rounds,
-            sides,
-            n_sides,
-            options.factor,
-            samples,
-            n_x,
-            n_y,
-            wanted_x,
-            wanted_y,
-            order,
-        )
+    first_x, step_x, n_x = lay_samples(vx, options["acce"], options.vxmax)
+    first_y, step_y, n_y = lay_samples(vy, options["acce"], options.vymax)
+    n_cones, mode = side_cones(x, y, r, sides, n_sides, cones, n_rounds), options.mode
+    rough_cones(mode, x, y, vx, vy, r, rounds, n_rounds, cones)
+    best = nearest_free(
+        mode, x, y, vx, vy, r, rounds, n_rounds, cones, n_cones, first_x, step_x, n_x, first_y, step_y, n_y,
+        wanted_x, wanted_y, spans, rows,
+    )  # fmt: skip
+    if best >= 0:
+        return first_x + (best // n_y) * step_x, first_y + (best % n_y) * step_y
+    write_samples(first_x, step_x, n_x, wanted_x, samples[0], order[0])
+    write_samples(first_y, step_y, n_y, wanted_y, samples[1], order[1])
+    disc_cones(mode, x, y, vx, vy, r, rounds, n_rounds, cones)
+    best = least_penalty(
+        x, y, vx, vy, r, rounds, n_rounds, sides, n_sides, options.factor, samples, n_x, n_y, wanted_x, wanted_y, order
+    )
     return samples[0, best // n_y], samples[1, best % n_y]
 
 

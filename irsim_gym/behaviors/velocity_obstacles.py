@@ -13,6 +13,9 @@ from irsim_gym.jit import kernel
 
 RVO, HRVO, VO = 0, 1, 2
 
+CONE = 9
+"""Numbers of a cone."""
+
 PITCH = 0.05
 """Distance between neighbouring samples [m/s]."""
 
@@ -29,8 +32,17 @@ NEVER = 1e6
 @kernel
 def disc_cones(
     mode: int, x: float, y: float, vx: float, vy: float, r: float, rounds: Floats, n_rounds: int, cones: Floats
-) -> int:
-    """Write one cone for each disc; return how many.
+) -> None:
+    """Write the cone and the way to a touch of each disc; arguments as below."""
+    for k in range(n_rounds):
+        disc_cone(mode, x, y, vx, vy, r, k, rounds, cones)
+
+
+@kernel
+def disc_cone(
+    mode: int, x: float, y: float, vx: float, vy: float, r: float, k: int, rounds: Floats, cones: Floats
+) -> None:
+    """Write the cone of disc k.
 
     Args:
         mode: RVO, HRVO or VO.
@@ -39,33 +51,31 @@ def disc_cones(
         vx: Velocity [m/s].
         vy: Velocity [m/s].
         r: Radius [m].
+        k: Number of the disc.
         rounds: x, y, vx, vy, radius of the discs [m, m/s]; column 5 is written: the way to a touch [m].
-        n_rounds: Number of discs.
-        cones: Written: apex, direction of the left and of the right edge, shape ``(n, 6)``.
+        cones: Written, shape ``(n, CONE)``.
     """
-    for k in range(n_rounds):
-        dx, dy, ux, uy = rounds[k, 0] - x, rounds[k, 1] - y, rounds[k, 2], rounds[k, 3]
-        sum_r = r + rounds[k, 4]
-        distance = np.sqrt(dy * dy + dx * dx)
-        rounds[k, 5] = np.sqrt(max(distance * distance - sum_r * sum_r, 0.0))
-        half = np.arcsin(min(max(sum_r / max(distance, sum_r), -1.0), 1.0))
-        angle = np.arctan2(dy, dx)
-        left, right = angle + half, angle - half
-        apex_x, apex_y = ux, uy
-        if mode != VO:
-            apex_x, apex_y = (vx + ux) / 2.0, (vy + uy) / 2.0
-        if mode == HRVO:
-            off_x, off_y = apex_x - ux, apex_y - uy
-            opening = np.pi - 2.0 * half
-            if opening == 0.0:
-                opening = 0.01
-            shift = np.sqrt(off_x * off_x + off_y * off_y) * np.sin(left - np.arctan2(off_y, off_x)) / np.sin(opening)
-            if dx * (vy - apex_y) - (vx - apex_x) * dy <= 0.0:
-                apex_x, apex_y = apex_x - shift * np.cos(right), apex_y - shift * np.sin(right)
-            else:
-                apex_x, apex_y = ux + shift * np.cos(right), uy + shift * np.sin(right)
-        write_cone(cones[k], apex_x, apex_y, left, right)
-    return n_rounds
+    dx, dy, ux, uy = rounds[k, 0] - x, rounds[k, 1] - y, rounds[k, 2], rounds[k, 3]
+    sum_r = r + rounds[k, 4]
+    distance = np.sqrt(dy * dy + dx * dx)
+    rounds[k, 5] = np.sqrt(max(distance * distance - sum_r * sum_r, 0.0))
+    half = np.arcsin(min(max(sum_r / max(distance, sum_r), -1.0), 1.0))
+    angle = np.arctan2(dy, dx)
+    left, right = angle + half, angle - half
+    apex_x, apex_y = ux, uy
+    if mode != VO:
+        apex_x, apex_y = (vx + ux) / 2.0, (vy + uy) / 2.0
+    if mode == HRVO:
+        off_x, off_y = apex_x - ux, apex_y - uy
+        opening = np.pi - 2.0 * half
+        if opening == 0.0:
+            opening = 0.01
+        shift = np.sqrt(off_x * off_x + off_y * off_y) * np.sin(left - np.arctan2(off_y, off_x)) / np.sin(opening)
+        if dx * (vy - apex_y) - (vx - apex_x) * dy <= 0.0:
+            apex_x, apex_y = apex_x - shift * np.cos(right), apex_y - shift * np.sin(right)
+        else:
+            apex_x, apex_y = ux + shift * np.cos(right), uy + shift * np.sin(right)
+    write_cone(cones[k], apex_x, apex_y, left, right)
 
 
 @kernel
@@ -100,22 +110,26 @@ def widening(dx: float, dy: float, r: float) -> float:
 
 @kernel
 def write_cone(cone: Floats, apex_x: float, apex_y: float, left: float, right: float) -> None:
-    """Write apex and edges of a cone, shape ``(6,)``, from the angles [rad] of its edges."""
+    """Write a cone from the angles [rad] of its edges.
+
+    Args:
+        cone: Written: apex [m/s], direction of the left and of the right edge, their slopes, and that all this is as
+            exact as can be; shape ``(CONE,)``. A velocity v is in the cone, edges included, if with w = v - apex
+            left x w <= 0 <= right x w.
+        apex_x: Apex [m/s].
+        apex_y: Apex [m/s].
+        left: Angle of the left edge [rad].
+        right: Angle of the right edge [rad].
+    """
     cone[0], cone[1] = apex_x, apex_y
     cone[2], cone[3] = np.cos(left), np.sin(left)
     cone[4], cone[5] = np.cos(right), np.sin(right)
+    cone[6], cone[7], cone[8] = cone[3] / cone[2], cone[5] / cone[4], 1.0
 
 
 @kernel
-def in_cone(cone: Floats, vx: float, vy: float) -> bool:
-    """Return whether a velocity lies in a cone; its edges belong to it."""
-    wx, wy = vx - cone[0], vy - cone[1]
-    return bool(cone[2] * wy - wx * cone[3] <= 0.0 and cone[4] * wy - wx * cone[5] >= 0.0)
-
-
-@kernel
-def lay_samples(current: float, change: float, limit: float, samples: Floats) -> int:
-    """Write the velocities to try along one axis, ascending; return how many.
+def lay_samples(current: float, change: float, limit: float) -> tuple[float, float, int]:
+    """Return the first of the velocities to try along one axis [m/s], the step to the next one, and their number.
 
     They begin at the lower end of what is within ``change`` of ``current`` and within ``limit``, and stop before the
     upper one; where there is nothing the admissible velocity nearest to the current one is left.
@@ -124,17 +138,20 @@ def lay_samples(current: float, change: float, limit: float, samples: Floats) ->
         current: Velocity now [m/s].
         change: Greatest change [m/s].
         limit: Greatest speed along the axis [m/s].
-        samples: Written [m/s].
     """
     low, high = max(current - change, -limit), min(current + change, limit)
-    if high <= low:
-        samples[0] = min(max(current, -limit), limit)
-        return 1
-    count = int(np.ceil((high - low) / PITCH))
     step = (low + PITCH) - low  # as np.arange: the pitch is that of the first two
+    if high <= low:
+        return min(max(current, -limit), limit), step, 1
+    return low, step, int(np.ceil((high - low) / PITCH))
+
+
+@kernel
+def write_samples(first: float, step: float, count: int, wanted: float, samples: Floats, order: Ints) -> None:
+    """Write the velocities to try along an axis, ascending, and their indices by distance from the wanted one [m/s]."""
     for k in range(count):
-        samples[k] = low + k * step
-    return count
+        samples[k] = first + k * step
+    order_samples(samples, count, wanted, order)
 
 
 @kernel
@@ -151,62 +168,6 @@ def order_samples(samples: Floats, count: int, wanted: float, order: Ints) -> No
         else:
             order[k] = above
             above += 1
-
-
-@kernel
-def nearest_free(
-    cones: Floats,
-    n_cones: int,
-    samples: Floats,
-    n_x: int,
-    n_y: int,
-    wanted_x: float,
-    wanted_y: float,
-    order: Ints,
-) -> int:
-    """Return the sample outside of all cones that is nearest to the wanted velocity, -1 without any.
-
-    Samples are numbered x-major; of several that are equally near the first counts. They are looked at from the
-    wanted velocity outwards, so most are never looked at.
-
-    Args:
-        cones: Apexes and edges, shape ``(n, 6)``.
-        n_cones: Number of them.
-        samples: Velocities along x and y [m/s], shape ``(2, n)``.
-        n_x: Number of samples along x.
-        n_y: Number of samples along y.
-        wanted_x: Wanted velocity [m/s].
-        wanted_y: Wanted velocity [m/s].
-        order: Indices of the samples by distance from the wanted velocity, shape ``(2, n)``.
-    """
-    best, best_distance, limit, last = -1, np.inf, np.inf, 0
-    for a in range(n_x):
-        i = order[0, a]
-        dx = samples[0, i] - wanted_x
-        if dx * dx > limit:
-            break
-        for c in range(n_y):
-            j = order[1, c]
-            dy = samples[1, j] - wanted_y
-            if dx * dx + dy * dy > limit:
-                break
-            blocked = False
-            if n_cones > 0:
-                blocked = in_cone(cones[last], samples[0, i], samples[1, j])
-            k = 0
-            while not blocked and k < n_cones:
-                blocked = in_cone(cones[k], samples[0, i], samples[1, j])
-                if blocked:
-                    last = k
-                k += 1
-            if blocked:
-                continue
-            distance = np.hypot(dx, dy)
-            place = i * n_y + j
-            if distance < best_distance or (distance == best_distance and place < best):
-                best, best_distance = place, distance
-                limit = distance * distance * SLACK
-    return best
 
 
 @kernel

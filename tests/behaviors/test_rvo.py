@@ -80,12 +80,11 @@ def test_decisions_are_those_of_ir_sim(mode: str, drive: str, tmp_path: Path) ->
 
 def test_samples_are_those_of_arange() -> None:
     random = np.random.default_rng(3)
-    samples = np.zeros(200)
     for current, change, limit in [*random.uniform([-2, 0, 0], [2, 2, 2], (300, 3)), (0, 1, 1.5), (0.25, 0.3, 0.5)]:
-        count = lay_samples(current, change, limit, samples)
+        first, step, count = lay_samples(float(current), float(change), float(limit))
         low, high = max(current - change, -limit), min(current + change, limit)
         expected = np.arange(low, high, 0.05) if high > low else np.clip([current], -limit, limit)
-        assert samples[:count].tolist() == expected.tolist()
+        assert [first + k * step for k in range(count)] == expected.tolist()
 
 
 def test_samples_are_visited_outwards() -> None:

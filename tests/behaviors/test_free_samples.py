@@ -1,0 +1,79 @@
+"""The nearest free sample, rows side by side, is that of a look at every sample and every cone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from irsim_gym.behaviors.free_samples import LANES, ROW_NUMBERS, nearest_free, rough_cones
+from irsim_gym.behaviors.velocity_obstacles import CONE, HRVO, RVO, VO, disc_cones, lay_samples, side_cones
+
+Rows = np.ndarray
+
+
+def every_sample(cones: Rows, xs: Rows, ys: Rows, wanted: Rows) -> int:
+    """Return the nearest sample outside of all cones; edges belong to them, and ties go to the lower number."""
+    wx, wy = xs[:, None, None] - cones[:, 0], ys[None, :, None] - cones[:, 1]
+    inside = (cones[:, 2] * wy - wx * cones[:, 3] <= 0.0) & (cones[:, 4] * wy - wx * cones[:, 5] >= 0.0)
+    gaps = np.hypot(*np.broadcast_arrays(xs[:, None] - wanted[0], ys[None, :] - wanted[1]))
+    gaps[inside.any(axis=2)] = np.inf
+    return int(np.argmin(gaps)) if np.isfinite(gaps).any() else -1
+
+
+def both(
+    mode: int, body: Rows, rounds: Rows, sides: Rows, wanted: Rows, change: float, limit: float
+) -> tuple[int, int]:
+    """Return what ``nearest_free`` finds, and what a look at everything does."""
+    x, y, vx, vy, r = body
+    n_rounds, exact = len(rounds), np.zeros((len(rounds) + len(sides), CONE))
+    cones, rounds = exact.copy(), np.pad(rounds, ((0, 0), (0, 1)))
+    along_x, along_y = lay_samples(vx, change, limit), lay_samples(vy, change, limit)
+    disc_cones(mode, x, y, vx, vy, r, rounds, n_rounds, exact)
+    n_cones = side_cones(x, y, r, sides, len(sides), exact, n_rounds)
+    xs, ys = (first + np.arange(count) * step for first, step, count in (along_x, along_y))
+    expected = every_sample(exact[:n_cones], xs, ys, wanted)
+    side_cones(x, y, r, sides, len(sides), cones, n_rounds)
+    rough_cones(mode, x, y, vx, vy, r, rounds, n_rounds, cones)
+    spans, rows = np.zeros((len(cones), 2 * LANES)), np.zeros(ROW_NUMBERS)
+    found = nearest_free(
+        mode, x, y, vx, vy, r, rounds, n_rounds, cones, n_cones, *along_x, *along_y, *wanted, spans, rows
+    )  # fmt: skip
+    return found, expected
+
+
+@pytest.mark.parametrize("mode", [RVO, HRVO, VO])
+@pytest.mark.parametrize(("n_rounds", "n_sides"), [(0, 0), (1, 0), (4, 1), (8, 0), (25, 3)])
+def test_the_nearest_free_sample_is_that_of_all(mode: int, n_rounds: int, n_sides: int) -> None:
+    rng, found = np.random.default_rng(10 * mode + n_rounds), set()
+    for k in range(80):
+        rounds = rng.uniform([-3, -3, -1, -1, 0.1], [3, 3, 1, 1, 0.6], (n_rounds, 5))
+        sides = rng.uniform(-3.0, 3.0, (n_sides, 4))
+        body, wanted = rng.uniform([-1, -1, -1, -1, 0.1], [1, 1, 1, 1, 0.5]), rng.uniform(-1.5, 1.5, 2)
+        if k % 2:  # everything on the grid of the samples: edges run through samples, and distances tie
+            rounds, sides, wanted = np.round(rounds * 2) / 2, np.round(sides * 2) / 2, np.round(wanted * 10) / 10
+            body = np.array([0.0, 0.0, *np.round(body[2:4] * 10) / 10, 0.25])
+        one, other = both(mode, body, rounds, sides, wanted, rng.choice([0.01, 0.3, 1.0, 2.0]), rng.choice([0.7, 1.5]))
+        assert one == other
+        found.add(one)
+    assert len(found) > 10 or n_rounds == 25
+
+
+@pytest.mark.parametrize("mode", [RVO, VO])
+def test_samples_on_an_edge_belong_to_the_cone(mode: int) -> None:
+    # Both at rest, so the apex is the sample 0; by hand: the edges run at +-30 degrees, or +-90 where discs touch.
+    still = np.array([0.0, 0.0, 0.0, 0.0, 0.5])
+    nothing = np.zeros((0, 4))
+    for gap in (2.0, 1.0, 0.5, 0.0):
+        rounds = np.array([[gap, 0.0, 0.0, 0.0, 0.5]])
+        one, other = both(mode, still, rounds, nothing, np.array([0.0, 0.0]), 1.0, 1.5)
+        assert one == other
+        one, other = both(mode, still, rounds, nothing, np.array([0.5, 0.0]), 1.0, 1.5)
+        assert one == other
+
+
+def test_where_everything_is_forbidden_there_is_none() -> None:
+    around = np.array([[x, y, 0.0, 0.0, 0.5] for x in (-0.4, 0.4) for y in (-0.4, 0.4)])
+    assert both(RVO, np.array([0, 0, 0.1, 0, 0.5]), around, np.zeros((0, 4)), np.array([1.0, 0.0]), 1.0, 1.5) == (
+        -1,
+        -1,
+    )
