@@ -231,18 +231,13 @@ def nearest_free(
         nearest2 = measure_free(base, n_x, first_y, step_y, n_y, wanted_x, wanted_y, rows)
         if nearest2 < np.inf and nearest2 <= limit:
             limit = min(limit, nearest2 * SLACK)
-            for k in range(LANES):
-                if rows[NEAREST + k] <= limit:
-                    row = (base + k) * n_y
-                    low, high = row + int(rows[LOW + k]) - 1, row + int(rows[HIGH + k])
-                    if rows[BELOW + k] <= limit and is_nearer(
-                        low, best, n_y, first_x, step_x, first_y, step_y, wanted_x, wanted_y
-                    ):
-                        best = low
-                    if rows[ABOVE + k] <= limit and is_nearer(
-                        high, best, n_y, first_x, step_x, first_y, step_y, wanted_x, wanted_y
-                    ):
-                        best = high
+            for k in range(2 * LANES):
+                if rows[BELOW + k] <= limit:
+                    lane = k % LANES
+                    j = int(rows[LOW + lane]) - 1 if k < LANES else int(rows[HIGH + lane])
+                    place = (base + lane) * n_y + j
+                    if is_nearer(place, best, n_y, first_x, step_x, first_y, step_y, wanted_x, wanted_y):
+                        best = place
         begin, end = min(begin, base), max(end, base + LANES)
         to_left = wanted_x - (first_x + (begin - 1) * step_x) if begin > 0 else np.inf
         to_right = (first_x + end * step_x) - wanted_x if end < n_x else np.inf
