@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,8 +16,8 @@ from machine import describe
 from rich.table import Table
 
 
-def main() -> None:
-    """Run the chosen cases, show their figures and write them down."""
+def main() -> int:
+    """Run the chosen cases, show their figures and write them down; return 1 when a case failed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("-f", "--filter", default="", help="run only the cases whose names match")
     parser.add_argument("--json", type=Path, help="write the figures, with machine and versions, to this file")
@@ -28,16 +29,22 @@ def main() -> None:
         parser.error(f"no case matches '{asked.filter}'; there are: {', '.join(CASES)}")
     if asked.list:
         print("\n".join(chosen))
-        return
+        return 0
     console, table = results.console(), Table("case", "figure", "value", "noise")
     found: dict[str, dict[str, float]] = {}
     noises: dict[str, dict[str, float]] = {}
     took: dict[str, float] = {}
+    failed: list[str] = []
     machine = describe()
     for name, case in chosen.items():
         begin = time.perf_counter()
-        with console.status(name):
-            figures = case(TINY if asked.tiny else FULL)
+        try:
+            with console.status(name):
+                figures = case(TINY if asked.tiny else FULL)
+        except Exception:  # the others are worth their minutes all the same
+            console.print_exception()
+            failed.append(name)
+            continue
         took[name] = round(time.perf_counter() - begin, 1)
         for figure, value, noise in flatten(figures):
             found.setdefault(name, {})[figure] = value
@@ -48,6 +55,9 @@ def main() -> None:
             results.write(asked.json, {"machine": machine, "results": found, "noise": noises, "took_s": took})
     console.print(table)
     console.print(f"{sum(took.values()):.0f} s; most of it: {', '.join(most(took))}")
+    if failed:
+        console.print(f"[red]failed: {', '.join(failed)}")
+    return int(bool(failed))
 
 
 def most(took: Mapping[str, float], count: int = 5) -> list[str]:
@@ -56,4 +66,4 @@ def most(took: Mapping[str, float], count: int = 5) -> list[str]:
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import c_twin
+import catalogue
 import numpy as np
 import pytest
 import results
@@ -53,10 +54,29 @@ def test_the_command_writes_a_result(tmp_path: Path, monkeypatch: pytest.MonkeyP
     file = tmp_path / "result.json"
     arguments = ["run.py", "--tiny", "-f", "^s2/", "--json", str(file)]
     monkeypatch.setattr(sys, "argv", arguments)
-    runpy.run_path(str(ROOT / "benchmarks" / "run.py"), run_name="__main__")
+    assert run() == 0
     result = results.read(file)
     valid(result)
-    assert set(result["results"]) == {"s2/rvo", "s2/orca"}
+    assert set(result["results"]) == set(result["took_s"]) == {"s2/rvo", "s2/orca"}
+
+
+def test_a_case_that_fails_does_not_keep_the_others_from_running(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(effort: Effort) -> dict[str, float]:
+        raise ValueError(str(effort))
+
+    monkeypatch.setattr(catalogue, "CASES", {"bad": fail, "good": lambda effort: {"x_us": 2.0}})
+    file = tmp_path / "result.json"
+    monkeypatch.setattr(sys, "argv", ["run.py", "--json", str(file)])
+    assert run() == 1
+    assert results.read(file)["results"] == {"good": {"x_us": 2.0}}
+
+
+def run() -> object:
+    with pytest.raises(SystemExit) as caught:
+        runpy.run_path(str(ROOT / "benchmarks" / "run.py"), run_name="__main__")
+    return caught.value.code
 
 
 @pytest.mark.parametrize("file", sorted(results.FOLDER.glob("*.json")), ids=lambda file: file.name)
