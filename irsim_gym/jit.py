@@ -23,8 +23,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 @overload
 def kernel(function: F, /) -> F: ...
 @overload
-def kernel(*, contract: bool = False, allocates: bool = False) -> Callable[[F], F]: ...
-def kernel(function: Any = None, /, *, contract: bool = False, allocates: bool = False) -> Any:
+def kernel(*, contract: bool = False, allocates: bool = False, inlined: bool = False) -> Callable[[F], F]: ...
+def kernel(function: Any = None, /, *, contract: bool = False, allocates: bool = False, inlined: bool = False) -> Any:
     """Compile a function: it releases the GIL, divides as NumPy does and is cached on disk.
 
     With ``NUMBA_DISABLE_JIT=1`` the function stays plain Python, under ``np.errstate``.
@@ -37,13 +37,15 @@ def kernel(function: Any = None, /, *, contract: bool = False, allocates: bool =
         function: The function, when used without brackets.
         contract: Allow fused multiply-add; for float32 ray kernels alone.
         allocates: It makes arrays, or sorts, and is called rarely enough not to mind what that costs.
+        inlined: Become a part of each kernel that calls it, however long it is: an array among the arguments of a call
+            is seven words on the stack.
     """
     if function is None:
-        return functools.partial(kernel, contract=contract, allocates=allocates)
+        return functools.partial(kernel, contract=contract, allocates=allocates, inlined=inlined)
     if config.DISABLE_JIT:
         return np.errstate(all="ignore")(function)
     fastmath = {"contract"} if contract else False
-    options = {"nogil": True, "error_model": "numpy", "fastmath": fastmath, "_nrt": allocates}
+    options = {"nogil": True, "error_model": "numpy", "fastmath": fastmath, "_nrt": allocates, "forceinline": inlined}
     return Kernel(function, options)
 
 

@@ -24,6 +24,14 @@ CHUNK = 64
 BLOCK = 32
 """Beams that are cast together; tables of beams have a multiple of it."""
 
+LANES = 8
+"""Numbers in float64 that are worked on at once."""
+
+ROW = np.uint64(CHUNK)
+ONE, TWO, THREE, FOUR = np.uint64(1), np.uint64(2), np.uint64(3), np.uint64(4)
+FIVE, SIX, SEVEN, EIGHT = np.uint64(5), np.uint64(6), np.uint64(7), np.uint64(8)
+"""Unsigned, so that an index needs no test for negative numbers, which would keep the loop from running in lanes."""
+
 ALIGN = 16
 """Spans begin at a multiple of it."""
 
@@ -38,29 +46,66 @@ HALF_TURN = 3.1415
 """A little less than pi: what comes near the direction of -pi is cast against all beams."""
 
 
-@kernel
+@kernel(inlined=True)
 def prepare_segments(
-    count: int, cosine: float, sine: float, far: float, near: Floats, slopes: Rays, spans: Spans
+    count: int,
+    x: float,
+    y: float,
+    cosine: float,
+    sine: float,
+    far: float,
+    rows: Floats,
+    limits: Floats,
+    slopes: Rays,
+    spans: Spans,
 ) -> int:
     """Write what the beams need to know of segments, and which of them are kept: those in range that show their front.
 
     Args:
         count: Number of segments, at most CHUNK.
+        x: Place of the sensor [m].
+        y: Place of the sensor [m].
         cosine: Of the sensor's heading.
         sine: Of the sensor's heading.
         far: Range of the sensor [m].
-        near: Ends relative to the sensor, in the world frame [m], and the largest a x b [m2] with which a segment shows
-            its front: ax, ay, bx, by, limit, shape ``(5 * CHUNK,)``.
+        rows: Ends in the world frame [m], one segment after the other: ax, ay, bx, by, shape ``(4 * n,)``.
+        limits: The largest a x b [m2] with which each shows its front: 0, or inf where both sides are seen, -inf for
+            what is not seen at all, shape ``(n,)``.
         slopes: Written, in the sensor frame: n, q [1/m], slack [1/m] and both ends [m], shape ``(9 * CHUNK,)``.
         spans: Written: 1 for segments that are kept, else 0, in the first CHUNK; shape ``(4 * CHUNK,)``.
 
     Returns:
-        How many would be kept but are seen edge-on, so that they need the care of ``inverse_depth_segment``; these are
-        marked by -1.
+        More than 0 if some would be kept but are seen edge-on, so that they need the care of ``inverse_depth_segment``;
+        these are marked by -1.
     """
+    n_edges, whole = 0, count // LANES * LANES
+    for part in range(2):
+        # What is left after the whole lanes is done together with rows of before: one by one it would take longer.
+        k = 0 if part == 0 else max(count - LANES, 0)
+        n = whole if part == 0 else count - k
+        if part == 0 or whole < count:
+            n_edges += prepare_lanes(n, x, y, cosine, sine, far, rows[4 * k :], limits[k:], slopes[k:], spans[k:])
+    return n_edges
+
+
+@kernel(inlined=True)
+def prepare_lanes(
+    count: int,
+    x: float,
+    y: float,
+    cosine: float,
+    sine: float,
+    far: float,
+    rows: Floats,
+    limits: Floats,
+    slopes: Rays,
+    spans: Spans,
+) -> int:
+    """Do the work of ``prepare_segments``."""
     n_edges = np.int64(0)
-    for j in range(count):
-        gx, gy, hx, hy = near[j], near[j + CHUNK], near[j + 2 * CHUNK], near[j + 3 * CHUNK]
+    for j in range(np.uint64(count)):
+        at = FOUR * j
+        gx, gy, hx, hy = rows[at] - x, rows[at + ONE] - y, rows[at + TWO] - x, rows[at + THREE] - y
         ax, ay = cosine * gx + sine * gy, cosine * gy - sine * gx
         bx, by = cosine * hx + sine * hy, cosine * hy - sine * hx
         cross = gx * hy - gy * hx
@@ -70,24 +115,24 @@ def prepare_segments(
         least = cross * cross
         least = b2 * length2 if along >= length2 else least
         least = a2 * length2 if along <= 0.0 else least
-        wanted = (cross <= near[j + 4 * CHUNK]) & (least <= far * far * length2)
+        wanted = (cross <= limits[j]) & (least <= far * far * length2)
         clear = cross * cross > EDGE_ON * EDGE_ON * a2 * b2
         share = 1.0 / cross
         normal_x, normal_y = (by - ay) * share, (ax - bx) * share
         place_x, place_y = -(ay + by) * share, (ax + bx) * share
-        slopes[j], slopes[j + CHUNK] = np.float32(normal_x), np.float32(normal_y)
-        slopes[j + 2 * CHUNK], slopes[j + 3 * CHUNK] = np.float32(place_x), np.float32(place_y)
+        slopes[j], slopes[j + ROW] = np.float32(normal_x), np.float32(normal_y)
+        slopes[j + ROW * TWO], slopes[j + ROW * THREE] = np.float32(place_x), np.float32(place_y)
         spread = np.abs(normal_x) + np.abs(normal_y) + np.abs(place_x) + np.abs(place_y)
-        slopes[j + 4 * CHUNK] = np.float32(SLACK * spread)
-        slopes[j + 5 * CHUNK], slopes[j + 6 * CHUNK] = np.float32(ax), np.float32(ay)
-        slopes[j + 7 * CHUNK], slopes[j + 8 * CHUNK] = np.float32(bx), np.float32(by)
+        slopes[j + ROW * FOUR] = np.float32(SLACK * spread)
+        slopes[j + ROW * FIVE], slopes[j + ROW * SIX] = np.float32(ax), np.float32(ay)
+        slopes[j + ROW * SEVEN], slopes[j + ROW * EIGHT] = np.float32(bx), np.float32(by)
         edge = wanted & (not clear)
         spans[j] = np.int32(wanted) - np.int32(2) * np.int32(edge)
         n_edges += np.int64(edge)
     return int(n_edges)
 
 
-@kernel
+@kernel(inlined=True)
 def prepare_discs(count: int, cosine: float, sine: float, near: Floats, slopes: Rays, spans: Spans) -> int:
     """Write what the beams need to know of discs.
 
@@ -118,7 +163,7 @@ def prepare_discs(count: int, cosine: float, sine: float, near: Floats, slopes: 
     return int(n_around)
 
 
-@kernel(contract=True)
+@kernel(contract=True, inlined=True)
 def rough_angle(x: np.float32, y: np.float32) -> np.float32:
     """Return the direction of (x, y) [rad] with an error of less than 0.0065 rad; NaN where there is none."""
     across, up = np.abs(x), np.abs(y)
@@ -128,7 +173,7 @@ def rough_angle(x: np.float32, y: np.float32) -> np.float32:
     return np.float32(u if y >= np.float32(0.0) else -u)
 
 
-@kernel(contract=True)
+@kernel(contract=True, inlined=True)
 def span_segments(count: int, n_beams: int, first: np.float32, density: np.float32, slopes: Rays, spans: Spans) -> None:
     """Write for each segment the first of the beams that may meet it, and in how many blocks they lie.
 
@@ -150,7 +195,7 @@ def span_segments(count: int, n_beams: int, first: np.float32, density: np.float
         spans[j + CHUNK], spans[j + 2 * CHUNK] = begin, blocks
 
 
-@kernel(contract=True)
+@kernel(contract=True, inlined=True)
 def span_discs(count: int, n_beams: int, first: np.float32, density: np.float32, slopes: Rays, spans: Spans) -> None:
     """Write for each disc the first of the beams that may meet it, and in how many blocks they lie."""
     for j in range(count):
@@ -159,7 +204,7 @@ def span_discs(count: int, n_beams: int, first: np.float32, density: np.float32,
         spans[j + CHUNK], spans[j + 2 * CHUNK] = begin, blocks
 
 
-@kernel(contract=True)
+@kernel(contract=True, inlined=True)
 def span(
     low: np.float32, high: np.float32, n_beams: int, first: np.float32, density: np.float32
 ) -> tuple[np.int32, np.int32]:
@@ -180,7 +225,7 @@ def span(
     return place, blocks if is_part else np.int32(n_beams >> 5)
 
 
-@kernel
+@kernel(inlined=True)
 def list_kept(count: int, spans: Spans) -> int:
     """Write the numbers of the primitives marked by 1 one after the other, in the last CHUNK; return how many."""
     n = 0
@@ -190,7 +235,7 @@ def list_kept(count: int, spans: Spans) -> int:
     return n
 
 
-@kernel(contract=True)
+@kernel(contract=True, inlined=True)
 def raise_by_segments(n: int, slopes: Rays, spans: Spans, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
     """Raise ``inverse`` [1/m] where beams meet the listed segments, from either side."""
     zero = np.float32(0.0)
@@ -210,7 +255,7 @@ def raise_by_segments(n: int, slopes: Rays, spans: Spans, beams_x: Rays, beams_y
             p += np.uint64(BLOCK)
 
 
-@kernel(contract=True)
+@kernel(contract=True, inlined=True)
 def raise_by_discs(n: int, slopes: Rays, spans: Spans, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
     """Raise ``inverse`` [1/m] where beams meet the listed discs, seen from outside."""
     zero = np.float32(0.0)

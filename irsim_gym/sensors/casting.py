@@ -112,7 +112,7 @@ def cast_bodies(
     ``fan`` holds the direction of the first one [rad] and their number per rad, 0 where they are not evenly spread.
     ``near``, ``slopes`` and ``spans`` are scratch, see ``geometry/ray_chunks.py``.
     """
-    sides, rounds = near[: 5 * CHUNK], near[5 * CHUNK :]
+    sides, limits, rounds = near[: 4 * CHUNK], near[4 * CHUNK : 5 * CHUNK], near[5 * CHUNK :]
     first, density = np.float32(fan[0]), np.float32(fan[1])
     for i in range(worlds.shape[0]):
         w = worlds[i]
@@ -143,25 +143,28 @@ def cast_bodies(
                     limit = np.inf
                 for s in range(start, end):
                     if n_sides == CHUNK:
-                        n_sides = cast_sides(n_sides, cosine, sine, far, sides, *beams)
-                    sides[n_sides], sides[n_sides + CHUNK] = rows[s, 0] - x, rows[s, 1] - y
-                    sides[n_sides + 2 * CHUNK], sides[n_sides + 3 * CHUNK] = rows[s, 2] - x, rows[s, 3] - y
-                    sides[n_sides + 4 * CHUNK] = limit
+                        n_sides = cast_sides(n_sides, x, y, cosine, sine, far, sides, limits, *beams)
+                    for c in range(4):
+                        sides[4 * n_sides + c] = rows[s, c]
+                    limits[n_sides] = limit
                     n_sides += 1
             if n_rounds > 0:
                 cast_rounds(n_rounds, cosine, sine, rounds, *beams)
             if n_sides > 0:
-                cast_sides(n_sides, cosine, sine, far, sides, *beams)
+                cast_sides(n_sides, x, y, cosine, sine, far, sides, limits, *beams)
             write_ranges(inverse, params[k].range_min, far, ranges[w, k])
 
 
-@kernel
+@kernel(inlined=True)
 def cast_sides(
     count: int,
+    x: float,
+    y: float,
     cosine: float,
     sine: float,
     far: float,
-    near: Floats,
+    rows: Floats,
+    limits: Floats,
     first: np.float32,
     density: np.float32,
     slopes: Rays,
@@ -171,10 +174,7 @@ def cast_sides(
     inverse: Rays,
 ) -> int:
     """Cast against a chunk of segments, which may be seen edge-on; return 0, the number that is left."""
-    whole_lanes = (count + 7) // 8 * 8
-    for j in range(count, whole_lanes):
-        near[j + 4 * CHUNK] = -np.inf
-    n_edges = prepare_segments(whole_lanes, cosine, sine, far, near, slopes, spans)
+    n_edges = prepare_segments(count, x, y, cosine, sine, far, rows, limits, slopes, spans)
     span_segments(count, inverse.shape[0], first, density, slopes, spans)
     raise_by_segments(list_kept(count, spans), slopes, spans, beams_x, beams_y, inverse)
     if n_edges > 0:
@@ -186,7 +186,7 @@ def cast_sides(
     return 0
 
 
-@kernel
+@kernel(inlined=True)
 def cast_rounds(
     count: int,
     cosine: float,
@@ -215,7 +215,7 @@ def cast_rounds(
     return 0
 
 
-@kernel
+@kernel(inlined=True)
 def mount(pose: Floats, offset: Floats) -> tuple[float, float, float, float]:
     """Return the sensor's place in the world frame [m], and cosine and sine of its heading."""
     cosine, sine = np.cos(pose[2]), np.sin(pose[2])

@@ -14,6 +14,7 @@ from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK
 from irsim_gym.sensors import hits, noise
 from irsim_gym.sensors.casting import cast_bodies, cast_outline
 from irsim_gym.sensors.cell_scan import scan_cells
+from irsim_gym.sensors.room_casting import cast_room, is_small
 from irsim_gym.world.arrays import aligned
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
@@ -73,6 +74,7 @@ def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: i
         "slopes": np.zeros((n_slots, 9 * CHUNK), np.float32),
         "spans": np.zeros((n_slots, 4 * CHUNK), np.int32),
         "inverse": np.zeros((n_slots, padded), np.float32),
+        "listed": np.zeros((n_slots, 3 * CHUNK), np.int64),
         "ranges": np.tile(far[None, :, None], (n_worlds, 1, len(angles))),
         "footprint": np.zeros((n_members, len(angles)), np.float32),
     }
@@ -108,7 +110,24 @@ def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
     table, is_noisy = group.arrays, group.options[0].noise
     if is_noisy:
         noise.turn_beams(group, state, shard)
-    cast_bodies(
+    cast(group, model, state, shard)
+    if (cells := model.cells) is not None:
+        rows = table["beams_x"], table["beams_y"]
+        members, params = group.members, table["cast_params"]
+        scratch = table["walk_floats"][shard.slot], table["walk_integers"][shard.slot]
+        scan_cells(shard.worlds, members, params, *rows, cells, model.present, state.pose, *scratch, table["ranges"])
+    if "hit" in table:
+        hits.find(group, model, state, shard)
+    if is_noisy:
+        noise.blur_ranges(group, state, shard)
+    elif "hit" in table:
+        hits.clip(group, shard)
+
+
+def cast(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Write what the members' beams meet of bodies."""
+    table, slot = group.arrays, shard.slot
+    given = (
         shard.worlds,
         group.members,
         table["cast_params"],
@@ -126,20 +145,12 @@ def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
         model.disc_start,
         model.disc_count,
         state.discs,
-        table["near"][shard.slot],
-        table["slopes"][shard.slot],
-        table["spans"][shard.slot],
-        table["inverse"][shard.slot],
-        table["ranges"],
+        table["near"][slot],
+        table["slopes"][slot],
+        table["spans"][slot],
+        table["inverse"][slot],
     )
-    if (cells := model.cells) is not None:
-        rows = table["beams_x"], table["beams_y"]
-        members, params = group.members, table["cast_params"]
-        scratch = table["walk_floats"][shard.slot], table["walk_integers"][shard.slot]
-        scan_cells(shard.worlds, members, params, *rows, cells, model.present, state.pose, *scratch, table["ranges"])
-    if "hit" in table:
-        hits.find(group, model, state, shard)
-    if is_noisy:
-        noise.blur_ranges(group, state, shard)
-    elif "hit" in table:
-        hits.clip(group, shard)
+    if is_small(model):
+        cast_room(*given, table["listed"][slot], table["ranges"])
+    else:
+        cast_bodies(*given, table["ranges"])

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from numpy.typing import NDArray
 
 from irsim_gym.geometry.ray_chunks import CHUNK, prepare_segments, rough_angle
@@ -36,9 +37,7 @@ def cast(
     beams_of_it = np.float32(angles[0]), np.float32(density), *scratch, x, y, inverse
     table = np.asarray(segments, np.float64).reshape(-1, 4)
     for rows in np.array_split(table, -(-len(table) // CHUNK)) if len(table) else []:
-        near = np.zeros((5, CHUNK))
-        near[:4, : len(rows)], near[4] = rows.T, np.inf
-        assert sides(len(rows), *turn, far, near.ravel(), *beams_of_it) == 0
+        assert sides(len(rows), 0.0, 0.0, *turn, far, rows.ravel(), np.full(CHUNK, np.inf), *beams_of_it) == 0
     table = np.asarray(discs, np.float64).reshape(-1, 3)
     if len(table):
         near = np.zeros((3, CHUNK))
@@ -126,13 +125,27 @@ def test_what_is_out_of_range_or_shows_its_back_is_left_out() -> None:
         (9.0, 1.0, 5.0, 4.0),
         (-1.0, 3.0, 1.0, 3.0),
     ]
-    near, slopes, spans = np.zeros((5, CHUNK)), np.zeros(9 * CHUNK, np.float32), np.zeros(4 * CHUNK, np.int32)
-    near[:4, : len(rows)] = np.array(rows).T  # a front is seen with the body to the left of the way from a to b
-    assert prepare_segments(len(rows), 1.0, 0.0, 6.5, near.ravel(), slopes, spans) == 0
+    slopes, spans = np.zeros(9 * CHUNK, np.float32), np.zeros(4 * CHUNK, np.int32)
+    table, limits = np.array(rows).ravel(), np.zeros(CHUNK)  # the body lies to the left of the way from a to b
+    assert prepare_segments(len(rows), 0.0, 0.0, 1.0, 0.0, 6.5, table, limits, slopes, spans) == 0
     assert spans[: len(rows)].tolist() == [0, 1, 0, 0, 1]
-    near[4] = np.inf
-    assert prepare_segments(len(rows), 1.0, 0.0, 6.5, near.ravel(), slopes, spans) == 0
+    limits[:] = np.inf
+    assert prepare_segments(len(rows), 0.0, 0.0, 1.0, 0.0, 6.5, table, limits, slopes, spans) == 0
     assert spans[: len(rows)].tolist() == [1, 1, 0, 1, 1]
+
+
+@pytest.mark.parametrize("count", [1, 7, 8, 9, 15, 16, 24, 64])
+def test_any_number_of_segments_is_prepared(count: int) -> None:
+    rng = np.random.default_rng(count)
+    rows = rng.uniform(-5.0, 5.0, (CHUNK, 4))
+    rows[count:] = np.nan
+    slopes, spans = np.full(9 * CHUNK, np.nan, np.float32), np.full(4 * CHUNK, 9, np.int32)
+    given = (1.0, 0.5, np.cos(0.3), np.sin(0.3), 4.0)
+    assert prepare_segments(count, *given, rows.ravel(), np.full(CHUNK, np.inf), slopes, spans) == 0
+    away = shapely.distance(shapely.linestrings(rows[:count].reshape(-1, 2, 2)), shapely.Point(1.0, 0.5))
+    assert spans[:count].tolist() == (away <= 4.0).astype(int).tolist()
+    assert np.isfinite(slopes.reshape(9, CHUNK)[:, :count]).all()
+    assert (spans[count:CHUNK] == 9).all()
 
 
 def test_rough_angles_are_near_enough() -> None:

@@ -1,0 +1,136 @@
+"""Casting in rooms where all outlines together fit into one chunk: they are looked at where they lie.
+
+Which rows can be seen at all depends on the sensor's body and on who is present, which is mostly everybody, so that it
+is noted once for many worlds. Looking for bodies in reach first takes longer than preparing all rows in lanes.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints, Rays, Spans
+from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.geometry.ray_chunks import CHUNK
+from irsim_gym.jit import kernel
+from irsim_gym.sensors.casting import cast_rounds, cast_sides, mount, write_ranges
+from irsim_gym.world.model import WorldModel
+
+DISCS, OWNERS, AREAS = 0, CHUNK, 2 * CHUNK
+"""What the three parts of ``listed`` hold: discs that can be seen, whose they are, and bodies with an inside."""
+
+
+def is_small(model: WorldModel) -> bool:
+    """Return whether all outlines of a world fit into a chunk, and so do its bodies."""
+    sizes = model.local_segments.shape[1], model.local_discs.shape[1], len(model.role)
+    return bool(max(sizes) <= CHUNK)
+
+
+@kernel
+def cast_room(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    fan: Floats,
+    beams_x: Rays,
+    beams_y: Rays,
+    pose: Floats,
+    present: Flags,
+    unobstructed: Flags,
+    solid: Flags,
+    reach: Floats,
+    segment_start: Ints,
+    segment_count: Ints,
+    segments: Floats,
+    disc_start: Ints,
+    disc_count: Ints,
+    discs: Floats,
+    near: Floats,
+    slopes: Rays,
+    spans: Spans,
+    inverse: Rays,
+    listed: Ints,
+    ranges: Rays,
+) -> None:
+    """Write the ranges of all members in all given worlds, as ``cast_bodies`` does for any world."""
+    limits, rounds = near[4 * CHUNK : 5 * CHUNK], near[5 * CHUNK :]
+    first, density = np.float32(fan[0]), np.float32(fan[1])
+    is_noted, is_shared = False, segment_count.shape[0] == 1 and disc_count.shape[0] == 1
+    n_rings, n_areas = 0, 0
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        rows, rings, here, there = segments[w], discs[w], pose[w], present[w]
+        reaches = reach[w % reach.shape[0]]
+        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        is_complete = is_shared and count_present(there) == there.shape[0]
+        is_noted = is_noted and is_complete
+        for k in range(members.shape[0]):
+            own, far, row = members[k], params[k].range_max, w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
+            x, y, cosine, sine = mount(here[own], params[k].offset)
+            beams = first, density, slopes, spans, beams_x[row], beams_y[row], inverse
+            if not is_noted:
+                n_rings, n_areas = note_rows(
+                    there, unobstructed, solid, segment_start, n_segments, disc_start, n_discs, limits, listed
+                )
+                is_noted = is_complete
+            for s in range(segment_start[own], segment_start[own] + n_segments[own]):
+                limits[s], is_noted = -np.inf, False
+            for m in range(n_areas):
+                b = listed[AREAS + m]
+                dx, dy, start, count = here[b, 0] - x, here[b, 1] - y, segment_start[b], n_segments[b]
+                is_near = dx * dx + dy * dy <= reaches[b] * reaches[b] and b != own
+                if is_near and contains_point(rows, start, count, x, y):
+                    limits[start : start + count], is_noted = np.inf, False
+            for j in range(inverse.shape[0]):
+                inverse[j] = np.float32(0.0)
+            n_rounds = 0
+            for m in range(n_rings):
+                d = listed[DISCS + m]
+                dx, dy, within = rings[d, 0] - x, rings[d, 1] - y, far + rings[d, 2]
+                rounds[n_rounds], rounds[n_rounds + CHUNK], rounds[n_rounds + 2 * CHUNK] = dx, dy, rings[d, 2]
+                n_rounds += listed[OWNERS + m] != own and dx * dx + dy * dy <= within * within
+            if n_rounds > 0:
+                cast_rounds(n_rounds, cosine, sine, rounds, *beams)
+            if rows.shape[0] > 0:
+                cast_sides(rows.shape[0], x, y, cosine, sine, far, rows.reshape(-1), limits, *beams)
+            write_ranges(inverse, params[k].range_min, far, ranges[w, k])
+
+
+@kernel
+def count_present(present: Flags) -> int:
+    """Return how many bodies there are."""
+    n = 0
+    for b in range(present.shape[0]):
+        n += present[b]
+    return n
+
+
+@kernel
+def note_rows(
+    present: Flags,
+    unobstructed: Flags,
+    solid: Flags,
+    segment_start: Ints,
+    n_segments: Ints,
+    disc_start: Ints,
+    n_discs: Ints,
+    limits: Floats,
+    listed: Ints,
+) -> tuple[int, int]:
+    """Write from which sides segments are seen, and list discs and areas; return the numbers of both."""
+    n_rings, n_areas = 0, 0
+    for s in range(CHUNK):
+        limits[s] = -np.inf
+    for b in range(present.shape[0]):
+        if unobstructed[b] or not present[b]:
+            continue
+        for d in range(disc_start[b], disc_start[b] + n_discs[b]):
+            listed[DISCS + n_rings], listed[OWNERS + n_rings] = d, b
+            n_rings += 1
+        for s in range(segment_start[b], segment_start[b] + n_segments[b]):
+            limits[s] = 0.0 if solid[b] else np.inf
+        if solid[b] and n_segments[b] > 0:
+            listed[AREAS + n_areas] = b
+            n_areas += 1
+    return n_rings, n_areas
