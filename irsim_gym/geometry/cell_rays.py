@@ -79,7 +79,7 @@ def cast_cells(
     every = squares.reshape(-1)
     for begin in range(0, ranges.shape[0], LANES):
         take_beams(begin, beams_x, beams_y, ranges, floats)
-        begin_block(turn, across, up, columns, rows, floats, integers)
+        begin_block(turn, across, up, squares, floats, integers)
         walk_block(every, occupied, floats, integers)
         end_block(begin, floats, ranges)
 
@@ -100,8 +100,7 @@ def begin_block(
     turn: Any,
     across: float,
     up: float,
-    columns: int,
-    rows: int,
+    squares: Bytes,
     floats: Rays,
     integers: Labels,
 ) -> None:
@@ -111,13 +110,14 @@ def begin_block(
         turn: Cosine and sine of the sensor's heading over the width of a cell, and over its height [1/m].
         across: The sensor's place [cells].
         up: The sensor's place [cells].
-        columns: Of the map.
-        rows: Of the map.
+        squares: See ``cells``.
         floats: The block, changed.
         integers: The block, changed.
     """
     cosine_x, sine_x, cosine_y, sine_y = turn
-    i, j = int(across), int(up)
+    i, j, columns, rows = int(across), int(up), squares.shape[1], squares.shape[2]
+    free_0, free_1 = np.int32(squares[0, i, j]), np.int32(squares[1, i, j])
+    free_2, free_3 = np.int32(squares[2, i, j]), np.int32(squares[3, i, j])
     aside, above = min(np.float32(across - i), EDGE), min(np.float32(up - j), EDGE)
     right, left, high, low = np.float32(columns - i), np.float32(i + 1), np.float32(rows - j), np.float32(j + 1)
     row, size, none = np.int32(rows), np.int32(columns * rows), np.int32(0)
@@ -138,6 +138,8 @@ def begin_block(
         integers[FIRST + k] = np.int32(quadrant + (none if north >= NONE else twice))
         integers[STEP_X + k] = row if east >= NONE else np.int32(-row)
         integers[STEP_Y + k] = np.int32(1) if north >= NONE else np.int32(-1)
+        free = (free_0 if east >= NONE else free_1) if north >= NONE else (free_2 if east >= NONE else free_3)
+        integers[FREE + k] = free if floats[FAR + k] > NONE else none
 
 
 @kernel(contract=True)
@@ -152,18 +154,8 @@ def walk_block(squares: Bytes, occupied: Any, floats: Rays, integers: Labels) ->
         floats: The block, changed.
         integers: The block, changed.
     """
-    while True:
-        for k in range(LANES):
-            along_x = np.int32(np.int32(floats[COLUMN + k]) * integers[STEP_X + k])
-            along_y = np.int32(np.int32(floats[ROW + k]) * integers[STEP_Y + k])
-            cell = np.int32(np.int32(integers[FIRST + k] + along_x) + along_y)
-            integers[CELL + k] = cell if floats[TIME + k] < floats[FAR + k] else occupied
-        some = 0
-        for k in range(LANES):
-            integers[FREE + k] = squares[np.uint32(integers[CELL + k])]
-            some |= int(integers[FREE + k])
-        if some == 0:
-            return
+    some = 1
+    while some > 0:
         for k in range(LANES):
             time, i, j, free = floats[TIME + k], floats[COLUMN + k], floats[ROW + k], np.float32(integers[FREE + k])
             to_i, to_j = i + free, j + free
@@ -180,9 +172,16 @@ def walk_block(squares: Bytes, occupied: Any, floats: Rays, integers: Labels) ->
             above = above if above < to_j - ONE else to_j - ONE
             next_i, next_j = to_i if leaves_x else beside, above if leaves_x else to_j
             then = then if (next_i < floats[COLUMNS + k]) & (next_j < floats[ROWS + k]) else floats[FAR + k]
-            floats[TIME + k] = then if free > NONE else time
-            floats[COLUMN + k] = next_i if free > NONE else i
-            floats[ROW + k] = next_j if free > NONE else j
+            time, i, j = then if free > NONE else time, next_i if free > NONE else i, next_j if free > NONE else j
+            floats[TIME + k], floats[COLUMN + k], floats[ROW + k] = time, i, j
+            along_x = np.int32(np.int32(i) * integers[STEP_X + k])
+            along_y = np.int32(np.int32(j) * integers[STEP_Y + k])
+            cell = np.int32(np.int32(integers[FIRST + k] + along_x) + along_y)
+            integers[CELL + k] = cell if time < floats[FAR + k] else occupied
+        some = 0
+        for k in range(LANES):
+            integers[FREE + k] = squares[np.uint32(integers[CELL + k])]
+            some |= int(integers[FREE + k])
 
 
 @kernel
