@@ -167,7 +167,7 @@ def apart_m(players: Sequence[Player]) -> dict[str, float]:
     return {
         player.name: max(math.dist(a, b) for a, b in zip(player.poses, ours, strict=True))
         for player in players
-        if ours and player.poses and player.name != "ours"
+        if ours and player.poses and not player.name.startswith("ours")
     }
 
 

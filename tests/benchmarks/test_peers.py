@@ -145,6 +145,16 @@ def test_how_much_slower_is_a_ratio_of_medians() -> None:
     assert noise["ours_us"] == 1.0
 
 
+def test_where_agents_end_is_compared_with_ours() -> None:
+    players = [
+        Player("ours", None, poses=[[0.0, 0.0], [1.0, 2.0]]),  # type: ignore[arg-type]
+        Player("ours_batch", None, poses=[[9.0, 0.0], [1.0, 2.0]]),  # type: ignore[arg-type]
+        Player("irsim", None, poses=[[0.0, 0.0], [4.0, 6.0]]),  # type: ignore[arg-type]
+        Player("vmas", None),  # type: ignore[arg-type]
+    ]
+    assert peers.apart_m(players) == {"irsim": 5.0}
+
+
 def test_starts_of_a_work_are_free_places() -> None:
     scenario = standard_worlds.s1()
     starts = peers.starts_of(scenario)
