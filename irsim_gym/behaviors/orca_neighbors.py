@@ -82,7 +82,7 @@ def find_walls(
     n_found = walls.shape[0]
     few = n_found <= FEW_WALLS or frame[3] == 0.0
     if not few:
-        n_found = find_nearby(x, y, within + frame[2], frame, first, following, found)
+        n_found = find_nearby(x, y, within + frame[5], frame, first, following, found)
     count, most, limit2 = 0, parts.shape[0], within * within
     for i in range(n_found):
         q = walls[i] if few else found[i]

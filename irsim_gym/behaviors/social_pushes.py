@@ -141,7 +141,7 @@ def push_of_bodies(
     reach = FADED * options.sigma_obstacle + r
     most = max(sight, reach)
     others_x, others_y, walls_x, walls_y = 0.0, 0.0, 0.0, 0.0
-    for k in range(find_nearby(x, y, most + frame[2], frame, scene.bucket_first[w], scene.bucket_next[w], nearby)):
+    for k in range(find_nearby(x, y, most + frame[5], frame, scene.bucket_first[w], scene.bucket_next[w], nearby)):
         q = nearby[k]
         dx, dy, far = pose[q, 0] - x, pose[q, 1] - y, most + reaches[q]
         roles = ALL_ROLES if among[q] else options.target_roles

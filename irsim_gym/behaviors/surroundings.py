@@ -167,7 +167,7 @@ def look_around(
     centroid, radius = scene.centroid[row_of(scene.centroid, w)], scene.radius[row_of(scene.radius, w)]
     reach, segments, discs = scene.reach[row_of(scene.reach, w)], scene.segments[w], scene.discs[w]
     x, y = pose[b, 0], pose[b, 1]
-    n_nearby = find_nearby(x, y, sight + frame[2], frame, scene.bucket_first[w], scene.bucket_next[w], nearby)
+    n_nearby = find_nearby(x, y, sight + frame[5], frame, scene.bucket_first[w], scene.bucket_next[w], nearby)
     n_rounds, n_sides = 0, 0
     for k in range(n_nearby):
         q = nearby[k]

@@ -14,6 +14,9 @@ from irsim_gym.world.state import WorldState
 FEWEST_BODIES = 64
 """With fewer, looking at all of them is as fast."""
 
+ROUNDING, TINY = 1.0 + 1e-9, 1e-9
+"""By this much more than the greatest reach is searched, so that rounding leaves nobody out."""
+
 
 def lay_out(model: WorldModel, is_random: Flags) -> None:
     """Settle the squares of a world with many bodies, and which bodies are small enough for them."""
@@ -25,8 +28,10 @@ def lay_out(model: WorldModel, is_random: Flags) -> None:
     rows = min(max(1, int((y1 - y0) / side)), n_bodies)
     columns = min(max(1, int((x1 - x0) / side)), n_bodies // rows)
     side = max((x1 - x0) / columns, (y1 - y0) / rows)
-    model.bucket_frame[:] = [x0, y0, side, columns, rows]
-    model.bucketed[:] = ~is_random & (model.reach.max(axis=0) <= side)
+    reach = model.reach.max(axis=0)
+    model.bucketed[:] = ~is_random & (reach <= side)
+    greatest = float(np.max(reach, where=model.bucketed, initial=0.0))
+    model.bucket_frame[:] = [x0, y0, side, columns, rows, greatest * ROUNDING + TINY]
 
 
 def n_buckets(n_bodies: int) -> int:

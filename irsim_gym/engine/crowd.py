@@ -35,7 +35,7 @@ def find_near_contacts(
 ) -> None:
     """Write the same flags as ``contact.find_contacts``, in time that grows with the bodies and not with their pairs.
 
-    Bodies in the buckets reach no farther than the side of a square.
+    Bodies in the buckets reach no farther than ``frame[5]``.
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
@@ -46,7 +46,7 @@ def find_near_contacts(
             b = bodies[k]
             if unobstructed[b] or not present[w, b]:
                 continue
-            x, y, within = pose[w, b, 0], pose[w, b, 1], (reaches[b] + frame[2]) * ROUNDING
+            x, y, within = pose[w, b, 0], pose[w, b, 1], reaches[b] * ROUNDING + frame[5]
             for j in range(gather_nearby(x, y, within, frame, bucket_first[w], bucket_next[w], found)):
                 q = found[j]
                 if q == b or unobstructed[q] or not present[w, q]:

@@ -30,8 +30,8 @@ def find_nearby(x: float, y: float, radius: float, frame: Floats, first: Ints, f
     Args:
         x: The point [m].
         y: The point [m].
-        radius: Distance [m]; add ``frame[2]`` to find bodies that reach into it.
-        frame: ``model.bucket_frame``: x, y, side [m], columns, rows.
+        radius: Distance [m]; add ``frame[5]`` to find bodies that reach into it.
+        frame: ``model.bucket_frame``: x, y, side [m], columns, rows, greatest reach [m].
         first: First body of each bucket, -1 for none, shape ``(bucket,)``.
         following: Next body of the same bucket, -1 for none, shape ``(body,)``.
         found: Written, shape ``(body,)``.

@@ -61,7 +61,7 @@ class WorldModel(Arrays):
     map_squares: Bytes = column("4 map_column map_row", np.uint8, "", "free square by quadrant, cells; 0: occupied")
     map_room: Rays = column("map_column map_row", np.float32, "m", "distance of each cell's centre from the occupied")
     map_boxes: Ints = column("map_box 4", np.int64, "", "what is occupied: first, end column; first, end row")
-    bucket_frame: Floats = column("5", np.float64, "m", "buckets of bodies: x, y, side, columns, rows (0: none)")
+    bucket_frame: Floats = column("6", np.float64, "m", "buckets: x, y, side, columns, rows (0: none), greatest reach")
     bucketed: Flags = column("body", np.bool_, "", "small enough to be found through the buckets")
     present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
     level_random: Words = column("world", np.uint64, "", "state of the random stream when the level was drawn")

@@ -70,7 +70,7 @@ def test_few_bodies_have_no_buckets() -> None:
 @pytest.mark.parametrize(("width", "height", "most"), [(12, 8, 1.5), (1000, 2, 2), (2, 1000, 2)])
 def test_squares_cover_the_world(width: float, height: float, most: float) -> None:
     sim = crowd(width=width, height=height)
-    x, y, side, columns, rows = sim.model.bucket_frame
+    x, y, side, columns, rows, _ = sim.model.bucket_frame
     n_bodies = len(sim.model.role)
     assert (x, y) == (-3, 2)
     assert columns * side >= width
@@ -164,7 +164,7 @@ def test_a_step_keeps_the_buckets_up_to_date() -> None:
     for _ in range(30):
         sim.step()
     state, model = sim.state, sim.model
-    x, y, side, columns, _ = model.bucket_frame
+    x, y, side, columns, _, _ = model.bucket_frame
     place = np.floor((state.pose[0, :, 1] - y) / side) * columns + np.floor((state.pose[0, :, 0] - x) / side)
     inside = ((state.pose[0, :, :2] > 0.1) & (state.pose[0, :, :2] < 19.9)).all(axis=1)
     assert inside.sum() > 50
