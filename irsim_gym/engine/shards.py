@@ -52,7 +52,7 @@ class Shards:
 
         An error is passed on when all shares have come to their end, that of the first share before others.
         """
-        whole = self.all[0] if worlds is None else Shard(worlds)
+        whole = self.all[0] if worlds is None else Shard(np.ascontiguousarray(worlds, np.int64))
         if self.n_slots > 1:
             self._run(function, whole.worlds)
         elif len(whole.worlds):

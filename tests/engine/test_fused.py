@@ -116,6 +116,14 @@ def test_some_worlds_alone() -> None:
     assert differing(arrays(plain), arrays(fused)) == []
 
 
+@pytest.mark.parametrize("chosen", [np.arange(6)[::2], np.array([4, 2, 0])[::-1], np.array([0, 2, 4], np.int32)])
+def test_worlds_that_lie_apart_or_are_short_numbers(chosen: NDArray[Any]) -> None:
+    simulation = compile(load_scenario(MINE), 6)
+    simulation.reset(0)
+    simulation.run(simulation._advance, chosen)
+    assert simulation.state.step.tolist() == [1, 0, 1, 0, 1, 0]
+
+
 def test_more_worlds_than_a_block() -> None:
     n = 2 * replay.BLOCK + 3
     plain, fused = (compile(load_scenario("wandering_crowd"), n, fused=fused) for fused in (False, True))
