@@ -90,6 +90,7 @@ def compile(
         model.driven[b] = body.behavior is not None or body.group_behavior is not None or b in agents
         _write_goals(b, body, scenario, model, is_agent=b in agents)
     _hide_map(model)
+    model.rigid[0] = not is_random
     model.stands[:] = ~(model.movable & model.driven)
     buckets.lay_out(model, np.array([body.shape.is_random for body in scenario.bodies], np.bool_))
     shards = Shards(n_worlds, num_threads)

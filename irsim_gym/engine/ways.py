@@ -56,7 +56,7 @@ def guard_ways(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n
         agents=np.array(guarded, np.int64),
         blocks=np.zeros((n_slots, len(model.role)), np.bool_),
         tables=way_tables(grid, n_slots, len(model.role)),
-        rigid=len(model.local_segments) == 1,
+        rigid=bool(model.rigid[0]),
     )
 
 

@@ -2,7 +2,7 @@
 
 The kernels share bundles of arrays: ``shapes`` (present, solid, reach, and the outline tables of the model),
 ``targets`` (has_goal, stands, goal_renewal, waypoints, waypoint_count), ``scene`` (pose, segments, discs, placed, and
-the map's cells or None) and ``grids`` (blocks, and a coarse and a fine grid as ``paths.regions`` takes them).
+the map's cells or None) and ``grids`` (rigid, blocks, and a coarse and a fine grid as ``paths.regions`` takes them).
 """
 
 from __future__ import annotations
@@ -175,19 +175,19 @@ def has_way(w: int, b: int, shapes: Any, targets: Any, scene: Any, grids: Any) -
     What a coarse grid finds is a proof; only where it finds nothing the fine one is asked.
     """
     present, stands, placed = shapes[0], targets[1], scene[3]
-    blocks, coarse, fine = grids
+    rigid, blocks, coarse, fine = grids
     for q in range(blocks.shape[0]):
         blocks[q] = q != b and placed[w, q] and present[w, q] and stands[q]
     proven = False
     for grid in (coarse, fine):
-        proven = proven or has_way_on(w, b, shapes, targets, scene, blocks, grid)
+        proven = proven or has_way_on(w, b, shapes, targets, scene, rigid[0], blocks, grid)
     return proven
 
 
 @kernel
-def has_way_on(w: int, b: int, shapes: Any, targets: Any, scene: Any, blocks: Flags, grid: Any) -> bool:
+def has_way_on(w: int, b: int, shapes: Any, targets: Any, scene: Any, rigid: bool, blocks: Flags, grid: Any) -> bool:
     """Return whether a grid proves that there is a way."""
-    _, solid, reach, segment_start, segment_count, local_segments, disc_start, disc_count, _ = shapes
+    _, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
     pose, segments, discs, _, cells = scene
     goal = targets[3][w, b, 0]
     outlines = (
@@ -202,5 +202,4 @@ def has_way_on(w: int, b: int, shapes: Any, targets: Any, scene: Any, blocks: Fl
         cells,
     )
     radius, x, y = reach[w % reach.shape[0], b], pose[w, b, 0], pose[w, b, 1]
-    rigid = local_segments.shape[0] == 1
     return bool(way_exists(outlines, pose[w], rigid, radius, x, y, goal[0], goal[1], grid))

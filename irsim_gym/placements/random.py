@@ -117,7 +117,7 @@ class RandomPlacement:
         grids: Any = None  # then nothing that looks for a way is compiled
         if group.options[0].reachable:
             both = (of_slot([table[f"{name}_{part}"] for part in WAY_TABLES], slot) for name in ("coarse", "fine"))
-            grids = table["blocks"][slot], *both
+            grids = model.rigid, table["blocks"][slot], *both
         draw_members(
             shard.worlds,
             group.members,

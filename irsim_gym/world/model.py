@@ -28,6 +28,7 @@ class WorldModel(Arrays):
 
     bounds: Floats = column("4", np.float64, "m", "world rectangle: x_min, y_min, x_max, y_max")
     step_time: Floats = column("1", np.float64, "s", "duration of a step")
+    rigid: Flags = column("1", np.bool_, "", "no outline is drawn anew for each level")
     collision_mode: Ints = column("1", np.int64, "", "STOP, UNOBSTRUCTED or UNOBSTRUCTED_OBSTACLES")
     role: Ints = column("body", np.int64, "", "ROBOT or OBSTACLE")
     movable: Flags = column("body", np.bool_, "", "False for a body that never moves")

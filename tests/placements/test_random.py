@@ -143,3 +143,18 @@ def test_circle_faces_the_centre_with_opposite_goals() -> None:
     heading = sim.state.pose[0, :, 2]
     facing = toward[:, 0] * np.cos(heading) + toward[:, 1] * np.sin(heading)
     assert facing == pytest.approx(np.full(4, 3.0))
+
+
+def test_one_world_does_not_remember_outlines_of_other_levels() -> None:
+    """An obstacle of another size at the same place leaves other ways, also where there is but one world."""
+    gate = {"name": "circle", "random_shape": True, "radius_range": [0.2, 3.5]}
+    robot = crossing(reachable=True, goal_low=[7, 0.5, 0], goal_high=[9.5, 9.5, 0])["robot"]
+    walls = [
+        {"shape": {"name": "rectangle", "length": 0.5, "width": 6}, "state": [5, 2.6, 0]},
+        {"shape": gate, "state": [5, 8, 0]},
+    ]
+    one, two = (ig.compile(ig.load_scenario({"robot": robot, "obstacle": walls}), n) for n in (1, 2))
+    for seed in range(15):
+        one.reset(seed)
+        two.reset(seed)
+        assert one.state.pose[0].tolist() == two.state.pose[0].tolist()
