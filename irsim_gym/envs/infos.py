@@ -48,13 +48,13 @@ class Infos:
         numbers, counts, flags, terms = views
         return self.told((*numbers.tolist(), *counts.tolist(), *flags.tolist(), terms.tolist()))
 
-    def rows(self, worlds: Ints, agents: int | Ints = 0) -> list[tuple[Any, ...]]:
-        """Return what ``told`` makes an info of for several worlds, each with the same agent or one of its own."""
-        places = worlds if self._n_agents == 1 else worlds * self._n_agents + agents
-        columns: list[Any] = []
-        for block in self._flat or [block.reshape(len(block), -1) for block in self._blocks()]:
-            columns += block.take(places, axis=1).tolist()
-        return list(zip(*columns, self._flat_terms.take(places, axis=0).tolist(), strict=True))
+    def rows(self, places: Ints) -> list[tuple[Any, ...]]:
+        """Return what ``told`` makes infos of, for agents at ``world * n_agents + agent``."""
+        return _rows(self.now(), places)
+
+    def now(self) -> list[NDArray[Any]]:
+        """Return numbers, counts and flags, ``(n_columns, n_places)`` each, and terms, ``(n_places, n_terms)``."""
+        return [*(self._flat or [block.reshape(len(block), -1) for block in self._blocks()]), self._flat_terms]
 
     def told(self, row: tuple[Any, ...]) -> dict[str, Any]:
         """Return the info of one of ``rows``; a dict that is written out is the fastest to make."""
@@ -118,6 +118,38 @@ class Infos:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._find_blocks()
+
+
+class Record:
+    """Infos of a moment that each agent has for itself, such as the beginning of its episode.
+
+    Args:
+        infos: What is known now.
+    """
+
+    def __init__(self, infos: Infos) -> None:
+        self._infos = infos
+        self._parts = [np.zeros_like(part) for part in infos.now()]
+
+    def note(self, places: Ints) -> None:
+        """Let now be the moment of some agents."""
+        *blocks, terms = self._infos.now()
+        *kept, kept_terms = self._parts
+        for ours, block in zip(kept, blocks, strict=True):
+            ours[:, places] = block.take(places, axis=1)
+        kept_terms[places] = terms.take(places, axis=0)
+
+    def told(self, places: Ints) -> list[dict[str, Any]]:
+        """Return the infos of some agents."""
+        return [self._infos.told(row) for row in _rows(self._parts, places)]
+
+
+def _rows(parts: Sequence[NDArray[Any]], places: Ints) -> list[tuple[Any, ...]]:
+    *blocks, terms = parts
+    columns: list[Any] = []
+    for block in blocks:
+        columns += block.take(places, axis=1).tolist()
+    return list(zip(*columns, terms.take(places, axis=0).tolist(), strict=True))
 
 
 def _block(columns: Sequence[NDArray[Any]]) -> NDArray[Any] | None:

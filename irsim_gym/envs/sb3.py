@@ -102,8 +102,7 @@ class WorldVecEnv(NativeVecEnv):
         self._reset_options()
         self._returns[:] = 0.0
         self._all_begun = True
-        every = np.arange(self.num_envs)
-        self.note_beginnings(every, every)
+        self.note_beginnings(np.arange(self.num_envs))
         return self.worlds.observation()
 
     def step_async(self, actions: NDArray[Any]) -> None:
@@ -139,12 +138,13 @@ class WorldVecEnv(NativeVecEnv):
         """Fill in the infos of worlds that have ended, and restart them."""
         worlds, view, told = self.worlds, self.worlds.episodes.view, self.worlds.infos.told
         elapsed = round(time.time() - self._started, 6)
-        rows = zip(ended.tolist(), worlds.infos.rows(ended), worlds.observations_of(ended), strict=True)
-        for w, row, observation in rows:
+        cut = (view.truncated[:, 0].take(ended) > view.terminated[:, 0].take(ended)).tolist()
+        rows = zip(ended.tolist(), worlds.infos.rows(ended), worlds.observations_of(ended), cut, strict=True)
+        for w, row, observation, truncated in rows:
             info = infos[w] = told(row)
             info["terminal_observation"] = observation
-            info["TimeLimit.truncated"] = view.truncated.item(w, 0) and not view.terminated.item(w, 0)
+            info["TimeLimit.truncated"] = truncated
             info["episode"] = {"r": round(self._returns.item(w), 6), "l": info["steps"], "t": elapsed}
         self._returns[ended] = 0.0
         worlds.begin_next(ended)
-        self.note_beginnings(ended, ended)
+        self.note_beginnings(ended)

@@ -8,11 +8,13 @@ from itertools import repeat
 from typing import Any
 
 import gymnasium
+import numpy as np
 from gymnasium import Space
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.arraytypes import Bytes, Ints
+from irsim_gym.arraytypes import Bytes, Flags, Ints
+from irsim_gym.envs.infos import Record
 from irsim_gym.envs.worlds import Worlds
 
 Indices = None | int | Iterable[int]
@@ -33,25 +35,28 @@ class NativeVecEnv(VecEnv):
     ) -> None:
         self.worlds = worlds
         self.views = views
+        self._record = Record(worlds.infos)
         super().__init__(len(views), observation_space, action_space)
         self.metadata: dict[str, Any] = {**self.metadata, "render_fps": worlds.render_fps}
 
     @property
     def reset_infos(self) -> list[dict[str, Any]]:
         """What each slot's latest episode began with; made when it is asked for, as hardly anybody does."""
-        for slot, row in self._begun.items():
-            self._reset_infos[slot] = self.worlds.infos.told(row)
-        self._begun.clear()
+        begun = np.flatnonzero(self._begun)
+        for slot, info in zip(begun.tolist(), self._record.told(begun), strict=True):
+            self._reset_infos[slot] = info
+        self._begun[:] = False
         return self._reset_infos
 
     @reset_infos.setter
     def reset_infos(self, infos: list[dict[str, Any]]) -> None:
-        self._begun: dict[int, tuple[Any, ...]] = {}
+        self._begun: Flags = np.zeros(len(infos), np.bool_)
         self._reset_infos = infos
 
-    def note_beginnings(self, slots: Ints, worlds: Ints, agents: int | Ints = 0) -> None:
-        """Keep what ``reset_infos`` tells about slots whose episodes have just begun, each an agent of a world."""
-        self._begun.update(zip(slots.tolist(), self.worlds.infos.rows(worlds, agents), strict=True))
+    def note_beginnings(self, slots: Ints) -> None:
+        """Keep what ``reset_infos`` tells about slots whose episodes have just begun."""
+        self._record.note(slots)
+        self._begun[slots] = True
 
     def no_infos(self) -> list[dict[str, Any]]:
         """Return a dict of its own for each slot, as wrappers may write into any; this is the fastest way."""

@@ -172,7 +172,7 @@ class TeamVecEnv(NativeVecEnv):
         self._reset_seeds()
         self._reset_options()
         self.acting = begun.live.reshape(-1)
-        self._note(np.arange(self.num_envs))
+        self.note_beginnings(np.arange(self.num_envs))
         return self._slots(begun.observation)
 
     def step_async(self, actions: NDArray[Any]) -> None:
@@ -206,7 +206,7 @@ class TeamVecEnv(NativeVecEnv):
         if dones.any():
             self._tell(step, np.flatnonzero(ended), infos)
             self._tell_idle(step, np.flatnonzero(began & ~acted), infos)
-            self._note(np.flatnonzero(began))
+            self.note_beginnings(np.flatnonzero(began))
         return self._slots(step.observation), slot_rewards(step.reward.reshape(-1), acted.copy()), dones, infos
 
     def _look_at_the_buffer(self) -> None:
@@ -247,9 +247,6 @@ class TeamVecEnv(NativeVecEnv):
         for slot in restarted.tolist():
             infos[slot]["terminal_observation"] = self._one(step.final_observation, slot)
             infos[slot]["TimeLimit.truncated"] = False
-
-    def _note(self, begun: Ints) -> None:
-        self.note_beginnings(begun, *np.divmod(begun, self.n_agents))
 
     def _slots(self, observation: Observation) -> Observation:
         """Return observations with one axis for all slots."""
