@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
 from irsim_gym.engine.cell_contact import find_cell_contacts, measure_cell_clearance
-from irsim_gym.engine.crowd import find_near_contacts
+from irsim_gym.engine.crowd import find_near_contacts, measure_near_clearance
 from irsim_gym.geometry.overlap import disc_meets_outline, disc_outline_distance, outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
@@ -180,8 +180,15 @@ def clearance(
         state: The moment.
         shard: The worlds to treat.
         distance: Written, [m], shape ``(n_worlds, n_bodies)``; ``limit`` where nothing else is present.
+
+    Where there are buckets they have to be up to date.
     """
-    measure_clearance(shard.worlds, bodies, limit, *_outline(model, state), state.pose, distance)
+    outline = _outline(model, state)
+    if model.bucket_frame[3] > 0.0:
+        buckets = (model.bucket_frame, state.bucket_first, state.bucket_next, state.nearby)
+        measure_near_clearance(shard.worlds, bodies, limit, *outline, state.pose, *buckets, distance)
+    else:
+        measure_clearance(shard.worlds, bodies, limit, *outline, state.pose, distance)
     if (cells := model.cells) is not None:
         measure_cell_clearance(
             shard.worlds,

@@ -1,10 +1,10 @@
-"""Contacts in a crowd: each body is tested against those near it, found through the buckets."""
+"""Contacts and clearances in a crowd: each body is compared with those near it, found through the buckets."""
 
 from __future__ import annotations
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.geometry.buckets import gather_nearby
-from irsim_gym.geometry.overlap import outlines_overlap
+from irsim_gym.geometry.buckets import gather_nearby, square_of
+from irsim_gym.geometry.overlap import disc_outline_distance, outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
 
 ROUNDING = 1.0 + 1e-9
@@ -64,3 +64,65 @@ def find_near_contacts(
                     collided[w, b], collided[w, q] = True, True
                     hit[w, b] = q if hit[w, b] < 0 else min(hit[w, b], q)
                     hit[w, q] = b if hit[w, q] < 0 else min(hit[w, q], b)
+
+
+@kernel
+def measure_near_clearance(
+    worlds: Ints,
+    bodies: Ints,
+    limit: Floats,
+    present: Flags,
+    unobstructed: Flags,
+    solid: Flags,
+    reach: Floats,
+    segment_start: Ints,
+    segment_count: Ints,
+    segments: Floats,
+    disc_start: Ints,
+    disc_count: Ints,
+    discs: Floats,
+    pose: Floats,
+    frame: Floats,
+    bucket_first: Ints,
+    bucket_next: Ints,
+    nearby: Ints,
+    distance: Floats,
+) -> None:
+    """Write the same distances as ``contact.measure_clearance``: the search grows until nobody nearer can be left."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        found, first, following = nearby[w], bucket_first[w], bucket_next[w]
+        reaches, rows, rounds, here, there = reach[w % reach.shape[0]], segments[w], discs[w], pose[w], present[w]
+        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        for k in range(bodies.shape[0]):
+            b, best = bodies[k], limit[w, k]
+            x, y, own, d = here[b, 0], here[b, 1], reaches[b], disc_start[b]
+            is_disc = n_segments[b] == 0 and n_discs[b] == 1
+            within, is_open = own + frame[5] + frame[2], True
+            while is_open:
+                for j in range(gather_nearby(x, y, within, frame, first, following, found)):
+                    q = found[j]
+                    dx, dy, near = here[q, 0] - x, here[q, 1] - y, best + own + reaches[q]
+                    if dx * dx + dy * dy >= near * near or q == b or unobstructed[q] or not there[q]:
+                        continue
+                    other = segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q]
+                    if is_disc:
+                        best = disc_outline_distance(rounds[d, 0], rounds[d, 1], rounds[d, 2], rows, *other, best)
+                    else:
+                        whole = segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b]
+                        best = min(best, outline_distance(rows, *whole, rows, *other, best))
+                is_open = best + own + frame[5] > within and not holds_all(x, y, within, frame)
+                within *= 2.0
+            distance[w, k] = best
+
+
+@kernel
+def holds_all(x: float, y: float, within: float, frame: Floats) -> bool:
+    """Return whether a search up to a distance [m] of a point looks at all squares."""
+    columns, rows = int(frame[3]), int(frame[4])
+    return bool(
+        square_of(x - within, frame[0], frame[2], columns) == 0
+        and square_of(x + within, frame[0], frame[2], columns) == columns - 1
+        and square_of(y - within, frame[1], frame[2], rows) == 0
+        and square_of(y + within, frame[1], frame[2], rows) == rows - 1
+    )

@@ -107,6 +107,7 @@ def _find_places(parts: Parts, model: WorldModel, state: WorldState, shard: Shar
         for group in groups:
             group.kind.draw(group, model, state, _concerned(group, remaining, bodies, chosen), failed)
         outlines.place(moved, model, state, remaining)
+        buckets.refresh(moved, model, state, remaining)
         _check(parts, model, state, remaining, bodies, chosen, failed)
         worlds = remaining.worlds[failed[remaining.worlds] > 0]
         if not len(worlds):
@@ -147,6 +148,7 @@ def _scatter(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, b
                 uniform(state.random, w, low, high) for low, high in ((x0, x1), (y0, y1), (-np.pi, np.pi))
             ]
             outlines.place(own, model, state, shard)
+            buckets.refresh(own, model, state, shard)
             gap[w] = 1e-9
             contact.clearance(own, gap, model, state, shard, gap)
             if gap[w, 0] > 0.0:

@@ -149,6 +149,26 @@ def test_contacts_through_buckets_are_those_of_all_pairs(spread: float, least: i
     assert n_touching > least
 
 
+@pytest.mark.parametrize("spread", [0.0, 2.0, 30.0])
+@pytest.mark.parametrize("limit", [np.inf, 0.7, 0.0])
+def test_clearances_through_buckets_are_those_of_all_pairs(spread: float, limit: float) -> None:
+    sim, rng = begun()
+    model, everyone = sim.model, sim.parts.everyone
+    frame = model.bucket_frame.copy()
+    for alone in (False, True):
+        model.present[:] = model.present & (not alone)
+        model.present[:, 5] = True
+        scatter(sim, rng, spread)
+        near, every = np.zeros((2, len(everyone))), np.zeros((2, len(everyone)))
+        sim.clearance(WORLDS, everyone, near, limit)
+        model.bucket_frame[3] = 0.0
+        sim.clearance(WORLDS, everyone, every, limit)
+        model.bucket_frame[:] = frame
+        np.testing.assert_array_equal(near, every)
+        assert (near[:, 5] == limit).all() or not alone
+        assert len(np.unique(near)) > 50 or limit < 1.0 or alone
+
+
 def test_a_step_keeps_the_buckets_up_to_date() -> None:
     robot = {
         "number": 70,
