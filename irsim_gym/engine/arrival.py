@@ -57,7 +57,7 @@ def renew(goal_bodies: Ints, loop_returns: Ints, model: WorldModel, state: World
     )
 
 
-@kernel
+@kernel(inlined=True)
 def goal_gap(pose: Floats, goal: Floats, with_heading: bool) -> float:
     """Return the distance [m] of a pose from a goal; with a heading, radians count like metres (as in IR-SIM)."""
     dx, dy = goal[0] - pose[0], goal[1] - pose[1]

@@ -47,13 +47,14 @@ def limit_velocity(
     dt = step_time[0]
     for i in range(worlds.shape[0]):
         w = worlds[i]
+        slowest, fastest = velocity_min[w % velocity_min.shape[0]], velocity_max[w % velocity_max.shape[0]]
+        sharpest = acceleration_limit[w % acceleration_limit.shape[0]]
         for k in range(movers.shape[0]):
             b = movers[k]
-            asked = command[w, b, 0] != 0.0 or command[w, b, 1] != 0.0 or command[w, b, 2] != 0.0
-            free = present[w, b] and not stopped[w, b] and (driven[b] or asked)
+            asked, now, low, high, change = command[w, b], velocity[w, b], slowest[b], fastest[b], sharpest[b]
+            is_asked = asked[0] != 0.0 or asked[1] != 0.0 or asked[2] != 0.0
+            is_free = present[w, b] and not stopped[w, b] and (driven[b] or is_asked)
             for axis in range(3):
-                now = velocity[w, b, axis]
-                change = acceleration_limit[w % acceleration_limit.shape[0], b, axis] * dt
-                low = max(velocity_min[w % velocity_min.shape[0], b, axis], now - change)
-                high = min(velocity_max[w % velocity_max.shape[0], b, axis], now + change)
-                velocity[w, b, axis] = min(max(command[w, b, axis], low), high) if free else 0.0
+                least = max(low[axis], now[axis] - change[axis] * dt)
+                most = min(high[axis], now[axis] + change[axis] * dt)
+                now[axis] = min(max(asked[axis], least), most) if is_free else 0.0

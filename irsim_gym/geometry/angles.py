@@ -10,7 +10,7 @@ TURN = 2.0 * np.pi
 NEAR_TURNS = 4
 
 
-@kernel
+@kernel(inlined=True)
 def wrap(angle: float) -> float:
     """Return the angle [rad] in (-pi, pi]; one that lies there already is returned unchanged."""
     if -np.pi < angle <= np.pi:
@@ -21,7 +21,7 @@ def wrap(angle: float) -> float:
     return float(min(wrapped, np.pi) if wrapped == wrapped else wrapped)
 
 
-@kernel
+@kernel(inlined=True)
 def wrap_below(angle: float) -> float:
     """Return the angle [rad] in [-pi, pi), as IR-SIM wraps: half a turn reads -pi; one inside is returned unchanged."""
     if -np.pi <= angle < np.pi:
@@ -29,13 +29,15 @@ def wrap_below(angle: float) -> float:
     return float((angle + np.pi) % TURN - np.pi)
 
 
-@kernel
+@kernel(inlined=True)
 def wrap_from(angle: float, low: float) -> float:
     """Return the angle [rad] in [low, low + 2 pi]: full turns are added or subtracted only outside of it.
 
     Both ends belong to the interval. A few turns are taken one by one, many at once.
     """
     high = low + TURN
+    if low <= angle <= high:
+        return angle
     if angle > high + NEAR_TURNS * TURN or angle < low - NEAR_TURNS * TURN:
         angle = angle - TURN * np.floor((angle - low) / TURN)
     for _ in range(NEAR_TURNS + 1):

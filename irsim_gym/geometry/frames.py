@@ -8,7 +8,7 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.jit import kernel
 
 
-@kernel
+@kernel(inlined=True)
 def place_outline(
     local_segments: Floats,
     local_discs: Floats,
@@ -39,7 +39,10 @@ def place_outline(
         segments: Written: the same rows in the world frame [m], shape ``(segment, 4)``.
         discs: Written: the same rows in the world frame [m], shape ``(disc, 3)``.
     """
-    cosine, sine = np.cos(heading), np.sin(heading)
+    is_turned = segment_count > 0
+    for d in range(disc_start, disc_start + disc_count):
+        is_turned = is_turned or local_discs[d, 0] != 0.0 or local_discs[d, 1] != 0.0
+    cosine, sine = (np.cos(heading), np.sin(heading)) if is_turned else (1.0, 0.0)
     for s in range(segment_start, segment_start + segment_count):
         ax, ay, bx, by = local_segments[s, 0], local_segments[s, 1], local_segments[s, 2], local_segments[s, 3]
         segments[s, 0] = x + (cosine * ax - sine * ay)

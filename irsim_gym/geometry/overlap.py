@@ -14,6 +14,9 @@ from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2, segments_intersect
 from irsim_gym.jit import kernel
 
+SURE = 1e-6
+"""Segments whose line is farther away than would matter by this much [m] are passed over; rounding is far smaller."""
+
 
 @kernel
 def outlines_overlap(
@@ -133,7 +136,7 @@ def point_outline_distance(
     return float(best)
 
 
-@kernel
+@kernel(inlined=True)
 def disc_meets_outline(
     x: float, y: float, radius: float, seg: Floats, s: int, n: int, disc: Floats, d: int, m: int, solid: bool
 ) -> bool:
@@ -145,14 +148,24 @@ def disc_meets_outline(
         dx, dy, both = x - disc[i, 0], y - disc[i, 1], radius + disc[i, 2]
         if dx * dx + dy * dy <= both * both:
             return True
-    radius2 = radius * radius
+    radius2, out2 = radius * radius, (radius + SURE) * (radius + SURE)
     for i in range(s, s + n):
-        if point_segment_distance2(x, y, seg[i, 0], seg[i, 1], seg[i, 2], seg[i, 3]) <= radius2:
+        ax, ay, bx, by = seg[i, 0], seg[i, 1], seg[i, 2], seg[i, 3]
+        is_out = line_is_out(x, y, ax, ay, bx, by, out2)
+        if not is_out and point_segment_distance2(x, y, ax, ay, bx, by) <= radius2:
             return True
     return solid and contains_point(seg, s, n, x, y)
 
 
-@kernel
+@kernel(inlined=True)
+def line_is_out(x: float, y: float, ax: float, ay: float, bx: float, by: float, out2: float) -> bool:
+    """Return whether the line through a and b lies farther from a point than the root of ``out2`` [m2]."""
+    dx, dy = bx - ax, by - ay
+    across = (x - ax) * dy - (y - ay) * dx
+    return across * across > out2 * (dx * dx + dy * dy)
+
+
+@kernel(inlined=True)
 def disc_outline_distance(
     x: float,
     y: float,
@@ -190,9 +203,11 @@ def disc_outline_distance(
         best = min(best, np.sqrt(distance2) - both)
     if n == 0:
         return best
-    least2 = np.inf
+    least2, out2 = np.inf, (best + radius + SURE) * (best + radius + SURE)
     for i in range(s, s + n):
-        least2 = min(least2, point_segment_distance2(x, y, seg[i, 0], seg[i, 1], seg[i, 2], seg[i, 3]))
+        ax, ay, bx, by = seg[i, 0], seg[i, 1], seg[i, 2], seg[i, 3]
+        if not line_is_out(x, y, ax, ay, bx, by, out2):
+            least2 = min(least2, point_segment_distance2(x, y, ax, ay, bx, by))
     if least2 <= radius * radius or (solid and contains_point(seg, s, n, x, y)):
         return 0.0
     return float(min(best, np.sqrt(least2) - radius))

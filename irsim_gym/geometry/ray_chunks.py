@@ -183,9 +183,10 @@ def span_segments(count: int, n_beams: int, first: np.float32, density: np.float
         first: Direction of the first beam [rad].
         density: Beams per rad; 0 where the beams are not evenly spread, so that all are cast.
         slopes: From ``prepare_segments``.
-        spans: Written: first beams in the second CHUNK, numbers of blocks in the third.
+        spans: Written: first beams in the second CHUNK, numbers of blocks in the third; lanes are filled up, so what
+            follows the last segment means nothing.
     """
-    for j in range(count):
+    for j in range((count + ALIGN - 1) // ALIGN * ALIGN):
         ax, ay, bx, by = slopes[j + 5 * CHUNK], slopes[j + 6 * CHUNK], slopes[j + 7 * CHUNK], slopes[j + 8 * CHUNK]
         a, b = rough_angle(ax, ay), rough_angle(bx, by)
         turns_left = ax * by - ay * bx > np.float32(0.0)
@@ -198,7 +199,7 @@ def span_segments(count: int, n_beams: int, first: np.float32, density: np.float
 @kernel(contract=True, inlined=True)
 def span_discs(count: int, n_beams: int, first: np.float32, density: np.float32, slopes: Rays, spans: Spans) -> None:
     """Write for each disc the first of the beams that may meet it, and in how many blocks they lie."""
-    for j in range(count):
+    for j in range((count + ALIGN - 1) // ALIGN * ALIGN):
         middle, half = rough_angle(slopes[j], slopes[j + CHUNK]), slopes[j + 4 * CHUNK]
         begin, blocks = span(middle - half, middle + half, n_beams, first, density)
         spans[j + CHUNK], spans[j + 2 * CHUNK] = begin, blocks

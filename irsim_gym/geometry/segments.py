@@ -5,7 +5,7 @@ from __future__ import annotations
 from irsim_gym.jit import kernel
 
 
-@kernel
+@kernel(inlined=True)
 def point_segment_distance2(px: float, py: float, ax: float, ay: float, bx: float, by: float) -> float:
     """Return the squared distance [m2] of a point from the segment ab, which may be a single point."""
     dx, dy = bx - ax, by - ay

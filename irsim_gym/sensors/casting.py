@@ -235,7 +235,7 @@ def mount_pose(pose: Floats, offset: Floats) -> tuple[float, float, float]:
     return x, y, pose[2] + offset[2]
 
 
-@kernel
+@kernel(inlined=True)
 def write_ranges(inverse: Rays, range_min: float, range_max: float, ranges: Rays) -> None:
     """Turn inverse depths into ranges; a beam that meets nothing in range reports range_max."""
     shortest, farthest = np.float32(range_min), np.float32(range_max)

@@ -42,7 +42,7 @@ def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Gro
     return groups[0], np.array([item[1] for item in found if item is not None], np.int64)
 
 
-@kernel
+@kernel(inlined=True)
 def encode(row: Rays, code: int, near: np.float32, zero: np.float32, far: np.float32) -> None:
     """Replace depths [m] by their codes, in place; float32, and falling with the depth to the last bit."""
     one = np.float32(1.0)

@@ -163,7 +163,7 @@ def pool(
             encode(row, code, near_32, zero_32, far[a])
 
 
-@kernel
+@kernel(inlined=True)
 def write_depths(far: np.float32, own: Rays, scan: Rays, row: Rays) -> None:
     """Write the depth of each beam beyond the own outline, from 0 to ``far``: what sectors of one beam show."""
     for k in range(row.shape[0]):
