@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
+from irsim_gym.geometry.cell_room import room_about
 from irsim_gym.geometry.cells import outline_cells_distance, outline_meets_cells
 from irsim_gym.jit import kernel
 
@@ -15,6 +16,8 @@ def find_cell_contacts(
     present: Flags,
     unobstructed: Flags,
     solid: Flags,
+    reach: Floats,
+    pose: Floats,
     segment_start: Ints,
     segment_count: Ints,
     segments: Floats,
@@ -33,6 +36,8 @@ def find_cell_contacts(
             b = bodies[k]
             if b == own or unobstructed[b] or not present[w, b] or not present[w, own]:
                 continue
+            if room_about(cells, pose[w, b, 0], pose[w, b, 1])[0] > reach[w % reach.shape[0], b]:
+                continue
             if outline_meets_cells(
                 cells, segments[w], segment_start[b], n_segments[b], discs[w], disc_start[b], n_discs[b], solid[b]
             ):
@@ -48,6 +53,8 @@ def measure_cell_clearance(
     cells: CellMap,
     present: Flags,
     solid: Flags,
+    reach: Floats,
+    pose: Floats,
     segment_start: Ints,
     segment_count: Ints,
     segments: Floats,
@@ -63,7 +70,10 @@ def measure_cell_clearance(
         n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
         for k in range(bodies.shape[0]):
             b = bodies[k]
-            if b != own and present[w, own]:
+            if b == own or not present[w, own]:
+                continue
+            least = room_about(cells, pose[w, b, 0], pose[w, b, 1])[0]
+            if least - reach[w % reach.shape[0], b] < distance[w, k]:
                 distance[w, k] = outline_cells_distance(
                     cells,
                     segments[w],
