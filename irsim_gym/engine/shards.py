@@ -6,7 +6,9 @@ import os
 import threading
 import time
 import weakref
+from collections import deque
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
@@ -17,15 +19,17 @@ Work = Callable[[Shard], None]
 
 WORTH_S = 150e-6
 """A thread is worth while from this much work on [s]: waking it costs some 10 us, many times that on a busy machine."""
-SETTLING_S = 1e-3
-"""How often an interrupted run looks whether its threads have come to their ends [s]."""
+PIECES = 4
+"""Pieces for each thread; who is free takes the next one, so that nobody waits for a thread that gets no processor."""
+HEAD_START_S = 0.0
+"""How long the caller lets the threads begin before it takes a piece itself [s]; for tests of what threads do."""
 
 
 class Shards:
     """Cuts worlds into shares and runs a function on each.
 
-    Kernels release the GIL, so threads share the work. Into how many shares it is cut depends on how long it takes:
-    the least time per world that the function has taken so far is kept. Results do not depend on the cut. The
+    Kernels release the GIL, so threads share the work. How many work together depends on how long it takes: the
+    least time per world that the function has taken so far is kept. Results do not depend on the cut. The
     threads are made when they are first needed, and sleep in between; a forked child makes its own.
 
     Attributes:
@@ -42,49 +46,46 @@ class Shards:
         self._lanes: list[_Lane] = []
         self._owner = 0
 
-    def cut(self, worlds: Ints, count: int) -> list[Shard]:
-        """Return even shares of the given worlds, none of them empty."""
-        bounds = [len(worlds) * k // count for k in range(count + 1)]
-        return [Shard(worlds[bounds[k] : bounds[k + 1]], k) for k in range(count) if bounds[k] < bounds[k + 1]]
-
     def run(self, function: Work, worlds: Ints | None = None) -> None:
-        """Call ``function`` for each share of the given worlds (all by default).
+        """Call ``function`` for shares of the given worlds (all by default).
 
-        An error is passed on when all shares have come to their end, that of the first share before others.
+        An error is passed on when all shares have come to their end, that of the first one before others.
         """
-        whole = self.all[0] if worlds is None else Shard(np.ascontiguousarray(worlds, np.int64))
+        whole = self.all[0] if worlds is None else Shard(worlds)
         if self.n_slots > 1:
             self._run(function, whole.worlds)
         elif len(whole.worlds):
             function(whole)
 
     def _run(self, function: Work, worlds: Ints) -> None:
-        """Cut the work, if it is worth that, and do it."""
+        """Do the work together, if it is worth that."""
         if not len(worlds):
             return
         name = getattr(function, "__qualname__", type(function).__qualname__)
-        first, *others = self.cut(worlds, self._shares(name, len(worlds)))
-        begin = time.perf_counter()
-        lanes = self._threads(len(others)) if others else []
+        count = self._workers(name, len(worlds))
+        job = _Job(function, cut(worlds, count * PIECES if count > 1 else 1))
+        lanes = self._threads(count - 1)[: count - 1]
         try:
-            for lane, shard in zip(lanes, others, strict=False):
-                lane.give(function, shard)
-            function(first)
+            for lane in lanes:
+                lane.give(job)
+            if lanes and HEAD_START_S:
+                time.sleep(HEAD_START_S)
+            begin = time.perf_counter()
+            n_done = job.work(0)
             taken = time.perf_counter() - begin
-            for lane in lanes[: len(others)]:
-                lane.wait()
+            job.wait()
         except BaseException:
-            _settle(lanes)
+            job.cancel()
             raise
         finally:
-            errors = [lane.take_error() for lane in lanes]
-        for error in errors:
-            if error is not None:
-                raise error
-        self._note(name, taken / len(first.worlds))
+            for lane in lanes:
+                lane.forget()
+        job.check()
+        if n_done:
+            self._note(name, taken / n_done)
 
-    def _shares(self, name: str, n_worlds: int) -> int:
-        """Return into how many shares to cut: each is worth a thread."""
+    def _workers(self, name: str, n_worlds: int) -> int:
+        """Return how many do the work: each share is worth a thread."""
         expected, count = self._seconds.get(name, 0.0) * n_worlds, min(self.n_slots, n_worlds)
         while count > 1 and expected < count * WORTH_S:
             count -= 1
@@ -99,7 +100,7 @@ class Shards:
         if self._owner != os.getpid():
             self._lanes, self._owner = [], os.getpid()
         while len(self._lanes) < count:
-            lane = _Lane()
+            lane = _Lane(len(self._lanes) + 1)
             weakref.finalize(self, lane.dismiss).atexit = False
             self._lanes.append(lane)
         return self._lanes
@@ -108,56 +109,114 @@ class Shards:
         return {**self.__dict__, "_lanes": [], "_owner": 0}
 
 
-class _Lane:
-    """A thread that sleeps until it is given a share."""
+def cut(worlds: Ints, count: int) -> list[Ints]:
+    """Return even pieces of the given worlds, none of them empty."""
+    bounds = [len(worlds) * k // count for k in range(count + 1)]
+    return [worlds[a:b] for a, b in pairwise(bounds) if a < b]
 
-    def __init__(self) -> None:
-        self.is_busy = False
-        self._job: tuple[Work, Shard] | None = None
-        self._error: BaseException | None = None
-        self._given, self._done = threading.Lock(), threading.Lock()
-        self._given.acquire()
-        self._done.acquire()
-        threading.Thread(target=self._serve, name="irsim_gym", daemon=True).start()
 
-    def give(self, function: Work, shard: Shard) -> None:
-        """Let the thread run the function; ``wait`` has to follow."""
-        self._done.acquire(blocking=False)  # a wait that was interrupted has left it open
-        self._job, self.is_busy = (function, shard), True
-        self._given.release()
+class _Job:
+    """A function and the pieces that are left; threads and the caller take one after another."""
+
+    def __init__(self, function: Work, pieces: list[Ints]) -> None:
+        self._function = function
+        self._left = deque(enumerate(pieces))
+        self._errors: list[tuple[int, BaseException]] = []
+        self._at_work = 0
+        self._lock = threading.Lock()
+        self._change = threading.Condition(self._lock)
+
+    def work(self, slot: int) -> int:
+        """Take pieces until none is left, and return how many worlds that were."""
+        n_done = 0
+        while self._left:
+            try:
+                number, worlds = self._left.popleft()
+            except IndexError:  # another one was faster
+                break
+            try:
+                self._function(Shard(worlds, slot))
+            except BaseException as error:
+                if slot == 0 and not isinstance(error, Exception):
+                    raise  # an interrupt of the caller
+                self._errors.append((number, error))
+            n_done += len(worlds)
+        return n_done
+
+    def help(self, slot: int) -> None:
+        """Do as ``work`` does, beside the caller, who waits for the end."""
+        with self._lock:
+            if not self._left:
+                return
+            self._at_work += 1
+        try:
+            self.work(slot)
+        finally:
+            with self._lock:
+                self._at_work -= 1
+                self._change.notify()
 
     def wait(self) -> None:
-        """Return when the thread has run the function."""
-        self._done.acquire()
+        """Return when nobody is at work."""
+        with self._lock:
+            while self._at_work:
+                self._change.wait()
 
-    def take_error(self) -> BaseException | None:
-        """Return what was raised, and forget it."""
-        error, self._error = self._error, None
-        return error
+    def cancel(self) -> None:
+        """Return when nobody is at work, however often this is interrupted; what nobody has taken is left undone."""
+        self._left.clear()
+        while True:
+            try:
+                self.wait()
+            except KeyboardInterrupt:
+                continue
+            return
+
+    def check(self) -> None:
+        """Raise the error of the first piece that failed."""
+        if self._errors:
+            raise min(self._errors, key=lambda one: one[0])[1]
+
+
+class _Lane:
+    """A thread that sleeps until it is given a job.
+
+    Args:
+        slot: Whose scratch memory it uses.
+    """
+
+    def __init__(self, slot: int) -> None:
+        self._slot = slot
+        self._job: _Job | None = None
+        self._is_dismissed = False
+        self._given = threading.Lock()
+        self._given.acquire()
+        threading.Thread(target=self._serve, name="irsim_gym", daemon=True).start()
+
+    def give(self, job: _Job) -> None:
+        """Let the thread help with a job, as soon as it gets a processor."""
+        self._job = job
+        self._wake()
+
+    def forget(self) -> None:
+        """Let go of a job that is done; a thread that has slept through it finds nothing."""
+        self._job = None
 
     def dismiss(self) -> None:
-        """Let the thread come to its end; it sleeps."""
-        self._given.release()
+        """Let the thread come to its end."""
+        self._is_dismissed = True
+        self._wake()
+
+    def _wake(self) -> None:
+        if self._given.locked():
+            self._given.release()
 
     def _serve(self) -> None:
         while True:
             self._given.acquire()
-            if self._job is None:
+            if self._is_dismissed:
                 return
-            (function, shard), self._job = self._job, None
-            try:
-                function(shard)
-            except BaseException as error:
-                self._error = error
-            del function, shard  # else the simulation would live on here
-            self.is_busy = False
-            self._done.release()
-
-
-def _settle(lanes: list[_Lane]) -> None:
-    """Wait until no thread is at work, whatever else interrupts."""
-    while any(lane.is_busy for lane in lanes):
-        try:
-            time.sleep(SETTLING_S)
-        except KeyboardInterrupt:
-            continue
+            job, self._job = self._job, None
+            if job is not None:
+                job.help(self._slot)
+            del job  # else the simulation would live on here

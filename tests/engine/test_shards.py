@@ -51,8 +51,8 @@ def test_every_world_is_treated_once(num_threads: int) -> None:
     made.run(visits, np.array([1, 4]))
     made.run(visits, np.array([], np.int64))
     assert visits.seen.tolist() == [50, 51, 50, 50, 51, 50, 50]
-    assert visits.slots == set(range(min(num_threads, N)))
-    assert len(visits.threads) == min(num_threads, N)
+    assert visits.slots <= set(range(min(num_threads, N)))
+    assert len(visits.threads) > 1 or num_threads == 1
 
 
 def test_little_work_stays_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -64,53 +64,60 @@ def test_little_work_stays_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     assert made._lanes == []
 
 
-@pytest.mark.parametrize(("worth", "shares"), [(0.004, 3), (0.01, 2), (0.02, 1)])
-def test_the_least_time_so_far_says_into_how_many_shares(
-    worth: float, shares: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.parametrize(("worth", "workers"), [(0.004, 3), (0.01, 2), (0.02, 1)])
+def test_the_least_time_so_far_says_how_many_work(worth: float, workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shards, "WORTH_S", worth)
     made = Shards(N, 3)
     made._seconds["Work"] = 0.003  # 0.021 s for all worlds
-    visits = type("Work", (Visits,), {})()
-    made.run(visits)
-    assert len(visits.threads) == shares
+    made.run(type("Work", (Visits,), {})())
+    assert len(made._lanes) == workers - 1
 
 
 def test_the_first_time_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shards, "WORTH_S", 1e-3)
-    made, visits = Shards(N, 2), Visits(0.001)
-    numbers = []
+    made, visits, numbers = Shards(N, 2), Visits(0.001), []
     for _ in range(3):
-        visits.threads.clear()
         made.run(visits)
-        numbers.append(len(visits.threads))
-    assert numbers == [1, 1, 2]
+        numbers.append(len(made._lanes))
+    assert numbers == [0, 0, 1]
 
 
-@pytest.mark.parametrize("failing", [0, 2])
+def test_nobody_waits_for_a_thread_that_gets_no_processor(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The caller does everything where the thread does not come."""
+    made, visits = Shards(N, 2), Visits()
+    made.run(visits)
+    monkeypatch.setattr(made._lanes[0], "give", lambda job: None)
+    visits.threads.clear()
+    made.run(visits)
+    assert visits.threads == {threading.get_ident()}
+    assert visits.seen.tolist() == [2] * N
+
+
+@pytest.mark.parametrize("failing", [0, 5])
 def test_errors_are_passed_on_when_all_have_ended(failing: int) -> None:
     made, visits = Shards(N, 3), Visits(0.002)
 
     def work(shard: Shard) -> None:
-        if shard.slot == failing:
-            raise ZeroDivisionError("slot")
+        if failing in shard.worlds or 6 in shard.worlds:
+            raise ZeroDivisionError(f"world {shard.worlds[0]}")
         visits(shard)
 
-    with pytest.raises(ZeroDivisionError, match="slot"):
+    with pytest.raises(ZeroDivisionError, match=f"world {failing}"):
         made.run(work)
-    assert visits.slots == {0, 1, 2} - {failing}
+    assert visits.seen.tolist() == [int(w not in (failing, 6)) for w in range(N)]
     made.run(visits)
     assert visits.seen.max() == 2
 
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs the timers of POSIX")
 @pytest.mark.parametrize("waits", [False, True])
-def test_an_interrupt_leaves_no_share_under_way(waits: bool) -> None:
-    """It comes while the first share runs, or while its thread waits for the other one."""
+def test_an_interrupt_leaves_no_share_under_way(waits: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It comes while the caller works, or while it waits for the thread."""
+    monkeypatch.setattr(shards, "HEAD_START_S", 0.1)
     made, ended = Shards(2, 2), []
 
     def work(shard: Shard) -> None:
-        time.sleep(0.0 if waits and shard.slot == 0 else 0.15)
+        time.sleep(0.0 if waits and shard.slot == 0 else 0.4)
         ended.append(shard.slot)
 
     def interrupt(number: int, frame: FrameType | None) -> None:
@@ -118,12 +125,14 @@ def test_an_interrupt_leaves_no_share_under_way(waits: bool) -> None:
 
     before = signal.signal(signal.SIGALRM, interrupt)
     try:
-        signal.setitimer(signal.ITIMER_REAL, 0.05)
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
         with pytest.raises(KeyboardInterrupt):
             made.run(work)
     finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
     assert ended == ([0, 1] if waits else [1])
+    monkeypatch.setattr(shards, "HEAD_START_S", 0.0)
     visits = Visits()
     for _ in range(20):
         made.run(visits)
