@@ -95,9 +95,9 @@ def dash_differential(
             b = members[k]
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
             dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[w % goal_threshold.shape[0], b]:
+            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[min(w, goal_threshold.shape[0] - 1), b]:
                 continue
-            fastest = velocity_max[w % velocity_max.shape[0], b]
+            fastest = velocity_max[min(w, velocity_max.shape[0] - 1), b]
             error = wrap_below(np.arctan2(dy, dx) - pose[w, b, 2])
             command[w, b, 0] = fastest[0] * np.cos(error)
             if np.abs(error) >= params[k].angle_tolerance:
@@ -105,7 +105,7 @@ def dash_differential(
                     error,
                     params[k].angle_tolerance,
                     np.abs(fastest[1]),
-                    acceleration_limit[w % acceleration_limit.shape[0], b, 1],
+                    acceleration_limit[min(w, acceleration_limit.shape[0] - 1), b, 1],
                     step_time[0],
                 )
 
@@ -134,9 +134,9 @@ def dash_omni(
             b = members[k]
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
             dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[w % goal_threshold.shape[0], b]:
+            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[min(w, goal_threshold.shape[0] - 1), b]:
                 continue
-            fastest = velocity_max[w % velocity_max.shape[0], b]
+            fastest = velocity_max[min(w, velocity_max.shape[0] - 1), b]
             error = wrap_below(np.arctan2(dy, dx) - pose[w, b, 2])
             command[w, b, 0], command[w, b, 1] = fastest[0] * np.cos(error), fastest[1] * np.sin(error)
 
@@ -162,9 +162,9 @@ def dash_omni_world(
             b = members[k]
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
             dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[w % goal_threshold.shape[0], b]:
+            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[min(w, goal_threshold.shape[0] - 1), b]:
                 continue
-            fastest = velocity_max[w % velocity_max.shape[0], b]
+            fastest = velocity_max[min(w, velocity_max.shape[0] - 1), b]
             direction = np.arctan2(dy, dx)
             command[w, b, 0], command[w, b, 1] = fastest[0] * np.cos(direction), fastest[1] * np.sin(direction)
 
@@ -192,9 +192,9 @@ def dash_omni_angular(
             if not has_goal[b]:
                 continue
             dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            fastest = velocity_max[w % velocity_max.shape[0], b]
+            fastest = velocity_max[min(w, velocity_max.shape[0] - 1), b]
             target = goal[w, b, 2]
-            if np.sqrt(dx * dx + dy * dy) > goal_threshold[w % goal_threshold.shape[0], b]:
+            if np.sqrt(dx * dx + dy * dy) > goal_threshold[min(w, goal_threshold.shape[0] - 1), b]:
                 target = np.arctan2(dy, dx)
                 error = wrap_below(target - pose[w, b, 2])
                 command[w, b, 0], command[w, b, 1] = fastest[0] * np.cos(error), fastest[1] * np.sin(error)
@@ -206,7 +206,7 @@ def dash_omni_angular(
                     error,
                     params[k].angle_tolerance,
                     np.abs(fastest[2]),
-                    acceleration_limit[w % acceleration_limit.shape[0], b, 2],
+                    acceleration_limit[min(w, acceleration_limit.shape[0] - 1), b, 2],
                     step_time[0],
                 )
 
@@ -235,9 +235,9 @@ def dash_ackermann(
             b = members[k]
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
             dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[w % goal_threshold.shape[0], b]:
+            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[min(w, goal_threshold.shape[0] - 1), b]:
                 continue
-            fastest = velocity_max[w % velocity_max.shape[0], b]
+            fastest = velocity_max[min(w, velocity_max.shape[0] - 1), b]
             error = wrap_below(np.arctan2(dy, dx) - pose[w, b, 2])
             command[w, b, 0] = fastest[0]
             if np.abs(error) >= params[k].angle_tolerance:

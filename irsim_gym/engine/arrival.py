@@ -96,7 +96,7 @@ def check_arrival(
         for k in range(goal_bodies.shape[0]):
             b = goal_bodies[k]
             near = goal_gap(pose[w, b], goal[w, b], arrive_mode[b] == STATE)
-            arrived[w, b] = present[w, b] and near < goal_threshold[w % goal_threshold.shape[0], b]
+            arrived[w, b] = present[w, b] and near < goal_threshold[min(w, goal_threshold.shape[0] - 1), b]
             if arrived[w, b] and waypoint[w, b] + 1 < waypoint_end[w, b]:
                 waypoint[w, b] += 1
                 for axis in range(3):

@@ -132,8 +132,17 @@ def find_contacts(
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        reaches, rows, rounds, here, there = reach[w % reach.shape[0]], segments[w], discs[w], pose[w], present[w]
-        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        reaches, rows, rounds, here, there = (
+            reach[min(w, reach.shape[0] - 1)],
+            segments[w],
+            discs[w],
+            pose[w],
+            present[w],
+        )
+        n_segments, n_discs = (
+            segment_count[min(w, segment_count.shape[0] - 1)],
+            disc_count[min(w, disc_count.shape[0] - 1)],
+        )
         for k in range(bodies.shape[0]):
             b = bodies[k]
             if unobstructed[b] or not there[b]:
@@ -238,8 +247,17 @@ def measure_clearance(
     """Write exact surface distances, passing over bodies that cannot be the nearest."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        reaches, rows, rounds, here, there = reach[w % reach.shape[0]], segments[w], discs[w], pose[w], present[w]
-        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        reaches, rows, rounds, here, there = (
+            reach[min(w, reach.shape[0] - 1)],
+            segments[w],
+            discs[w],
+            pose[w],
+            present[w],
+        )
+        n_segments, n_discs = (
+            segment_count[min(w, segment_count.shape[0] - 1)],
+            disc_count[min(w, disc_count.shape[0] - 1)],
+        )
         for k in range(bodies.shape[0]):
             b, best = bodies[k], limit[w, k]
             x, y, own, d = here[b, 0], here[b, 1], reaches[b], disc_start[b]

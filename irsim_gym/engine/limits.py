@@ -47,8 +47,11 @@ def limit_velocity(
     dt = step_time[0]
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        slowest, fastest = velocity_min[w % velocity_min.shape[0]], velocity_max[w % velocity_max.shape[0]]
-        sharpest = acceleration_limit[w % acceleration_limit.shape[0]]
+        slowest, fastest = (
+            velocity_min[min(w, velocity_min.shape[0] - 1)],
+            velocity_max[min(w, velocity_max.shape[0] - 1)],
+        )
+        sharpest = acceleration_limit[min(w, acceleration_limit.shape[0] - 1)]
         for k in range(movers.shape[0]):
             b = movers[k]
             asked, now, low, high, change = command[w, b], velocity[w, b], slowest[b], fastest[b], sharpest[b]

@@ -47,12 +47,12 @@ def place_bodies(
         for k in range(bodies.shape[0]):
             b = bodies[k]
             place_outline(
-                local_segments[w % local_segments.shape[0]],
-                local_discs[w % local_discs.shape[0]],
+                local_segments[min(w, local_segments.shape[0] - 1)],
+                local_discs[min(w, local_discs.shape[0] - 1)],
                 segment_start[b],
-                segment_count[w % segment_count.shape[0], b],
+                segment_count[min(w, segment_count.shape[0] - 1), b],
                 disc_start[b],
-                disc_count[w % disc_count.shape[0], b],
+                disc_count[min(w, disc_count.shape[0] - 1), b],
                 pose[w, b, 0],
                 pose[w, b, 1],
                 pose[w, b, 2],

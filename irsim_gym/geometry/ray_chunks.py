@@ -217,35 +217,36 @@ def span(
     missed = (end < zero) | (begin > last)
     begin = begin if begin > zero else zero
     end = end + one if end + one < last else last
-    place = np.int32(begin) & np.int32(-ALIGN)
-    blocks = ((np.int32(end) - place) >> np.int32(5)) + np.int32(1)
-    most = np.int32(n_beams) - (blocks << np.int32(5))
+    place = np.floor(begin * np.float32(1.0 / ALIGN)) * np.float32(ALIGN)
+    blocks = np.floor((end - place) * np.float32(1.0 / BLOCK)) + one
+    most = np.float32(n_beams) - blocks * np.float32(BLOCK)
     place = place if place < most else most
-    blocks = np.int32(0) if missed else blocks
-    place = np.int32(0) if missed | (not is_part) else place
-    return place, blocks if is_part else np.int32(n_beams >> 5)
+    blocks = zero if missed else blocks
+    place = zero if missed | (not is_part) else place
+    blocks = blocks if is_part else np.float32(n_beams) * np.float32(1.0 / BLOCK)
+    return np.int32(place), np.int32(blocks)
 
 
 @kernel(inlined=True)
 def list_kept(count: int, spans: Spans) -> int:
     """Write the numbers of the primitives marked by 1 one after the other, in the last CHUNK; return how many."""
-    n = 0
-    for j in range(count):
-        spans[n + 3 * CHUNK] = j
-        n += spans[j] > 0
-    return n
+    n = np.uint64(0)
+    for j in range(np.uint64(count)):
+        spans[n + ROW * THREE] = j
+        n += np.uint64(spans[j] > 0)
+    return int(n)
 
 
 @kernel(contract=True, inlined=True)
 def raise_by_segments(n: int, slopes: Rays, spans: Spans, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
     """Raise ``inverse`` [1/m] where beams meet the listed segments, from either side."""
     zero = np.float32(0.0)
-    for m in range(n):
-        s = spans[m + 3 * CHUNK]
-        normal_x, normal_y = slopes[s], slopes[s + CHUNK]
-        place_x, place_y = slopes[s + 2 * CHUNK], slopes[s + 3 * CHUNK]
-        slack, p = slopes[s + 4 * CHUNK], np.uint64(spans[s + CHUNK])
-        for _ in range(spans[s + 2 * CHUNK]):
+    for m in range(np.uint64(n)):
+        s = np.uint64(spans[m + ROW * THREE])
+        normal_x, normal_y = slopes[s], slopes[s + ROW]
+        place_x, place_y = slopes[s + ROW * TWO], slopes[s + ROW * THREE]
+        slack, p = slopes[s + ROW * FOUR], np.uint64(spans[s + ROW])
+        for _ in range(spans[s + ROW * TWO]):
             for i in range(np.uint64(BLOCK)):
                 x, y = beams_x[p + i], beams_y[p + i]
                 depth = normal_x * x + normal_y * y
@@ -260,11 +261,11 @@ def raise_by_segments(n: int, slopes: Rays, spans: Spans, beams_x: Rays, beams_y
 def raise_by_discs(n: int, slopes: Rays, spans: Spans, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
     """Raise ``inverse`` [1/m] where beams meet the listed discs, seen from outside."""
     zero = np.float32(0.0)
-    for m in range(n):
-        s = spans[m + 3 * CHUNK]
-        cx, cy, radius2, scale = slopes[s], slopes[s + CHUNK], slopes[s + 2 * CHUNK], slopes[s + 3 * CHUNK]
-        p = np.uint64(spans[s + CHUNK])
-        for _ in range(spans[s + 2 * CHUNK]):
+    for m in range(np.uint64(n)):
+        s = np.uint64(spans[m + ROW * THREE])
+        cx, cy, radius2, scale = slopes[s], slopes[s + ROW], slopes[s + ROW * TWO], slopes[s + ROW * THREE]
+        p = np.uint64(spans[s + ROW])
+        for _ in range(spans[s + ROW * TWO]):
             for i in range(np.uint64(BLOCK)):
                 x, y = beams_x[p + i], beams_y[p + i]
                 ahead, aside = cx * x + cy * y, cx * y - cy * x

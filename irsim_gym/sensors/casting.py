@@ -116,8 +116,17 @@ def cast_bodies(
     first, density = np.float32(fan[0]), np.float32(fan[1])
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        reaches, rows, rings, here, there = reach[w % reach.shape[0]], segments[w], discs[w], pose[w], present[w]
-        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        reaches, rows, rings, here, there = (
+            reach[min(w, reach.shape[0] - 1)],
+            segments[w],
+            discs[w],
+            pose[w],
+            present[w],
+        )
+        n_segments, n_discs = (
+            segment_count[min(w, segment_count.shape[0] - 1)],
+            disc_count[min(w, disc_count.shape[0] - 1)],
+        )
         for k in range(members.shape[0]):
             own, far, row = members[k], params[k].range_max, w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
             x, y, cosine, sine = mount(here[own], params[k].offset)

@@ -61,8 +61,11 @@ def cast_room(
     for i in range(worlds.shape[0]):
         w = worlds[i]
         rows, rings, here, there = segments[w], discs[w], pose[w], present[w]
-        reaches = reach[w % reach.shape[0]]
-        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        reaches = reach[min(w, reach.shape[0] - 1)]
+        n_segments, n_discs = (
+            segment_count[min(w, segment_count.shape[0] - 1)],
+            disc_count[min(w, disc_count.shape[0] - 1)],
+        )
         is_complete = is_shared and count_present(there) == there.shape[0]
         is_noted = is_noted and is_complete
         for k in range(members.shape[0]):

@@ -168,7 +168,10 @@ def command(
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        slowest, fastest = velocity_min[w % velocity_min.shape[0]], velocity_max[w % velocity_max.shape[0]]
+        slowest, fastest = (
+            velocity_min[min(w, velocity_min.shape[0] - 1)],
+            velocity_max[min(w, velocity_max.shape[0] - 1)],
+        )
         for a in range(agents.shape[0]):
             b = agents[a]
             for c in range(action.shape[2]):
@@ -210,7 +213,10 @@ def rest(
     """Write the action that asks for standing still, or for the slowest command there is, where episodes begin."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        slowest, fastest = velocity_min[w % velocity_min.shape[0]], velocity_max[w % velocity_max.shape[0]]
+        slowest, fastest = (
+            velocity_min[min(w, velocity_min.shape[0] - 1)],
+            velocity_max[min(w, velocity_max.shape[0] - 1)],
+        )
         for a in range(agents.shape[0]):
             b = agents[a]
             if not began[w, a]:

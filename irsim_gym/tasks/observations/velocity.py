@@ -80,7 +80,10 @@ def write_velocity(
     """Write ``size`` components of the velocity over max(abs(velocity_min), abs(velocity_max)); 0 when stopped."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        slowest, fastest = velocity_min[w % velocity_min.shape[0]], velocity_max[w % velocity_max.shape[0]]
+        slowest, fastest = (
+            velocity_min[min(w, velocity_min.shape[0] - 1)],
+            velocity_max[min(w, velocity_max.shape[0] - 1)],
+        )
         for a in range(agents.shape[0]):
             b = agents[a]
             if drive[b] == OMNI_WORLD:
