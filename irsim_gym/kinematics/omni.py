@@ -115,8 +115,9 @@ def move_omni(
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            turn = pose[w, b, 2] if params[k].frame == 1 else 0.0
-            cosine, sine = np.cos(turn), np.sin(turn)
+            cosine, sine = 1.0, 0.0
+            if params[k].frame == 1:
+                cosine, sine = np.cos(pose[w, b, 2]), np.sin(pose[w, b, 2])
             if not stopped[w, b]:
                 pose[w, b, 0] += (cosine * executed[w, b, 0] - sine * executed[w, b, 1]) * dt
                 pose[w, b, 1] += (sine * executed[w, b, 0] + cosine * executed[w, b, 1]) * dt
