@@ -23,7 +23,7 @@ from numba.extending import intrinsic
 from irsim_gym.arraytypes import Ints
 from irsim_gym.jit import Calls, Kernel, config, kernel
 
-BLOCK = 64
+BLOCK = 128
 """Worlds that go through all calls before the next ones do: few enough to stay in the processor's cache."""
 
 WORD, FLOAT, BYTE, STATUS = ir.IntType(64), ir.DoubleType(), ir.IntType(8), ir.IntType(32)

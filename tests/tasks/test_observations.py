@@ -84,6 +84,16 @@ def test_pool_takes_the_least_depth_beyond_the_own_outline() -> None:
 
 
 @pytest.mark.parametrize("code", [0, 1])
+def test_sectors_of_one_beam(code: int) -> None:
+    ranges = np.array([[[0.1, 2.0, 6.0, 0.5, 4.0]]], np.float32)
+    out, extent = np.zeros((1, 1, 5), np.float32), np.array([[0.2, 0.5, 0.0, 0.5, 0.1]], np.float32)
+    first, far = np.arange(5, dtype=np.uint64), np.array([6.0], np.float32)
+    pool(np.arange(1), np.zeros(1, np.int64), 0, code, 0.5, 0.3, far, first, first + np.uint64(1), extent, ranges, out)
+    depths = np.array([0.0, 1.5, 6.0, 0.0, 3.9])
+    assert out[0, 0] == pytest.approx(inverse(depths) if code == 0 else 1 - depths / 6, abs=1e-6)
+
+
+@pytest.mark.parametrize("code", [0, 1])
 def test_codes_fall_with_the_depth(code: int) -> None:
     depths = np.sort(np.random.default_rng(0).uniform(0, 6, 5000)).astype(np.float32)
     codes = depths.copy()

@@ -45,11 +45,14 @@ def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Gro
 @kernel(inlined=True)
 def encode(row: Rays, code: int, near: np.float32, zero: np.float32, far: np.float32) -> None:
     """Replace depths [m] by their codes, in place; float32, and falling with the depth to the last bit."""
+    for s in range(row.shape[0]):
+        row[s] = encoded(row[s], code, near, zero, far)
+
+
+@kernel(inlined=True)
+def encoded(depth: np.float32, code: int, near: np.float32, zero: np.float32, far: np.float32) -> np.float32:
+    """Return the code of a depth [m]."""
     one = np.float32(1.0)
     if code == INVERSE:
-        largest = one / near - zero
-        for s in range(row.shape[0]):
-            row[s] = (one / (row[s] + near) - zero) / largest
-    else:
-        for s in range(row.shape[0]):
-            row[s] = one - row[s] / far
+        return (one / (depth + near) - zero) / (one / near - zero)
+    return one - depth / far

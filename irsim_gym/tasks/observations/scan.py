@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Floats, Ints, Rays, Words
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, shared_sensors
+from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, encoded, shared_sensors
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
@@ -152,21 +152,23 @@ def pool(
         for a in range(members.shape[0]):
             scan, own, row = ranges[w, members[a]], extent[a], out[w, a, column : column + n_sectors]
             if n_sectors == own.shape[0]:
-                write_depths(far[a], own, scan, row)
-            else:
-                for s in range(n_sectors):
-                    least = far[a]
-                    for k in range(first[s], last[s]):
-                        depth = scan[k] - own[k]
-                        least = depth if depth < least else least
-                    row[s] = least if least > np.float32(0.0) else np.float32(0.0)
+                write_depths(code, near_32, zero_32, far[a], own, scan, row)
+                continue
+            for s in range(n_sectors):
+                least = far[a]
+                for k in range(first[s], last[s]):
+                    depth = scan[k] - own[k]
+                    least = depth if depth < least else least
+                row[s] = least if least > np.float32(0.0) else np.float32(0.0)
             encode(row, code, near_32, zero_32, far[a])
 
 
 @kernel(inlined=True)
-def write_depths(far: np.float32, own: Rays, scan: Rays, row: Rays) -> None:
-    """Write the depth of each beam beyond the own outline, from 0 to ``far``: what sectors of one beam show."""
+def write_depths(
+    code: int, near: np.float32, zero: np.float32, far: np.float32, own: Rays, scan: Rays, row: Rays
+) -> None:
+    """Write the code of each beam's depth beyond the own outline: what sectors of one beam show."""
     for k in range(row.shape[0]):
         depth = scan[k] - own[k]
         depth = depth if depth < far else far
-        row[k] = depth if depth > np.float32(0.0) else np.float32(0.0)
+        row[k] = encoded(depth if depth > np.float32(0.0) else np.float32(0.0), code, near, zero, far)
