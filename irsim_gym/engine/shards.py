@@ -51,7 +51,8 @@ class Shards:
 
         An error is passed on when all shares have come to their end, that of the first one before others.
         """
-        whole = self.all[0] if worlds is None else Shard(worlds)
+        # Recorded calls take the address of the worlds: they have to lie one after the other.
+        whole = self.all[0] if worlds is None else Shard(np.ascontiguousarray(worlds, np.int64))
         if self.n_slots > 1:
             self._run(function, whole.worlds)
         elif len(whole.worlds):

@@ -45,6 +45,7 @@ class Simulation:
     fused: bool = True
 
     def __post_init__(self) -> None:
+        self._recorded: list[Fused] = []
         levels = [group.kind for group in (*self.parts.footprints, *self.parts.placements)]
         self._advance = self.fuse(self.advance)
         self._draw = self.fuse(self._draw_level, levels)
@@ -59,11 +60,12 @@ class Simulation:
         """
         parts = self.parts
         groups = (*parts.group_behaviors, *parts.behaviors, *parts.kinematics, *parts.sensors)
-        return Fused(function, self.fused and only_kernels([*kinds, *(group.kind for group in groups)]))
+        self._recorded.append(Fused(function, self.fused and only_kernels([*kinds, *(group.kind for group in groups)])))
+        return self._recorded[-1]
 
     def rewire(self) -> None:
         """Take note that arrays or lists of bodies have been replaced, so that what was recorded is out of date."""
-        for function in (self._advance, self._draw, self._start):
+        for function in self._recorded:
             function.forget()
 
     @property

@@ -15,9 +15,11 @@ from irsim_gym.jit import kernel
 
 @kernel
 def square_of(value: float, low: float, side: float, count: int) -> int:
-    """Return the index of the square that a coordinate [m] lies in; those outside count to the border."""
+    """Return the index of the square that a coordinate [m] lies in; those outside, and NaN, count to the border."""
     place = np.floor((value - low) / side)
-    return int(min(max(place, 0.0), count - 1.0))
+    if not place > 0.0:
+        return 0
+    return int(min(place, count - 1.0))
 
 
 @kernel

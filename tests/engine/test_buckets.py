@@ -9,7 +9,7 @@ import pytest
 
 import irsim_gym as ig
 from irsim_gym.engine import buckets, contact, outlines
-from irsim_gym.geometry.buckets import find_nearby, put_in_order
+from irsim_gym.geometry.buckets import find_nearby, put_in_order, square_of
 from irsim_gym.world.group import Shard
 
 WORLDS = Shard(np.arange(2, dtype=np.int64))
@@ -197,3 +197,8 @@ def test_numbers_are_put_in_order(count: int) -> None:
     before = numbers.copy()
     put_in_order(numbers, count)
     assert numbers.tolist() == [*sorted(before[:count].tolist()), *before[count:].tolist()]
+
+
+def test_no_coordinate_leads_out_of_the_squares() -> None:
+    places = [square_of(value, -1.0, 0.5, 4) for value in (-np.inf, -1.0, 0.4, 0.99, 1e300, np.inf, np.nan)]
+    assert places == [0, 0, 2, 3, 3, 3, 0]

@@ -142,6 +142,17 @@ def test_a_time_limit_that_changes_is_seen() -> None:
     assert env.step(np.zeros(2, np.float32))[3]
 
 
+def test_arrays_that_are_replaced_are_seen_by_tasks_too() -> None:
+    worlds = Worlds(MINE)
+    worlds.begin([0], [0], [{}], lambda w: 0)
+    worlds.step(np.zeros((1, 1, 2)))
+    simulation = worlds.simulation
+    simulation.model.step_time = np.array([0.25])
+    simulation.rewire()
+    worlds.step(np.zeros((1, 1, 2)))
+    assert simulation.state.time.tolist() == [0.5]
+
+
 def test_goals_that_are_replaced_are_seen() -> None:
     world = ig.load(MINE)
     world.step()
