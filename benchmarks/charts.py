@@ -1,4 +1,6 @@
-"""Draw charts and write the tables of README.md, both from results/*.json: python benchmarks/charts.py [--check].
+"""Write the tables of README.md here and of the first page, and draw the charts, from results/*.json.
+
+    python benchmarks/charts.py [--check]
 
 ``cases.json`` is a result of run.py, ``peers.json`` one of peers.py; every other file is shown as it is.
 """
@@ -15,7 +17,7 @@ import tables
 from pictures import CASES, PEERS, Found
 
 HERE = Path(__file__).parent
-README = HERE / "README.md"
+README, FRONT = HERE / "README.md", HERE.parent / "README.md"
 BEGIN, END = "<!-- written by charts.py from here -->", "<!-- to here -->"
 
 
@@ -42,26 +44,32 @@ def text(found: Found) -> str:
     return "\n\n".join(parts)
 
 
-def page(found: Found, before: str) -> str:
-    """Return README.md with what is between the marks written anew."""
+def front(found: Found) -> str:
+    """Return what the first page says of the results."""
+    return tables.front(found[PEERS]) if PEERS in found else ""
+
+
+def page(written: str, before: str) -> str:
+    """Return a page with what is between the marks written anew."""
     head, _, rest = before.partition(BEGIN)
     _, _, tail = rest.partition(END)
-    return f"{head}{BEGIN}\n\n{text(found)}\n\n{END}{tail}"
+    return f"{head}{BEGIN}\n\n{written}\n\n{END}{tail}"
 
 
 def main() -> int:
-    """Write README.md and the charts, or say whether README.md is as it should be."""
+    """Write the pages and the charts, or say whether the pages are as they should be."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 if README.md is out of date")
+    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 if a page is out of date")
     asked = parser.parse_args()
     found = load()
-    before = README.read_text(encoding="utf-8")
-    after = page(found, before)
+    pages = {file: file.read_text(encoding="utf-8") for file in (README, FRONT)}
+    after = {README: page(text(found), pages[README]), FRONT: page(front(found), pages[FRONT])}
     if asked.check:
-        return int(before != after)
-    README.write_text(after, encoding="utf-8")
-    for file in pictures.draw(found):
-        print(file)
+        return int(pages != after)
+    for file, written in after.items():
+        file.write_text(written, encoding="utf-8")
+    for drawn in pictures.draw(found):
+        print(drawn)
     return 0
 
 

@@ -105,6 +105,33 @@ def beside_others(name: str, result: Mapping[str, Any]) -> str:
     return "\n\n".join(parts)
 
 
+WORKS = {
+    "s1_single": "one robot, 180 beams, 10 obstacles, as a `gymnasium.Env`",
+    "s1_batch": "the same, 1,024 worlds in a `VectorEnv`",
+    "s3_cave": "one robot in the map of a cave, 64 worlds",
+    "s3_floor_plan": "one robot in the map of a flat, 64 worlds",
+    "s4": "10 robots with 100 beams among 10 moving discs, 1,024 worlds, each robot",
+    "s2_rvo": "10 robots that avoid each other by RVO, each robot",
+    "orca_100": "100 discs that avoid each other by ORCA, each disc",
+    "orca_1000": "1,000 discs, each disc",
+}
+"""The works that the first page tells of."""
+
+OTHERS = {"irsim": "IR-SIM", "vmas": "VMAS", "jaxnav": "JaxNav", "navground": "navground"}
+
+
+def front(result: Mapping[str, Any]) -> str:
+    """Return the first page's table: what a step takes here, and how many times longer elsewhere."""
+    rows = []
+    for work, told in WORKS.items():
+        figures = result["results"].get(work, {})
+        if (ours := figures.get("ours_median_us")) is None:
+            continue
+        slower = [figures.get(f"{other}_median_us") for other in OTHERS]
+        rows.append([told, number(ours), *(number(None if other is None else other / ours) for other in slower)])
+    return markdown(["a step of", "us", *(f"{name}, times" for name in OTHERS.values())], rows)
+
+
 def rounds_told(rounds: Sequence[Mapping[str, float]]) -> str:
     """Return how many rounds were played, and whether all went at one pace."""
     played, rejected, kept = (int(sum(one[name] for one in rounds)) for name in ("played", "rejected", "disturbed"))

@@ -57,16 +57,23 @@ def found() -> charts.Found:
     }
 
 
-def test_readme_is_what_the_results_say() -> None:
-    before = charts.README.read_text(encoding="utf-8")
-    assert charts.page(charts.load(), before) == before
+def test_pages_are_what_the_results_say() -> None:
+    found = charts.load()
+    for file, written in ((charts.README, charts.text(found)), (charts.FRONT, charts.front(found))):
+        before = file.read_text(encoding="utf-8")
+        assert charts.page(written, before) == before
 
 
 def test_what_stands_outside_of_the_marks_stays() -> None:
-    page = charts.page({}, f"above\n{charts.BEGIN}\nold\n{charts.END}\nbelow\n")
-    assert page.startswith("above\n")
-    assert page.endswith("\nbelow\n")
-    assert "old" not in page
+    page = charts.page("new", f"above\n{charts.BEGIN}\nold\n{charts.END}\nbelow\n")
+    assert page == f"above\n{charts.BEGIN}\n\nnew\n\n{charts.END}\nbelow\n"
+
+
+def test_the_first_page_tells_how_many_times_longer_others_take(found: charts.Found) -> None:
+    head, _, row = charts.front(found).split("\n")
+    assert head == "| a step of | us | IR-SIM, times | VMAS, times | JaxNav, times | navground, times |"
+    assert row == "| one robot, 180 beams, 10 obstacles, as a `gymnasium.Env` | 5 | 200 |  |  |  |"
+    assert charts.front({}) == ""
 
 
 def test_charts_are_drawn_for_what_was_measured(found: charts.Found, tmp_path: Path) -> None:
