@@ -13,6 +13,7 @@ import numpy as np
 from numba.core import config as numba_config
 
 from irsim_gym.jit_cache import keep_on_disk
+from irsim_gym.jit_inner import InnerCompiler
 from irsim_gym.jit_watch import compilation
 
 config: Any = numba_config
@@ -71,31 +72,36 @@ class Kernel:
     @functools.cached_property
     def compiled(self) -> Any:
         """Numba's dispatcher for calls from Python; its attributes, such as ``py_func``, are the kernel's too."""
-        return self._dispatcher()
+        return self._dispatcher("compiled")
 
     @functools.cached_property
-    def called(self) -> Any:
-        """Numba's dispatcher for calls from other kernels: it takes no Python objects, a third less to compile."""
-        return self._dispatcher(no_cpython_wrapper=True)
+    def native(self) -> Any:
+        """Numba's dispatcher for calls by address: it takes no Python objects, which is a third less to compile."""
+        return self._dispatcher("native", no_cpython_wrapper=True)
+
+    @functools.cached_property
+    def inner(self) -> Any:
+        """Numba's dispatcher for calls from other kernels."""
+        return self._dispatcher("inner", no_cpython_wrapper=True, pipeline_class=InnerCompiler)
 
     def overload(self, signature: tuple[Any, ...]) -> Any:
         """Return Numba's result of compiling for these types, with no entry from Python unless there is one already."""
-        dispatcher = self.compiled if signature in self.compiled.overloads else self.called
+        dispatcher = self.compiled if signature in self.compiled.overloads else self.native
         if signature not in dispatcher.overloads:
             dispatcher.compile(signature)
         return dispatcher.overloads[signature]
 
-    def _dispatcher(self, **options: Any) -> Any:
+    def _dispatcher(self, form: str, **options: Any) -> Any:
         compilation()
         given: Any = {"no_cfunc_wrapper": True, **self._options, **options}
         dispatcher = numba.njit(**given)(self._function)
-        keep_on_disk(dispatcher)
+        keep_on_disk(dispatcher, form)
         return dispatcher
 
     @property
     def _numba_type_(self) -> Any:
         """What Numba takes this for, within other kernels."""
-        return self.called._numba_type_
+        return self.inner._numba_type_
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):  # while it is unpickled

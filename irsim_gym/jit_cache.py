@@ -30,11 +30,11 @@ WITHOUT_KERNELS = {"scenario", "envs", "evaluation", "training", "render", "live
 SETTINGS = ("OPT", "BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE", "DEBUGINFO_DEFAULT")
 
 
-def keep_on_disk(dispatcher: Any) -> None:
+def keep_on_disk(dispatcher: Any, form: str) -> None:
     """Give a dispatcher a cache of ours, unless there is no folder or no source file whose changes would be seen."""
     function = dispatcher.py_func
     if function.__closure__ is None and Path(function.__code__.co_filename).is_file() and cache_folder() is not None:
-        dispatcher._cache = KernelCache(function, repr(sorted(dispatcher.targetoptions.items(), key=str)))
+        dispatcher._cache = KernelCache(function, f"{form} {sorted(dispatcher.targetoptions.items(), key=str)}")
 
 
 class KernelCache:

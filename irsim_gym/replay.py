@@ -88,7 +88,7 @@ def is_possible() -> bool:
 
 def _packed(called: Kernel, arguments: tuple[Any, ...], worlds: Ints) -> tuple[str, list[int]]:
     """Return the order of a call's words, and the words, that of the function itself first."""
-    given = tuple(called.called.typeof_pyval(value) for value in arguments)
+    given = tuple(called.native.typeof_pyval(value) for value in arguments)
     overload = called.overload(given)
     if overload.signature.return_type != types.none:
         raise NotRecordableError(f"{called.__name__} gives something back")

@@ -122,6 +122,14 @@ def test_what_is_on_disk_is_not_compiled_again(tmp_path: Path) -> None:
     assert compilations(tmp_path) == 0
 
 
+def test_a_part_that_is_on_disk_serves_other_kernels(tmp_path: Path) -> None:
+    assert compilations(tmp_path, "from irsim_gym import rng; a = rng.later_level(1, 2)") == 2
+    other = "from irsim_gym import rng; import numpy as np; print(rng.level_stream(np.uint64(7), 3))"
+    done = run(["-c", f"{COUNT}\n{other}\nprint(count.n)"], NUMBA_CACHE_DIR=str(tmp_path)).stdout.split()
+    plain = run(["-c", other], NUMBA_DISABLE_JIT="1").stdout.split()
+    assert done == [*plain, "1"]
+
+
 def test_processors_and_settings_have_files_of_their_own(tmp_path: Path) -> None:
     assert compilations(tmp_path) == 3
     assert compilations(tmp_path, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == 3
