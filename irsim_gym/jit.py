@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from contextvars import ContextVar
 from typing import Any, TypeVar, overload
 
@@ -62,7 +61,7 @@ class Kernel:
         self._options = options
 
     def __call__(self, *arguments: Any) -> Any:
-        """Run the function, or note the call where ``recording`` is under way in this thread."""
+        """Run the function, or note the call where ``record`` is under way in this thread."""
         calls = _calls.get()
         if calls is not None:
             calls.append((self, arguments))
@@ -116,12 +115,16 @@ Calls = list[tuple[Kernel, tuple[Any, ...]]]
 _calls: ContextVar[Calls | None] = ContextVar("calls", default=None)
 
 
-@contextmanager
-def recording() -> Iterator[Calls]:
-    """Note the kernels that are called from Python here, with their arguments, in place of running them."""
+def record(function: Callable[..., None], *arguments: Any) -> Calls:
+    """Run a function, and note the kernels that it calls, with their arguments, in place of running them.
+
+    It is no context manager: an interrupt between the beginning of one and its body would leave every kernel of this
+    thread dead.
+    """
     calls: Calls = []
-    token = _calls.set(calls)
     try:
-        yield calls
+        _calls.set(calls)
+        function(*arguments)
     finally:
-        _calls.reset(token)
+        _calls.set(None)
+    return calls

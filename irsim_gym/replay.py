@@ -52,7 +52,7 @@ class Program:
         """Pack recorded calls.
 
         Args:
-            calls: From ``jit.recording``.
+            calls: From ``jit.record``.
             worlds: The array that stands for the worlds to treat: where it was an argument, the worlds of each run
                 will be.
 

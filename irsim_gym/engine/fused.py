@@ -1,7 +1,7 @@
 """A step as one compiled call, chosen where all that it does is to call kernels.
 
 The plain path says what a step is, in Python: phase after phase calls its kernels. Here it is run once while
-``jit.recording`` notes these calls instead of making them; ``replay.Program`` then makes them all at once, for any
+``jit.record`` notes these calls instead of making them; ``replay.Program`` then makes them all at once, for any
 worlds. Nothing is written twice, and the results are the same to the last bit.
 """
 
@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.jit import recording
+from irsim_gym.jit import record
 from irsim_gym.replay import NotRecordableError, Program, is_possible
 from irsim_gym.world.group import Shard
 
@@ -71,9 +71,7 @@ class Fused:
 
     def _look(self, slot: int) -> Program:
         worlds = np.zeros(1, np.int64)
-        with recording() as calls:
-            self.function(Shard(worlds, slot))
-        return Program(calls, worlds)
+        return Program(record(self.function, Shard(worlds, slot)), worlds)
 
     def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, "_programs": {}}

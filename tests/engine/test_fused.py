@@ -12,11 +12,11 @@ import pytest
 from numpy.typing import NDArray
 
 import irsim_gym as ig
-from irsim_gym import families, replay
+from irsim_gym import families, jit, replay
 from irsim_gym.engine import Shard, Simulation, compile
 from irsim_gym.engine.fused import Fused, only_kernels
 from irsim_gym.envs.worlds import Worlds
-from irsim_gym.jit import kernel, recording
+from irsim_gym.jit import kernel, record
 from irsim_gym.kinematics.differential import Differential
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks.state import EpisodeState
@@ -219,13 +219,38 @@ def test_arguments_of_every_type() -> None:
     grid = np.arange(12, dtype=np.float32).reshape(3, 4)[:, ::2]
     given = (True, -7, np.uint64(2**63 + 5), 0.5, None, (pair, 3.0), ((4, True), np.arange(3, dtype=np.uint8)))
     worlds = np.array([0, 2])
-    with recording() as calls:
-        mix(worlds, *given, records, grid, out)
+    calls = record(mix, worlds, *given, records, grid, out)
     assert not out.any()
     replay.Program(calls, worlds).run(worlds)
     # 2 - 7 + 0.5 + 1 + 3 x + (8 + 4 + 0.5 + w) + share + the grid's column 2 + its 2 columns
     expected = [2 - 7 + 0.5 + 1 + 3 * (w + 1) + 12.5 + w + 0.125 * (w + 1) + 4 * w + 2 + 2 for w in range(3)]
     assert out.tolist() == [expected[0], 0.0, expected[2]]
+
+
+class InterruptedOnce:
+    """A context variable; the user presses Ctrl-C just when it has been set."""
+
+    def __init__(self) -> None:
+        self.calls: Any = None
+        self.is_quiet = False
+
+    def get(self) -> Any:
+        return self.calls
+
+    def set(self, calls: Any) -> None:
+        self.calls = calls
+        if not self.is_quiet:
+            self.is_quiet = True
+            raise KeyboardInterrupt
+
+
+def test_an_interrupt_leaves_kernels_alive(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jit, "_calls", InterruptedOnce())
+    out = np.zeros(2)
+    with pytest.raises(KeyboardInterrupt):
+        record(add, np.arange(2), 1.0, out)
+    add(np.arange(2), 1.0, out)
+    assert out.tolist() == [1.0, 1.0]
 
 
 def fused(function: Any) -> Fused:
