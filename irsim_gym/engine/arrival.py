@@ -95,14 +95,18 @@ def check_arrival(
         w = worlds[i]
         for k in range(goal_bodies.shape[0]):
             b = goal_bodies[k]
-            near = goal_gap(pose[w, b], goal[w, b], arrive_mode[b] == STATE)
+            with_heading = arrive_mode[b] == STATE
+            near = goal_gap(pose[w, b], goal[w, b], with_heading)
             arrived[w, b] = present[w, b] and near < goal_threshold[min(w, goal_threshold.shape[0] - 1), b]
-            if arrived[w, b] and waypoint[w, b] + 1 < waypoint_end[w, b]:
+            goes_on = arrived[w, b] and waypoint[w, b] + 1 < waypoint_end[w, b]
+            if goes_on:
                 waypoint[w, b] += 1
                 for axis in range(3):
                     goal[w, b, axis] = waypoints[w, b, waypoint[w, b], axis]
                 arrived[w, b] = False
-            goal_distance[w, b] = goal_gap(pose[w, b], goal[w, b], False)
+            if goes_on or with_heading:
+                near = goal_gap(pose[w, b], goal[w, b], False)
+            goal_distance[w, b] = near
 
 
 @kernel

@@ -94,7 +94,7 @@ def write_velocity(
                 largest = max(np.abs(low), np.abs(high))
                 scaled = 0.0
                 if largest > 0.0 and not stopped[w, b]:
-                    scaled = min(max(velocity[w, b, c] / largest, min(low / largest, 0.0)), max(high / largest, 0.0))
+                    scaled = min(max(velocity[w, b, c], min(low, 0.0)), max(high, 0.0)) / largest
                 out[w, a, column + c] = np.float32(scaled)
 
 
