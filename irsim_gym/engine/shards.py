@@ -155,7 +155,7 @@ class _Job:
         finally:
             with self._lock:
                 self._at_work -= 1
-                self._change.notify()
+                self._change.notify_all()  # a wait that was interrupted may have left a waiter behind
 
     def wait(self) -> None:
         """Return when nobody is at work."""
