@@ -23,10 +23,6 @@ from irsim_gym.world.group import Shard
 N = 7
 
 
-def ours() -> int:
-    return sum(thread.name == "irsim_gym" for thread in threading.enumerate())
-
-
 class Visits:
     """Counts how often each world is treated, and by which threads."""
 
@@ -140,16 +136,16 @@ def test_an_interrupt_leaves_no_share_under_way(waits: bool, monkeypatch: pytest
 
 
 def test_threads_end_with_their_owner() -> None:
-    before = ours()
+    before = set(threading.enumerate())
     made = Shards(N, 3)
     made.run(Visits())
-    assert ours() == before + 2
+    mine = [thread for thread in threading.enumerate() if thread not in before and thread.name == "irsim_gym"]
+    assert len(mine) == 2
     del made
     gc.collect()
-    deadline = time.monotonic() + 5.0
-    while ours() > before and time.monotonic() < deadline:
-        time.sleep(0.001)
-    assert ours() == before
+    for thread in mine:
+        thread.join(5.0)
+    assert not any(thread.is_alive() for thread in mine)
 
 
 def test_threads_forget_what_they_did() -> None:
