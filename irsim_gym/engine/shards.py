@@ -21,6 +21,8 @@ WORTH_S = 150e-6
 """A thread is worth while from this much work on [s]: waking it costs some 10 us, many times that on a busy machine."""
 PIECES = 4
 """Pieces for each thread; who is free takes the next one, so that nobody waits for a thread that gets no processor."""
+LOOK_S = 1e-3
+"""How often one who waits looks by itself whether others are still at work [s]."""
 HEAD_START_S = 0.0
 """How long the caller lets the threads begin before it takes a piece itself [s]; for tests of what threads do."""
 
@@ -125,7 +127,8 @@ class _Job:
         self._errors: list[tuple[int, BaseException]] = []
         self._at_work = 0
         self._lock = threading.Lock()
-        self._change = threading.Condition(self._lock)
+        self._done = threading.Lock()
+        self._done.acquire()
 
     def work(self, slot: int) -> int:
         """Take pieces until none is left, and return how many worlds that were."""
@@ -155,13 +158,13 @@ class _Job:
         finally:
             with self._lock:
                 self._at_work -= 1
-                self._change.notify_all()  # a wait that was interrupted may have left a waiter behind
+                if self._done.locked():
+                    self._done.release()
 
     def wait(self) -> None:
-        """Return when nobody is at work."""
-        with self._lock:
-            while self._at_work:
-                self._change.wait()
+        """Return when nobody is at work; a condition of ``threading`` does not stand being interrupted."""
+        while self._at_work:
+            self._done.acquire(timeout=LOOK_S)
 
     def cancel(self) -> None:
         """Return when nobody is at work, however often this is interrupted; what nobody has taken is left undone."""
