@@ -46,13 +46,20 @@ class Fused:
         if not self.is_fusable:
             self.function(shard)
             return
-        if shard.slot not in self._programs:
-            self._programs[shard.slot] = self._record(shard.slot)
+        self.prepare(shard.slot)
         program = self._programs[shard.slot]
         if program is None:
             self.function(shard)
         else:
             program.run(shard.worlds)
+
+    def prepare(self, slot: int) -> None:
+        """Record the function for a slot, unless that was done before.
+
+        Whoever hands it to threads does so beforehand: recording compiles, and is best interrupted in the main thread.
+        """
+        if self.is_fusable and slot not in self._programs:
+            self._programs[slot] = self._record(slot)
 
     def forget(self) -> None:
         """Record anew the next time: an array or a number has been replaced by another one."""

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.engine.fused import Fused
 from irsim_gym.world.group import Shard
 
 Work = Callable[[Shard], None]
@@ -66,6 +67,9 @@ class Shards:
             return
         name = getattr(function, "__qualname__", type(function).__qualname__)
         count = self._workers(name, len(worlds))
+        if isinstance(function, Fused):
+            for slot in range(count):
+                function.prepare(slot)
         job = _Job(function, cut(worlds, count * PIECES if count > 1 else 1))
         lanes = self._threads(count - 1)[: count - 1]
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import threading
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -273,3 +274,20 @@ def test_a_number_that_changes_shows_when_it_is_recorded() -> None:
     made = fused(lambda shard: add(shard.worlds, next(amounts), out))
     assert made._programs == {0: None}
     assert out.tolist() == [4.0, 4.0]
+
+
+def test_threads_are_handed_what_is_recorded_already(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[threading.Thread] = []
+    record = Fused._record
+
+    def noted(self: Fused, slot: int) -> replay.Program | None:
+        seen.append(threading.current_thread())
+        return record(self, slot)
+
+    simulation = compile(load_scenario(MINE), 64, num_threads=3)
+    simulation.reset(0)
+    monkeypatch.setattr(Fused, "_record", noted)
+    for _ in range(5):
+        simulation.step()
+    assert set(simulation._advance._programs) == {0, 1, 2}
+    assert set(seen) == {threading.main_thread()}
