@@ -43,7 +43,9 @@ def kernel(function: Any = None, /, *, contract: bool = False, allocates: bool =
     if function is None:
         return functools.partial(kernel, contract=contract, allocates=allocates, inlined=inlined)
     if config.DISABLE_JIT:
-        return np.errstate(all="ignore")(function)
+        plain = np.errstate(all="ignore")(function)
+        plain.compiled = plain
+        return plain
     fastmath = {"contract"} if contract else False
     options = {"nogil": True, "error_model": "numpy", "fastmath": fastmath, "_nrt": allocates, "forceinline": inlined}
     return Kernel(function, options)
@@ -70,7 +72,7 @@ class Kernel:
 
     @functools.cached_property
     def compiled(self) -> Any:
-        """Numba's dispatcher for calls from Python; its attributes, such as ``py_func``, are the kernel's too."""
+        """Numba's dispatcher for calls from Python, which are never recorded; its attributes are the kernel's too."""
         return self._dispatcher("compiled")
 
     @functools.cached_property

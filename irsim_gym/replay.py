@@ -11,7 +11,7 @@ The kernels are the very same compiled functions, so their results are too, to t
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
@@ -64,13 +64,14 @@ class Program:
         self.words = np.array([word for _, row in rows for word in row], np.int64)
         starts = np.cumsum([0, *(len(row) for _, row in rows)])[:-1]
         self._entries = np.zeros((len(rows), 2), np.int64)
+        self._make_calls: Callable[..., int] = make_calls.compiled  # type: ignore[attr-defined]
         self._doorways = _doorways()
         self._entries[:, 0] = self._doorways.find([order for order, _ in rows])
         self._entries[:, 1] = self.words.ctypes.data + self.words.itemsize * starts
 
     def run(self, worlds: Ints) -> None:
         """Make all calls for the given worlds, shape ``(n,)``, contiguous."""
-        failed = make_calls(self._entries, worlds, BLOCK)
+        failed = self._make_calls(self._entries, worlds, BLOCK)
         if failed:
             raise RuntimeError(f"{self.calls[failed - 1][0].__name__} failed; NUMBA_DISABLE_JIT=1 shows where")
 

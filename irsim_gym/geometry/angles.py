@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from irsim_gym.arraytypes import Floats
 from irsim_gym.jit import kernel
 
 TURN = 2.0 * np.pi
@@ -46,6 +47,20 @@ def wrap_from(angle: float, low: float) -> float:
         elif angle < low:
             angle += TURN
     return angle
+
+
+@kernel(inlined=True)
+def turned(heading: float, known: Floats) -> tuple[float, float]:
+    """Return cosine and sine of a heading [rad].
+
+    Args:
+        heading: The heading.
+        known: Cosine and sine of some heading, and that heading: where it is this one nothing has to be worked out.
+            Zeros where none is known.
+    """
+    if known[2] == heading and known[0] * known[0] + known[1] * known[1] > 0.0:
+        return known[0], known[1]
+    return np.cos(heading), np.sin(heading)
 
 
 @kernel

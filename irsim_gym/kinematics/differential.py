@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.geometry.angles import wrap_below, wrap_from
+from irsim_gym.geometry.angles import turned, wrap_below, wrap_from
 from irsim_gym.jit import kernel
 from irsim_gym.kinematics import noise
 from irsim_gym.kinematics.noise import Variances
@@ -66,6 +66,7 @@ class Differential:
             executed,
             state.velocity,
             state.pose,
+            state.direction,
             state.twist,
         )
 
@@ -93,6 +94,7 @@ def move_differential(
     executed: Floats,
     velocity: Floats,
     pose: Floats,
+    direction: Floats,
     twist: Floats,
 ) -> None:
     """Write the poses of the members that are free to move, from what they execute, and all twists.
@@ -106,10 +108,14 @@ def move_differential(
             b = members[k]
             if not stopped[w, b]:
                 heading = pose[w, b, 2]
-                pose[w, b, 0] += executed[w, b, 0] * np.cos(heading) * dt
-                pose[w, b, 1] += executed[w, b, 0] * np.sin(heading) * dt
+                cosine, sine = turned(heading, direction[w, b])
+                pose[w, b, 0] += executed[w, b, 0] * cosine * dt
+                pose[w, b, 1] += executed[w, b, 0] * sine * dt
                 heading = wrap_below(heading + executed[w, b, 1] * dt)
                 pose[w, b, 2] = wrap_from(heading, heading_low[b]) if wraps_heading[b] else heading
-            twist[w, b, 0] = velocity[w, b, 0] * np.cos(pose[w, b, 2])
-            twist[w, b, 1] = velocity[w, b, 0] * np.sin(pose[w, b, 2])
+            known = direction[w, b]
+            known[0], known[1] = turned(pose[w, b, 2], known)
+            known[2] = pose[w, b, 2]
+            twist[w, b, 0] = velocity[w, b, 0] * known[0]
+            twist[w, b, 1] = velocity[w, b, 0] * known[1]
             twist[w, b, 2] = velocity[w, b, 1]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays, Spans
+from irsim_gym.geometry.angles import turned
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.ray_chunks import (
     CHUNK,
@@ -90,6 +91,7 @@ def cast_bodies(
     beams_x: Rays,
     beams_y: Rays,
     pose: Floats,
+    direction: Floats,
     present: Flags,
     unobstructed: Flags,
     solid: Flags,
@@ -116,20 +118,15 @@ def cast_bodies(
     first, density = np.float32(fan[0]), np.float32(fan[1])
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        reaches, rows, rings, here, there = (
-            reach[min(w, reach.shape[0] - 1)],
-            segments[w],
-            discs[w],
-            pose[w],
-            present[w],
-        )
+        reaches, rows, rings = reach[min(w, reach.shape[0] - 1)], segments[w], discs[w]
+        here, there = pose[w], present[w]
         n_segments, n_discs = (
             segment_count[min(w, segment_count.shape[0] - 1)],
             disc_count[min(w, disc_count.shape[0] - 1)],
         )
         for k in range(members.shape[0]):
             own, far, row = members[k], params[k].range_max, w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
-            x, y, cosine, sine = mount(here[own], params[k].offset)
+            x, y, cosine, sine = mount(here[own], direction[w, own], params[k].offset)
             beams = first, density, slopes, spans, beams_x[row], beams_y[row], inverse
             for j in range(inverse.shape[0]):
                 inverse[j] = np.float32(0.0)
@@ -225,9 +222,9 @@ def cast_rounds(
 
 
 @kernel(inlined=True)
-def mount(pose: Floats, offset: Floats) -> tuple[float, float, float, float]:
+def mount(pose: Floats, direction: Floats, offset: Floats) -> tuple[float, float, float, float]:
     """Return the sensor's place in the world frame [m], and cosine and sine of its heading."""
-    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+    cosine, sine = turned(pose[2], direction)
     x = pose[0] + cosine * offset[0] - sine * offset[1]
     y = pose[1] + sine * offset[0] + cosine * offset[1]
     if offset[2] != 0.0:

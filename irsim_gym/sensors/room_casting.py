@@ -36,6 +36,7 @@ def cast_room(
     beams_x: Rays,
     beams_y: Rays,
     pose: Floats,
+    direction: Floats,
     present: Flags,
     unobstructed: Flags,
     solid: Flags,
@@ -70,7 +71,7 @@ def cast_room(
         is_noted = is_noted and is_complete
         for k in range(members.shape[0]):
             own, far, row = members[k], params[k].range_max, w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
-            x, y, cosine, sine = mount(here[own], params[k].offset)
+            x, y, cosine, sine = mount(here[own], direction[w, own], params[k].offset)
             beams = first, density, slopes, spans, beams_x[row], beams_y[row], inverse
             if not is_noted:
                 n_rings, n_areas = note_rows(

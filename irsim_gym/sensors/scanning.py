@@ -135,6 +135,7 @@ def cast(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
         table["beams_x"],
         table["beams_y"],
         state.pose,
+        state.direction,
         model.present,
         model.unobstructed,
         model.solid,

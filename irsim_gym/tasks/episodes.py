@@ -240,8 +240,10 @@ class Episodes:
         rows = self.simulation.shards.all[0].worlds if worlds is None else worlds
         if n_choices and not actions.all_within(rows, n_choices, kept):
             raise ValueError(f"an action is not a choice from 0 to {n_choices - 1}")
-        if not n_choices and not actions.all_finite(rows, self.action_sizes, kept):
-            raise ValueError("an action is not finite")
+        if not n_choices:
+            are_finite = actions.all_finite.compiled  # type: ignore[attr-defined]
+            if not are_finite(rows, self.action_sizes, kept):
+                raise ValueError("an action is not finite")
 
     def _begin(self, shard: Shard) -> None:
         """Draw the levels of the shard's worlds and begin their episodes."""

@@ -18,6 +18,9 @@ class WorldState(Arrays):
     step: Ints = column("world", np.int64, "", "steps since the start")
     random: Words = column("world", np.uint64, "", "state of the world's random stream")
     pose: Floats = column("world body 3", np.float64, "m, m, rad", "x, y, heading")
+    direction: Floats = column(
+        "world body 3", np.float64, "-, -, rad", "cosine and sine of a heading, and that heading; see ``angles.turned``"
+    )
     steering: Floats = column("world body", np.float64, "rad", "front wheel angle of an Ackermann drive")
     command: Floats = column("world body 3", np.float64, "m/s or rad/s", "what is asked of the drive")
     velocity: Floats = column("world body 3", np.float64, "m/s or rad/s", "what is executed, drive coordinates")

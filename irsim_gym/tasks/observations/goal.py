@@ -8,6 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.engine import Shard
+from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.state import EpisodeState
@@ -46,6 +47,7 @@ class Goal:
             term.options.near,
             model.bounds,
             state.pose,
+            state.direction,
             state.goal,
             episode.observation,
         )
@@ -60,6 +62,7 @@ def write_goal(
     near: float,
     bounds: Floats,
     pose: Floats,
+    direction: Floats,
     goal: Floats,
     out: Rays,
 ) -> None:
@@ -77,7 +80,7 @@ def write_goal(
             d = np.sqrt(dx * dx + dy * dy)
             ahead, side = 1.0, 0.0
             if d > 0.0:
-                cosine, sine = np.cos(pose[w, b, 2]), np.sin(pose[w, b, 2])
+                cosine, sine = turned(pose[w, b, 2], direction[w, b])
                 ahead, side = (dx * cosine + dy * sine) / d, (dy * cosine - dx * sine) / d
             out[w, a, column] = np.float32(min(d / full, 1.0))
             out[w, a, column + 1] = np.float32(min(max(ahead, -1.0), 1.0))
