@@ -29,7 +29,7 @@ GIVEN = {
     "compound": {"parts": [{"name": "rectangle"}, {"name": "circle", "radius": 0.4, "pose": [0.5, 0, 0]}]},
 }
 OWNERS = {
-    "kinematics": {"pose", "twist", "steering", "random"},
+    "kinematics": {"pose", "direction", "twist", "steering", "random"},
     "behavior": {"command"},
     "group_behavior": {"command", "plan", "random"},
     "sensor": set(),
