@@ -99,6 +99,10 @@ class BehaviorError(IrsimGymError, ValueError):
     """A behaviour written in Python returned no command of the body's drive."""
 
 
+class NoWindowError(IrsimGymError, RuntimeError):
+    """A window is asked for where none can be opened: no display, or no toolkit that works."""
+
+
 class NoKeyboardWarning(UserWarning):
     """A file asks for a keyboard, and there is none."""
 

@@ -1,0 +1,64 @@
+"""Which toolkit opens a window: the one of the user's own backend, else the first that works."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from typing import Any
+
+import matplotlib
+from matplotlib.figure import Figure
+
+from irsim_gym.errors import NoWindowError
+
+BACKENDS = {
+    "tk": "matplotlib.backends.backend_tkagg",
+    "qt": "matplotlib.backends.backend_qtagg",
+    "gtk4": "matplotlib.backends.backend_gtk4agg",
+    "gtk3": "matplotlib.backends.backend_gtk3agg",
+    "wx": "matplotlib.backends.backend_wxagg",
+    "macosx": "matplotlib.backends.backend_macosx",
+}
+INSTEAD = "Pictures need no window: render_mode='rgb_array', save_figure and films work without a display."
+
+
+def new_manager(figure: Figure) -> Any:
+    """Return the manager of a new window that holds a figure; pyplot neither knows nor is changed by it.
+
+    Raises:
+        NoWindowError: There is no display, or no toolkit that works.
+    """
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise NoWindowError(
+            f"no window can be opened: there is no display (DISPLAY and WAYLAND_DISPLAY are not set). {INSTEAD}"
+        )
+    reasons = []
+    for toolkit in _order():
+        try:
+            module = importlib.import_module(BACKENDS[toolkit])
+            with matplotlib.rc_context({"toolbar": "None"}):
+                return module.FigureCanvas.new_manager(figure, 0)
+        except Exception as error:  # a toolkit raises whatever it likes
+            reasons.append(f"{toolkit}: {(str(error).strip() or repr(error)).splitlines()[0]}")
+    raise NoWindowError(
+        "no window can be opened: no GUI toolkit of matplotlib works here. Install one, e.g. Tk (python3-tk of the "
+        f"system) or `pip install pyside6`. {INSTEAD}\n" + "\n".join(f"  {reason}" for reason in reasons)
+    )
+
+
+def has_focus(manager: Any) -> bool:
+    """Return whether the keys go to the window; True where its toolkit cannot tell."""
+    window = manager.window if hasattr(manager, "window") else getattr(manager, "frame", None)
+    for name in ("focus_displayof", "isActiveWindow", "is_active", "IsActive"):
+        if hasattr(window, name):
+            answer = getattr(window, name)()
+            return answer is not None and answer is not False
+    return True
+
+
+def _order() -> list[str]:
+    """Return the toolkits in the order in which they are tried: the user's own first."""
+    chosen = str(dict.__getitem__(matplotlib.rcParams, "backend")).lower()
+    own = [toolkit for toolkit in BACKENDS if chosen.startswith(toolkit)]
+    return own + [toolkit for toolkit in BACKENDS if toolkit not in own]

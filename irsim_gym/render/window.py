@@ -1,0 +1,199 @@
+"""A window that shows pictures and tells what is done to it with keys and mouse."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.backend_bases import RendererBase
+from matplotlib.figure import Figure
+from PIL import Image
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.render import theme
+from irsim_gym.render.toolkits import has_focus, new_manager
+
+EventName = Literal["key_press", "key_release", "mouse_press", "mouse_release", "mouse_move", "mouse_leave", "scroll"]
+NAMES: dict[EventName, str] = {
+    "key_press": "key_press_event",
+    "key_release": "key_release_event",
+    "mouse_press": "button_press_event",
+    "mouse_release": "button_release_event",
+    "mouse_move": "motion_notify_event",
+    "mouse_leave": "figure_leave_event",
+    "scroll": "scroll_event",
+}
+DOTS_PER_INCH = 100.0
+PAUSE_S = 0.005
+FINE_SCREEN = 1.5
+"""Pixels of the screen for one of a window's from which on pictures are enlarged."""
+
+
+@dataclass(frozen=True)
+class WindowEvent:
+    """Something that a person did.
+
+    Attributes:
+        key: For keys: the name as matplotlib has it, e.g. ``w``, ``alt+1``, ``escape``; empty otherwise.
+        column: Where the mouse is on the picture, in its pixels from the left; may lie outside.
+        row: In pixels from the top.
+        button: For mouse buttons: 1 left, 2 middle, 3 right; 0 otherwise.
+        steps: For the wheel: how far it was turned, away from the person positive.
+    """
+
+    key: str = ""
+    column: float = 0.0
+    row: float = 0.0
+    button: int = 0
+    steps: float = 0.0
+
+
+class Window:
+    """A window of matplotlib's, opened and closed without pyplot.
+
+    Pictures of another size than the window are enlarged or shrunk to fit. matplotlib's own keys (s saves, q quits) are
+    off. Made and used in one thread, the main one with most toolkits.
+
+    Args:
+        width: Width of the area for pictures in pixels.
+        height: Its height.
+        title: What stands above it.
+
+    Raises:
+        NoWindowError: There is no display, or no toolkit that works.
+    """
+
+    def __init__(self, width: int, height: int, title: str = "irsim_gym") -> None:
+        self._figure = Figure(
+            figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH, facecolor=theme.PAPER
+        )
+        self._picture = _Picture(width, height)
+        self._figure.add_artist(self._picture)
+        self._manager: Any = new_manager(self._figure)
+        self._canvas: Any = self._manager.canvas
+        for handler in ("key_press_handler_id", "button_press_handler_id", "scroll_handler_id"):
+            if getattr(self._manager, handler, None) is not None:
+                self._canvas.mpl_disconnect(getattr(self._manager, handler))
+        self._closed = False
+        self._canvas.mpl_connect("close_event", self._on_close)
+        self._manager.set_window_title(title)
+        self._manager.show()
+        self.wait(0.0)
+        if self._canvas.device_pixel_ratio < FINE_SCREEN:  # a pixel of the picture is one of the screen: fast and sharp
+            self._manager.resize(width, height)
+        self._canvas.draw()
+        self.wait(0.0)
+
+    @property
+    def closed(self) -> bool:
+        """It was closed, by the program or by the person."""
+        return self._closed
+
+    @property
+    def focused(self) -> bool:
+        """Keys go to it; True where the toolkit cannot tell, False once it is closed."""
+        return not self._closed and has_focus(self._manager)
+
+    def show(self, picture: Bytes) -> None:
+        """Show a picture, and let what was done meanwhile come in. Does nothing once it is closed.
+
+        Args:
+            picture: uint8, shape ``(height, width, 3)``; it is copied.
+        """
+        if self._closed:
+            return
+        self._picture.set(picture)
+        buffer = np.asarray(self._canvas.buffer_rgba()) if hasattr(self._canvas, "renderer") else None
+        if buffer is not None and buffer.shape == self._picture.rgba.shape:
+            buffer[...] = self._picture.rgba
+            self._canvas.blit(self._figure.bbox)
+        else:
+            self._canvas.draw()
+        self.wait(0.0)
+
+    def wait(self, seconds: float) -> None:
+        """Let events come in for a time [s]; return at once when the window is closed."""
+        until = time.perf_counter() + seconds
+        while not self._closed:
+            try:
+                self._canvas.flush_events()
+            except Exception:
+                if not self._closed:  # Tk complains about a window that was closed meanwhile
+                    raise
+            left = until - time.perf_counter()
+            if left <= 0.0:
+                return
+            time.sleep(min(left, PAUSE_S))
+
+    def connect(self, name: EventName, callback: Callable[[WindowEvent], None]) -> None:
+        """Call a function each time that something is done to the window, while it shows, waits or closes.
+
+        Args:
+            name: What: a key or a mouse button that goes down or up, the mouse that moves or leaves, the wheel.
+            callback: Gets where and what.
+        """
+        self._canvas.mpl_connect(NAMES[name], lambda event: callback(self._plain(event)))
+
+    def close(self) -> None:
+        """Close it. May be called twice."""
+        if not self._closed:
+            self._closed = True
+            self._manager.destroy()
+
+    def _on_close(self, event: object) -> None:
+        self._closed = True
+
+    def _plain(self, event: Any) -> WindowEvent:
+        """Return what matplotlib tells, with places on the picture."""
+        width, height = self._canvas.get_width_height(physical=True)
+        column, row = self._picture.place(event.x or 0.0, height - (event.y or 0.0), width, height)
+        button = getattr(event, "button", None)
+        return WindowEvent(
+            key=getattr(event, "key", None) or "",
+            column=column,
+            row=row,
+            button=int(button) if isinstance(button, int) else 0,
+            steps=float(getattr(event, "step", 0.0) or 0.0),
+        )
+
+
+class _Picture(Artist):
+    """The picture that a figure shows, as large as fits."""
+
+    def __init__(self, width: int, height: int) -> None:
+        super().__init__()
+        self.rgba = np.full((height, width, 4), 255, np.uint8)
+
+    def set(self, picture: Bytes) -> None:  # type: ignore[override]
+        """Take a picture, shape ``(height, width, 3)``."""
+        if picture.shape[:2] != self.rgba.shape[:2]:
+            self.rgba = np.full((*picture.shape[:2], 4), 255, np.uint8)
+        for channel in range(3):  # four times as fast as one slice
+            self.rgba[..., channel] = picture[..., channel]
+
+    def place(self, x: float, y: float, width: float, height: float) -> tuple[float, float]:
+        """Return column and row on the picture of a point of the window, which is so wide and high."""
+        scale, left, top = self._fit(width, height)
+        return (x - left) / scale, (y - top) / scale
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw it, in the middle of the figure."""
+        assert self.figure is not None
+        width, height = renderer.get_canvas_width_height()
+        scale, left, top = self._fit(width, height)
+        shown = self.rgba
+        if scale != 1.0:
+            size = max(round(scale * shown.shape[1]), 1), max(round(scale * shown.shape[0]), 1)
+            shown = np.asarray(Image.fromarray(shown).resize(size, Image.Resampling.BILINEAR))
+        # Rows of matplotlib's pictures begin at the lower edge.
+        renderer.draw_image(renderer.new_gc(), left, round(height - top - len(shown)), shown[::-1])
+
+    def _fit(self, width: float, height: float) -> tuple[float, int, int]:
+        """Return the enlargement and the picture's left and upper edge in a window that is so wide and high."""
+        rows, columns = self.rgba.shape[:2]
+        scale = min(width / columns, height / rows)
+        return scale, round(0.5 * (width - scale * columns)), round(0.5 * (height - scale * rows))
