@@ -21,7 +21,7 @@ from irsim_gym.tasks.levels import check_split
 from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
-    from irsim_gym.render import Renderer
+    from irsim_gym.render import WorldRenderer
 
 TaskSource = str | Path | Mapping[str, Any] | None
 ScenarioSource = str | Path | Mapping[str, Any] | Scenario
@@ -40,6 +40,7 @@ class Worlds:
         outer_limit: Another time limit [steps], which counts when it is smaller; None or -1 for none.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"`` or None; with it each step notes the poses of bodies whose paths are drawn.
+        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         team: All robots learn, unless the task names some; else there has to be one learner.
         parameters: Values for the scenario's parameters; a loaded scenario has them already.
 
@@ -58,6 +59,7 @@ class Worlds:
         outer_limit: int | None = None,
         num_threads: int = 1,
         render_mode: str | None = None,
+        render_backend: str = "matplotlib",
         team: bool = False,
         parameters: Mapping[str, Any] | None = None,
     ) -> None:
@@ -77,14 +79,14 @@ class Worlds:
                 "sb3.make_multi_agent_vec_env, on the command line --team"
             )
         self.n_worlds = n_worlds
-        self.render_mode = render_mode
+        self.render_mode, self.render_backend = render_mode, render_backend
         self.observation_space = observation_space(self.episodes)
         self.action_space = action_space(self.episodes)
         self.layout = observation_layout(self.episodes)
         self.begun: Flags = np.zeros(n_worlds, np.bool_)
         self.agent_names = self.episodes.agent_names
         self._splits = ["train"] * n_worlds
-        self._renderer: Renderer | None = None
+        self._renderer: WorldRenderer | None = None
         self._trails: Trails | None = None
         if render_mode is not None:
             followed = trailing(self.scenario.bodies, self.simulation.agents.tolist())
@@ -193,11 +195,14 @@ class Worlds:
         if self.render_mode is None:
             return None
         if self._renderer is None:
-            from irsim_gym.render import Renderer
+            from irsim_gym.render import make_renderer
 
             simulation = self.simulation
             parts = simulation.model, simulation.state, simulation.sensors
-            self._renderer = Renderer(self.scenario, *parts, learners=simulation.agents.tolist(), trails=self._trails)
+            learners = simulation.agents.tolist()
+            self._renderer = make_renderer(
+                self.render_backend, self.scenario, *parts, learners=learners, trails=self._trails
+            )
         return self._renderer.frame(w, world_status(self.episodes, w))
 
     def close(self) -> None:

@@ -15,7 +15,7 @@ from irsim_gym.live.track import Track
 from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
-    from irsim_gym.render import Renderer
+    from irsim_gym.render import Renderer, WorldRenderer
 
 FILMS = (".mp4", ".gif")
 FIGURES = (".png", ".pdf", ".svg", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tiff", ".webp")
@@ -28,10 +28,10 @@ class Camera:
     Frames that are kept are packed, since flat colours shrink to a few percent.
     """
 
-    def __init__(self, simulation: Simulation, track: Track) -> None:
-        self._simulation, self._track = simulation, track
+    def __init__(self, simulation: Simulation, track: Track, backend: str = "matplotlib") -> None:
+        self._simulation, self._track, self._backend = simulation, track, backend
         self._told = 0
-        self._renderer: Renderer | None = None
+        self._renderer: WorldRenderer | None = None
         self._kept: list[tuple[tuple[int, ...], bytes]] = []
 
     def look_at(self, simulation: Simulation) -> None:
@@ -64,7 +64,7 @@ class Camera:
         """
         options = self._simulation.scenario.world.plot.saved_figure
         target = _with_suffix(path, FIGURES, options.format)
-        self._ready().save(target, 0, status, dots_per_inch=options.dpi)
+        self._drawn_by_matplotlib().save(target, 0, status, dots_per_inch=options.dpi)
         return target
 
     def save_film(self, path: Path, fps: float) -> Path:
@@ -86,14 +86,23 @@ class Camera:
         for shape, packed in self._kept:
             yield np.frombuffer(zlib.decompress(packed), np.uint8).reshape(shape)
 
-    def _ready(self) -> Renderer:
+    def _ready(self) -> WorldRenderer:
         if self._renderer is None:
-            from irsim_gym.render import Renderer
+            from irsim_gym.render import make_renderer
 
             seen = self._simulation
-            self._renderer = Renderer(seen.scenario, seen.model, seen.state, seen.sensors)
+            self._renderer = make_renderer(self._backend, seen.scenario, seen.model, seen.state, seen.sensors)
         self._tell(self._renderer.trails)
         return self._renderer
+
+    def _drawn_by_matplotlib(self) -> Renderer:
+        """Return a renderer that writes files, whichever draws the frames."""
+        from irsim_gym.render import Renderer
+
+        ready, seen = self._ready(), self._simulation
+        if isinstance(ready, Renderer):
+            return ready
+        return Renderer(seen.scenario, seen.model, seen.state, seen.sensors, trails=ready.trails)
 
     def _tell(self, trails: Trails) -> None:
         """Add what the track noted since the last picture."""

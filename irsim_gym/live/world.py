@@ -152,10 +152,7 @@ class World(Population):
     @property
     def sampling(self) -> bool:
         """The present moment is a sample: there is one every ``sample_time``, rounded to whole steps."""
-        return self.count % self._steps_per_sample() == 0
-
-    def _steps_per_sample(self) -> int:
-        return max(1, int(round(self.scenario.world.sample_time / self.step_time, 9)))
+        return self.count % self.scenario.world.steps_per_sample == 0
 
     @property
     def status(self) -> str:
@@ -307,7 +304,7 @@ class World(Population):
         Raises:
             ValueError: Another suffix, or no frames: a world keeps them when it is loaded with ``record=True``.
         """
-        rate = 1.0 / (self._steps_per_sample() * self.step_time) if fps is None else fps
+        rate = 1.0 / (self.scenario.world.steps_per_sample * self.step_time) if fps is None else fps
         film = self._camera.save_film(Path(self.name if path is None else path), rate)
         self._unsaved = False
         return film

@@ -1,5 +1,21 @@
 """How it is drawn: scenes, frames, films."""
 
-from irsim_gym.render.matplotlib_renderer import Renderer
+from __future__ import annotations
 
-__all__ = ["Renderer"]
+from typing import TYPE_CHECKING, Any
+
+from irsim_gym.render.backends import BACKENDS, WorldRenderer, checked_backend, make_renderer
+
+if TYPE_CHECKING:
+    from irsim_gym.render.matplotlib_renderer import Renderer
+
+__all__ = ["BACKENDS", "Renderer", "WorldRenderer", "checked_backend", "make_renderer"]
+
+
+def __getattr__(name: str) -> Any:
+    """Load matplotlib only for who draws with it."""
+    if name != "Renderer":
+        raise AttributeError(f"module 'irsim_gym.render' has no attribute {name!r}")
+    from irsim_gym.render.matplotlib_renderer import Renderer
+
+    return Renderer

@@ -6,6 +6,8 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render.layout import Layout, lay_out
 from irsim_gym.render.reader import SceneReader
@@ -86,6 +88,11 @@ class Renderer:
         """
         scene = self._reader.read(world, status)
         return self._ready(scene).draw(scene)
+
+    def frames(self, worlds: Sequence[int], statuses: Sequence[str]) -> Bytes:
+        """Draw several worlds, each with its status; uint8, shape ``(n, height, width, 3)``."""
+        pictures = [self.frame(world, status) for world, status in zip(worlds, statuses, strict=True)]
+        return np.stack(pictures) if pictures else np.empty((0, self._layout.height, self._layout.width, 3), np.uint8)
 
     def save(self, path: Path, world: int = 0, status: str = "", *, dots_per_inch: float = 100.0) -> None:
         """Write a picture of a world to a file, without empty margins if the scenario's ``bbox_inches`` is ``tight``.

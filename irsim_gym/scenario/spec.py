@@ -89,6 +89,11 @@ class WorldSpec:
         "sequential", meaning="Bodies see earlier ones already moved, or all as they stood."
     )
 
+    @property
+    def steps_per_sample(self) -> int:
+        """Steps from one sample to the next: ``sample_time`` in whole steps, at least one."""
+        return max(1, int(round(self.sample_time / self.step_time, 9)))
+
 
 @kind
 class BodyOptions:

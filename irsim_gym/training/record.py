@@ -19,7 +19,7 @@ from irsim_gym.training.policies import load_policy, policy_names
 from irsim_gym.training.worlds import make_episodes
 
 if TYPE_CHECKING:
-    from irsim_gym.render import Renderer
+    from irsim_gym.render import WorldRenderer
 
 SUFFIXES = (".mp4", ".gif")
 
@@ -36,6 +36,7 @@ def record_film(
     console: Console | None = None,
     parameters: Mapping[str, Any] | None = None,
     team: bool = False,
+    backend: str = "matplotlib",
 ) -> Path:
     """Film policies on levels, one level after another, one panel per policy; return the film's path.
 
@@ -50,11 +51,12 @@ def record_film(
         console: Where a progress bar goes; it stays quiet when that is no terminal.
         parameters: Values for the scenario's parameters.
         team: The policies drive all robots, unless the task names some.
+        backend: Who draws: ``"matplotlib"`` or ``"raster"``.
 
     Raises:
         IrsimGymError: The file's suffix is none of a film.
     """
-    from irsim_gym.render import Renderer
+    from irsim_gym.render import make_renderer
     from irsim_gym.render.film import EpisodeFilm
 
     if path.suffix.lower() not in SUFFIXES:
@@ -63,7 +65,7 @@ def record_film(
     episodes = make_episodes(scenario, task=task, n_worlds=len(policies), parameters=parameters, team=team)
     simulation = episodes.simulation
     parts = simulation.model, simulation.state, simulation.sensors
-    renderer = Renderer(simulation.scenario, *parts, learners=simulation.agents.tolist())
+    renderer = make_renderer(backend, simulation.scenario, *parts, learners=simulation.agents.tolist())
     captions = policy_names(sources) if names is None else names
     film = EpisodeFilm(captions, fps=1.0 / float(simulation.model.step_time[0]))
     screen = console or Console(stderr=True)
@@ -80,7 +82,7 @@ def record_film(
 
 
 def _episode(
-    episodes: Episodes, renderer: Renderer, policy: Policy, world: int, level: int, split: str
+    episodes: Episodes, renderer: WorldRenderer, policy: Policy, world: int, level: int, split: str
 ) -> Iterator[Bytes]:
     """Drive one world through a level and yield its frames, that of the start first."""
     worlds, first = np.array([world]), np.array([level])

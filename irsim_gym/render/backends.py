@@ -1,0 +1,90 @@
+"""Which of the two renderers draws: matplotlib, or the compiled rasteriser."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING, Protocol
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
+
+if TYPE_CHECKING:
+    from irsim_gym.render.layout import Layout
+    from irsim_gym.render.scene import Scene
+    from irsim_gym.scenario.spec import Scenario
+    from irsim_gym.world.group import Group
+    from irsim_gym.world.model import WorldModel
+    from irsim_gym.world.state import WorldState
+    from irsim_gym.world.trails import Trails
+
+BACKENDS = ("matplotlib", "raster")
+
+
+class WorldRenderer(Protocol):
+    """What every renderer of a simulation's worlds can do. It only reads, and costs nothing until the first frame."""
+
+    @property
+    def layout(self) -> Layout:
+        """Where the world is on a frame."""
+
+    @property
+    def trails(self) -> Trails:
+        """Where bodies have been."""
+
+    def scene(self, world: int = 0, status: str = "") -> Scene:
+        """Return what a frame of the world would show, as data."""
+
+    def frame(self, world: int = 0, status: str = "") -> Bytes:
+        """Return a fresh picture of a world, uint8, ``(height, width, 3)``."""
+
+    def frames(self, worlds: Sequence[int], statuses: Sequence[str]) -> Bytes:
+        """Return fresh pictures of several worlds, uint8, ``(n, height, width, 3)``."""
+
+    def clear(self, world: int | None = None) -> None:
+        """Forget the trails of one world, or of all."""
+
+    def close(self) -> None:
+        """Free what frames were drawn with; a later frame makes it anew."""
+
+
+def checked_backend(name: str) -> str:
+    """Return the name of a renderer, or raise an ``UnknownNameError`` that lists them."""
+    if name not in BACKENDS:
+        raise UnknownNameError(
+            f"render_backend must be {' or '.join(map(repr, BACKENDS))}, got {name!r}{suggestion(str(name), BACKENDS)}"
+        )
+    return name
+
+
+def make_renderer(
+    backend: str,
+    scenario: Scenario,
+    model: WorldModel,
+    state: WorldState,
+    sensors: Sequence[Group] = (),
+    *,
+    learners: Collection[int] = (),
+    size: tuple[int, int] | None = None,
+    trails: Trails | None = None,
+) -> WorldRenderer:
+    """Make the renderer of a simulation; the libraries that it needs are loaded here and not before.
+
+    Args:
+        backend: ``"matplotlib"``, or ``"raster"``, which is faster and does without matplotlib. Both lay frames out
+            alike, in the same size.
+        scenario: What is simulated, for names, colours and plot options.
+        model: The simulation's constants.
+        state: Its present state.
+        sensors: Its sensor groups.
+        learners: Bodies whose goals and trajectories are drawn unless the scenario says otherwise.
+        size: Width and height of the frames in pixels, made even; None for what the scenario asks for.
+        trails: Where bodies have been, kept by who steps the worlds; None for poses at which frames were drawn.
+
+    Raises:
+        UnknownNameError: There is no such renderer.
+    """
+    if checked_backend(backend) == "raster":
+        raise IrsimGymError("this version has no renderer 'raster' yet: use render_backend='matplotlib'")
+    from irsim_gym.render.matplotlib_renderer import Renderer
+
+    return Renderer(scenario, model, state, sensors, learners=learners, size=size, trails=trails)
