@@ -10,15 +10,17 @@ ARGS     ?=
 BIN         := $(VENV)/bin
 INSTALLED   := $(VENV)/.installed
 TESTS_READY := $(VENV)/.tests-ready
+GUI_READY   := $(VENV)/.gui-ready
 INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
 
-.PHONY: help demo install lint test test-slow bench peers clean
+.PHONY: help demo install lint test test-slow test-gui bench peers clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make demo       train on cluttered_room, evaluate, film; results in runs/demo"
 	@echo "make test       ruff, mypy, pytest"
 	@echo "make test-slow  the longer checks too"
+	@echo "make test-gui   real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
 	@echo "make bench      the benchmarks (ARGS=... is passed on)"
 	@echo "make peers      the benchmarks beside ir-sim, navground, VMAS and JaxNav, each in build/peers (ARGS=...)"
 	@echo "make clean      remove caches and builds; .venv and runs stay"
@@ -34,10 +36,14 @@ lint: $(TESTS_READY)
 	$(BIN)/python -m mypy
 
 test: lint
-	$(BIN)/python -m pytest -m "not slow" $(ARGS)
+	$(BIN)/python -m pytest -m "not slow and not gui" $(ARGS)
 
 test-slow: lint
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m pytest -m "not gui" $(ARGS)
+
+test-gui: $(GUI_READY)
+	tests/gui/system_packages.sh
+	$(BIN)/python -m pytest -m gui tests/gui $(ARGS)
 
 bench: $(TESTS_READY)
 	$(BIN)/python benchmarks/run.py $(ARGS)
@@ -58,4 +64,8 @@ $(INSTALLED): pyproject.toml constraints.txt
 
 $(TESTS_READY): $(INSTALLED)
 	$(INSTALL) -e ".[test]"
+	@touch $@
+
+$(GUI_READY): $(TESTS_READY)
+	$(INSTALL) -e ".[test,test-gui]"
 	@touch $@
