@@ -30,10 +30,15 @@ PENNANT = Path([(0.0, 2.0), (1.25, 1.55), (0.0, 1.1), (0.0, 2.0)], closed=True)
 class Trails:
     """Trajectories: thin ones fade towards their beginning, those with a width are one band."""
 
-    def __init__(self, axes: Axes, pixels_per_metre: float, pixels_per_point: float) -> None:
+    def __init__(self, axes: Axes, pixels_per_point: float) -> None:
         self._lines: Any = LineCollection([], capstyle="butt", joinstyle="round", animated=True)
         axes.add_collection(self._lines, autolim=False)
-        self._points_per_metre = pixels_per_metre / pixels_per_point
+        self._pixels_per_point = pixels_per_point
+        self._points_per_metre = self._apart = 1.0
+
+    def zoom(self, pixels_per_metre: float) -> None:
+        """Draw at this scale."""
+        self._points_per_metre = pixels_per_metre / self._pixels_per_point
         self._apart = 1.5 / pixels_per_metre
 
     def update(self, views: Sequence[TrailView]) -> None:

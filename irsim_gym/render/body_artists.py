@@ -82,10 +82,15 @@ class Headings:
 class MapImage:
     """The occupied cells of a map. Where several share a pixel, an occupied one wins, so that no wall is lost."""
 
-    def __init__(self, axes: Axes, pixels_per_metre: float) -> None:
-        self._axes, self._scale = axes, pixels_per_metre
+    def __init__(self, axes: Axes) -> None:
+        self._axes, self._scale = axes, 1.0
         self._image: Any = None
         self._shown: MapView | None = None
+
+    def zoom(self, pixels_per_metre: float) -> None:
+        """Draw at this scale."""
+        if pixels_per_metre != self._scale:
+            self._scale, self._shown = pixels_per_metre, None
 
     def draw(self, renderer: RendererBase, view: MapView) -> None:
         """Draw a map."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
+from irsim_gym.errors import OptionError
 
 BASE_SIDE = 506.0
 LONGEST_SIDE = 1160.0
@@ -16,6 +17,9 @@ LEFT, RIGHT, TOP, BOTTOM = 42.0, 34.0, 42.0, 34.0
 BARE = 12.0
 LOOSE = (0.125, 0.1, 0.12, 0.11)
 """Shares of a frame left free on the left, right, top and bottom when the layout is not tight."""
+
+Limits = tuple[float, float, float, float]
+"""A rectangle of the world [m]: x_min, y_min, x_max, y_max."""
 
 
 @dataclass(frozen=True)
@@ -43,14 +47,32 @@ class Layout:
     plot_width: int
     plot_height: int
     scale: float
-    limits: tuple[float, float, float, float]
-    bounds: tuple[float, float, float, float]
+    limits: Limits
+    bounds: Limits
 
     def column_row(self, x: float, y: float) -> tuple[float, float]:
         """Return where the world point x, y [m] is in a frame: column, and row counted from the top."""
         column = self.left + (x - self.limits[0]) * self.scale
         row = self.height - (self.bottom + (y - self.limits[1]) * self.scale)
         return column, row
+
+    def showing(self, limits: Limits) -> Layout:
+        """Return the layout of a frame that shows another part of the world, as large as the drawing area lets it be.
+
+        Args:
+            limits: That part [m]: x_min, y_min, x_max, y_max; both sides get what there is room for.
+
+        Raises:
+            OptionError: The numbers bound no area.
+        """
+        x_min, y_min, x_max, y_max = (float(value) for value in limits)
+        if not (np.isfinite([x_min, y_min, x_max, y_max]).all() and x_min < x_max and y_min < y_max):
+            wanted = "x_min, y_min, x_max, y_max with x_min < x_max and y_min < y_max"
+            raise OptionError("limits", f"the part of the world to look at must be {wanted}, got {limits}")
+        scale = min(self.plot_width / (x_max - x_min), self.plot_height / (y_max - y_min))
+        half_x, half_y = 0.5 * self.plot_width / scale, 0.5 * self.plot_height / scale
+        x, y = 0.5 * (x_min + x_max), 0.5 * (y_min + y_max)
+        return replace(self, scale=scale, limits=(x - half_x, y - half_y, x + half_x, y + half_y))
 
     def centred(self, x: float, y: float) -> Layout:
         """Return the layout of a frame that shows as much of the world, with the point x, y [m] in its middle."""
@@ -118,7 +140,7 @@ def tick_positions(low: float, high: float, room: float) -> Floats:
     return np.asarray(np.arange(first, last + 1.0) * step, np.float64)
 
 
-def _margins(axis: bool, title: bool) -> tuple[float, float, float, float]:
+def _margins(axis: bool, title: bool) -> Limits:
     sides = (LEFT, RIGHT) if axis else (BARE, BARE)
     return *sides, (TOP if title else BARE), (BOTTOM if axis else BARE)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.render.layout import Layout, lay_out
+from irsim_gym.render.layout import Layout, Limits, lay_out
 from irsim_gym.render.reader import SceneReader
 from irsim_gym.render.scene import Scene
 from irsim_gym.render.stage import Stage
@@ -60,11 +60,28 @@ class Renderer:
             tight=plot.tight,
         )
         self._stage: Stage | None = None
+        self._looked_at: Limits | None = None
 
     @property
     def layout(self) -> Layout:
         """Where the world is on a frame; with a viewpoint, on one that shows the whole world."""
-        return self._layout
+        return self._layout if self._looked_at is None else self._layout.showing(self._looked_at)
+
+    def look_at(self, limits: Limits | None) -> None:
+        """Show another part of the world from now on, in frames and in saved pictures.
+
+        Args:
+            limits: That part [m]: x_min, y_min, x_max, y_max; None for what the scenario says. Where its proportions
+                are not those of the drawing area, more is shown on both sides.
+
+        Raises:
+            OptionError: The numbers bound no area.
+        """
+        if limits is not None:
+            limits = self._layout.showing(limits).limits
+        self._looked_at = limits
+        if self._stage is not None:
+            self._stage.look_at(limits)
 
     @property
     def trails(self) -> Trails:
@@ -89,10 +106,21 @@ class Renderer:
         scene = self._reader.read(world, status)
         return self._ready(scene).draw(scene)
 
-    def frames(self, worlds: Sequence[int], statuses: Sequence[str]) -> Bytes:
-        """Draw several worlds, each with its status; uint8, shape ``(n, height, width, 3)``."""
-        pictures = [self.frame(world, status) for world, status in zip(worlds, statuses, strict=True)]
-        return np.stack(pictures) if pictures else np.empty((0, self._layout.height, self._layout.width, 3), np.uint8)
+    def frames(self, worlds: Sequence[int], statuses: Sequence[str] = ()) -> Bytes:
+        """Draw several worlds.
+
+        Args:
+            worlds: Their indices.
+            statuses: How their episodes stand, one for each, see ``frame``; none to read all from the state.
+
+        Returns:
+            The pictures, uint8, shape ``(n, height, width, 3)``.
+        """
+        told = statuses or [""] * len(worlds)
+        pictures = np.empty((len(worlds), self._layout.height, self._layout.width, 3), np.uint8)
+        for picture, world, status in zip(pictures, worlds, told, strict=True):
+            picture[:] = self.frame(world, status)
+        return pictures
 
     def save(self, path: Path, world: int = 0, status: str = "", *, dots_per_inch: float = 100.0) -> None:
         """Write a picture of a world to a file, without empty margins if the scenario's ``bbox_inches`` is ``tight``.
@@ -115,6 +143,7 @@ class Renderer:
                 show_title=self._show_title,
                 clipped=scene.center is None,
             )
+            self._stage.look_at(self._looked_at)
         return self._stage
 
     def clear(self, world: int | None = None) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
-from matplotlib.transforms import Bbox, TransformedBbox
+from matplotlib.transforms import Bbox
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import artists, scan_artists, theme
@@ -21,7 +22,7 @@ from irsim_gym.render.artists import clear_of_flags
 from irsim_gym.render.body_artists import Bodies, Headings, Impacts, MapImage
 from irsim_gym.render.card import Play, Ticks, add_frame, make_axes
 from irsim_gym.render.head import Head
-from irsim_gym.render.layout import Layout
+from irsim_gym.render.layout import Layout, Limits
 from irsim_gym.render.scene import BodyView, LabelView, Scene
 from irsim_gym.render.styles import GROUND, TOP
 
@@ -53,13 +54,13 @@ class Stage:
         self._canvas: Any = FigureCanvasAgg(self._figure)
         self._axes = axes = make_axes(self._figure, layout, axis)
         self._ticks = Ticks(self._figure, axes) if axis else None
-        self._map = MapImage(axes, layout.scale)
+        self._map = MapImage(axes)
         self._fixed = Bodies(axes, shadows=True)
         self._scans = scan_artists.Scans(axes)
         self._fields = artists.Fields(axes)
         self._ghosts = Bodies(axes)
         self._goals = artists.Goals(axes)
-        self._trails = artists.Trails(axes, layout.scale, dpi / POINTS_PER_INCH)
+        self._trails = artists.Trails(axes, dpi / POINTS_PER_INCH)
         self._moving = Bodies(axes)
         self._headings = Headings(axes)
         self._hits = scan_artists.Hits(axes)
@@ -67,12 +68,14 @@ class Stage:
         self._labels = artists.Labels(axes)
         self._outcome = add_frame(axes, layout, linewidth=2.2, animated=True)
         self._head = Head(self._figure, layout, titled=titled) if show_title else None
-        if clipped:
-            _clip((self._scans, self._hits, self._fields, self._ghosts, self._trails), _world_box(axes, layout, 0.0))
-            bodies = self._fixed, self._moving, self._headings, self._impacts
-            _clip(bodies, _world_box(axes, layout, HALF_A_WALL * dpi / POINTS_PER_INCH / layout.scale))
-        self._layout, self._limits = layout, (0.0, 0.0, 0.0, 0.0)
+        self._clipped = clipped
+        self._whole, self._layout = layout, replace(layout, limits=(0.0, 0.0, 0.0, 0.0))
+        self._chosen: Limits | None = None
         self._backdrops: dict[int, tuple[tuple[Any, ...], Any]] = {}
+
+    def look_at(self, limits: Limits | None) -> None:
+        """Show this part of the world [m] from now on, x_min, y_min, x_max, y_max; None for what the scene says."""
+        self._chosen = limits
 
     def draw(self, scene: Scene) -> Bytes:
         """Return a picture of the scene, shape ``(height, width, 3)``, in memory of its own."""
@@ -95,6 +98,7 @@ class Stage:
         live, fixed, _ = self._layers(scene)
 
         def draw(renderer: RendererBase) -> None:
+            self._cut_at_borders()
             self._ground(renderer, scene, fixed)
             self._play(renderer, scene, live)
 
@@ -108,6 +112,7 @@ class Stage:
         finally:
             self._axes.leaves_out_animated = False
             play.remove()
+            self._cut_at_borders()
 
     def _layers(self, scene: Scene) -> tuple[list[tuple[float, int, Any, list[Any]]], list[BodyView], float]:
         """Return what is drawn anew, the fixed bodies below all of it, and its lowest layer."""
@@ -167,25 +172,48 @@ class Stage:
 
     def _visible(self, scene: Scene) -> list[LabelView]:
         """Return the labels that stand in the part of the world that is shown."""
-        x_min, y_min, x_max, y_max = self._limits
+        x_min, y_min, x_max, y_max = self._layout.limits
         point = DOTS_PER_INCH / POINTS_PER_INCH * self._layout.enlargement / self._layout.scale
         labels = [clear_of_flags(view, scene.goals, point) for view in scene.labels]
         return [view for view in labels if x_min <= view.x <= x_max and y_min <= view.y <= y_max]
 
     def _look(self, scene: Scene) -> None:
-        """Show the part of the world around the scene's centre."""
-        layout = self._layout if scene.center is None else self._layout.centred(*scene.center)
-        if layout.limits == self._limits:
+        """Show the chosen part of the world, or that around the scene's centre."""
+        layout = self._whole
+        if self._chosen is not None:
+            layout = layout.showing(self._chosen)
+        elif scene.center is not None:
+            layout = layout.centred(*scene.center)
+        if layout == self._layout:
             return
-        x_min, y_min, x_max, y_max = self._limits = layout.limits
+        self._layout = layout
+        x_min, y_min, x_max, y_max = layout.limits
         self._axes.set(xlim=(x_min, x_max), ylim=(y_min, y_max))
+        self._map.zoom(layout.scale)
+        self._trails.zoom(layout.scale)
+        self._cut_at_borders()
         if self._ticks is not None:
             self._ticks.update(layout)
+
+    def _cut_at_borders(self) -> None:
+        """Cut what is drawn at the drawing area's edges and, where that is wanted, at the world's."""
+        if not self._clipped:
+            return
+        wall = HALF_A_WALL * self._figure.dpi / POINTS_PER_INCH
+        _clip((self._scans, self._hits, self._fields, self._ghosts, self._trails), self._world_box(0.0))
+        _clip((self._fixed, self._moving, self._headings, self._impacts), self._world_box(wall))
+
+    def _world_box(self, margin: float) -> Bbox:
+        """Return the part of the world that is shown, wider by a margin [pixel], where it is on the canvas."""
+        x_min, y_min, x_max, y_max = self._layout.bounds
+        world = Bbox(self._axes.transData.transform([(x_min, y_min), (x_max, y_max)]))
+        shown = Bbox.intersection(world.padded(margin), self._axes.bbox)
+        return Bbox.null() if shown is None else shown
 
     def _backdrop(self, scene: Scene, fixed: Sequence[BodyView], floor: float) -> Any:
         """Return the canvas with all that does not move in the scene's world and that nothing lies below."""
         known = self._backdrops.pop(scene.world, None)
-        key = (scene.fixed, scene.map, floor, self._limits)
+        key = (scene.fixed, scene.map, floor, self._layout)
         if known is None or known[0][0] is not scene.fixed or known[0][1:] != key[1:]:
             self._canvas.draw()
             self._ground(self._canvas.get_renderer(), scene, fixed)
@@ -208,15 +236,7 @@ def _heading_order(view: BodyView) -> float:
     return view.style.order if view.style.arrow_order is None else view.style.arrow_order
 
 
-def _world_box(axes: Axes, layout: Layout, margin: float) -> TransformedBbox:
-    """Return the world's rectangle, wider by a margin [m], where it is on the canvas."""
-    x_min, y_min, x_max, y_max = layout.bounds
-    return TransformedBbox(
-        Bbox.from_extents(x_min - margin, y_min - margin, x_max + margin, y_max + margin), axes.transData
-    )
-
-
-def _clip(parts: Sequence[Any], box: TransformedBbox) -> None:
+def _clip(parts: Sequence[Any], box: Bbox) -> None:
     """Cut the artists of some parts at a box."""
     for part in parts:
         held = [item for value in vars(part).values() for item in (value if isinstance(value, list) else [value])]
