@@ -66,7 +66,7 @@ def make_batch(
 class BatchStep:
     """What a step, or a reset, gave; all arrays are fresh.
 
-    Observations are ``(n_worlds, n_agents, n_features)``, or a dict of such arrays; all others begin with
+    Observations are ``(n_worlds, n_agents, ...)``, or a dict of such arrays; all others begin with
     ``(n_worlds, n_agents)``.
 
     Attributes:
@@ -146,7 +146,7 @@ class Batch:
         self.observation_space, self.action_space = worlds.observation_space, worlds.action_space
         shape = (self.n_worlds, self.n_agents)
         self._live: Flags = np.zeros(shape, np.bool_)
-        self._seen: Rays = np.zeros(worlds.episodes.view.observation.shape, np.float32)
+        self._seen = worlds.episodes.view.percepts.each(np.zeros_like)
         self._returns: Floats = np.zeros(shape)
         self._age: Ints = np.zeros(self.n_worlds, np.int64)
 
@@ -235,11 +235,10 @@ class Batch:
 
     def observation(self) -> Observation:
         """Return a fresh copy of what the agents perceive now."""
-        rows = self.worlds.episodes.view.observation.copy()
+        seen = self.worlds.episodes.view.percepts.each(np.copy)
         if not self._live.all():
-            waiting = ~self._live
-            rows[waiting] = self._seen[waiting]
-        return self.worlds.layout.formed(rows)
+            seen.overwrite(~self._live, self._seen)
+        return self.worlds.layout.formed(seen)
 
     def state(self) -> Rays:
         """Return what a centralised critic sees now, fresh, ``(n_worlds, state_size)``."""
@@ -254,7 +253,7 @@ class Batch:
     def _begin_again(self, ended: Flags) -> Flags:
         """Begin levels and episodes where they are due, and return the agents that begin."""
         if ended.any():
-            self._seen[ended] = self.worlds.episodes.view.observation[ended]
+            self._seen.overwrite(ended, self.worlds.episodes.view.percepts)
             self._live &= ~ended
         over = self._age >= self.world_steps if self.respawn else ~self._live.any(axis=1) & self.autoreset
         began: Flags = np.zeros_like(ended)

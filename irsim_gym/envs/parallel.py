@@ -260,8 +260,8 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         return zip(names, [row[self._indices[name]] for name in names], strict=True)
 
     def _observations(self, names: list[str]) -> dict[str, Observation]:
-        rows = self.worlds.episodes.view.observation[0]
-        return {name: self._layouts[name].fresh(rows[self._indices[name]]) for name in names}
+        seen = self.worlds.episodes.view
+        return {name: self._layouts[name].fresh(seen, (0, self._indices[name])) for name in names}
 
     def _infos(self, names: list[str]) -> dict[str, dict[str, Any]]:
         return {name: self.worlds.infos.of(0, self._indices[name]) for name in names}

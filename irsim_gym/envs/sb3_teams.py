@@ -16,7 +16,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.arraytypes import Flags, Ints, Rays
+from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.envs.batch import Batch, BatchStep
 from irsim_gym.envs.registration import scenario_behind
 from irsim_gym.envs.sb3_base import NativeVecEnv, WorldView
@@ -251,12 +251,12 @@ class TeamVecEnv(NativeVecEnv):
     def _slots(self, observation: Observation) -> Observation:
         """Return observations with one axis for all slots."""
         if isinstance(observation, dict):
-            return {name: values.reshape(self.num_envs, -1) for name, values in observation.items()}
-        return observation.reshape(self.num_envs, -1)
+            return {name: values.reshape(self.num_envs, *values.shape[2:]) for name, values in observation.items()}
+        return observation.reshape(self.num_envs, *observation.shape[2:])
 
     def _one(self, observation: Observation, slot: int) -> Observation:
         w, a = divmod(slot, self.n_agents)
         if isinstance(observation, dict):
             return {name: values[w, a].copy() for name, values in observation.items()}
-        row: Rays = observation[w, a].copy()
+        row: NDArray[Any] = observation[w, a].copy()
         return row

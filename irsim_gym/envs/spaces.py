@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
 from gymnasium import Space
 from gymnasium.spaces import Box, Dict, Discrete
+from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Ints, Rays
+from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.transition import Percepts, Transition
 
-Observation: TypeAlias = Rays | dict[str, Rays]
+Observation: TypeAlias = NDArray[Any] | dict[str, NDArray[Any]]
+VECTOR = "vector"
+"""Key of all that is no picture, where a flat observation has pictures beside it."""
 
 
 @dataclass(frozen=True)
@@ -24,32 +28,56 @@ class Layout:
         columns: Columns of each term, by name, in order.
         picked: All these columns; None where that is every one there is.
         flat: True for one vector, False for a dict of vectors.
+        images: Names of the terms that are pictures. A flat observation is then a dict of them and the vector, or the
+            one picture itself where there is nothing else.
+        plain: Observations are the flat ones themselves.
     """
 
     columns: dict[str, slice | Ints]
     picked: Ints | None
     flat: bool
+    images: tuple[str, ...] = ()
+    plain: bool = field(init=False)
 
-    def fresh(self, rows: Rays) -> Observation:
-        """Return a copy of flat observations in the declared form.
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "plain", self.flat and self.picked is None and not self.images)
+
+    def fresh(self, seen: Percepts | Transition, place: Any = ...) -> Observation:
+        """Return a copy of observations in the declared form.
 
         Args:
-            rows: Flat observations, shape ``(..., n_features)``.
+            seen: What agents perceive.
+            place: An index into the axes of the agents: whose observations; by default all.
         """
+        rows: NDArray[Any] = seen.observation[place]
+        if self.plain:
+            return rows.copy()
         if not self.flat:
-            return {name: np.array(rows[..., columns], order="C") for name, columns in self.columns.items()}
-        return rows.copy() if self.picked is None else rows.take(self.picked, axis=-1)
+            parts = {name: np.array(rows[..., columns], order="C") for name, columns in self.columns.items()}
+            return {**parts, **self._pictures(seen, place)} if self.images else parts
+        if self.images and not self.columns and len(self.images) == 1:
+            return np.array(seen.images[self.images[0]][place], order="C")
+        vector = rows.copy() if self.picked is None else rows.take(self.picked, axis=-1)
+        if not self.images:
+            return vector
+        pictures = self._pictures(seen, place)
+        return {**pictures, VECTOR: vector} if self.columns else pictures
 
-    def formed(self, rows: Rays) -> Observation:
-        """Return flat observations that nobody else holds in the declared form, themselves where that is theirs."""
-        return rows if self.flat and self.picked is None else self.fresh(rows)
+    def formed(self, seen: Percepts) -> Observation:
+        """Return observations that nobody else holds in the declared form, themselves where that is theirs."""
+        return seen.observation if self.plain else self.fresh(seen)
 
-    def each(self, rows: Rays) -> Sequence[Observation]:
-        """Return each of some flat observations that nobody else holds, shape ``(n, n_features)``, as ``formed``."""
-        formed = self.formed(rows)
+    def each(self, seen: Percepts | Transition, worlds: Ints, agent: int) -> Sequence[Observation]:
+        """Return a fresh observation of an agent in each of some worlds."""
+        if self.plain:
+            return list(seen.observation[:, agent].take(worlds, axis=0))
+        formed = self.fresh(seen, (worlds, agent))
         if not isinstance(formed, dict):
             return list(formed)
         return [dict(zip(formed, row, strict=True)) for row in zip(*formed.values(), strict=True)]
+
+    def _pictures(self, seen: Percepts | Transition, place: Any) -> dict[str, NDArray[Any]]:
+        return {name: np.array(seen.images[name][place], order="C") for name in self.images}
 
 
 def observation_layout(episodes: Episodes, agent: int | None = None) -> Layout:
@@ -70,21 +98,31 @@ def observation_layout(episodes: Episodes, agent: int | None = None) -> Layout:
             picked.append(places)
         start += low.size
     every = sum(map(len, picked)) == start
-    return Layout(columns, None if every else np.concatenate(picked), episodes.task.observation_form == "flat")
+    is_flat = episodes.task.observation_form == "flat"
+    return Layout(columns, None if every else np.concatenate(picked), is_flat, tuple(episodes.view.images))
 
 
 def observation_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:
-    """Return a ``Box`` for flat observations, else a ``Dict`` with one for each term; see ``observation_layout``."""
+    """Return the space of a task's observations, those of one agent or, with None, of the richest.
+
+    Flat observations are a ``Box``, else there is a ``Dict`` with one for each term. A picture is a ``Box`` of its own,
+    uint8 from 0 to 255, ``(height, width, n_channels)``: a flat observation with pictures is a ``Dict`` of these and
+    the ``Box`` ``vector`` for all other terms, or the one picture itself where there is nothing else.
+    """
     boxes, start = {}, 0
     for name, low, high in episodes.observation_terms:
         used = np.ones(low.size, np.bool_) if agent is None else _used(episodes, agent, start, low.size)
         start += low.size
         if used.any():
             boxes[name] = low[used], high[used]
-    if episodes.task.observation_form == "flat":
+    images = episodes.view.images
+    spaces: dict[str, Space[Any]] = {name: Box(0, 255, image.shape[2:], np.uint8) for name, image in images.items()}
+    if episodes.task.observation_form == "dict":
+        return Dict({**spaces, **{name: Box(low, high, dtype=np.float32) for name, (low, high) in boxes.items()}})
+    if boxes:
         low, high = (np.concatenate(bounds) for bounds in zip(*boxes.values(), strict=True))
-        return Box(low, high, dtype=np.float32)
-    return Dict({name: Box(low, high, dtype=np.float32) for name, (low, high) in boxes.items()})
+        spaces[VECTOR] = Box(low, high, dtype=np.float32)
+    return next(iter(spaces.values())) if len(spaces) == 1 else Dict(spaces)
 
 
 def _used(episodes: Episodes, agent: int, start: int, width: int) -> Flags:

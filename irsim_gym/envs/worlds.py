@@ -27,6 +27,7 @@ TaskSource = str | Path | Mapping[str, Any] | None
 ScenarioSource = str | Path | Mapping[str, Any] | Scenario
 LEVELS = 2**52
 RENDER_MODES = ["rgb_array"]
+FIRST_AGENTS = slice(None), 0
 
 
 class Worlds:
@@ -175,16 +176,16 @@ class Worlds:
                 self._trails.record(worlds, state.step[worlds], state.pose[worlds])
 
     def observation(self) -> Observation:
-        """Return a fresh copy of the first agents' observations, ``(n_worlds, n_features)`` or a dict of arrays."""
-        return self.layout.fresh(self.episodes.view.observation[:, 0])
+        """Return a fresh copy of the first agents' observations, ``(n_worlds, ...)`` or a dict of arrays."""
+        return self.layout.fresh(self.episodes.view, FIRST_AGENTS)
 
     def observation_of(self, w: int, agent: int = 0) -> Observation:
         """Return a fresh copy of an agent's observation, in the space that all agents share."""
-        return self.layout.fresh(self.episodes.view.observation[w, agent])
+        return self.layout.fresh(self.episodes.view, (w, agent))
 
     def observations_of(self, worlds: Ints, agent: int = 0) -> Sequence[Observation]:
         """Return ``observation_of`` for several worlds."""
-        return self.layout.each(self.episodes.view.observation[:, agent].take(worlds, axis=0))
+        return self.layout.each(self.episodes.view, worlds, agent)
 
     def info_of(self, w: int, agent: int = 0) -> dict[str, Any]:
         """Return what is known about an agent of a world, as Python numbers: a dict of its own at each call."""

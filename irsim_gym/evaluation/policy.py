@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.envs.spaces import observation_layout
 from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.transition import Percepts
 
 Actions = NDArray[Any]
 
@@ -34,10 +36,11 @@ class ObservationPolicy:
 
     Args:
         function: Turns flat observations, float32 ``(n, n_features)``, into actions ``(n, action_dim)`` or ``(n,)``;
-            it gets a row for each agent of each world.
+            it gets a row for each agent of each world. Where there are pictures it gets what the environments give,
+            stacked: a dict of arrays, or the one picture, uint8 ``(n, height, width, n_channels)``.
     """
 
-    def __init__(self, function: Callable[[NDArray[np.float32]], Actions]) -> None:
+    def __init__(self, function: Callable[[Any], Actions]) -> None:
         self.function = function
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
@@ -45,13 +48,15 @@ class ObservationPolicy:
 
     def act(self, episodes: Episodes, worlds: Ints) -> Actions:
         """Return the actions of worlds."""
-        return by_world(self.function(observations(episodes, worlds)), episodes)
+        seen = percepts(episodes, worlds)
+        given = observation_layout(episodes).formed(seen) if seen.images else seen.observation
+        return by_world(self.function(given), episodes)
 
 
-def observations(episodes: Episodes, worlds: Ints) -> NDArray[np.float32]:
-    """Return what the agents of worlds perceive, a row for each agent: ``(n * n_agents, n_features)``."""
-    seen = episodes.view.observation[worlds]
-    return seen.reshape(-1, seen.shape[2])
+def percepts(episodes: Episodes, worlds: Ints) -> Percepts:
+    """Return a copy of what the agents of worlds perceive, a row for each agent: arrays ``(n * n_agents, ...)``."""
+    seen = episodes.view.percepts.each(lambda rows: rows[worlds])
+    return seen.each(lambda rows: rows.reshape(-1, *rows.shape[2:]))
 
 
 def by_world(actions: Actions, episodes: Episodes) -> Actions:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.errors import IrsimGymError
@@ -14,7 +14,7 @@ from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.tasks import Episodes, Outcome
 
-Driver = Policy | Callable[[NDArray[np.float32]], Actions]
+Driver = Policy | Callable[[Any], Actions]
 
 
 def evaluate(

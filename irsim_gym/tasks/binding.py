@@ -12,7 +12,8 @@ from irsim_gym.engine import Simulation
 from irsim_gym.registry import Registry
 from irsim_gym.tasks.outcome import HitKind
 from irsim_gym.tasks.task import Task
-from irsim_gym.tasks.term import HasArrays, HasUnused, Term
+from irsim_gym.tasks.term import HasArrays, HasUnused, IsImage, Term
+from irsim_gym.world.arrays import aligned
 from irsim_gym.world.model import ROBOT
 
 Parts = tuple[tuple[str, Rays, Rays], ...]
@@ -33,19 +34,24 @@ def bind(family: Registry, options: Sequence[Any], simulation: Simulation, task:
         term = Term(family.name_of(type(item)), item, agents, task.max_steps, int(sizes.max()), sizes, column)
         if isinstance(item, HasArrays):
             term.arrays = item.arrays(simulation, agents)
+        if isinstance(item, IsImage):
+            term.image = aligned((simulation.n_worlds, len(agents), *item.image_shape), np.uint8)
         terms.append(term)
     return terms
 
 
 def place_observations(terms: Sequence[Term], simulation: Simulation) -> tuple[Parts, Flags]:
-    """Give each part of the observation its columns.
+    """Give each part of the observation its columns; pictures have none.
 
     Returns:
         Name, least and greatest values of each part; and which columns mean something to which agent, shape
         ``(n_agents, n_features)``.
     """
-    parts, used, column = [], [], 0
+    parts, column = [], 0
+    used = [np.ones((len(simulation.agents), 0), np.bool_)]
     for term in terms:
+        if isinstance(term.options, IsImage):
+            continue
         term.column = column
         low, high = term.options.bounds(term, simulation.model)
         parts.append((term.name, low, high))

@@ -18,7 +18,7 @@ from irsim_gym.tasks.levels import check_split, take_levels
 from irsim_gym.tasks.outcome import PRECEDENCE
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.task import Task, checked_limit
-from irsim_gym.tasks.term import MindsClearance, Remembers
+from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers
 from irsim_gym.tasks.transition import transition_of
 from irsim_gym.world.model import OMNI_WORLD
 
@@ -34,7 +34,8 @@ class Episodes:
         task: What is learned.
         state: What the task remembers.
         view: The latest transition.
-        observation_terms: Name, least and greatest values of each part of the observation, in order.
+        observation_terms: Name, least and greatest values of each part of the observation, in order; pictures, which
+            have no columns, are in ``view.percepts`` alone.
         reward_names: Names of the reward terms, in order.
         agent_names: Names of the agents' bodies, in order.
         action_sizes: Components of each agent's actions, shape ``(n_agents,)``; its surplus ones are not looked at.
@@ -69,7 +70,8 @@ class Episodes:
         self.reward_names = tuple(term.name for term in self._rewards)
         self.state = self._allocate()
         self.state.base[:] = stream_base(simulation.scenario.name, "train")
-        self.view = transition_of(self.state)
+        images = {term.name: term.image for term in self._observations if isinstance(term.options, IsImage)}
+        self.view = transition_of(self.state, images)
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
         every = [self._action, *self._observations, *self._rewards, *self._endings]
         kinds = [type(term.options) for term in every]

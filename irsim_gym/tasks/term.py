@@ -9,9 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
+import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Ints, Rays
+from irsim_gym.arraytypes import Bytes, Flags, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.tasks.outcome import Outcome
@@ -35,6 +36,8 @@ class Term:
         action_sizes: The same for each agent by itself, shape ``(n_agents,)``; it has no use for others.
         column: Where the term writes: first column of the observation, column of the reward or of the ending.
         arrays: The term's own arrays: tables, memory, live readings of sensors.
+        image: What an observation that is a picture writes, ``(n_worlds, n_agents, height, width, n_channels)``; empty
+            for all other terms.
     """
 
     name: str
@@ -45,6 +48,7 @@ class Term:
     action_sizes: Ints
     column: int = 0
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+    image: Bytes = field(default_factory=lambda: np.zeros((0, 0, 0, 0, 0), np.uint8))
 
 
 @runtime_checkable
@@ -73,6 +77,15 @@ class HasUnused(Protocol):
 
 
 @runtime_checkable
+class IsImage(Protocol):
+    """An observation that is a picture: it writes ``Term.image``, and has neither bounds nor columns."""
+
+    @property
+    def image_shape(self) -> tuple[int, int, int]:
+        """Height and width [pixels] and number of channels."""
+
+
+@runtime_checkable
 class MindsClearance(Protocol):
     """A kind that reads ``EpisodeState.clearance``."""
 
@@ -94,7 +107,7 @@ class ActionKind(Protocol):
 
 
 class ObservationKind(Protocol):
-    """One part of an observation.
+    """One part of an observation; one that is a picture has ``image_shape`` (``IsImage``) in place of ``bounds``.
 
     ``needs_goal``: it means nothing for an agent without a goal.
     ``needs_scan``: it needs a range sensor.
@@ -108,7 +121,7 @@ class ObservationKind(Protocol):
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Write the columns from ``term.column`` on of ``episode.observation``."""
+        """Write the columns from ``term.column`` on of ``episode.observation``, or all of ``term.image``."""
 
 
 class RewardKind(Protocol):

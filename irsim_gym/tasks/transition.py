@@ -2,14 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Floats, Rays
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Rays
 from irsim_gym.tasks.state import EpisodeState
+
+
+@dataclass(frozen=True)
+class Percepts:
+    """What agents perceive: arrays that begin with the same axes, such as ``(n_worlds, n_agents)``.
+
+    Attributes:
+        observation: Numbers in [-1, 1], float32, shape ``(..., n_features)``.
+        images: Pictures by the name of their observation, uint8, shape ``(..., height, width, n_channels)`` each.
+    """
+
+    observation: Rays
+    images: Mapping[str, Bytes]
+
+    def each(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> Percepts:
+        """Return what a function makes of each array."""
+        return Percepts(change(self.observation), {name: change(image) for name, image in self.images.items()})
+
+    def overwrite(self, chosen: Flags, other: Percepts) -> None:
+        """Take the rows that a mask over the first axes chooses from ``other``."""
+        self.observation[chosen] = other.observation[chosen]
+        for name, image in self.images.items():
+            image[chosen] = other.images[name][chosen]
 
 
 @dataclass(frozen=True)
@@ -26,6 +49,8 @@ class Transition:
             ``(n_worlds, n_agents)``.
         infos: Arrays of shape ``(n_worlds, n_agents)``: outcome, hit, hit_kind, path_length [m], min_clearance [m],
             goal_distance [m], is_success, steps, stalled [s], deadlocked, level.
+        images: The pictures that the agents see, by the name of their observation, uint8, shape
+            ``(n_worlds, n_agents, height, width, n_channels)`` each.
     """
 
     observation: Rays
@@ -35,6 +60,12 @@ class Transition:
     reward_terms: Floats
     over: Flags
     infos: Mapping[str, NDArray[Any]]
+    images: Mapping[str, Bytes]
+
+    @property
+    def percepts(self) -> Percepts:
+        """All that the agents perceive."""
+        return Percepts(self.observation, self.images)
 
     @property
     def live(self) -> Flags:
@@ -42,8 +73,13 @@ class Transition:
         return ~(self.terminated | self.truncated)
 
 
-def transition_of(state: EpisodeState) -> Transition:
-    """Return the view of a task's arrays that learners get."""
+def transition_of(state: EpisodeState, images: Mapping[str, Bytes]) -> Transition:
+    """Return the view of a task's arrays that learners get.
+
+    Args:
+        state: What the task remembers.
+        images: Pictures by name, see ``Percepts``.
+    """
     infos = {
         "outcome": state.outcome,
         "hit": state.hit,
@@ -58,5 +94,12 @@ def transition_of(state: EpisodeState) -> Transition:
         "level": state.level,
     }
     return Transition(
-        state.observation, state.reward, state.terminated, state.truncated, state.reward_term, state.over, infos
+        state.observation,
+        state.reward,
+        state.terminated,
+        state.truncated,
+        state.reward_term,
+        state.over,
+        infos,
+        images,
     )

@@ -6,6 +6,7 @@ import json
 import pickle
 import zipfile
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +16,13 @@ from gymnasium.spaces import Dict, Discrete
 from numpy.typing import NDArray
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.vec_env import VecNormalize
+from stable_baselines3.common.preprocessing import is_image_space, is_image_space_channels_first
+from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.policy import Policy, by_world, observations
+from irsim_gym.evaluation.policy import Policy, by_world, percepts
 from irsim_gym.evaluation.reference_policies import REFERENCES, reference_policy
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint import NORMALIZATION, POLICY, newest_checkpoint
@@ -59,9 +61,10 @@ class SavedPolicy:
 
     def act(self, episodes: Episodes, worlds: Ints) -> NDArray[Any]:
         """Return the actions of worlds, the same whatever other worlds there are."""
-        seen, slots = observations(episodes, worlds), _slots(episodes, worlds)
-        parts = [slice(start, start + CHUNK) for start in range(0, len(seen), CHUNK)]
-        chunks = [self._chunk(episodes, seen[part], slots[part]) for part in parts]
+        seen, slots = percepts(episodes, worlds), _slots(episodes, worlds)
+        layout = observation_layout(episodes)
+        parts = [slice(start, start + CHUNK) for start in range(0, len(slots), CHUNK)]
+        chunks = [self._chunk(layout.formed(seen.each(partial(_padded, part=part))), slots[part]) for part in parts]
         return by_world(np.concatenate(chunks), episodes)
 
     def _check(self, episodes: Episodes) -> None:
@@ -71,17 +74,14 @@ class SavedPolicy:
             ("observations", model.observation_space, observed),
             ("actions", model.action_space, acted),
         ):
-            if _form(learnt) != _form(here):
+            if _form(learnt) not in (_form(here), _form(_channels_first(here))):
                 raise IrsimGymError(
                     f"the policy was trained with {what} {_form(learnt)}, but those of task '{episodes.task.name}' in "
                     f"'{episodes.simulation.scenario.name}' are {_form(here)}"
                 )
 
-    def _chunk(self, episodes: Episodes, observation: NDArray[np.float32], slots: Ints) -> NDArray[Any]:
-        count = len(observation)
-        padded = np.zeros((CHUNK, observation.shape[1]), np.float32)
-        padded[:count] = observation
-        seen: Any = observation_layout(episodes).fresh(padded)
+    def _chunk(self, seen: Any, slots: Ints) -> NDArray[Any]:
+        count = len(slots)
         if self.normalization is not None:
             seen = self.normalization.normalize_obs(seen)
         if self._shape is None:
@@ -92,6 +92,22 @@ class SavedPolicy:
         actions, kept = self.model.predict(seen, (memory[0], memory[1]), deterministic=True)
         self._memory[:, :, slots] = np.stack(kept)[:, :, :count]
         return actions[:count]
+
+
+def _padded(rows: NDArray[Any], part: slice) -> NDArray[Any]:
+    """Return some rows, with zeros behind them up to the size of a chunk."""
+    chosen = rows[part]
+    padded = np.zeros((CHUNK, *rows.shape[1:]), rows.dtype)
+    padded[: len(chosen)] = chosen
+    return padded
+
+
+def _channels_first(space: Space[Any]) -> Space[Any]:
+    """Return a space as Stable-Baselines3 shows it to networks for pictures: channels, height, width."""
+    if isinstance(space, Dict):
+        return Dict({name: _channels_first(part) for name, part in space.spaces.items()})
+    is_picture = is_image_space(space) and not is_image_space_channels_first(space)  # type: ignore[arg-type]
+    return VecTransposeImage.transpose_space(space) if is_picture else space  # type: ignore[arg-type]
 
 
 def _form(space: Space[Any]) -> str:

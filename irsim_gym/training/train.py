@@ -10,11 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import torch
+from gymnasium import Space
+from gymnasium.spaces import Dict
 from rich.console import Console
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.preprocessing import is_image_space
 
 from irsim_gym.envs.sb3 import buffers_for
 from irsim_gym.errors import IrsimGymError
@@ -108,12 +111,18 @@ def algorithm_class(settings: Settings) -> type[BaseAlgorithm]:
     return RecurrentPPO if settings.hyperparameters.team is None else MaskedRecurrentPPO
 
 
+def network(space: Space[Any]) -> str:
+    """Return what Stable-Baselines3 calls the networks for a space of observations."""
+    if isinstance(space, Dict):
+        return "MultiInput"
+    return "Cnn" if is_image_space(space) else "Mlp"
+
+
 def _new(settings: Settings) -> tuple[BaseAlgorithm, files.Progress]:
     env = build_environment(settings)
     arguments = settings.hyperparameters.algorithm_arguments()
     algorithm = algorithm_class(settings)
-    policy = "MultiInput" if hasattr(env.observation_space, "spaces") else "Mlp"
-    policy += "LstmPolicy" if settings.algorithm == "recurrent_ppo" else "Policy"
+    policy = f"{network(env.observation_space)}{'Lstm' * (settings.algorithm == 'recurrent_ppo')}Policy"
     if settings.hyperparameters.team is not None:
         arguments = {**buffers_for(algorithm, env), **arguments}
     model = algorithm(arguments.pop("policy", policy), env, seed=settings.seed, device="cpu", **arguments)
