@@ -21,6 +21,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.atomics import load
 from irsim_gym.jit import Calls, Kernel, config, kernel
 
 BLOCK = 128
@@ -71,9 +72,22 @@ class Program:
 
     def run(self, worlds: Ints) -> None:
         """Make all calls for the given worlds, shape ``(n,)``, contiguous."""
-        failed = self._make_calls(self._entries, worlds, BLOCK)
+        self.check(self._make_calls(self._entries, worlds, BLOCK))
+
+    def check(self, failed: int) -> None:
+        """Raise an error if a call has failed; calls are counted from 1."""
         if failed:
             raise RuntimeError(f"{self.calls[failed - 1][0].__name__} failed; NUMBA_DISABLE_JIT=1 shows where")
+
+    @property
+    def address(self) -> int:
+        """Where the calls stand that ``call_all`` makes."""
+        return int(self._entries.ctypes.data)
+
+    @property
+    def n_calls(self) -> int:
+        """How many there are."""
+        return len(self._entries)
 
     def equals(self, other: Program) -> bool:
         """Return whether both make the same calls with the same arguments, which stay where they are."""
@@ -195,22 +209,29 @@ enter: Any = intrinsic(_enter)
 
 @kernel
 def make_calls(entries: Ints, worlds: Ints, block: int) -> int:
+    """Make all calls ``(n_calls, 2)`` for the worlds ``(n,)``; see ``call_all``."""
+    return call_all(entries.ctypes.data, entries.shape[0], worlds.ctypes.data, worlds.shape[0], block)
+
+
+@kernel
+def call_all(entries: int, n_calls: int, worlds: int, total: int, block: int) -> int:
     """Make all calls for one block of worlds after the other.
 
     Args:
-        entries: Address of the doorway and of the packed arguments of each call, shape ``(n_calls, 2)``.
-        worlds: The worlds to treat, shape ``(n,)``.
+        entries: Where address of the doorway and of the packed arguments of each call stand.
+        n_calls: How many calls these are.
+        worlds: Where the worlds to treat stand.
+        total: How many worlds these are.
         block: Most worlds in a block.
 
     Returns:
         The number of the call that failed, from 1; 0 if none did.
     """
-    total = worlds.shape[0]
     for first in range(0, total, block):
-        where = worlds.ctypes.data + 8 * first
-        count = min(block, total - first)
-        for k in range(entries.shape[0]):
-            status = enter(entries[k, 0], entries[k, 1], where, count)
+        where, count = worlds + 8 * first, min(block, total - first)
+        for k in range(n_calls):
+            entry = entries + 16 * k
+            status = enter(load(entry), load(entry + 8), where, count)
             if status != OK and status != OK_NONE:
                 return k + 1
     return 0

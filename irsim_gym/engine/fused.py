@@ -61,6 +61,13 @@ class Fused:
         if self.is_fusable and slot not in self._programs:
             self._programs[slot] = self._record(slot)
 
+    def programs(self, n_slots: int) -> list[Program]:
+        """Return the program of each slot, recorded now if need be; none where it runs as it is."""
+        for slot in range(n_slots):
+            self.prepare(slot)
+        found = [self._programs.get(slot) for slot in range(n_slots)]
+        return [program for program in found if program is not None] if None not in found else []
+
     def forget(self) -> None:
         """Record anew the next time: an array or a number has been replaced by another one."""
         self._programs.clear()

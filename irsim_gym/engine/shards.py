@@ -7,21 +7,27 @@ import threading
 import time
 import weakref
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.engine.crew import LOOKS, Desk
 from irsim_gym.engine.fused import Fused
+from irsim_gym.replay import Program
 from irsim_gym.world.group import Shard
 
 Work = Callable[[Shard], None]
 
 WORTH_S = 150e-6
 """A thread is worth while from this much work on [s]: waking it costs some 10 us, many times that on a busy machine."""
-PIECES = 4
+CLOSE_S = 3e-4
+"""A thread looks for its next job before it sleeps where the last two came closer to each other [s]."""
+PIECES, PIECES_OF_RECORDED = 4, 8
 """Pieces for each thread; who is free takes the next one, so that nobody waits for a thread that gets no processor."""
+NAP_S = 5e-5
+"""How long one sleeps who has looked long enough whether others are still at recorded work [s]."""
 LOOK_S = 1e-3
 """How often one who waits looks by itself whether others are still at work [s]."""
 HEAD_START_S = 0.0
@@ -48,6 +54,8 @@ class Shards:
         self._seconds: dict[str, float] = {}
         self._lanes: list[_Lane] = []
         self._owner = 0
+        self._desk: Desk | None = None
+        self._ended = 0.0
 
     def run(self, function: Work, worlds: Ints | None = None) -> None:
         """Call ``function`` for shares of the given worlds (all by default).
@@ -68,8 +76,10 @@ class Shards:
         name = getattr(function, "__qualname__", type(function).__qualname__)
         count = self._workers(name, len(worlds))
         if isinstance(function, Fused):
-            for slot in range(count):
-                function.prepare(slot)
+            programs = function.programs(self.n_slots if count > 1 else 1)
+            if programs and count > 1:
+                self._run_recorded(name, programs, worlds, count)
+                return
         job = _Job(function, cut(worlds, count * PIECES if count > 1 else 1))
         lanes = self._threads(count - 1)[: count - 1]
         try:
@@ -91,6 +101,36 @@ class Shards:
         if n_done:
             self._note(name, taken / n_done)
 
+    def _run_recorded(self, name: str, programs: Sequence[Program], worlds: Ints, count: int) -> None:
+        """Do recorded work together, without Python; see ``crew``."""
+        lanes, desk = self._threads(count - 1), self._ready_desk()
+        looks = LOOKS if time.perf_counter() - self._ended < CLOSE_S else 0
+        try:
+            asleep = desk.offer(programs, worlds, count * PIECES_OF_RECORDED, looks)
+            for slot, lane in enumerate(lanes[: count - 1], start=1):
+                if slot in asleep or lane.desk is not desk:
+                    lane.attend(desk)
+            if HEAD_START_S:
+                time.sleep(HEAD_START_S)
+            begin = time.perf_counter()
+            n_done = desk.work()
+            taken = time.perf_counter() - begin
+            while not desk.wait():
+                time.sleep(NAP_S)
+        except BaseException:
+            desk.clear()
+            _insist(desk.wait)
+            raise
+        programs[0].check(desk.failed)
+        self._ended = time.perf_counter()
+        if n_done:
+            self._note(name, taken / n_done)
+
+    def _ready_desk(self) -> Desk:
+        if self._desk is None:
+            self._desk = Desk(self.n_slots)
+        return self._desk
+
     def _workers(self, name: str, n_worlds: int) -> int:
         """Return how many do the work: each share is worth a thread."""
         expected, count = self._seconds.get(name, 0.0) * n_worlds, min(self.n_slots, n_worlds)
@@ -105,7 +145,7 @@ class Shards:
 
     def _threads(self, count: int) -> list[_Lane]:
         if self._owner != os.getpid():
-            self._lanes, self._owner = [], os.getpid()
+            self._lanes, self._desk, self._owner = [], None, os.getpid()
         while len(self._lanes) < count:
             lane = _Lane(len(self._lanes) + 1)
             weakref.finalize(self, lane.dismiss).atexit = False
@@ -113,13 +153,23 @@ class Shards:
         return self._lanes
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, "_lanes": [], "_owner": 0}
+        return {**self.__dict__, "_lanes": [], "_owner": 0, "_desk": None}
 
 
 def cut(worlds: Ints, count: int) -> list[Ints]:
     """Return even pieces of the given worlds, none of them empty."""
     bounds = [len(worlds) * k // count for k in range(count + 1)]
     return [worlds[a:b] for a, b in pairwise(bounds) if a < b]
+
+
+def _insist(is_over: Callable[[], bool]) -> None:
+    """Return when something is over, however often this is interrupted."""
+    while True:
+        try:
+            if is_over():
+                return
+        except KeyboardInterrupt:
+            continue
 
 
 class _Job:
@@ -173,12 +223,11 @@ class _Job:
     def cancel(self) -> None:
         """Return when nobody is at work, however often this is interrupted; what nobody has taken is left undone."""
         self._left.clear()
-        while True:
-            try:
-                self.wait()
-            except KeyboardInterrupt:
-                continue
-            return
+        _insist(self._is_over)
+
+    def _is_over(self) -> bool:
+        self.wait()
+        return True
 
     def check(self) -> None:
         """Raise the error of the first piece that failed."""
@@ -194,6 +243,7 @@ class _Lane:
     """
 
     def __init__(self, slot: int) -> None:
+        self.desk: Desk | None = None
         self._slot = slot
         self._job: _Job | None = None
         self._is_dismissed = False
@@ -204,6 +254,11 @@ class _Lane:
     def give(self, job: _Job) -> None:
         """Let the thread help with a job, as soon as it gets a processor."""
         self._job = job
+        self._wake()
+
+    def attend(self, desk: Desk) -> None:
+        """Let the thread do what lies on a desk, from now on; it sleeps, or does not know of the desk."""
+        self.desk = desk
         self._wake()
 
     def forget(self) -> None:
@@ -221,6 +276,8 @@ class _Lane:
 
     def _serve(self) -> None:
         while True:
+            if self.desk is not None:
+                self.desk.serve(self._slot)
             self._given.acquire()
             if self._is_dismissed:
                 return

@@ -1,0 +1,178 @@
+"""Recorded work on threads: every world once, in each of many jobs that follow each other."""
+
+from __future__ import annotations
+
+import gc
+import os
+import pickle
+import signal
+import threading
+import time
+from types import FrameType
+
+import numpy as np
+import pytest
+
+from irsim_gym import replay
+from irsim_gym.arraytypes import Ints
+from irsim_gym.engine import crew, shards
+from irsim_gym.engine.fused import Fused
+from irsim_gym.engine.shards import Shards
+from irsim_gym.jit import kernel
+from irsim_gym.world.group import Shard
+
+pytestmark = pytest.mark.skipif(not replay.is_possible(), reason="nothing is recorded where nothing is compiled")
+N = 37
+
+
+@kernel
+def count_visits(worlds: Ints, slot: int, effort: int, seen: Ints, slots: Ints) -> None:
+    """Count each world's visits, and those of each slot, after some work."""
+    for i in range(worlds.shape[0]):
+        total = 0
+        for k in range(effort):
+            total += (k ^ worlds[i]) % 7
+        seen[worlds[i]] += 1 if total >= 0 else 0
+        slots[slot, worlds[i]] += 1
+
+
+@kernel
+def fail_at(worlds: Ints, bad: int) -> None:
+    """Fail if one of the worlds is the bad one."""
+    for i in range(worlds.shape[0]):
+        if worlds[i] == bad:
+            raise ValueError("bad world")
+
+
+class Visits:
+    """Visits worlds by a recorded kernel."""
+
+    def __init__(self, effort: int = 10, n_slots: int = 4) -> None:
+        self.seen, self.slots = np.zeros(N, np.int64), np.zeros((n_slots, N), np.int64)
+        self.effort = effort
+        self.fused = Fused(self._visit)
+
+    def _visit(self, shard: Shard) -> None:
+        count_visits(shard.worlds, shard.slot, self.effort, self.seen, self.slots)
+
+
+@pytest.mark.parametrize("num_threads", [2, 4])
+def test_every_world_is_treated_once_in_each_of_many_jobs(num_threads: int) -> None:
+    made, one, other, jobs = Shards(N, num_threads), Visits(), Visits(effort=300), 3000
+    some = np.array([3, 4, 20])
+    for k in range(jobs):
+        made.run(one.fused)
+        made.run(other.fused, some)
+        if k % 500 == 0:
+            time.sleep(0.002)  # the threads go to sleep
+    assert one.seen.tolist() == [jobs] * N
+    assert other.seen.tolist() == [jobs * int(w in some) for w in range(N)]
+    assert (one.slots.sum(axis=0) == jobs).all()
+
+
+def test_threads_take_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shards, "HEAD_START_S", 0.01)
+    made, visits = Shards(N, 4), Visits()
+    for _ in range(5):
+        made.run(visits.fused)
+    assert visits.slots[1:].sum() > 0
+    assert visits.seen.tolist() == [5] * N
+
+
+def test_recorded_and_other_work_follow_each_other() -> None:
+    made, visits, plain = Shards(N, 3), Visits(), np.zeros(N, np.int64)
+
+    def work(shard: Shard) -> None:
+        plain[shard.worlds] += 1
+
+    for _ in range(300):
+        made.run(visits.fused)
+        made.run(work)
+    assert visits.seen.tolist() == plain.tolist() == [300] * N
+
+
+def test_a_failing_call_is_told_when_all_have_ended() -> None:
+    made, visits = Shards(N, 3), Visits()
+    bad = Fused(lambda shard: fail_at(shard.worlds, 5))
+    made.run(visits.fused)
+    with pytest.raises(RuntimeError, match="fail_at failed"):
+        made.run(bad)
+    made.run(visits.fused)
+    assert visits.seen.tolist() == [2] * N
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs the timers of POSIX")
+def test_an_interrupt_leaves_nothing_under_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It comes after the job was laid down, before the caller has begun."""
+    made, visits = Shards(N, 2), Visits(effort=300_000)
+    made.run(visits.fused)
+    visits.seen[:] = 0
+    monkeypatch.setattr(shards, "HEAD_START_S", 0.2)
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.002)
+        with pytest.raises(KeyboardInterrupt):
+            made.run(visits.fused)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    seen = visits.seen.copy()
+    time.sleep(0.02)
+    assert visits.seen.tolist() == seen.tolist()
+    assert seen.max() <= 1
+    monkeypatch.setattr(shards, "HEAD_START_S", 0.0)
+    quick = Visits()
+    for _ in range(20):
+        made.run(quick.fused)
+    assert quick.seen.tolist() == [20] * N
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_forked_child_has_a_desk_of_its_own() -> None:
+    made, visits = Shards(N, 3), Visits()
+    made.run(visits.fused)
+    child = os.fork()
+    if child == 0:
+        made.run(visits.fused)
+        os._exit(0 if visits.seen.tolist() == [2] * N else 1)
+    assert os.waitpid(child, 0)[1] == 0
+    made.run(visits.fused)
+    assert visits.seen.tolist() == [2] * N
+
+
+def test_copies_have_no_desk() -> None:
+    made, visits = Shards(N, 3), Visits()
+    made.run(visits.fused)
+    twin = pickle.loads(pickle.dumps(made))
+    twin.run(visits.fused)
+    assert visits.seen.tolist() == [2] * N
+    assert twin._desk is not made._desk
+
+
+def test_threads_end_with_their_owner() -> None:
+    before, made = set(threading.enumerate()), Shards(N, 3)
+    made.run(Visits().fused)
+    mine = [thread for thread in threading.enumerate() if thread not in before and thread.name == "irsim_gym"]
+    assert len(mine) == 2
+    del made
+    gc.collect()
+    for thread in mine:
+        thread.join(5.0)
+    assert not any(thread.is_alive() for thread in mine)
+
+
+def test_a_thread_looks_for_work_only_where_jobs_follow_each_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between steps of a learner that thinks for long, its processors are its own."""
+    looks: list[int] = []
+    made, visits, lay_down = Shards(N, 2), Visits(), crew.lay_down
+    monkeypatch.setattr(crew, "lay_down", lambda *given: (looks.append(given[-1]), lay_down(*given))[1])
+    monkeypatch.setattr(shards, "CLOSE_S", 0.1)
+    for pause in (0.0, 0.0, 0.15, 0.0):
+        time.sleep(pause)
+        made.run(visits.fused)
+    assert looks == [0, crew.LOOKS, 0, crew.LOOKS]
