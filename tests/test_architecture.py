@@ -33,7 +33,7 @@ ALLOWED: dict[str, set[str]] = {
     "rng": {"numba", "jit"},
     "geometry": {"jit"},
     "world": set(),
-    "scenario": {"pydantic", "pydantic_core", "yaml"},
+    "scenario": {"pydantic", "pydantic_core", "yaml", "PIL"},
     "kinematics": KIND,
     "behaviors": KIND,
     "footprints": KIND | {"shapely"},
@@ -46,7 +46,17 @@ ALLOWED: dict[str, set[str]] = {
     "envs": {"tasks", "engine", "scenario", "world", "render", "gymnasium"},
     "evaluation": {"envs", "tasks", "engine", "world", "paths", "scenario", "rich"},
     "raster": {"jit", "geometry", "world", "scenario.plot_spec"},
-    "render": {"world", "scenario.spec", "scenario.plot_spec", "matplotlib", "raster", "imageio", "moviepy", "PIL"},
+    "render": {
+        "world",
+        "scenario.spec",
+        "scenario.plot_spec",
+        "scenario.images",
+        "matplotlib",
+        "raster",
+        "imageio",
+        "moviepy",
+        "PIL",
+    },
     "live": {"engine", "scenario", "world", "render", "pynput"},
 }
 # Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.

@@ -200,9 +200,13 @@ class Worlds:
 
             simulation = self.simulation
             parts = simulation.model, simulation.state, simulation.sensors
-            learners = simulation.agents.tolist()
             self._renderer = make_renderer(
-                self.render_backend, self.scenario, *parts, learners=learners, trails=self._trails
+                self.render_backend,
+                self.scenario,
+                *parts,
+                learners=simulation.agents.tolist(),
+                trails=self._trails,
+                explored=simulation.explored,
             )
         return self._renderer.frame(w, world_status(self.episodes, w))
 

@@ -91,7 +91,8 @@ class Camera:
             from irsim_gym.render import make_renderer
 
             seen = self._simulation
-            self._renderer = make_renderer(self._backend, seen.scenario, seen.model, seen.state, seen.sensors)
+            parts = seen.scenario, seen.model, seen.state, seen.sensors
+            self._renderer = make_renderer(self._backend, *parts, explored=seen.explored)
         self._tell(self._renderer.trails)
         return self._renderer
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Protocol
 
-from irsim_gym.arraytypes import Bytes
+from irsim_gym.arraytypes import Bytes, Flags
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 
 if TYPE_CHECKING:
@@ -66,6 +66,7 @@ def make_renderer(
     learners: Collection[int] = (),
     size: tuple[int, int] | None = None,
     trails: Trails | None = None,
+    explored: Flags | None = None,
 ) -> WorldRenderer:
     """Make the renderer of a simulation; the libraries that it needs are loaded here and not before.
 
@@ -79,6 +80,7 @@ def make_renderer(
         learners: Bodies whose goals and trajectories are drawn unless the scenario says otherwise.
         size: Width and height of the frames in pixels, made even; None for what the scenario asks for.
         trails: Where bodies have been, kept by who steps the worlds; None for poses at which frames were drawn.
+        explored: Which cells of the world its robots have seen (``Simulation.explored``); what is left lies in fog.
 
     Raises:
         UnknownNameError: There is no such renderer.
@@ -87,4 +89,4 @@ def make_renderer(
         raise IrsimGymError("this version has no renderer 'raster' yet: use render_backend='matplotlib'")
     from irsim_gym.render.matplotlib_renderer import Renderer
 
-    return Renderer(scenario, model, state, sensors, learners=learners, size=size, trails=trails)
+    return Renderer(scenario, model, state, sensors, learners=learners, size=size, trails=trails, explored=explored)

@@ -14,6 +14,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import ScaledTranslation
 
 from irsim_gym.render import shapes, theme
+from irsim_gym.render.image_artists import Images
 from irsim_gym.render.patches import Colour, empty_collection, paint
 from irsim_gym.render.scene import BodyView, MapView
 from irsim_gym.render.styles import BodyStyle
@@ -34,11 +35,13 @@ class Bodies:
             [_shadow(axes, pixels, alpha) for pixels, alpha in ((2.2, 0.05), (1.2, 0.07))] if shadows else []
         )
         self._footprints = empty_collection(axes)
+        self._images = Images(axes)
 
     def update(self, views: Sequence[BodyView]) -> None:
         """Show these bodies, the first one lowest; one of several parts has no edges where they overlap."""
         paths, fills, edges, widths, styles = [], [], [], [], []
-        for view in views:
+        self._images.update(views)
+        for view in (view for view in views if view.image is None):
             style, path, is_filled = view.style, shapes.outline_path(view), shapes.is_filled(view)
             in_parts = is_filled and style.alpha == 1.0 and len(view.lines) + len(view.discs) > 1
             width = style.line_width if is_filled else style.wall_width
@@ -60,6 +63,7 @@ class Bodies:
         for shadow in self._shadows:
             shadow.draw(renderer)
         self._footprints.draw(renderer)
+        self._images.draw(renderer)
 
 
 class Headings:

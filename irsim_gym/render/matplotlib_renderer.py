@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes
+from irsim_gym.arraytypes import Bytes, Flags
 from irsim_gym.render.layout import Layout, Limits, lay_out
 from irsim_gym.render.reader import SceneReader
 from irsim_gym.render.scene import Scene
@@ -35,6 +35,7 @@ class Renderer:
             scenario sets it, else for what the world's proportions ask for (600 x 600 for a square).
         trails: Where bodies have been, kept by who steps the worlds; by default paths and trails go through the poses
             at which frames were drawn.
+        explored: Which cells of the world its robots have seen (``Simulation.explored``); what is left lies in fog.
     """
 
     def __init__(
@@ -47,9 +48,10 @@ class Renderer:
         learners: Collection[int] = (),
         size: tuple[int, int] | None = None,
         trails: Trails | None = None,
+        explored: Flags | None = None,
     ) -> None:
         plot = scenario.world.plot
-        self._reader = SceneReader(scenario, model, state, sensors, learners, trails)
+        self._reader = SceneReader(scenario, model, state, sensors, learners, trails, explored)
         self._cut = plot.saved_figure.bbox_inches == "tight"
         self._axis, self._show_title, self._titled = not plot.no_axis, bool(plot.show_title), plot.title is not None
         self._layout = lay_out(

@@ -7,11 +7,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Bytes, Flags, Floats
 from irsim_gym.render import theme
+from irsim_gym.render.images import load_image
 from irsim_gym.render.outlines import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
-from irsim_gym.render.scene import BodyView, FieldView, GoalView, LabelView, MapView, ScanView, Scene, TrailView
+from irsim_gym.render.scene import (
+    BodyView,
+    FieldView,
+    FogView,
+    GoalView,
+    ImageView,
+    LabelView,
+    MapView,
+    ScanView,
+    Scene,
+    TrailView,
+)
 from irsim_gym.render.styles import BodyStyle, body_style, field_of_view, is_omni, scan_style
+from irsim_gym.scenario.images import image_file
 from irsim_gym.scenario.plot_spec import trailing
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import ACKERMANN, ROBOT, WorldModel
@@ -35,6 +48,7 @@ class SceneReader:
         sensors: Its sensor groups; those with ``ranges`` and ``angles`` are drawn.
         learners: Bodies whose goals and trajectories are drawn unless the scenario says otherwise.
         trails: Where bodies have been, of ``trailing(scenario.bodies, learners)``; by default where scenes were read.
+        explored: Which cells of the world somebody has seen, shape ``(n_worlds, n_columns, n_rows)``; None for no fog.
     """
 
     def __init__(
@@ -45,6 +59,7 @@ class SceneReader:
         sensors: Sequence[Group],
         learners: Collection[int] = (),
         trails: Trails | None = None,
+        explored: Flags | None = None,
     ) -> None:
         self._model, self._state = model, state
         self._scans = [group for group in sensors if {"ranges", "angles"} <= group.arrays.keys()]
@@ -58,6 +73,12 @@ class SceneReader:
         self._viewpoint = scenario.world.plot.viewpoint
         self._turns_with_motion = [is_omni(body) for body in scenario.bodies]
         self._fields = {b: field_of_view(body) for b, body in enumerate(scenario.bodies) if self._styles[b].show_field}
+        self._pixels = {
+            b: load_image(image_file(body.description, scenario.file))
+            for b, body in enumerate(scenario.bodies)
+            if body.description is not None
+        }
+        self._explored, self._fogs = explored, dict[int, FogView]()
         self._map: MapView | None = None
         self._fixed: dict[int, tuple[bytes, tuple[BodyView, ...]]] = {}
         if trails is None:
@@ -88,6 +109,7 @@ class SceneReader:
             labels=_labels(fixed + moving, goals),
             map=self._map_view(),
             center=self._center(world),
+            fog=self._fog_view(world),
         )
 
     def clear(self, world: int | None = None) -> None:
@@ -140,7 +162,19 @@ class SceneReader:
             heading=self._heading(world, body, segment_rows, disc_rows) if style.show_arrow else NOTHING,
             anchor=_anchor(state.pose[world, body], style, segments, discs),
             style=style,
+            image=self._image(world, body, self._pixels[body]) if body in self._pixels else None,
         )
+
+    def _image(self, world: int, body: int, pixels: Bytes) -> ImageView | None:
+        """Return the image of a body over the rectangle around its footprint; None without a footprint."""
+        model, (segment_rows, disc_rows) = self._model, self._rows(world, body)
+        segments = model.local_segments[world % len(model.local_segments), segment_rows]
+        extent = box(segments, model.local_discs[world % len(model.local_discs), disc_rows])
+        if extent is None:
+            return None
+        x_min, y_min, x_max, y_max = extent
+        corners = np.array([[x_min, y_min], [x_max, y_min], [x_max, y_max], [x_min, y_max]])
+        return ImageView(pixels, placed(corners, self._state.pose[world, body]), self._styles[body].alpha)
 
     def _heading(self, world: int, body: int, segment_rows: slice, disc_rows: slice) -> Floats:
         model, style, pose = self._model, self._styles[body], self._state.pose[world, body]
@@ -151,7 +185,7 @@ class SceneReader:
             return placed(arrow(*style.arrow), pose)
         segments = model.local_segments[world % len(model.local_segments), segment_rows]
         discs = model.local_discs[world % len(model.local_discs), disc_rows]
-        is_car = model.drive[body] == ACKERMANN and len(segments) > 0
+        is_car = model.drive[body] == ACKERMANN and len(segments) > 0 and body not in self._pixels
         return placed(windscreen(segments, discs) if is_car else wedge(segments, discs), pose)
 
     def _struck(self, world: int, views: tuple[BodyView, ...]) -> tuple[BodyView, ...]:
@@ -226,6 +260,19 @@ class SceneReader:
             style = self._styles[int(body)] if body < len(self._styles) else BodyStyle(theme.MAP)
             self._map = MapView(extent, occupied, style.colour, style.alpha)
         return self._map
+
+    def _fog_view(self, world: int) -> FogView | None:
+        """Return the fog over the world, the same object until somebody sees more of it."""
+        if self._explored is None:
+            return None
+        known, explored = self._fogs.pop(world, None), self._explored[world]
+        if known is None or bool((known.covered == explored).any()):
+            x_min, y_min, x_max, y_max = (float(value) for value in self._model.bounds)
+            known = FogView((x_min, y_min, x_max, y_max), ~explored, theme.FOG, 1.0)
+            if len(self._fogs) >= REMEMBERED_WORLDS:
+                self._fogs.pop(next(iter(self._fogs)))
+        self._fogs[world] = known
+        return known
 
     def _center(self, world: int) -> tuple[float, float] | None:
         """Return the point that stays in the middle of the picture."""

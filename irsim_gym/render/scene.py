@@ -4,8 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.arraytypes import Bytes, Flags, Floats
 from irsim_gym.render.styles import BodyStyle, ScanStyle
+
+
+@dataclass(frozen=True, eq=False)
+class ImageView:
+    """An image that is drawn in place of a footprint, stretched over the rectangle around it.
+
+    Attributes:
+        pixels: Its colours and opacity, row 0 at the top, uint8, shape ``(height, width, 4)``. The image's right
+            is the body's front. The same object for all bodies and frames that show it; never written.
+        corners: Where its lower left, lower right, upper right and upper left corners are [m], shape ``(4, 2)``.
+        alpha: Its opacity.
+    """
+
+    pixels: Bytes
+    corners: Floats
+    alpha: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,6 +37,7 @@ class BodyView:
         heading: Corners of the mark that shows where it heads [m], shape ``(n_corners, 2)``; empty for none.
         anchor: Where its label stands [m].
         style: How it looks.
+        image: What is drawn instead of the footprint, or None.
     """
 
     body: int
@@ -31,6 +48,7 @@ class BodyView:
     heading: Floats
     anchor: tuple[float, float]
     style: BodyStyle
+    image: ImageView | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +170,23 @@ class MapView:
 
 
 @dataclass(frozen=True, eq=False)
+class FogView:
+    """What nobody has seen yet: it lies above the map and fixed bodies, below all else.
+
+    Attributes:
+        extent: Its rectangle [m]: x_min, y_min, x_max, y_max.
+        covered: Which cells are covered, shape ``(n_columns, n_rows)``, from the lower left corner.
+        colour: Its colour.
+        alpha: Its opacity.
+    """
+
+    extent: tuple[float, float, float, float]
+    covered: Flags
+    colour: str
+    alpha: float
+
+
+@dataclass(frozen=True, eq=False)
 class Scene:
     """One world at one moment.
 
@@ -172,6 +207,7 @@ class Scene:
         labels: Texts beside bodies and goals.
         map: The occupancy map, or None. The same object as long as it has not changed.
         center: Point that stays in the middle of the picture [m], or None.
+        fog: What nobody has seen yet, or None. The same object as long as it has not changed.
     """
 
     world: int
@@ -190,3 +226,4 @@ class Scene:
     labels: tuple[LabelView, ...] = ()
     map: MapView | None = None
     center: tuple[float, float] | None = None
+    fog: FogView | None = None

@@ -22,6 +22,7 @@ from irsim_gym.render.artists import clear_of_flags
 from irsim_gym.render.body_artists import Bodies, Headings, Impacts, MapImage
 from irsim_gym.render.card import Play, Ticks, add_frame, make_axes
 from irsim_gym.render.head import Head
+from irsim_gym.render.image_artists import Fog
 from irsim_gym.render.layout import Layout, Limits
 from irsim_gym.render.scene import BodyView, LabelView, Scene
 from irsim_gym.render.styles import GROUND, TOP
@@ -56,6 +57,7 @@ class Stage:
         self._ticks = Ticks(self._figure, axes) if axis else None
         self._map = MapImage(axes)
         self._fixed = Bodies(axes, shadows=True)
+        self._fog = Fog(axes)
         self._scans = scan_artists.Scans(axes)
         self._fields = artists.Fields(axes)
         self._ghosts = Bodies(axes)
@@ -153,6 +155,7 @@ class Stage:
         """Return what is drawn anew: layer, rank within the layer, artist, views."""
         bodies = scene.fixed + scene.moving
         parts: tuple[tuple[Any, Sequence[Any], Callable[[Any], float]], ...] = (
+            (self._fog, () if scene.fog is None else (scene.fog,), lambda view: GROUND),
             (self._scans, scene.scans, lambda view: GROUND),
             (self._fields, scene.fields, lambda view: view.style.field_order),
             (self._ghosts, scene.ghosts, lambda view: view.style.order),

@@ -9,6 +9,7 @@ from typing import Any
 from irsim_gym.families import FOOTPRINTS, KINEMATICS, PLACEMENTS
 from irsim_gym.scenario import checks
 from irsim_gym.scenario.entries import FIELDS, OBSTACLE, OF_ENTRY, Entry
+from irsim_gym.scenario.images import DEFAULT_CAR
 from irsim_gym.scenario.options import defaults
 from irsim_gym.scenario.plot_spec import (
     CAR_COLOR,
@@ -51,7 +52,8 @@ def _named(pattern: BodySpec, entry: Entry, i: int, number: int) -> BodySpec:
     if color == "cycle":
         color = CYCLE[i % len(CYCLE)]
     elif color is None or color is BAD:
-        color = _default_color(pattern)
+        image = pattern.description or _default_image(pattern)
+        return replace(pattern, name=name, color=_default_color(pattern), description=image)
     return replace(pattern, name=name, color=color)
 
 
@@ -64,8 +66,19 @@ def name_of(entry: Entry, i: int, number: int) -> tuple[Place, str]:
 def _default_color(body: BodySpec) -> str:
     if body.role == OBSTACLE:
         return OBSTACLE_COLOR if body.static else MOVING_OBSTACLE_COLOR
-    is_car = body.kinematics is not None and KINEMATICS.name_of(type(body.kinematics)) == "acker"
-    return CAR_COLOR if is_car else ROBOT_COLOR
+    return CAR_COLOR if _is_car(body) else ROBOT_COLOR
+
+
+def _default_image(body: BodySpec) -> str | None:
+    """Return the image of a car whose entry says nothing about how it looks."""
+    plot = body.plot
+    is_plain = plot.obj_color is None and plot.obj_linewidth is None and plot.obj_linestyle in ("-", "solid")
+    is_box = FOOTPRINTS.name_of(type(body.shape)) == "rectangle"
+    return DEFAULT_CAR if body.role != OBSTACLE and _is_car(body) and is_box and is_plain else None
+
+
+def _is_car(body: BodySpec) -> bool:
+    return body.kinematics is not None and KINEMATICS.name_of(type(body.kinematics)) == "acker"
 
 
 def _pattern(entry: Entry, i: int, index: int, group: int, report: Report) -> BodySpec | None:

@@ -1,33 +1,53 @@
-"""Which images a body may be drawn with."""
+"""Which images a body may be drawn with, and where they are."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from irsim_gym.errors import suggestion
+from irsim_gym.scenario import library
 from irsim_gym.scenario.messages import show
 
-DOCUMENTED = ("car_green.png", "car_blue.png", "car_red.png", "diff_robot0.png", "diff_robot1.png")
+DEFAULT_CAR = "car_green.png"
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tif", ".tiff", ".webp")
 
 
+def image_file(name: str, scenario_file: str) -> Path:
+    """Return the file of a ``description``: one beside the scenario, else the shipped one. It need not be there."""
+    file = Path(scenario_file).parent / name
+    shipped = library.images()
+    return shipped[name] if name in shipped and not file.is_file() else file
+
+
 def image_problem(name: str, scenario_file: str) -> str:
-    """Return what is wrong with a ``description``; empty for a documented name and for an image file that exists.
+    """Return what is wrong with a ``description``; empty for a shipped image and for an image file that can be read.
 
     Args:
-        name: The documented name, or a path: absolute, or beside the scenario file.
+        name: The shipped image's name, or a path: absolute, or beside the scenario file.
         scenario_file: Path of that file; empty for a mapping, whose paths begin at the working directory.
     """
-    if name in DOCUMENTED:
-        return ""
-    file = Path(scenario_file).parent / name
+    shipped = library.images()
+    file = image_file(name, scenario_file)
     try:
         is_there = file.is_file()
     except (OSError, ValueError):  # too long a name, or one with a null character
         is_there = False
     if not is_there:
-        known = f"; known: {', '.join(DOCUMENTED)}, or a file beside the scenario"
-        return f"no image {show(name)}{suggestion(name[:40], DOCUMENTED) or known}"
+        known = f"; shipped: {', '.join(shipped)}; or name a file beside the scenario"
+        return f"no image {show(name)}{suggestion(name[:40], shipped) or known}"
     if file.suffix.lower() not in SUFFIXES:
         return f"must be an image ({', '.join(SUFFIXES)}), got {show(name)}"
-    return ""
+    return "" if name in shipped else _unreadable(file, name)
+
+
+def _unreadable(file: Path, name: str) -> str:
+    """Return why a file is no image; empty when it is one."""
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with Image.open(file):
+            return ""
+    except UnidentifiedImageError:
+        return f"{show(name)} cannot be read as an image"
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        return f"{show(name)} cannot be read as an image: {error}"

@@ -33,6 +33,12 @@ def maps() -> Mapping[str, Path]:
     return MappingProxyType({file.name: file for file in sorted((configs_folder() / "maps").glob("*.png"))})
 
 
+@functools.cache
+def images() -> Mapping[str, Path]:
+    """Return the shipped images of bodies by file name, in alphabetical order."""
+    return MappingProxyType({file.name: file for file in sorted((configs_folder() / "images").glob("*.png"))})
+
+
 def scenario_names() -> tuple[str, ...]:
     """Return the names of the shipped scenarios."""
     return tuple(names("scenarios"))

@@ -178,8 +178,9 @@ class BodyOptions:
     description: str | None = option(
         None,
         min_length=1,
-        meaning="Image of the body: a documented name, a file beside the scenario, or an absolute path; "
-        "it is checked, and for the time being the outline is drawn.",
+        meaning="Image in place of the outline, seen from above, heading right: a file beside the scenario, an "
+        "absolute path, or a shipped one: car_blue.png, car_green.png, car_red.png, diff_robot0.png, diff_robot1.png; "
+        "by default car_green.png for a rectangular acker robot without a colour and line style of its own.",
     )
     group: int | None = option(
         None,

@@ -218,7 +218,8 @@ def draw_level(
     path = out or Path(f"{simulation.scenario.name}.png")
     path.parent.mkdir(parents=True, exist_ok=True)
     parts = simulation.model, simulation.state, simulation.sensors
-    renderer = Renderer(simulation.scenario, *parts, learners=simulation.agents.tolist())
+    learners = simulation.agents.tolist()
+    renderer = Renderer(simulation.scenario, *parts, learners=learners, explored=simulation.explored)
     imsave(path, renderer.frame(0), format="png")
     renderer.close()
     return path

@@ -65,7 +65,8 @@ def record_film(
     episodes = make_episodes(scenario, task=task, n_worlds=len(policies), parameters=parameters, team=team)
     simulation = episodes.simulation
     parts = simulation.model, simulation.state, simulation.sensors
-    renderer = make_renderer(backend, simulation.scenario, *parts, learners=simulation.agents.tolist())
+    learners = simulation.agents.tolist()
+    renderer = make_renderer(backend, simulation.scenario, *parts, learners=learners, explored=simulation.explored)
     captions = policy_names(sources) if names is None else names
     film = EpisodeFilm(captions, fps=1.0 / float(simulation.model.step_time[0]))
     screen = console or Console(stderr=True)

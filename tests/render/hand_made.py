@@ -132,6 +132,7 @@ def _scenario(bodies: list[Body], plot: WorldPlot) -> Any:
             color=body.color or (MOVING_OBSTACLE_COLOR if body.movable else OBSTACLE_COLOR),
             plot=body.plot,
             kinematics=None,
+            description=None,
             sensors=(),
             fov=body.fov,
             fov_radius=body.fov_radius,

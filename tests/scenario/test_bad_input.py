@@ -324,8 +324,8 @@ ENTRIES = {
     ),
     "image far from any": (
         "robot: {description: tank.svg}",
-        "1 robot.description: no image 'tank.svg'; known: car_green.png, car_blue.png, car_red.png, diff_robot0.png, "
-        "diff_robot1.png, or a file beside the scenario",
+        "1 robot.description: no image 'tank.svg'; shipped: car_blue.png, car_green.png, car_red.png, diff_robot0.png, "
+        "diff_robot1.png; or name a file beside the scenario",
     ),
     "plot": ("robot: {plot: {show_gaol: true}}", "1 robot.plot.show_gaol: unknown key (did you mean 'show_goal'?)"),
     "plot colour": ("robot: {plot: {traj_color: '#12'}}", "1 robot.plot.traj_color: no colour named '#12'"),

@@ -1,0 +1,150 @@
+"""Matplotlib artists of pixels: images of bodies, and the fog over what nobody has seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
+from matplotlib.colors import to_rgb
+from matplotlib.transforms import Affine2D
+from PIL import Image
+
+from irsim_gym.arraytypes import Bytes, Floats
+from irsim_gym.render.scene import BodyView, FogView, ImageView
+
+REMEMBERED_SIZES = 64
+SMOOTH = 4
+"""How many times finer than its cells fog is drawn into a file that knows no pixels."""
+
+
+class Images(Artist):
+    """Images of bodies, turned and stretched to their footprints.
+
+    Each is reduced to the size that it has on the canvas once; a frame only turns and shifts it.
+    """
+
+    def __init__(self, axes: Axes) -> None:
+        super().__init__()
+        self._axes = axes
+        self._images: list[ImageView] = []
+        self._reduced: dict[tuple[int, int, int, float], tuple[Bytes, Image.Image]] = {}
+
+    def update(self, views: Sequence[BodyView]) -> None:  # type: ignore[override]
+        """Show the images of these bodies, the first one lowest; bodies without one are left out."""
+        self._images = [view.image for view in views if view.image is not None]
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw what the last update gave."""
+        for image in self._images:
+            corners: Floats = self._axes.transData.transform(image.corners)
+            if renderer.option_scale_image():
+                self._draw_scaled(renderer, image, corners)
+            else:
+                self._draw_pixels(renderer, image, corners)
+
+    def _draw_scaled(self, renderer: RendererBase, image: ImageView, corners: Floats) -> None:
+        """Hand the image itself to a format that can turn it."""
+        origin, (x, y) = corners[0], (corners[1] - corners[0], corners[3] - corners[0])
+        turned = Affine2D(np.array([[x[0], y[0], origin[0]], [x[1], y[1], origin[1]], [0.0, 0.0, 1.0]]))
+        pixels = image.pixels.copy()
+        pixels[..., 3] = np.rint(pixels[..., 3] * image.alpha)
+        _put(renderer, self, 0.0, 0.0, pixels, turned)
+
+    def _draw_pixels(self, renderer: RendererBase, image: ImageView, corners: Floats) -> None:
+        """Turn the image on a canvas of pixels."""
+        canvas = self._axes.figure.bbox
+        low = np.maximum(np.floor(corners.min(axis=0)) - 1.0, 0.0).astype(int)
+        high = np.minimum(np.ceil(corners.max(axis=0)) + 1.0, [canvas.width, canvas.height]).astype(int)
+        width, height = (high - low).tolist()
+        if width <= 0 or height <= 0:
+            return
+        ahead, aside = corners[1] - corners[0], corners[3] - corners[0]
+        source = self._sized(image, float(np.hypot(*ahead)), float(np.hypot(*aside)))
+        columns, rows = source.width - 2, source.height - 2
+        along, across = ahead / max(ahead @ ahead, 1e-12) * columns, aside / max(aside @ aside, 1e-12) * rows
+        # Canvas rows go up, those of images go down; the source has a border of one clear pixel.
+        start = np.array([low[0], low[1] + height]) - corners[0]
+        turn = (along[0], -along[1], along @ start + 1.0, -across[0], across[1], rows - across @ start + 1.0)
+        turned = source.transform((width, height), Image.Transform.AFFINE, turn, Image.Resampling.BILINEAR)
+        _put(renderer, self, float(low[0]), float(low[1]), np.asarray(turned.convert("RGBA")))
+
+    def _sized(self, image: ImageView, length: float, width: float) -> Image.Image:
+        """Return the image not larger than on the canvas, with its opacity and a border of one clear pixel."""
+        rows, columns = image.pixels.shape[:2]
+        size = max(min(round(length), columns), 1), max(min(round(width), rows), 1)
+        key = (id(image.pixels), *size, image.alpha)
+        known = self._reduced.get(key)
+        if known is None:
+            source: Any = Image.fromarray(image.pixels).convert("RGBa").resize(size, Image.Resampling.HAMMING)
+            source = Image.fromarray(np.rint(np.asarray(source) * image.alpha).astype(np.uint8), "RGBa")
+            bordered = Image.new("RGBa", (size[0] + 2, size[1] + 2))
+            bordered.paste(source, (1, 1))
+            if len(self._reduced) >= REMEMBERED_SIZES:
+                self._reduced.pop(next(iter(self._reduced)))
+            known = self._reduced[key] = image.pixels, bordered  # the pixels are held, so that their id stays theirs
+        return known[1]
+
+
+class Fog(Artist):
+    """A soft cover over the cells that nobody has seen."""
+
+    def __init__(self, axes: Axes) -> None:
+        super().__init__()
+        self._axes = axes
+        self._views: Sequence[FogView] = ()
+
+    def update(self, views: Sequence[FogView]) -> None:  # type: ignore[override]
+        """Show these fogs."""
+        self._views = views
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw what the last update gave, as far as the axes show it."""
+        (left, right), (below, above) = self._axes.get_xlim(), self._axes.get_ylim()
+        for view in self._views:
+            x_min, y_min, x_max, y_max = view.extent
+            low = np.array([max(x_min, left), max(y_min, below)])
+            high = np.array([min(x_max, right), min(y_max, above)])
+            if (high > low).all():
+                self._draw_part(renderer, view, low, high)
+
+    def _draw_part(self, renderer: RendererBase, view: FogView, low: Floats, high: Floats) -> None:
+        """Draw the part of a fog between two corners [m]."""
+        first, last = self._axes.transData.transform([low, high])
+        cell = (np.array(view.extent[2:]) - view.extent[:2]) / view.covered.shape
+        start, end = (low - view.extent[:2]) / cell, (high - view.extent[:2]) / cell
+        if renderer.option_scale_image():
+            columns, rows = np.ceil(SMOOTH * (end - start)).astype(int).tolist()
+            turned = Affine2D().scale(*(last - first)).translate(*first)
+            _put(renderer, self, 0.0, 0.0, _cover(view, start, end, columns, rows), turned)
+        else:
+            first, last = np.rint(first), np.rint(last)
+            columns, rows = np.maximum(last - first, 1.0).astype(int).tolist()
+            _put(renderer, self, float(first[0]), float(first[1]), _cover(view, start, end, columns, rows))
+
+
+def _cover(view: FogView, start: Floats, end: Floats, columns: int, rows: int) -> Bytes:
+    """Return the part of a fog between two corners, counted in cells, as pixels with soft edges, row 0 at the top."""
+    mask = Image.fromarray(np.ascontiguousarray(view.covered.T, np.uint8) * np.uint8(round(255 * view.alpha)))
+    part = float(start[0]), float(start[1]), float(end[0]), float(end[1])
+    pixels = np.empty((rows, columns, 4), np.uint8)
+    pixels[...] = [*(round(255 * level) for level in to_rgb(view.colour)), 0]
+    pixels[..., 3] = np.asarray(mask.resize((columns, rows), Image.Resampling.BILINEAR, box=part))[::-1]
+    return pixels
+
+
+def _put(
+    renderer: RendererBase, artist: Artist, x: float, y: float, pixels: Bytes, transform: Affine2D | None = None
+) -> None:
+    """Draw pixels, row 0 at the top, with their lower left corner at x, y on the canvas, cut at the artist's box."""
+    context = renderer.new_gc()
+    context.set_clip_rectangle(artist.get_clip_box())
+    upwards = np.ascontiguousarray(pixels[::-1])
+    if transform is None:
+        renderer.draw_image(context, x, y, upwards)
+    else:
+        renderer.draw_image(context, x, y, upwards, transform)
+    context.restore()
