@@ -103,7 +103,9 @@ class Camera:
         ready, seen = self._ready(), self._simulation
         if isinstance(ready, Renderer):
             return ready
-        return Renderer(seen.scenario, seen.model, seen.state, seen.sensors, trails=ready.trails)
+        return Renderer(
+            seen.scenario, seen.model, seen.state, seen.sensors, trails=ready.trails, explored=seen.explored
+        )
 
     def _tell(self, trails: Trails) -> None:
         """Add what the track noted since the last picture."""

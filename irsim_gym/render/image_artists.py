@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.transforms import Affine2D
 from PIL import Image
 
-from irsim_gym.arraytypes import Bytes, Floats
+from irsim_gym.arraytypes import Bytes, Flags, Floats
 from irsim_gym.render.scene import BodyView, FogView, ImageView
 
 REMEMBERED_SIZES = 64
@@ -128,12 +128,20 @@ class Fog(Artist):
 
 def _cover(view: FogView, start: Floats, end: Floats, columns: int, rows: int) -> Bytes:
     """Return the part of a fog between two corners, counted in cells, as pixels with soft edges, row 0 at the top."""
-    mask = Image.fromarray(np.ascontiguousarray(view.covered.T, np.uint8) * np.uint8(round(255 * view.alpha)))
+    mask = Image.fromarray(np.rint(255.0 * view.alpha * _softened(view.covered).T).astype(np.uint8))
     part = float(start[0]), float(start[1]), float(end[0]), float(end[1])
     pixels = np.empty((rows, columns, 4), np.uint8)
     pixels[...] = [*(round(255 * level) for level in to_rgb(view.colour)), 0]
     pixels[..., 3] = np.asarray(mask.resize((columns, rows), Image.Resampling.BILINEAR, box=part))[::-1]
     return pixels
+
+
+def _softened(covered: Flags) -> Floats:
+    """Return how much each cell is covered: seen ones not at all, others by the share of the nine around them."""
+    columns, rows = covered.shape
+    padded = np.pad(covered, 1, mode="edge")
+    around = sum(padded[i : i + columns, j : j + rows].astype(np.float64) for i in range(3) for j in range(3))
+    return np.asarray(np.where(covered, around / 9.0, 0.0))
 
 
 def _put(
