@@ -72,7 +72,9 @@ class Program:
 
     def run(self, worlds: Ints) -> None:
         """Make all calls for the given worlds, shape ``(n,)``, contiguous."""
-        self.check(self._make_calls(self._entries, worlds, BLOCK))
+        failed = self._make_calls(self._entries, worlds, BLOCK)
+        if failed:
+            self.check(failed)
 
     def check(self, failed: int) -> None:
         """Raise an error if a call has failed; calls are counted from 1."""

@@ -43,11 +43,9 @@ class Fused:
 
     def __call__(self, shard: Shard) -> None:
         """Run the function for the shard's worlds."""
-        if not self.is_fusable:
-            self.function(shard)
-            return
-        self.prepare(shard.slot)
-        program = self._programs[shard.slot]
+        if shard.slot not in self._programs:
+            self.prepare(shard.slot)
+        program = self._programs.get(shard.slot) if self.is_fusable else None
         if program is None:
             self.function(shard)
         else:

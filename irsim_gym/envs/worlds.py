@@ -181,7 +181,8 @@ class Worlds:
 
     def observation_of(self, w: int, agent: int = 0) -> Observation:
         """Return a fresh copy of an agent's observation, in the space that all agents share."""
-        return self.layout.fresh(self.episodes.view, (w, agent))
+        seen = self.episodes.view
+        return seen.observation[w, agent].copy() if self.layout.plain else self.layout.fresh(seen, (w, agent))
 
     def observations_of(self, worlds: Ints, agent: int = 0) -> Sequence[Observation]:
         """Return ``observation_of`` for several worlds."""

@@ -232,7 +232,8 @@ class Episodes:
 
     def _take(self, given: NDArray[Any], worlds: Ints | None) -> None:
         """Check the actions, and copy them."""
-        kept, n_choices = self._given, self.n_discrete
+        kept = self._given
+        n_choices = self.n_discrete if kept.ndim == 2 else 0
         if given.shape != kept.shape:
             raise ValueError(f"actions must have shape {kept.shape}, got {given.shape}")
         if given.dtype.kind not in ("iu" if n_choices else "fiu"):
