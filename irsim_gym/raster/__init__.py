@@ -1,0 +1,1 @@
+"""Pictures as arrays: areas with smooth edges on kernels, without a drawing library."""

@@ -1,0 +1,226 @@
+"""Discs, rings, polygons and thick lines with smooth edges.
+
+The ``add_`` kernels put areas on a sheet, so that several become one, which is not darker where they overlap; the
+others paint one at once. See ``sheets`` for sheets, boxes and colours. What has a coordinate that is not a number, or
+is farther than ``FARTHEST`` pixels away, is not drawn.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
+from irsim_gym.jit import kernel
+from irsim_gym.raster.sheets import add_edge, paint
+
+FARTHEST = 1e6
+FINENESS = 21.0
+"""Corners of a polygon that stands for a circle with a radius of one pixel: it departs by less than 0.01 pixels."""
+MOST_CORNERS = 2000
+
+
+@kernel
+def is_near(points: Floats, first: int, count: int) -> bool:
+    """Return whether all of some points are numbers and not too far away [pixel]."""
+    near = True
+    for i in range(first, first + count):
+        near = near and abs(points[i, 0]) < FARTHEST and abs(points[i, 1]) < FARTHEST
+    return near
+
+
+@kernel
+def add_disc(sheet: Rays, box: Ints, x: float, y: float, radius: float, sign: float) -> None:
+    """Add a disc to a sheet, or with a negative sign take it away from one around it.
+
+    Args:
+        sheet: Where it is added.
+        box: Part of the picture that is drawn.
+        x: Its middle [pixel].
+        y: Its middle [pixel].
+        radius: Its radius [pixel].
+        sign: 1 or -1.
+    """
+    if not (abs(x) < FARTHEST and abs(y) < FARTHEST and 0.0 < radius < FARTHEST):
+        return
+    if x + radius < box[0] or x - radius > box[2] or y + radius < box[1] or y - radius > box[3]:
+        return
+    count = int(min(max(FINENESS * np.sqrt(radius), 12.0), MOST_CORNERS))
+    turn = 2.0 * np.pi / count
+    cosine, sine = np.cos(turn), np.sin(turn) * sign
+    across, down = radius * np.sqrt(turn / abs(sine)), 0.0  # as large an area as the circle's
+    for _ in range(count):
+        ax, ay = x + across, y + down
+        across, down = across * cosine - down * sine, across * sine + down * cosine
+        add_edge(sheet, box, ax, ay, x + across, y + down)
+
+
+@kernel
+def add_polygon(sheet: Rays, box: Ints, points: Floats, first: int, count: int) -> None:
+    """Add a polygon to a sheet; its last corner need not repeat the first one.
+
+    Args:
+        sheet: Where it is added.
+        box: Part of the picture that is drawn.
+        points: Corners [pixel], shape ``(n_points, 2)``.
+        first: Its first corner.
+        count: Number of its corners.
+    """
+    if count < 3 or not is_near(points, first, count):
+        return
+    last = first + count - 1
+    ax, ay = points[last, 0], points[last, 1]
+    for i in range(first, first + count):
+        bx, by = points[i, 0], points[i, 1]
+        add_edge(sheet, box, ax, ay, bx, by)
+        ax, ay = bx, by
+
+
+@kernel
+def add_line(
+    sheet: Rays, box: Ints, points: Floats, first: int, count: int, width: float, closed: bool, round_ends: bool
+) -> None:
+    """Add a thick line through points to a sheet; its corners are round.
+
+    Args:
+        sheet: Where it is added.
+        box: Part of the picture that is drawn.
+        points: Points on the way [pixel], shape ``(n_points, 2)``.
+        first: The first of its points.
+        count: Number of its points; a single one is a dot where the ends are round, else nothing.
+        width: Its width [pixel].
+        closed: It goes back to its first point.
+        round_ends: Its ends are round, not cut off.
+    """
+    if count < 1 or not width > 0.0 or not is_near(points, first, count):
+        return
+    half, end = 0.5 * width, first + count
+    at, ahead = first, _next_other(points, first, end)
+    if ahead < 0:
+        if round_ends:
+            add_disc(sheet, box, points[first, 0], points[first, 1], half, 1.0)
+        return
+    begin_x, begin_y, begin_size, x, y, size = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    while ahead >= 0:
+        last_x, last_y, last_size = x, y, size
+        x, y = points[ahead, 0] - points[at, 0], points[ahead, 1] - points[at, 1]
+        size = np.sqrt(x * x + y * y)
+        x, y = x / size, y / size
+        _add_sides(sheet, box, points[at, 0], points[at, 1], points[ahead, 0], points[ahead, 1], half * x, half * y)
+        if last_size > 0.0:
+            _add_join(sheet, box, points[at, 0], points[at, 1], last_x, last_y, x, y, half, min(last_size, size))
+        else:
+            begin_x, begin_y, begin_size = x, y, size
+        if ahead == first:
+            break
+        at, ahead = ahead, _next_other(points, ahead, end)
+        if ahead < 0 and closed and (points[at, 0] != points[first, 0] or points[at, 1] != points[first, 1]):
+            ahead = first
+    if closed:
+        _add_join(sheet, box, points[first, 0], points[first, 1], x, y, begin_x, begin_y, half, min(begin_size, size))
+        return
+    _add_end(sheet, box, points[first, 0], points[first, 1], -half * begin_x, -half * begin_y, round_ends)
+    _add_end(sheet, box, points[at, 0], points[at, 1], half * x, half * y, round_ends)
+
+
+@kernel
+def _next_other(points: Floats, at: int, end: int) -> int:
+    """Return the next point before ``end`` that differs from point number ``at``, -1 for none."""
+    for i in range(at + 1, end):
+        if points[i, 0] != points[at, 0] or points[i, 1] != points[at, 1]:
+            return i
+    return -1
+
+
+@kernel
+def _add_sides(sheet: Rays, box: Ints, ax: float, ay: float, bx: float, by: float, x: float, y: float) -> None:
+    """Add both sides of a line from a to b; x, y is half its width along its direction."""
+    add_edge(sheet, box, ax + y, ay - x, bx + y, by - x)
+    add_edge(sheet, box, bx - y, by + x, ax - y, ay + x)
+
+
+@kernel
+def _add_end(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, is_round: bool) -> None:
+    """Add the end of a line at p; x, y is half its width in the direction that leads out of it."""
+    if is_round:
+        _add_arc(sheet, box, px, py, y, -x, np.pi)
+    else:
+        add_edge(sheet, box, px + y, py - x, px - y, py + x)
+
+
+@kernel
+def _add_join(
+    sheet: Rays, box: Ints, px: float, py: float, ax: float, ay: float, bx: float, by: float, half: float, size: float
+) -> None:
+    """Add what joins the sides of a line at a corner p between the directions a and b.
+
+    Outside it is an arc. Inside it is a straight edge, which encloses the other way around what both parts of the line
+    cover, so that it counts once; where a part is shorter (``size``) than that, the inner sides meet in the corner.
+    """
+    cross, along = ax * by - ay * bx, ax * bx + ay * by
+    turn, meets = abs(np.arctan2(cross, along)), size * (1.0 + along) < half * abs(cross)
+    if cross > 0.0:
+        _add_arc(sheet, box, px, py, half * ay, -half * ax, turn)
+        ux, uy, vx, vy = -half * by, half * bx, -half * ay, half * ax
+    else:
+        _add_arc(sheet, box, px, py, -half * by, half * bx, turn)
+        ux, uy, vx, vy = half * ay, -half * ax, half * by, -half * bx
+    if meets:
+        add_edge(sheet, box, px + ux, py + uy, px, py)
+        add_edge(sheet, box, px, py, px + vx, py + vy)
+    else:
+        add_edge(sheet, box, px + ux, py + uy, px + vx, py + vy)
+
+
+@kernel
+def _add_arc(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, angle: float) -> None:
+    """Add the edges of an arc about p that begins at the offset x, y [pixel]."""
+    count = int(FINENESS * np.sqrt(np.sqrt(x * x + y * y)) * angle / (2.0 * np.pi)) + 1
+    cosine, sine = np.cos(angle / count), np.sin(angle / count)
+    for _ in range(count):
+        next_x, next_y = x * cosine - y * sine, x * sine + y * cosine
+        add_edge(sheet, box, px + x, py + y, px + next_x, py + next_y)
+        x, y = next_x, next_y
+
+
+@kernel
+def paint_disc(picture: Bytes, sheet: Rays, box: Ints, x: float, y: float, radius: float, colour: Floats) -> None:
+    """Paint a disc with its middle at x, y [pixel]; ``sheet`` is empty before and after."""
+    add_disc(sheet, box, x, y, radius, 1.0)
+    paint(picture, sheet, box, colour, False)
+
+
+@kernel
+def paint_ring(
+    picture: Bytes, sheet: Rays, box: Ints, x: float, y: float, radius: float, width: float, colour: Floats
+) -> None:
+    """Paint a circle as a line of a width, half of it on each side [pixel]; ``sheet`` is empty before and after."""
+    add_disc(sheet, box, x, y, radius + 0.5 * width, 1.0)
+    add_disc(sheet, box, x, y, radius - 0.5 * width, -1.0)
+    paint(picture, sheet, box, colour, False)
+
+
+@kernel
+def paint_polygon(
+    picture: Bytes, sheet: Rays, box: Ints, points: Floats, first: int, count: int, even_odd: bool, colour: Floats
+) -> None:
+    """Paint a polygon; see ``add_polygon`` for its corners and ``paint`` for the rule."""
+    add_polygon(sheet, box, points, first, count)
+    paint(picture, sheet, box, colour, even_odd)
+
+
+@kernel
+def paint_line(
+    picture: Bytes,
+    sheet: Rays,
+    box: Ints,
+    points: Floats,
+    first: int,
+    count: int,
+    width: float,
+    closed: bool,
+    round_ends: bool,
+    colour: Floats,
+) -> None:
+    """Paint a thick line through points; see ``add_line``."""
+    add_line(sheet, box, points, first, count, width, closed, round_ends)
+    paint(picture, sheet, box, colour, False)
