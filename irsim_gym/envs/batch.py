@@ -10,7 +10,8 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
+from irsim_gym.envs.pictures import render_warning
 from irsim_gym.envs.registration import scenario_behind
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
@@ -27,6 +28,7 @@ def make_batch(
     max_steps: int | None = None,
     num_threads: int = 1,
     render_mode: str | None = None,
+    render_backend: str = "matplotlib",
     autoreset: bool = True,
     respawn: bool = False,
     world_steps: int | None = None,
@@ -42,7 +44,8 @@ def make_batch(
             robots learn.
         max_steps: Time limit of an agent [steps]; None for the task's.
         num_threads: Threads that share the worlds.
-        render_mode: ``"rgb_array"`` or None.
+        render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``Batch.render``.
+        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         autoreset: A world whose agents have all ended begins its next level in the same step.
         respawn: An agent that has ended gets a new start and goal at once; its world goes on.
         world_steps: With ``respawn``, steps after which a world begins its next level; None for four time limits.
@@ -56,6 +59,7 @@ def make_batch(
         max_steps=max_steps,
         num_threads=num_threads,
         render_mode=render_mode,
+        render_backend=render_backend,
         team=True,
         parameters=parameters,
     )
@@ -149,6 +153,11 @@ class Batch:
         self._seen = worlds.episodes.view.percepts.each(np.zeros_like)
         self._returns: Floats = np.zeros(shape)
         self._age: Ints = np.zeros(self.n_worlds, np.int64)
+
+    @property
+    def render_mode(self) -> str | None:
+        """How the worlds are shown."""
+        return self.worlds.render_mode
 
     @property
     def live(self) -> Flags:
@@ -247,7 +256,7 @@ class Batch:
         return self.worlds.episodes.team_state()
 
     def close(self) -> None:
-        """Free the renderer; may be called twice."""
+        """Close the window and free the renderer; may be called twice."""
         self.worlds.close()
 
     def _begin_again(self, ended: Flags) -> Flags:
@@ -290,6 +299,15 @@ class Batch:
             state=self.state(),
             final_state=self.state(),
         )
+
+    def render(self) -> tuple[Bytes | list[Bytes] | None, ...] | None:
+        """Return what the render mode asks for: for each world what ``WorldEnv.render`` returns; None in a window."""
+        render_warning(self.render_mode)
+        return self.worlds.pictures.each()
+
+    def tiled(self, columns: int | None = None, worlds: Sequence[int] | None = None) -> Bytes:
+        """Return one fresh picture of several worlds side by side, see ``WorldVectorEnv.tiled``."""
+        return self.worlds.pictures.tiled(columns, worlds)
 
     def _open(self, began: Flags) -> None:
         """Open the books of agents that begin."""

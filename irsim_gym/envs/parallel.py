@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import gymnasium
 import numpy as np
 from gymnasium import Space
 from gymnasium.error import ResetNeeded
@@ -15,9 +14,10 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from irsim_gym.arraytypes import Bytes, Rays
+from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.registration import scenario_behind
 from irsim_gym.envs.spaces import Layout, Observation, action_space, observation_layout, observation_space
-from irsim_gym.envs.worlds import LEVELS, RENDER_MODES, ScenarioSource, TaskSource, Worlds
+from irsim_gym.envs.worlds import LEVELS, ScenarioSource, TaskSource, Worlds
 from irsim_gym.errors import UnknownNameError, suggestion
 
 Step = tuple[
@@ -33,6 +33,7 @@ def parallel_env(
     max_cycles: int | None = None,
     padded: bool = False,
     render_mode: str | None = None,
+    render_backend: str = "matplotlib",
     **parameters: Any,
 ) -> WorldParallelEnv:
     """Make the parallel environment of a scenario.
@@ -43,7 +44,8 @@ def parallel_env(
         max_steps: Time limit [steps]; None for the task's.
         max_cycles: The same under PettingZoo's name.
         padded: True gives all agents the same spaces, those of the richest one; see ``WorldParallelEnv``.
-        render_mode: ``"rgb_array"`` or None.
+        render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``WorldEnv.render``.
+        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         **parameters: Values of the scenario's own parameters.
 
     Raises:
@@ -56,6 +58,7 @@ def parallel_env(
         task=task,
         max_steps=max_cycles if max_steps is None else max_steps,
         render_mode=render_mode,
+        render_backend=render_backend,
         team=True,
         parameters=parameters,
     )
@@ -199,16 +202,19 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         state: Rays = self.worlds.episodes.team_state()[0]
         return state
 
-    def render(self) -> Bytes | None:
-        """Return a fresh picture ``(height, width, 3)``; None, with a warning, without a render mode."""
-        if self.render_mode is None:
-            gymnasium.logger.warn("render() was called but no render_mode was given: use render_mode='rgb_array'")
-        elif not self._begun:
+    def render(self) -> Bytes | list[Bytes] | None:
+        """Return what the render mode asks for, as ``WorldEnv.render`` does.
+
+        Raises:
+            ResetNeeded: No episode has begun.
+        """
+        render_warning(self.render_mode)
+        if self.render_mode is not None and not self._begun:
             raise ResetNeeded("no episode has begun: call reset() before render()")
-        return self.worlds.frame(0)
+        return self.worlds.pictures.of(0)
 
     def close(self) -> None:
-        """Free the renderer. May be called twice."""
+        """Close the window and free the renderer. May be called twice."""
         self.worlds.close()
 
     def _level(self, _: int) -> int:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.envs.registration import scenario_behind
-from irsim_gym.envs.sb3_base import NativeVecEnv, WorldView
+from irsim_gym.envs.sb3_base import NativeVecEnv, WorldView, checked_mode
 from irsim_gym.envs.sb3_buffers import (
     MaskedDictReplayBuffer,
     MaskedDictRolloutBuffer,
@@ -46,6 +46,7 @@ def make_vec_env(
     max_steps: int | None = None,
     num_threads: int = 1,
     render_mode: str | None = "rgb_array",
+    render_backend: str = "matplotlib",
     **parameters: Any,
 ) -> WorldVecEnv:
     """Make the worlds of a scenario for Stable-Baselines3.
@@ -57,7 +58,9 @@ def make_vec_env(
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
         num_threads: Threads that share the worlds.
-        render_mode: ``"rgb_array"`` or None; a frame is drawn only where ``render`` is called.
+        render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
+            ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
+        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         **parameters: Values for the scenario's parameters.
     """
     env = WorldVecEnv(
@@ -67,7 +70,8 @@ def make_vec_env(
             task=task,
             max_steps=max_steps,
             num_threads=num_threads,
-            render_mode=render_mode,
+            render_mode=checked_mode(render_mode),
+            render_backend=render_backend,
             parameters=parameters,
         )
     )

@@ -63,14 +63,29 @@ class NativeVecEnv(VecEnv):
         return list(map(dict.copy, repeat({}, self.num_envs)))
 
     def close(self) -> None:
-        """Free the renderer. May be called twice."""
+        """Close the window and free the renderer. May be called twice."""
         self.worlds.close()
+
+    def render(self, mode: str | None = None) -> Bytes | None:
+        """Return or show the worlds side by side.
+
+        Args:
+            mode: ``"rgb_array"`` returns a picture, ``"human"`` shows the worlds in a window, sixteen at most, not
+                faster than in real time; None does what the environment was made for. An environment that was made
+                for a window shows itself at each step.
+        """
+        if mode == "human" and self.render_mode == "rgb_array":
+            self.worlds.pictures.show()
+            return None
+        return super().render(mode)
 
     def get_images(self) -> Sequence[Bytes | None]:
         """Return a fresh picture of each world."""
-        if self.render_mode is None:
+        pictures = self.worlds.pictures
+        if pictures.mode is None:
             warnings.warn("the environment was made without a render mode: use render_mode='rgb_array'", stacklevel=2)
-        return [self.worlds.frame(w) for w in range(self.worlds.n_worlds)]
+            return [None] * self.worlds.n_worlds
+        return list(pictures.several(range(self.worlds.n_worlds)))
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
         """Return an attribute of the chosen slots; see ``WorldView``."""
@@ -97,6 +112,13 @@ class NativeVecEnv(VecEnv):
         return [self.views[slot] for slot in self._get_indices(indices)]
 
 
+def checked_mode(mode: str | None) -> str | None:
+    """Return a render mode, or raise a ValueError that lists those that Stable-Baselines3 knows."""
+    if mode not in (None, "rgb_array", "human"):
+        raise ValueError(f"render_mode must be None, 'rgb_array' or 'human' for Stable-Baselines3, got {mode!r}")
+    return mode
+
+
 class WorldView:
     """One world, or one agent of a world: what ``get_attr``, ``set_attr`` and ``env_method`` reach."""
 
@@ -108,7 +130,7 @@ class WorldView:
 
     @property
     def render_mode(self) -> str | None:
-        """``"rgb_array"`` or None."""
+        """``"rgb_array"``, ``"human"`` or None."""
         return self.worlds.render_mode
 
     @property
@@ -130,9 +152,9 @@ class WorldView:
         """Return what is known about the agent now."""
         return self.worlds.info_of(self.index, self.agent)
 
-    def render(self) -> Bytes | None:
-        """Return a fresh picture of the world."""
-        return self.worlds.frame(self.index)
+    def render(self) -> Any:
+        """Return a fresh picture of the world; None without a render mode, or with a window."""
+        return self.worlds.pictures.of(self.index)
 
     def has_wrapper_attr(self, name: str) -> bool:
         """Say whether there is such an attribute."""

@@ -19,7 +19,7 @@ from stable_baselines3.common.vec_env import VecEnv
 from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.envs.batch import Batch, BatchStep
 from irsim_gym.envs.registration import scenario_behind
-from irsim_gym.envs.sb3_base import NativeVecEnv, WorldView
+from irsim_gym.envs.sb3_base import NativeVecEnv, WorldView, checked_mode
 from irsim_gym.envs.sb3_buffers import (
     MaskedDictReplayBuffer,
     MaskedDictRolloutBuffer,
@@ -47,6 +47,7 @@ def make_multi_agent_vec_env(
     world_steps: int | None = None,
     num_threads: int = 1,
     render_mode: str | None = "rgb_array",
+    render_backend: str = "matplotlib",
     **parameters: Any,
 ) -> TeamVecEnv:
     """Make the worlds of a scenario for one policy that all its robots share.
@@ -62,7 +63,9 @@ def make_multi_agent_vec_env(
         max_steps: Time limit of a robot [steps]; None for the task's.
         world_steps: With ``"respawn"``, steps after which a world begins its next level; None for four time limits.
         num_threads: Threads that share the worlds.
-        render_mode: ``"rgb_array"`` or None; a frame is drawn only where ``render`` is called.
+        render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
+            ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
+        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
     """
     if mode not in MODES:
@@ -73,7 +76,8 @@ def make_multi_agent_vec_env(
         task=task,
         max_steps=max_steps,
         num_threads=num_threads,
-        render_mode=render_mode,
+        render_mode=checked_mode(render_mode),
+        render_backend=render_backend,
         team=True,
         parameters=parameters,
     )

@@ -9,8 +9,9 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 
 from irsim_gym.arraytypes import Bytes
+from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Observation
-from irsim_gym.envs.worlds import LEVELS, RENDER_MODES, ScenarioSource, TaskSource, Worlds
+from irsim_gym.envs.worlds import LEVELS, ScenarioSource, TaskSource, Worlds
 
 
 class WorldEnv(gymnasium.Env[Observation, Any]):
@@ -29,7 +30,8 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         scenario: Name of a shipped scenario, path of a YAML file, or plain data.
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
-        render_mode: ``"rgb_array"`` or None.
+        render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
+        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         **parameters: Values for the scenario's parameters.
     """
 
@@ -41,9 +43,17 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         task: TaskSource = None,
         max_steps: int | None = None,
         render_mode: str | None = None,
+        render_backend: str = "matplotlib",
         **parameters: Any,
     ) -> None:
-        self.worlds = Worlds(scenario, task=task, max_steps=max_steps, render_mode=render_mode, parameters=parameters)
+        self.worlds = Worlds(
+            scenario,
+            task=task,
+            max_steps=max_steps,
+            render_mode=render_mode,
+            render_backend=render_backend,
+            parameters=parameters,
+        )
         self.render_mode = render_mode
         self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": self.worlds.render_fps}
         self.observation_space = self.worlds.observation_space
@@ -81,12 +91,18 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         self._going = not (terminated or truncated)
         return worlds.observation_of(0), view.reward.item(0), terminated, truncated, worlds.infos.of(0)
 
-    def render(self) -> Bytes | None:
-        """Return a fresh picture ``(height, width, 3)``; None, with a warning, without a render mode."""
-        if self.render_mode is None:
-            gymnasium.logger.warn("render() was called but no render_mode was given: use render_mode='rgb_array'")
-        return self.worlds.frame(0)
+    def render(self) -> Bytes | list[Bytes] | None:  # type: ignore[override]
+        """Return what the render mode asks for.
+
+        Returns:
+            ``"rgb_array"``: a fresh picture of the present moment, uint8, ``(height, width, 3)``.
+            ``"rgb_array_list"``: the pictures since the last call or reset: one of the beginning, one each
+            ``sample_time``, one of the end. ``"human"``: None; ``reset`` and ``step`` show these same moments in a
+            window, not faster than in real time. Without a mode None, with a warning.
+        """
+        render_warning(self.render_mode)
+        return self.worlds.pictures.of(0)
 
     def close(self) -> None:
-        """Free the renderer. May be called twice."""
+        """Close the window and free the renderer. May be called twice."""
         self.worlds.close()

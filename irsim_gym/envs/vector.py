@@ -14,8 +14,9 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
+from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Observation
-from irsim_gym.envs.worlds import LEVELS, RENDER_MODES, ScenarioSource, TaskSource, Worlds
+from irsim_gym.envs.worlds import LEVELS, ScenarioSource, TaskSource, Worlds
 
 Step = tuple[Observation, Floats, Flags, Flags, dict[str, Any]]
 
@@ -35,7 +36,8 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         max_episode_steps: Another time limit, from ``make_vec``; the smaller one counts, None or -1 for none.
         autoreset_mode: An ``AutoresetMode`` or its value: ``"NextStep"``, ``"SameStep"``, ``"Disabled"``.
         num_threads: Threads that share the worlds.
-        render_mode: ``"rgb_array"`` or None.
+        render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
+        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         **parameters: Values for the scenario's parameters.
     """
 
@@ -55,6 +57,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         num_threads: int = 1,
         render_mode: str | None = None,
+        render_backend: str = "matplotlib",
         **parameters: Any,
     ) -> None:
         self.autoreset_mode = checked_autoreset(autoreset_mode)
@@ -66,6 +69,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
             outer_limit=max_episode_steps,
             num_threads=num_threads,
             render_mode=render_mode,
+            render_backend=render_backend,
             parameters=parameters,
         )
         self.worlds = worlds
@@ -141,6 +145,8 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         if going.size:
             self.worlds.step(rows, going)
         self.worlds.begin_next(restarted)
+        if self.render_mode == "human":
+            self.worlds.pictures.refresh()
         _, rewards, terminations, truncations, _ = step = self._transition()
         rewards[restarted] = 0.0
         terminations[restarted] = truncations[restarted] = self._ended[restarted] = False
@@ -175,14 +181,29 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         np.logical_or(terminations, truncations, out=self._ended)
         return self.worlds.observation(), rewards, terminations, truncations, self.worlds.infos.batched()
 
-    def render(self) -> tuple[Bytes | None, ...]:  # type: ignore[override]
-        """Return a fresh picture of each world; Nones, with a warning, without a render mode."""
-        if self.render_mode is None:
-            gymnasium.logger.warn("render() was called but no render_mode was given: use render_mode='rgb_array'")
-        return tuple(self.worlds.frame(w) for w in range(self.num_envs))
+    def render(self) -> tuple[Bytes | list[Bytes] | None, ...] | None:  # type: ignore[override]
+        """Return what the render mode asks for: for each world what ``WorldEnv.render`` returns.
+
+        With ``"human"`` that is None: ``reset`` and ``step`` show the worlds, sixteen at most, in one window.
+        """
+        render_warning(self.render_mode)
+        return self.worlds.pictures.each()
+
+    def tiled(self, columns: int | None = None, worlds: Sequence[int] | None = None) -> Bytes:
+        """Return one fresh picture of several worlds side by side, small enough for a screen.
+
+        Args:
+            columns: Worlds in a row; None for as many as show them largest.
+            worlds: Which; None for all.
+
+        Raises:
+            IrsimGymError: The environment was made without a render mode.
+            ValueError: No world, or one that is not there, or no columns.
+        """
+        return self.worlds.pictures.tiled(columns, worlds)
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Free the renderer."""
+        """Close the window and free the renderer."""
         self.worlds.close()
 
     @property  # type: ignore[misc]

@@ -4,29 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Bytes, Flags, Ints
+from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.engine import compile
 from irsim_gym.envs.infos import Infos
+from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
 from irsim_gym.errors import SeveralAgentsError, UnknownNameError, suggestion
 from irsim_gym.scenario import Scenario, load_scenario
-from irsim_gym.scenario.plot_spec import trailing
-from irsim_gym.tasks import Episodes, Outcome, load_task
+from irsim_gym.tasks import Episodes, load_task
 from irsim_gym.tasks.levels import check_split
-from irsim_gym.world.trails import Trails
-
-if TYPE_CHECKING:
-    from irsim_gym.render import WorldRenderer
 
 TaskSource = str | Path | Mapping[str, Any] | None
 ScenarioSource = str | Path | Mapping[str, Any] | Scenario
 LEVELS = 2**52
-RENDER_MODES = ["rgb_array"]
 FIRST_AGENTS = slice(None), 0
 
 
@@ -40,7 +35,8 @@ class Worlds:
         max_steps: Time limit [steps]; None for the task's.
         outer_limit: Another time limit [steps], which counts when it is smaller; None or -1 for none.
         num_threads: Threads that share the worlds.
-        render_mode: ``"rgb_array"`` or None; with it each step notes the poses of bodies whose paths are drawn.
+        render_mode: One of ``RENDER_MODES`` or None, see ``Pictures``; with it each step notes the poses of bodies
+            whose paths are drawn.
         render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         team: All robots learn, unless the task names some; else there has to be one learner.
         parameters: Values for the scenario's parameters; a loaded scenario has them already.
@@ -64,8 +60,6 @@ class Worlds:
         team: bool = False,
         parameters: Mapping[str, Any] | None = None,
     ) -> None:
-        if render_mode not in (None, *RENDER_MODES):
-            raise ValueError(f"render_mode must be None or one of {RENDER_MODES}, got {render_mode!r}")
         self.scenario = _loaded(scenario, parameters or {})
         self.task = load_task(self.scenario, task, max_steps, team=team)
         if outer_limit not in (None, -1) and outer_limit < self.task.max_steps:
@@ -80,23 +74,23 @@ class Worlds:
                 "sb3.make_multi_agent_vec_env, on the command line --team"
             )
         self.n_worlds = n_worlds
-        self.render_mode, self.render_backend = render_mode, render_backend
+        self.pictures = Pictures(self.scenario, self.episodes, render_mode, render_backend)
         self.observation_space = observation_space(self.episodes)
         self.action_space = action_space(self.episodes)
         self.layout = observation_layout(self.episodes)
         self.begun: Flags = np.zeros(n_worlds, np.bool_)
         self.agent_names = self.episodes.agent_names
         self._splits = ["train"] * n_worlds
-        self._renderer: WorldRenderer | None = None
-        self._trails: Trails | None = None
-        if render_mode is not None:
-            followed = trailing(self.scenario.bodies, self.simulation.agents.tolist())
-            self._trails = Trails(np.array(followed, np.int64), n_worlds)
+
+    @property
+    def render_mode(self) -> str | None:
+        """How worlds are shown, see ``Pictures``."""
+        return self.pictures.mode
 
     @property
     def render_fps(self) -> float:
         """Frames per second at which a film runs in real time."""
-        return 1.0 / self.scenario.world.step_time
+        return self.pictures.fps
 
     def limit(self, max_steps: int) -> None:
         """Set the time limit [steps], also for episodes under way."""
@@ -141,39 +135,22 @@ class Worlds:
         if following:
             self.episodes.begin_next(np.array(following, np.int64))
         self.begun[list(worlds)] = True
-        self._begin_trails(np.array(worlds, np.int64))
+        self.pictures.note_beginning(np.array(worlds, np.int64))
 
     def begin_next(self, worlds: Ints) -> None:
         """Begin the next level of the chain in worlds whose episodes have ended."""
         self.episodes.begin_next(worlds)
-        self._begin_trails(worlds)
+        self.pictures.note_beginning(worlds, at_once=False)
 
     def respawn(self, agents: Flags) -> None:
         """Let agents ``(n_worlds, n_agents)`` begin elsewhere in their running worlds, see ``Episodes.respawn``."""
         self.episodes.respawn(agents)
-        if self._trails is not None:
-            begun = np.zeros(self.simulation.model.present.shape, np.bool_)
-            begun[:, self.simulation.agents] = agents
-            self._trails.forget(begun)
-            self._note_trails(None)
+        self.pictures.note_respawn(agents)
 
     def step(self, actions: NDArray[Any], worlds: Ints | None = None) -> None:
-        """Advance the given worlds, or all, by one step, see ``Episodes.step``; with a render mode, note the paths."""
+        """Advance the given worlds, or all, by one step, see ``Episodes.step``; and show what the mode asks for."""
         self.episodes.step(actions, worlds)
-        self._note_trails(worlds)
-
-    def _begin_trails(self, worlds: Ints) -> None:
-        if self._trails is not None:
-            self._trails.clear(worlds)
-            self._note_trails(worlds)
-
-    def _note_trails(self, worlds: Ints | None) -> None:
-        if self._trails is not None:
-            state = self.simulation.state
-            if worlds is None:
-                self._trails.record(np.arange(self.n_worlds), state.step, state.pose)
-            else:
-                self._trails.record(worlds, state.step[worlds], state.pose[worlds])
+        self.pictures.note_step(worlds)
 
     def observation(self) -> Observation:
         """Return a fresh copy of the first agents' observations, ``(n_worlds, ...)`` or a dict of arrays."""
@@ -192,33 +169,9 @@ class Worlds:
         """Return what is known about an agent of a world, as Python numbers: a dict of its own at each call."""
         return self.infos.of(w, agent)
 
-    def frame(self, w: int) -> Bytes | None:
-        """Return a fresh picture of a world, ``(height, width, 3)``; None without a render mode."""
-        if self.render_mode is None:
-            return None
-        if self._renderer is None:
-            from irsim_gym.render import make_renderer
-
-            simulation = self.simulation
-            parts = simulation.model, simulation.state, simulation.sensors
-            self._renderer = make_renderer(
-                self.render_backend,
-                self.scenario,
-                *parts,
-                learners=simulation.agents.tolist(),
-                trails=self._trails,
-                explored=simulation.explored,
-            )
-        return self._renderer.frame(w, world_status(self.episodes, w))
-
     def close(self) -> None:
-        """Free the renderer; everything else is plain memory."""
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_renderer": None}
+        """Close the window and free the renderers; everything else is plain memory."""
+        self.pictures.close()
 
 
 def _loaded(scenario: ScenarioSource, parameters: Mapping[str, Any]) -> Scenario:
@@ -228,14 +181,6 @@ def _loaded(scenario: ScenarioSource, parameters: Mapping[str, Any]) -> Scenario
         names = ", ".join(f"'{name}'" for name in parameters)
         raise UnknownNameError(f"{names}: parameters are for load_scenario(); '{scenario.name}' is loaded already")
     return scenario
-
-
-def world_status(episodes: Episodes, w: int) -> str:
-    """Return how the episode of a world stands: running, the outcome of all its agents, or how many arrived."""
-    outcomes = episodes.view.infos["outcome"][w].tolist()
-    if Outcome.RUNNING in outcomes or len(set(outcomes)) == 1:
-        return Outcome.RUNNING.name.lower() if Outcome.RUNNING in outcomes else Outcome(outcomes[0]).name.lower()
-    return f"{outcomes.count(Outcome.SUCCESS)} of {len(outcomes)} arrived"
 
 
 def read_options(options: Mapping[str, Any]) -> tuple[str | None, int | None]:

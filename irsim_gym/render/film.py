@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,12 +9,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import theme
 from irsim_gym.render.layout import LEFT, REFERENCE_SIDE
+from irsim_gym.render.tiles import grid
 from irsim_gym.render.video import write_video
 
 CAPTION_HEIGHT = 34
@@ -88,25 +87,6 @@ class EpisodeFilm:
         return np.vstack([self._strips[key], frame])
 
 
-def grid(frames: Sequence[Bytes], columns: int | None = None) -> Bytes:
-    """Put frames side by side, in rows of ``columns`` (None: up to four).
-
-    Args:
-        frames: uint8, shape ``(height, width, 3)``; smaller ones are set at the top left of their cell.
-        columns: Frames in a row.
-    """
-    columns = min(columns or _columns(len(frames)), len(frames))
-    rows = math.ceil(len(frames) / columns)
-    height, width = (max(frame.shape[axis] for frame in frames) for axis in (0, 1))
-    picture = np.empty((rows * height, columns * width, 3), np.uint8)
-    picture[:] = np.round(np.multiply(to_rgb(theme.PAPER), 255.0))
-    for k, frame in enumerate(frames):
-        row, column = divmod(k, columns)
-        top, left = row * height, column * width
-        picture[top : top + frame.shape[0], left : left + frame.shape[1]] = frame
-    return picture
-
-
 def caption_strip(caption: str, width: int) -> Bytes:
     """Draw a caption on a strip, uint8, shape ``(height, width, 3)``; the height is even and grows with the width."""
     enlargement = max(width / REFERENCE_SIDE, 0.4)
@@ -119,8 +99,3 @@ def caption_strip(caption: str, width: int) -> Bytes:
     figure.text(left, 0.40, caption, va="center", parse_math=False, usetex=False, **look)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()
-
-
-def _columns(count: int) -> int:
-    """Return a number of columns that fills the rows evenly: at most four, two by two for four."""
-    return count if count <= 3 else math.ceil(count / math.ceil(count / 4)) if count != 4 else 2

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.envs.worlds import world_status
+from irsim_gym.envs.pictures import world_status
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.policy import Policy, by_agent
 from irsim_gym.tasks import Episodes, Outcome

@@ -253,7 +253,7 @@ def test_pictures_and_closing():
     assert one.dtype == np.uint8
     assert one.shape[2] == 3
     assert not np.shares_memory(one, two)
-    assert env.metadata["render_modes"] == ["rgb_array"]
+    assert env.metadata["render_modes"] == ["human", "rgb_array", "rgb_array_list"]
     assert env.metadata["render_fps"] == pytest.approx(10.0)
     assert env.metadata["is_parallelizable"] is True
     assert env.unwrapped is env
@@ -264,4 +264,4 @@ def test_pictures_and_closing():
     with pytest.warns(UserWarning, match="no render_mode"):
         assert silent.render() is None
     with pytest.raises(ValueError, match="render_mode"):
-        irsim_gym.parallel_env(four_ends(), render_mode="human")
+        irsim_gym.parallel_env(four_ends(), render_mode="nothing")

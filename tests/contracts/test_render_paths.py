@@ -29,11 +29,11 @@ def test_paths_of_a_batch_end_with_their_episodes() -> None:
         worlds.step(np.zeros((3, 1, 2)))
     worlds.begin_next(np.array([1]))
     worlds.step(np.zeros((3, 1, 2)), np.array([0, 1]))
-    trails = worlds._trails
+    trails = worlds.pictures.trails
     assert trails is not None
     assert [len(trails.poses(w, 0)) for w in range(3)] == [72, 2, 71]
     assert np.array_equal(trails.poses(1, 0)[-1], worlds.simulation.state.pose[1, trails.bodies[0]])
 
 
 def test_nothing_is_noted_without_a_render_mode() -> None:
-    assert Worlds("cluttered_room")._trails is None
+    assert Worlds("cluttered_room").pictures.trails is None

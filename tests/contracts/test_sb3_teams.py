@@ -301,7 +301,7 @@ def test_paths_of_respawned_robots_begin_where_they_begin():
     env.reset()
     for _ in range(ARRIVES + 2):
         env.step(np.zeros((3, 2), np.float32))
-    trails = env.worlds._trails
+    trails = env.worlds.pictures.trails
     assert [len(trails.poses(0, k)) for k in range(3)] == [3, 2, ARRIVES + 3]  # robot 1 began anew one step later
     np.testing.assert_allclose(trails.poses(0, 0)[:, 0], [1.0, 1.1, 1.2])
 

@@ -1,0 +1,97 @@
+"""A window that shows a simulation at the speed of life."""
+
+from __future__ import annotations
+
+import os
+import time
+import warnings
+from typing import TYPE_CHECKING, Any
+
+from irsim_gym.arraytypes import Bytes
+
+if TYPE_CHECKING:
+    from irsim_gym.render.window import Window
+
+
+class Screen:
+    """Shows pictures in a window that opens with the first one, and keeps each as long as it lasts in the world.
+
+    A person may close the window: whoever shows pictures goes on without it, and is warned once. A copy, and a
+    forked process, has no window yet and opens its own.
+
+    Args:
+        title: What stands above the window.
+    """
+
+    def __init__(self, title: str) -> None:
+        self.title = title
+        self._window: Window | None = None
+        self._shown_until = 0.0
+        self._process = 0
+        self._given_up = False
+        self._inherited: Window | None = None
+
+    @property
+    def is_wanted(self) -> bool:
+        """Nobody has closed the window."""
+        self._look_after()
+        return not self._given_up
+
+    @property
+    def window(self) -> Window | None:
+        """The window, once it is open."""
+        return self._window
+
+    def show(self, picture: Bytes, seconds: float = 0.0) -> None:
+        """Show a picture as soon as the one before has had its time.
+
+        Args:
+            picture: uint8, shape ``(height, width, 3)``.
+            seconds: Time in the world since the picture before [s].
+
+        Raises:
+            NoWindowError: There is no display, or no toolkit that works.
+        """
+        if not self.is_wanted:
+            return
+        if self._window is None:
+            from irsim_gym.render.window import Window
+
+            self._window = Window(picture.shape[1], picture.shape[0], self.title)
+            self._process = os.getpid()
+            self._shown_until = time.perf_counter()
+        else:
+            due = self._shown_until + seconds
+            self._window.wait(due - time.perf_counter())
+            late = time.perf_counter() - due
+            self._shown_until = due if late < seconds else due + late
+        self._window.show(picture)
+        self._look_after()
+
+    def refresh(self) -> None:
+        """Let come in what a person did to the window meanwhile."""
+        self._look_after()
+        if self._window is not None:
+            self._window.wait(0.0)
+            self._look_after()
+
+    def close(self) -> None:
+        """Close the window. A later picture opens a new one."""
+        self._look_after(warn=False)
+        if self._window is not None:
+            self._window.close()
+        self._window, self._given_up = None, False
+
+    def _look_after(self, *, warn: bool = True) -> None:
+        """Let go of a window that was closed, or that belongs to the process that this one was forked from."""
+        if self._window is None:
+            return
+        if self._process != os.getpid():
+            self._inherited, self._window = self._window, None  # kept: its end would be told to the parent's display
+        elif self._window.closed:
+            self._window, self._given_up = None, True
+            if warn:
+                warnings.warn("the window was closed: the environment goes on without one", stacklevel=2)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_window": None, "_inherited": None, "_given_up": False}

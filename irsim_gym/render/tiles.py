@@ -1,0 +1,70 @@
+"""Several pictures as one, side by side in rows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.render import theme
+
+SCREEN = (1600, 960)
+"""Width and height that tiles have to share when they are to fit on a screen [pixel]."""
+SMALLEST_TILE = 96
+
+
+def grid(frames: Sequence[Bytes], columns: int | None = None) -> Bytes:
+    """Put frames side by side, in rows of ``columns`` (None: up to four).
+
+    Args:
+        frames: uint8, shape ``(height, width, 3)``; smaller ones are set at the top left of their cell.
+        columns: Frames in a row.
+    """
+    columns = min(columns or few_columns(len(frames)), len(frames))
+    rows = math.ceil(len(frames) / columns)
+    height, width = (max(frame.shape[axis] for frame in frames) for axis in (0, 1))
+    picture = np.empty((rows * height, columns * width, 3), np.uint8)
+    picture[:] = [int(theme.PAPER[k : k + 2], 16) for k in (1, 3, 5)]
+    for k, frame in enumerate(frames):
+        row, column = divmod(k, columns)
+        top, left = row * height, column * width
+        picture[top : top + frame.shape[0], left : left + frame.shape[1]] = frame
+    return picture
+
+
+def few_columns(count: int) -> int:
+    """Return a number of columns that fills the rows evenly: at most four, two by two for four."""
+    return count if count <= 3 else math.ceil(count / math.ceil(count / 4)) if count != 4 else 2
+
+
+def fitting(
+    count: int, size: tuple[int, int], columns: int | None = None, room: tuple[int, int] = SCREEN
+) -> tuple[int, tuple[int, int]]:
+    """Return in how many columns, and how large, pictures fit best into a rectangle.
+
+    Args:
+        count: Number of pictures, at least one.
+        size: Width and height of a picture as it is [pixel]; it is never enlarged.
+        columns: A number of columns that has to be; None for the one that shows the pictures largest.
+        room: Width and height of the rectangle [pixel].
+
+    Returns:
+        Columns, and width and height of each picture [pixel]: even, and at least ``SMALLEST_TILE`` unless ``size`` is
+        smaller, even where that is more than the room.
+    """
+    width, height = size
+
+    def share(n: int) -> float:
+        return min(1.0, room[0] / (n * width), room[1] / (math.ceil(count / n) * height))
+
+    candidates = range(1, count + 1) if columns is None else [max(1, min(columns, count))]
+    best = max(candidates, key=lambda n: (share(n), -abs(n * width - math.ceil(count / n) * height)))
+    least = min(1.0, SMALLEST_TILE / min(width, height))
+    chosen = max(share(best), least)
+    return best, (_even(chosen * width), _even(chosen * height))
+
+
+def _even(length: float) -> int:
+    return max(2 * int(length / 2.0), 2)
