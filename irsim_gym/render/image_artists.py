@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -50,9 +49,7 @@ class Images(Artist):
         """Hand the image itself to a format that can turn it."""
         origin, (x, y) = corners[0], (corners[1] - corners[0], corners[3] - corners[0])
         turned = Affine2D(np.array([[x[0], y[0], origin[0]], [x[1], y[1], origin[1]], [0.0, 0.0, 1.0]]))
-        pixels = image.pixels.copy()
-        pixels[..., 3] = np.rint(pixels[..., 3] * image.alpha)
-        _put(renderer, self, 0.0, 0.0, pixels, turned)
+        _put(renderer, self, 0.0, 0.0, _faded(image), turned)
 
     def _draw_pixels(self, renderer: RendererBase, image: ImageView, corners: Floats) -> None:
         """Turn the image on a canvas of pixels."""
@@ -79,8 +76,7 @@ class Images(Artist):
         key = (id(image.pixels), *size, image.alpha)
         known = self._reduced.get(key)
         if known is None:
-            source: Any = Image.fromarray(image.pixels).convert("RGBa").resize(size, Image.Resampling.HAMMING)
-            source = Image.fromarray(np.rint(np.asarray(source) * image.alpha).astype(np.uint8), "RGBa")
+            source = Image.fromarray(_faded(image)).convert("RGBa").resize(size, Image.Resampling.HAMMING)
             bordered = Image.new("RGBa", (size[0] + 2, size[1] + 2))
             bordered.paste(source, (1, 1))
             if len(self._reduced) >= REMEMBERED_SIZES:
@@ -133,6 +129,13 @@ def _cover(view: FogView, start: Floats, end: Floats, columns: int, rows: int) -
     pixels = np.empty((rows, columns, 4), np.uint8)
     pixels[...] = [*(round(255 * level) for level in to_rgb(view.colour)), 0]
     pixels[..., 3] = np.asarray(mask.resize((columns, rows), Image.Resampling.BILINEAR, box=part))[::-1]
+    return pixels
+
+
+def _faded(image: ImageView) -> Bytes:
+    """Return the pixels of an image with its opacity in them."""
+    pixels = image.pixels.copy()
+    pixels[..., 3] = np.rint(pixels[..., 3] * image.alpha)
     return pixels
 
 
