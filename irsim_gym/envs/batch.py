@@ -11,7 +11,7 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
-from irsim_gym.envs.pictures import render_warning
+from irsim_gym.envs.pictures import ROOM, render_warning
 from irsim_gym.envs.registration import scenario_behind
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
@@ -305,9 +305,11 @@ class Batch:
         render_warning(self.render_mode)
         return self.worlds.pictures.each()
 
-    def tiled(self, columns: int | None = None, worlds: Sequence[int] | None = None) -> Bytes:
+    def tiled(
+        self, columns: int | None = None, worlds: Sequence[int] | None = None, room: tuple[int, int] = ROOM
+    ) -> Bytes:
         """Return one fresh picture of several worlds side by side, see ``WorldVectorEnv.tiled``."""
-        return self.worlds.pictures.tiled(columns, worlds)
+        return self.worlds.pictures.tiled(columns, worlds, room)
 
     def _open(self, began: Flags) -> None:
         """Open the books of agents that begin."""

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 RENDER_MODES = ("human", "rgb_array", "rgb_array_list")
 MOST_SHOWN = 16
 """How many worlds a window shows at most: the first ones."""
+ROOM = (1600, 1200)
+"""Width and height of a picture of several worlds at most [pixel]."""
 
 Size = tuple[int, int] | None
 
@@ -166,12 +168,15 @@ class Pictures:
         statuses = [world_status(self._episodes, w) for w in worlds]
         return tuple(frame.view(Picture) for frame in self._renderer(size).frames(worlds, statuses))
 
-    def tiled(self, columns: int | None = None, worlds: Sequence[int] | None = None) -> Bytes:
-        """Return one fresh picture of several worlds side by side, drawn small enough to fit on a screen.
+    def tiled(
+        self, columns: int | None = None, worlds: Sequence[int] | None = None, room: tuple[int, int] = ROOM
+    ) -> Bytes:
+        """Return one fresh picture of several worlds side by side, drawn small enough to fit into the room.
 
         Args:
-            columns: Worlds in a row; None for as many as show them largest.
+            columns: Worlds in a row; None for as many as show them large and leave few places empty.
             worlds: Which; None for all.
+            room: Most columns and rows of pixels.
 
         Raises:
             ValueError: No world, or one that is not there, or no columns.
@@ -185,7 +190,7 @@ class Pictures:
             raise ValueError(f"worlds must be numbers from 0 to {self._n_worlds - 1}, at least one, got {chosen}")
         if columns is not None and columns < 1:
             raise ValueError(f"columns must be at least 1, got {columns}")
-        in_a_row, size = self._tile(len(chosen), columns)
+        in_a_row, size = self._tile(len(chosen), columns, room)
         return grid(self.several(chosen, size), in_a_row).view(Picture)
 
     def show(self) -> None:
@@ -197,7 +202,7 @@ class Pictures:
     def refresh(self) -> None:
         """Draw worlds that have changed since they were shown, and show them."""
         from irsim_gym.render.screen import Screen
-        from irsim_gym.render.tiles import grid
+        from irsim_gym.render.tiles import SCREEN, grid
 
         if self._screen is None:
             self._screen = Screen(self._title())
@@ -205,7 +210,7 @@ class Pictures:
         if not self._screen.is_wanted:
             self._panels = [None] * len(self._panels)
         elif changed:
-            columns, size = self._tile(len(self._panels), None)
+            columns, size = self._tile(len(self._panels), None, SCREEN)
             for w, panel in zip(changed, self.several(changed, size), strict=True):
                 self._panels[w] = panel
             blank = np.full_like(panel, 255)
@@ -231,7 +236,7 @@ class Pictures:
         which = "" if self._n_worlds == 1 else f": {shown} of {self._n_worlds} worlds"
         return f"{self._scenario.name}{which}"
 
-    def _tile(self, count: int, columns: int | None) -> tuple[int, Size]:
+    def _tile(self, count: int, columns: int | None, room: tuple[int, int]) -> tuple[int, Size]:
         """Return columns and size of so many worlds side by side; None for the size of a picture by itself."""
         from irsim_gym.render.tiles import fitting
 
@@ -239,7 +244,7 @@ class Pictures:
         natural = layout.width, layout.height
         if count == 1:
             return 1, None
-        best, size = fitting(count, natural, columns)
+        best, size = fitting(count, natural, columns, room)
         return best, None if size == natural else size
 
     def _list(self, w: int) -> PictureList:

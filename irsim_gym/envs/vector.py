@@ -14,7 +14,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
-from irsim_gym.envs.pictures import RENDER_MODES, render_warning
+from irsim_gym.envs.pictures import RENDER_MODES, ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import LEVELS, ScenarioSource, TaskSource, Worlds
 
@@ -189,18 +189,21 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         render_warning(self.render_mode)
         return self.worlds.pictures.each()
 
-    def tiled(self, columns: int | None = None, worlds: Sequence[int] | None = None) -> Bytes:
-        """Return one fresh picture of several worlds side by side, small enough for a screen.
+    def tiled(
+        self, columns: int | None = None, worlds: Sequence[int] | None = None, room: tuple[int, int] = ROOM
+    ) -> Bytes:
+        """Return one fresh picture of several worlds side by side, drawn small enough to fit into the room.
 
         Args:
-            columns: Worlds in a row; None for as many as show them largest.
+            columns: Worlds in a row; None for as many as show them large and leave few places empty.
             worlds: Which; None for all.
+            room: Most columns and rows of pixels.
 
         Raises:
             IrsimGymError: The environment was made without a render mode.
             ValueError: No world, or one that is not there, or no columns.
         """
-        return self.worlds.pictures.tiled(columns, worlds)
+        return self.worlds.pictures.tiled(columns, worlds, room)
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the window and free the renderer."""

@@ -10,7 +10,7 @@ import numpy as np
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import theme
 
-SCREEN = (1600, 960)
+SCREEN = (1280, 760)
 """Width and height that tiles have to share when they are to fit on a screen [pixel]."""
 SMALLEST_TILE = 96
 
@@ -47,7 +47,8 @@ def fitting(
     Args:
         count: Number of pictures, at least one.
         size: Width and height of a picture as it is [pixel]; it is never enlarged.
-        columns: A number of columns that has to be; None for the one that shows the pictures largest.
+        columns: A number of columns that has to be; None for the one that shows the pictures large and leaves few
+            cells empty.
         room: Width and height of the rectangle [pixel].
 
     Returns:
@@ -59,8 +60,13 @@ def fitting(
     def share(n: int) -> float:
         return min(1.0, room[0] / (n * width), room[1] / (math.ceil(count / n) * height))
 
+    def quality(n: int) -> tuple[float, float]:
+        rows = math.ceil(count / n)
+        proportions = n * width / (rows * height) / (room[0] / room[1])
+        return round(share(n) * count / (n * rows), 6), -abs(math.log(proportions))
+
     candidates = range(1, count + 1) if columns is None else [max(1, min(columns, count))]
-    best = max(candidates, key=lambda n: (share(n), -abs(n * width - math.ceil(count / n) * height)))
+    best = max(candidates, key=quality)
     least = min(1.0, SMALLEST_TILE / min(width, height))
     chosen = max(share(best), least)
     return best, (_even(chosen * width), _even(chosen * height))
