@@ -32,7 +32,7 @@ ALLOWED: dict[str, set[str]] = {
     "replay": {"numba", "llvmlite", "jit", "atomics"},
     "rng": {"numba", "jit"},
     "geometry": {"jit"},
-    "world": set(),
+    "world": {"jit"},
     "scenario": {"pydantic", "pydantic_core", "yaml", "PIL"},
     "kinematics": KIND,
     "behaviors": KIND,

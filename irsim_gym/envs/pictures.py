@@ -61,6 +61,7 @@ class Pictures:
         self.mode, self.backend = mode, backend
         self._scenario, self._episodes = scenario, episodes
         self._n_worlds = n_worlds = episodes.n_worlds
+        self._every = np.arange(n_worlds)
         self.trails: Trails | None = None
         if mode is not None:
             followed = trailing(scenario.bodies, episodes.simulation.agents.tolist())
@@ -129,7 +130,7 @@ class Pictures:
         assert self.trails is not None
         state = self._episodes.simulation.state
         if worlds is None:
-            self.trails.record(np.arange(self._n_worlds), state.step, state.pose)
+            self.trails.record(self._every, state.step, state.pose)
         else:
             self.trails.record(worlds, state.step[worlds], state.pose[worlds])
 

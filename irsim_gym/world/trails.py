@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.jit import kernel
 
 LONGEST = 4096
 FIRST_LENGTH = 64
@@ -37,13 +38,10 @@ class Trails:
         """
         if not len(self.bodies):
             return
-        self.clear(worlds[steps < self._latest[worlds]])
-        highest = int(steps.max())
-        if highest >= self._noted.shape[1] < LONGEST:
-            self._grow(highest)
-        slots = steps % self._noted.shape[1]
-        self._noted[worlds, slots] = self._latest[worlds] = steps
-        self._poses[worlds, slots] = poses[:, self.bodies]
+        beyond = note(worlds, self.bodies, steps, poses, LONGEST, self._noted, self._latest, self._poses)
+        if beyond >= 0:
+            self._grow(beyond)
+            note(worlds, self.bodies, steps, poses, LONGEST, self._noted, self._latest, self._poses)
 
     def _grow(self, step: int) -> None:
         """Make room for a step; steps keep their places, since none has come round to the beginning yet."""
@@ -89,3 +87,30 @@ class Trails:
         chosen = slice(None) if worlds is None else worlds
         self._noted[chosen] = -1
         self._latest[chosen] = -1
+
+
+@kernel
+def note(
+    worlds: Ints, bodies: Ints, steps: Ints, poses: Floats, longest: int, noted: Ints, latest: Ints, table: Floats
+) -> int:
+    """Write where bodies are, unless the table is too short and may still grow.
+
+    Returns:
+        The highest step that there is no room for, and nothing is written; -1 if all is.
+    """
+    length, highest = noted.shape[1], -1
+    for i in range(worlds.shape[0]):
+        highest = max(highest, steps[i])
+    if highest >= length and length < longest:
+        return highest
+    for i in range(worlds.shape[0]):
+        w, step = worlds[i], steps[i]
+        if step < latest[w]:
+            for slot in range(length):
+                noted[w, slot] = -1
+        slot = step % length
+        noted[w, slot] = latest[w] = step
+        for k in range(bodies.shape[0]):
+            for c in range(3):
+                table[w, slot, k, c] = poses[i, bodies[k], c]
+    return -1
