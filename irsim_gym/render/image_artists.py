@@ -140,11 +140,11 @@ def _faded(image: ImageView) -> Bytes:
 
 
 def _softened(covered: Flags) -> Floats:
-    """Return how much each cell is covered: seen ones not at all, others by the share of the nine around them."""
+    """Return how much each cell is covered: seen ones not at all, others less where their neighbours have been seen."""
     columns, rows = covered.shape
     padded = np.pad(covered, 1, mode="edge")
     around = sum(padded[i : i + columns, j : j + rows].astype(np.float64) for i in range(3) for j in range(3))
-    return np.asarray(np.where(covered, around / 9.0, 0.0))
+    return np.asarray(np.where(covered, 0.5 + around / 18.0, 0.0))
 
 
 def _put(

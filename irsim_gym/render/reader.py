@@ -174,7 +174,7 @@ class SceneReader:
             return None
         x_min, y_min, x_max, y_max = extent
         corners = np.array([[x_min, y_min], [x_max, y_min], [x_max, y_max], [x_min, y_max]])
-        return ImageView(pixels, placed(corners, self._state.pose[world, body]), self._styles[body].alpha)
+        return ImageView(pixels, placed(corners, self._state.pose[world, body]), self._styles[body].image_alpha)
 
     def _heading(self, world: int, body: int, segment_rows: slice, disc_rows: slice) -> Floats:
         model, style, pose = self._model, self._styles[body], self._state.pose[world, body]
@@ -343,7 +343,7 @@ def _labels(bodies: Sequence[BodyView], goals: Sequence[GoalView]) -> tuple[Labe
         if view.style.label
     ]
     below = [
-        LabelView(view.x, view.y - view.tolerance, view.style.goal_label, view.style)
+        LabelView(view.x, view.y, view.style.goal_label, view.style, view.y - view.tolerance)  # its own flag is there
         for view in goals
         if view.style.goal_label
     ]

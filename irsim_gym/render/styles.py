@@ -11,6 +11,9 @@ from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD
 
 GROUND, TOP = 1.0, 1e9
 """Layers: that of obstacles, and that of what covers everything."""
+ARROW = "gold"
+"""Colour of arrows, which reach beyond their footprint, where the scenario gives none."""
+CLEAR = "none"
 LINESTYLES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
 
 
@@ -18,11 +21,14 @@ LINESTYLES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
 class BodyStyle:
     """How one body is drawn; lengths in points of the figure unless they say [m].
 
+    Colours that come with an opacity have theirs in it; an edge's may be ``"none"``.
+
     Attributes:
         colour: Its fill, and the colour of its line when it is a curve.
         edge_colour: Colour of its edge; None for a darker shade of the fill.
         filled: Its area is filled.
         alpha: Its opacity.
+        image_alpha: Opacity of its image.
         line_width: Width of its edge.
         wall_width: Width of its line when it is a curve.
         line_style: Style of its edge.
@@ -66,6 +72,7 @@ class BodyStyle:
     edge_colour: str | None = None
     filled: bool = True
     alpha: float = 1.0
+    image_alpha: float = 1.0
     line_width: float = 1.0
     wall_width: float = 2.2
     line_style: str = "solid"
@@ -157,47 +164,54 @@ class ScanStyle:
 def body_style(body: Any, *, learner: bool = False) -> BodyStyle:
     """Return how a body of the scenario (``BodySpec``) is drawn; a learner shows its goal and trajectory unasked."""
     plot, robot = body.plot, body.role == "robot"
-    colour = str(body.color if plot.obj_color is None else plot.obj_color)
-    label = _short_name(body.name, robot)
+    own = str(body.color if plot.obj_color is None else plot.obj_color)
+    label, arrow = _short_name(body.name, robot), _arrow(plot)
     band = plot.traj_width is not None
+    colour, alpha = _faded(own, plot.obj_alpha)
+    goal_colour, goal_alpha = _faded(_or(plot.goal_color, own), plot.goal_alpha)
+    arrow_colour, arrow_alpha = _faded(_or(plot.arrow_color, ARROW if arrow else theme.HEADING), plot.arrow_alpha)
+    path_colour, path_alpha = _faded(_or(plot.traj_color, own), _or(plot.traj_alpha, 0.5 if band else 0.85))
+    field_colour, field_alpha = _faded(plot.fov_color, plot.fov_alpha)
+    label_colour, label_alpha = _faded(plot.text_color, plot.text_alpha)
     return BodyStyle(
         colour=colour,
-        alpha=plot.obj_alpha,
+        alpha=alpha,
+        image_alpha=plot.obj_alpha,
         line_width=_or(plot.obj_linewidth, 1.0),
         wall_width=_or(plot.obj_linewidth, 2.2),
         line_style=_line_style(plot.obj_linestyle),
         order=float(_or(plot.obj_zorder, 3 if robot else 1)),
         show_goal=_or(plot.show_goal, learner),
-        goal_colour=_or(plot.goal_color, colour),
-        goal_alpha=plot.goal_alpha,
+        goal_colour=goal_colour,
+        goal_alpha=goal_alpha,
         goal_order=_or(plot.goal_zorder, GROUND),
         show_arrow=_or(plot.show_arrow, not body.static and not is_omni(body) and body.description is None),
-        arrow=_arrow(plot),
-        arrow_colour=plot.arrow_color,
-        arrow_alpha=plot.arrow_alpha,
+        arrow=arrow,
+        arrow_colour=arrow_colour,
+        arrow_alpha=arrow_alpha,
         arrow_order=plot.arrow_zorder,
         show_trajectory=_or(plot.show_trajectory, learner),
-        trajectory_colour=_or(plot.traj_color, colour),
+        trajectory_colour=path_colour,
         trajectory_style=_line_style(plot.traj_style),
         trajectory_width=plot.traj_width,
-        trajectory_alpha=_or(plot.traj_alpha, 0.5 if band else 0.85),
+        trajectory_alpha=path_alpha,
         trajectory_length=plot.keep_traj_length,
         trajectory_order=_or(plot.traj_zorder, GROUND),
-        ghost=_ghost(plot, colour) if plot.show_trail else None,
+        ghost=_ghost(plot, own) if plot.show_trail else None,
         ghost_shape=plot.trail_type,
         ghost_every=plot.trail_freq,
         ghost_length=plot.keep_trail_length,
         show_sensor=plot.show_sensor,
         show_field=plot.show_fov,
-        field_colour=plot.fov_color,
+        field_colour=field_colour,
         field_edge_colour=plot.fov_edge_color,
-        field_alpha=plot.fov_alpha,
+        field_alpha=field_alpha,
         field_order=_or(plot.fov_zorder, GROUND),
         label=label if plot.show_text else "",
         goal_label=label if plot.show_goal_text else "",
-        label_colour=plot.text_color,
+        label_colour=label_colour,
         label_size=plot.text_size,
-        label_alpha=plot.text_alpha,
+        label_alpha=label_alpha,
         label_offset=plot.text_position,
         label_order=_or(plot.text_zorder, TOP),
     )
@@ -219,10 +233,10 @@ def field_of_view(body: Any) -> tuple[float, float] | None:
 def scan_style(sensor: Any) -> ScanStyle:
     """Return how a sensor's scan (its options) is drawn; what stands under ``plot`` wins."""
     plot: Any = getattr(sensor, "plot", None)
-    colour = _or(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
+    own = _or(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
     alpha = _or(getattr(plot, "alpha", None), getattr(sensor, "alpha", 0.3))
     if not hasattr(plot, "velocity_color"):
-        return ScanStyle(colour, alpha)
+        return ScanStyle(*_faded(own, alpha))
     velocity = VelocityStyle(
         coloured=plot.velocity_color,
         rest_colour=plot.zero_velocity_color,
@@ -237,7 +251,7 @@ def scan_style(sensor: Any) -> ScanStyle:
         mark_edge_colour=plot.velocity_marker_edge_color,
         mark_edge_width=plot.velocity_marker_edge_width,
     )
-    return ScanStyle(colour, _or(alpha, 1.0 if plot.velocity_color else 0.3), velocity)
+    return ScanStyle(*_faded(own, _or(alpha, 1.0 if plot.velocity_color else 0.3)), velocity)
 
 
 def _or(value: Any, otherwise: Any) -> Any:
@@ -252,17 +266,29 @@ def _arrow(plot: Any) -> tuple[float, float] | None:
     return _or(plot.arrow_length, 0.4), _or(plot.arrow_width, 0.6)
 
 
-def _ghost(plot: Any, colour: str) -> BodyStyle:
+def _ghost(plot: Any, own: str) -> BodyStyle:
     """Return how the outlines look that a body leaves behind."""
+    edge, edge_alpha = _faded(_or(plot.trail_edgecolor, own), plot.trail_alpha)
+    fill, fill_alpha = _faded(_or(plot.trail_color, own), plot.trail_alpha)
     return BodyStyle(
-        colour=_or(plot.trail_color, colour),
-        edge_colour=_or(plot.trail_edgecolor, colour),
+        colour=fill,
+        edge_colour=CLEAR if edge_alpha == 0.0 else edge,
         filled=plot.trail_fill,
-        alpha=plot.trail_alpha,
+        alpha=fill_alpha if plot.trail_fill else edge_alpha,
         line_width=plot.trail_linewidth,
         wall_width=plot.trail_linewidth,
         order=_or(plot.trail_zorder, GROUND),
     )
+
+
+def _faded(colour: str, alpha: float) -> tuple[str, float]:
+    """Return a colour without the opacity that it may have of its own, and both opacities together."""
+    if colour.lower() == CLEAR:
+        return "#000000", 0.0
+    if colour.startswith("#") and len(colour) in (5, 9):
+        digits = 1 if len(colour) == 5 else 2
+        return colour[:-digits], alpha * int(colour[-digits:], 16) / (16**digits - 1)
+    return colour, alpha
 
 
 def _line_style(name: str) -> str:

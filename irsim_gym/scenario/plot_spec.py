@@ -86,7 +86,9 @@ class ObjectPlot:
         meaning="Mark where the body heads, by default for bodies that move and can turn: inside the footprint, "
         "as an arrow where arrow_length or arrow_width is given.",
     )
-    arrow_color: str = option("#FFFFFF", meaning="Colour of the arrow.")
+    arrow_color: str | None = option(
+        None, meaning="Colour of the arrow; by default white inside the footprint, gold where it has a size of its own."
+    )
     arrow_length: float | None = option(
         None, ge=0.0, unit="m", meaning="Length of the arrow; by default 0.4 where arrow_width is given."
     )
