@@ -9,6 +9,7 @@ from irsim_gym.tasks.observations.goal_record import GoalRecord
 from irsim_gym.tasks.observations.last_action import LastAction
 from irsim_gym.tasks.observations.nearest_bodies import NearestBodies
 from irsim_gym.tasks.observations.neighbors import Neighbors
+from irsim_gym.tasks.observations.occupancy_image import OccupancyImage
 from irsim_gym.tasks.observations.past_scans import PastScans
 from irsim_gym.tasks.observations.scan import Scan
 from irsim_gym.tasks.observations.trail import Trail
@@ -26,3 +27,4 @@ OBSERVATIONS.register("nearest_bodies", NearestBodies)
 OBSERVATIONS.register("neighbors", Neighbors)
 OBSERVATIONS.register("goal_record", GoalRecord)
 OBSERVATIONS.register("trail", Trail)
+OBSERVATIONS.register("occupancy_image", OccupancyImage)

@@ -1,0 +1,230 @@
+"""Occupancy image: what stands around the agent, as a picture."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.raster.areas import add_disc
+from irsim_gym.raster.sheets import paint
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.observations.painting import (
+    Sights,
+    add_body,
+    add_cells,
+    add_outside,
+    clear,
+    column_of,
+    painters,
+    row_of,
+    sights,
+    view_from,
+)
+from irsim_gym.tasks.observations.scan_painting import paint_scan, scan_tables
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import ROBOT, WorldModel
+from irsim_gym.world.state import WorldState
+
+LEAST_GOAL = 1.5
+"""Least radius of the goal's disc [pixel]."""
+
+
+@kind
+class OccupancyImage:
+    """A square picture with the agent in its middle: 0 where it is free, 255 where something stands, smooth between.
+
+    It is uint8 ``(pixels, pixels, n_channels)``. The first channel shows what is occupied, or, with ``from_scan``, what
+    the lidar's latest scan knows: 0 free, 255 hit, 127 not seen. ``robots`` adds a channel for other robots alone,
+    ``goal`` one with a disc where the goal is, at the border where it lies beyond.
+    """
+
+    only_kernels: ClassVar[bool] = True
+
+    pixels: int = option(64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 wants 36.")
+    metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of what is shown.")
+    rotated: bool = option(True, meaning="The agent's heading points up; else the world's y axis does.")
+    bodies: bool = option(True, meaning="Show other bodies.")
+    map: bool = option(True, meaning="Show the occupied cells of an obstacle map.")
+    edge: bool = option(True, meaning="What is outside of the world counts as occupied.")
+    robots: bool = option(False, meaning="Show other robots in a channel of their own, and not in the first.")
+    goal: bool = option(True, meaning="Show the next goal in a channel of its own, the last one.")
+    from_scan: bool = option(False, meaning="Show what the range sensor has just seen, in place of what is there.")
+    without_sensor: str = option(
+        "", meaning="With from_scan: observation in place of this one, with its defaults, where there is no sensor."
+    )
+
+    @property
+    def needs_goal(self) -> bool:
+        """It needs a goal where it shows one."""
+        return self.goal
+
+    @property
+    def needs_scan(self) -> bool:
+        """It needs a range sensor where it shows a scan."""
+        return self.from_scan
+
+    @property
+    def image_shape(self) -> tuple[int, int, int]:
+        """Height and width [pixels] and number of channels."""
+        return self.pixels, self.pixels, 1 + self.robots + self.goal
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return what is painted with, and the scans where they are shown."""
+        tables = scan_tables(simulation, agents, "occupancy_image") if self.from_scan else {}
+        return {**painters(simulation, self.pixels, self.pixels), **tables, "white": np.array([255.0, 1.0])}
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Paint the picture."""
+        options, table, seen = term.options, term.arrays, sights(model, state)
+        sheet, scale = table["sheets"][shard.slot], options.pixels / options.metres
+        tools = table["box"], table["white"], sheet
+        camera = shard.worlds, term.agents, options.rotated, scale, state.pose
+        if options.from_scan:
+            beams = table["members"], table["mount"], table["beams"], table["spread"], table["far"], table["ranges"]
+            paint_scan(*camera, *beams, table["free"], *tools, term.image)
+        else:
+            drawn = options.bodies, options.edge, options.robots
+            cells = model.cells if options.map else None
+            paint_occupied(*camera, *drawn, model.bounds, cells, seen, *tools, term.image)
+        if options.robots:
+            paint_robots(*camera, seen, *tools, term.image)
+        if options.goal:
+            paint_goal(*camera, model.has_goal, model.goal_threshold, state.goal, *tools, term.image)
+
+
+@kernel
+def paint_occupied(
+    worlds: Ints,
+    agents: Ints,
+    rotated: bool,
+    scale: float,
+    pose: Floats,
+    with_bodies: bool,
+    with_edge: bool,
+    without_robots: bool,
+    bounds: Floats,
+    cells: CellMap | None,
+    seen: Sights,
+    box: Ints,
+    white: Floats,
+    sheet: Rays,
+    image: Bytes,
+) -> None:
+    """Clear the pictures, and paint what is occupied into their first channel.
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent.
+        rotated: See ``OccupancyImage``.
+        scale: Pixels per metre.
+        pose: Poses of the bodies.
+        with_bodies: Paint them.
+        with_edge: Paint what is outside of the world.
+        without_robots: Leave robots out.
+        bounds: The world's rectangle [m].
+        cells: The map, or None.
+        seen: What can be seen.
+        box: The whole picture.
+        white: Value and opacity of what is painted.
+        sheet: Empty before and after.
+        image: Written, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            picture, own = image[w, a], agents[a]
+            clear(picture, 0)
+            view = view_from(pose[w, own], rotated, scale, picture.shape[0])
+            if with_bodies:
+                for b in range(seen.role.shape[0]):
+                    is_left_out = b == own or seen.unobstructed[b] or (without_robots and seen.role[b] == ROBOT)
+                    if seen.present[w, b] and not is_left_out:
+                        add_body(sheet, box, view, seen, w, b)
+            if with_edge:
+                add_outside(sheet, box, view, bounds)
+            add_cells(sheet, box, view, cells)
+            paint(picture[:, :, :1], sheet, box, white, False)
+
+
+@kernel
+def paint_robots(
+    worlds: Ints,
+    agents: Ints,
+    rotated: bool,
+    scale: float,
+    pose: Floats,
+    seen: Sights,
+    box: Ints,
+    white: Floats,
+    sheet: Rays,
+    image: Bytes,
+) -> None:
+    """Paint other robots into the second channel; see ``paint_occupied``."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            picture, own = image[w, a], agents[a]
+            view = view_from(pose[w, own], rotated, scale, picture.shape[0])
+            for b in range(seen.role.shape[0]):
+                is_shown = b != own and seen.role[b] == ROBOT and not seen.unobstructed[b]
+                if is_shown and seen.present[w, b]:
+                    add_body(sheet, box, view, seen, w, b)
+            paint(picture[:, :, 1:2], sheet, box, white, False)
+
+
+@kernel
+def paint_goal(
+    worlds: Ints,
+    agents: Ints,
+    rotated: bool,
+    scale: float,
+    pose: Floats,
+    has_goal: Flags,
+    threshold: Floats,
+    goal: Floats,
+    box: Ints,
+    white: Floats,
+    sheet: Rays,
+    image: Bytes,
+) -> None:
+    """Paint the goal into the last channel; see ``paint_occupied``.
+
+    Its disc has the radius under which it is reached, at least ``LEAST_GOAL``. Where it would not be all in the picture
+    it touches the border, in the goal's direction.
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent.
+        rotated: See ``OccupancyImage``.
+        scale: Pixels per metre.
+        pose: Poses of the bodies.
+        has_goal: Whether there is a goal, ``(n_bodies,)``.
+        threshold: Distance under which it is reached [m].
+        goal: The goals that are next.
+        box: The whole picture.
+        white: Value and opacity of what is painted.
+        sheet: Empty before and after.
+        image: Written, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            picture, own = image[w, a], agents[a]
+            if not has_goal[own]:
+                continue
+            view, half = view_from(pose[w, own], rotated, scale, picture.shape[0]), 0.5 * picture.shape[0]
+            x, y = goal[w, own, 0], goal[w, own, 1]
+            aside, below = column_of(view, x, y) - half, row_of(view, x, y) - half
+            radius = max(threshold[min(w, threshold.shape[0] - 1), own] * scale, LEAST_GOAL)
+            away = max(np.abs(aside), np.abs(below))
+            share = max(half - radius, 0.0) / away if away > half - radius else 1.0
+            add_disc(sheet, box, half + share * aside, half + share * below, radius, 1.0)
+            last = picture.shape[2] - 1
+            paint(picture[:, :, last:], sheet, box, white, False)

@@ -1,0 +1,166 @@
+"""What pictures that agents observe have in common: where a camera looks, and what it can see.
+
+A *view* is seven numbers, ``(x, y, up_x, up_y, scale, middle_x, middle_y)``: a place x, y [m], the unit vector that
+points up in the picture, pixels per metre, and the pixel at which the place is shown. Pixels count from the upper left
+corner, x to the right and y down, as in ``raster``.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays
+from irsim_gym.engine import Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.raster.areas import add_disc
+from irsim_gym.raster.sheets import add_edge, new_sheet
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+View = tuple[float, float, float, float, float, float, float]
+LINE = 1.5
+"""Thickness of what has none, such as a wall that is a line [pixel]."""
+
+
+class Sights(NamedTuple):
+    """The arrays of all worlds that say what can be seen: those of ``WorldModel``, then ``WorldState``'s."""
+
+    role: Ints
+    unobstructed: Flags
+    solid: Flags
+    present: Flags
+    reach: Floats
+    segment_start: Ints
+    segment_count: Ints
+    disc_start: Ints
+    disc_count: Ints
+    pose: Floats
+    segments: Floats
+    discs: Floats
+
+
+def sights(model: WorldModel, state: WorldState) -> Sights:
+    """Return what can be seen."""
+    of_model, of_state = Sights._fields[:9], Sights._fields[9:]
+    return Sights(*(getattr(model, name) for name in of_model), *(getattr(state, name) for name in of_state))
+
+
+def painters(simulation: Simulation, height: int, width: int) -> dict[str, NDArray[Any]]:
+    """Return what a picture is painted with: the box of all of it, and a sheet for each slot."""
+    sheets = np.stack([new_sheet(height, width)] * simulation.shards.n_slots)
+    return {"box": np.array([0, 0, width, height], np.int64), "sheets": sheets}
+
+
+@kernel(inlined=True)
+def view_from(pose: Floats, rotated: bool, scale: float, pixels: int) -> View:
+    """Return the view of an agent at a pose, whose heading points up where ``rotated``."""
+    up_x, up_y = (np.cos(pose[2]), np.sin(pose[2])) if rotated else (0.0, 1.0)
+    return pose[0], pose[1], up_x, up_y, scale, 0.5 * pixels, 0.5 * pixels
+
+
+@kernel(inlined=True)
+def clear(picture: Bytes, value: int) -> None:
+    """Fill all channels of a picture."""
+    for row in range(picture.shape[0]):
+        for column in range(picture.shape[1]):
+            for channel in range(picture.shape[2]):
+                picture[row, column, channel] = value
+
+
+@kernel(inlined=True)
+def column_of(view: View, x: float, y: float) -> float:
+    """Return where a place [m] is, from the left of the picture [pixel]."""
+    return view[5] + view[4] * ((x - view[0]) * view[3] - (y - view[1]) * view[2])
+
+
+@kernel(inlined=True)
+def row_of(view: View, x: float, y: float) -> float:
+    """Return where a place [m] is, from the top of the picture [pixel]."""
+    return view[6] - view[4] * ((x - view[0]) * view[2] + (y - view[1]) * view[3])
+
+
+@kernel
+def add_side(sheet: Rays, box: Ints, view: View, ax: float, ay: float, bx: float, by: float) -> None:
+    """Add a side of an area from a to b [m] to a sheet, the area to the left of it."""
+    add_edge(sheet, box, column_of(view, bx, by), row_of(view, bx, by), column_of(view, ax, ay), row_of(view, ax, ay))
+
+
+@kernel
+def add_wall(sheet: Rays, box: Ints, view: View, ax: float, ay: float, bx: float, by: float) -> None:
+    """Add a line from a to b [m] of the least thickness that can be seen well, a little longer at both ends."""
+    px, py, qx, qy = column_of(view, ax, ay), row_of(view, ax, ay), column_of(view, bx, by), row_of(view, bx, by)
+    dx, dy = qx - px, qy - py
+    length = np.sqrt(dx * dx + dy * dy)
+    if length > 0.0:
+        dx, dy = 0.5 * LINE * dx / length, 0.5 * LINE * dy / length
+        px, py, qx, qy = px - dx, py - dy, qx + dx, qy + dy
+        add_edge(sheet, box, px + dy, py - dx, qx + dy, qy - dx)
+        add_edge(sheet, box, qx + dy, qy - dx, qx - dy, qy + dx)
+        add_edge(sheet, box, qx - dy, qy + dx, px - dy, py + dx)
+        add_edge(sheet, box, px - dy, py + dx, px + dy, py - dx)
+
+
+@kernel
+def is_near(view: View, box: Ints, x: float, y: float, reach: float) -> bool:
+    """Return whether something around a place [m] may be in the picture, which is ``box``."""
+    column, row, far = column_of(view, x, y), row_of(view, x, y), reach * view[4] + LINE
+    is_beside: bool = column + far <= box[0] or column - far >= box[2]
+    return not (is_beside or row + far <= box[1] or row - far >= box[3])
+
+
+@kernel
+def add_body(sheet: Rays, box: Ints, view: View, seen: Sights, w: int, b: int) -> None:
+    """Add a body of a world to a sheet."""
+    reach = seen.reach[min(w, seen.reach.shape[0] - 1), b]
+    if not is_near(view, box, seen.pose[w, b, 0], seen.pose[w, b, 1], reach):
+        return
+    first, row = seen.segment_start[b], min(w, seen.segment_count.shape[0] - 1)
+    is_solid, segments, discs = seen.solid[b], seen.segments[w], seen.discs[w]
+    for s in range(first, first + seen.segment_count[row, b]):
+        ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
+        if is_solid:
+            add_side(sheet, box, view, ax, ay, bx, by)
+        else:
+            add_wall(sheet, box, view, ax, ay, bx, by)
+    first, row = seen.disc_start[b], min(w, seen.disc_count.shape[0] - 1)
+    for d in range(first, first + seen.disc_count[row, b]):
+        x, y = discs[d, 0], discs[d, 1]
+        add_disc(sheet, box, column_of(view, x, y), row_of(view, x, y), discs[d, 2] * view[4], 1.0)
+
+
+@kernel
+def add_rectangle(sheet: Rays, box: Ints, view: View, left: float, low: float, right: float, high: float) -> None:
+    """Add an upright rectangle [m] to a sheet."""
+    half_x, half_y = 0.5 * (right - left), 0.5 * (high - low)
+    if is_near(view, box, left + half_x, low + half_y, np.sqrt(half_x * half_x + half_y * half_y)):
+        add_side(sheet, box, view, left, low, right, low)
+        add_side(sheet, box, view, right, low, right, high)
+        add_side(sheet, box, view, right, high, left, high)
+        add_side(sheet, box, view, left, high, left, low)
+
+
+@kernel
+def add_cells(sheet: Rays, box: Ints, view: View, cells: CellMap | None) -> None:
+    """Add the occupied cells of a map to a sheet."""
+    if cells is not None:
+        frame, _, boxes, _ = cells
+        x, y, width, height = frame[0], frame[1], frame[2], frame[3]
+        for k in range(boxes.shape[0]):
+            left, right = x + width * boxes[k, 0], x + width * boxes[k, 1]
+            add_rectangle(sheet, box, view, left, y + height * boxes[k, 2], right, y + height * boxes[k, 3])
+
+
+@kernel
+def add_outside(sheet: Rays, box: Ints, view: View, bounds: Floats) -> None:
+    """Add all that is outside of the world, as far as the picture shows it."""
+    size = (box[2] - box[0] + box[3] - box[1]) / view[4]
+    left, low, right, high = bounds[0], bounds[1], bounds[2], bounds[3]
+    from_x, from_y = min(left, view[0]) - size, min(low, view[1]) - size
+    to_x, to_y = max(right, view[0]) + size, max(high, view[1]) + size
+    add_rectangle(sheet, box, view, from_x, from_y, left, to_y)
+    add_rectangle(sheet, box, view, right, from_y, to_x, to_y)
+    add_rectangle(sheet, box, view, left, from_y, right, low)
+    add_rectangle(sheet, box, view, left, high, right, to_y)
