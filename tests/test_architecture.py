@@ -42,7 +42,7 @@ ALLOWED: dict[str, set[str]] = {
     "maps": {"scenario.options", "world", "PIL"},
     "paths": {"jit", "geometry", "world"},
     "engine": {"scenario", "world", "geometry", "paths", "jit", "rng", "replay", "atomics"},
-    "tasks": {"engine", "world", "geometry", "scenario", "paths", "jit", "rng", "pydantic", "pydantic_core"},
+    "tasks": {"engine", "world", "geometry", "scenario", "paths", "raster", "jit", "rng", "pydantic", "pydantic_core"},
     "envs": {"tasks", "engine", "scenario", "world", "render", "gymnasium"},
     "evaluation": {"envs", "tasks", "engine", "world", "paths", "scenario", "rich"},
     "raster": {"jit", "geometry", "world", "scenario.plot_spec"},

@@ -18,6 +18,7 @@ from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import load_task
 from irsim_gym.tasks.levels import check_split
+from irsim_gym.tasks.term import IsImage
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.hyperparameters import load_hyperparameters
@@ -51,10 +52,13 @@ def new_settings(
     """Put the settings of a run together from what was asked for and the hyper-parameter file."""
     asked = {"n_timesteps": steps, "team": team}
     overrides = {name: value for name, value in asked.items() if value is not None}
-    found = load_hyperparameters(algorithm, environment_id(scenario), file=hyperparameters, overrides=overrides)
     named = lasting(scenario_name(scenario))
-    used = load_scenario(named, parameters, warn=False).parameters
-    return Settings(named, algorithm, seed, None if task is None else lasting(task), found, used)
+    loaded = load_scenario(named, parameters, warn=False)
+    images = any(isinstance(term, IsImage) for term in load_task(loaded, task, team=True).observations)
+    found = load_hyperparameters(
+        algorithm, environment_id(scenario), images=images, file=hyperparameters, overrides=overrides
+    )
+    return Settings(named, algorithm, seed, None if task is None else lasting(task), found, loaded.parameters)
 
 
 def settings_to_resume(run: Run, asked: Settings, steps: int | None, team: str | None = None) -> Settings:

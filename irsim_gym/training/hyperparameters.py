@@ -112,6 +112,7 @@ def load_hyperparameters(
     algorithm: str,
     environment_id: str,
     *,
+    images: bool = False,
     file: Path | None = None,
     overrides: Mapping[str, Any] | None = None,
 ) -> Hyperparameters:
@@ -120,6 +121,8 @@ def load_hyperparameters(
     Args:
         algorithm: ``"ppo"``, ``"sac"`` or ``"recurrent_ppo"``.
         environment_id: E.g. ``"irsim_gym/cluttered_room-v0"``; one that is not in the file gets the default.
+        images: Observations hold pictures; where the algorithm has a file for these, ``ALGORITHM_images.yaml``, it is
+            read in place of the other.
         file: A file of one's own in place of the shipped one.
         overrides: Values that replace those of the file.
 
@@ -129,7 +132,7 @@ def load_hyperparameters(
     if algorithm not in ALGORITHMS:
         near = suggestion(algorithm, ALGORITHMS)
         raise IrsimGymError(f"no algorithm named '{algorithm}'{near}; there are {', '.join(ALGORITHMS)}")
-    path = file or hyperparameters_folder() / f"{algorithm}.yaml"
+    path = file or _shipped(algorithm, images)
     try:
         content = yaml.safe_load(path.read_text())
     except (OSError, yaml.YAMLError) as error:
@@ -138,3 +141,10 @@ def load_hyperparameters(
         raise IrsimGymError(f"{path}: expected one mapping of hyper-parameters per environment id")
     chosen = {**content.get("default", {}), **content.get(environment_id, {}), **(overrides or {})}
     return Hyperparameters.from_plain(chosen)
+
+
+def _shipped(algorithm: str, images: bool) -> Path:
+    """Return the shipped file of an algorithm, the one for pictures where it is asked for and there is one."""
+    folder = hyperparameters_folder()
+    for_images = folder / f"{algorithm}_images.yaml"
+    return for_images if images and for_images.is_file() else folder / f"{algorithm}.yaml"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import signal
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -118,11 +118,22 @@ def network(space: Space[Any]) -> str:
     return "Cnn" if is_image_space(space) else "Mlp"
 
 
+def for_dicts(policy: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of a policy as one for dicts calls them: ``features_dim`` is that of each picture there."""
+    given = dict(policy.get("features_extractor_kwargs") or {})
+    if "features_dim" not in given or "features_extractor_class" in policy:
+        return dict(policy)
+    given["cnn_output_dim"] = given.pop("features_dim")
+    return {**policy, "features_extractor_kwargs": given}
+
+
 def _new(settings: Settings) -> tuple[BaseAlgorithm, files.Progress]:
     env = build_environment(settings)
     arguments = settings.hyperparameters.algorithm_arguments()
     algorithm = algorithm_class(settings)
     policy = f"{network(env.observation_space)}{'Lstm' * (settings.algorithm == 'recurrent_ppo')}Policy"
+    if policy.startswith("MultiInput"):
+        arguments["policy_kwargs"] = for_dicts(arguments["policy_kwargs"])
     if settings.hyperparameters.team is not None:
         arguments = {**buffers_for(algorithm, env), **arguments}
     model = algorithm(arguments.pop("policy", policy), env, seed=settings.seed, device="cpu", **arguments)
