@@ -40,8 +40,8 @@ class OccupancyImage:
     """A square picture with the agent in its middle: 0 where it is free, 255 where something stands, smooth between.
 
     It is uint8 ``(pixels, pixels, n_channels)``. The first channel shows what is occupied, or, with ``from_scan``, what
-    the lidar's latest scan knows: 0 free, 255 hit, 127 not seen. ``robots`` adds a channel for other robots alone,
-    ``goal`` one with a disc where the goal is, at the border where it lies beyond.
+    the lidar's latest scan knows: 0 free, 255 hit, 127 not seen. ``robot_channel`` adds one for other robots alone,
+    ``goal_channel`` one with a disc where the goal is, at the border where it lies beyond.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -52,8 +52,8 @@ class OccupancyImage:
     bodies: bool = option(True, meaning="Show other bodies.")
     map: bool = option(True, meaning="Show the occupied cells of an obstacle map.")
     edge: bool = option(True, meaning="What is outside of the world counts as occupied.")
-    robots: bool = option(False, meaning="Show other robots in a channel of their own, and not in the first.")
-    goal: bool = option(True, meaning="Show the next goal in a channel of its own, the last one.")
+    robot_channel: bool = option(False, meaning="Show other robots in a channel of their own, and not in the first.")
+    goal_channel: bool = option(True, meaning="Show the next goal in a channel of its own, the last one.")
     from_scan: bool = option(False, meaning="Show what the range sensor has just seen, in place of what is there.")
     without_sensor: str = option(
         "", meaning="With from_scan: observation in place of this one, with its defaults, where there is no sensor."
@@ -62,7 +62,7 @@ class OccupancyImage:
     @property
     def needs_goal(self) -> bool:
         """It needs a goal where it shows one."""
-        return self.goal
+        return self.goal_channel
 
     @property
     def needs_scan(self) -> bool:
@@ -72,7 +72,7 @@ class OccupancyImage:
     @property
     def image_shape(self) -> tuple[int, int, int]:
         """Height and width [pixels] and number of channels."""
-        return self.pixels, self.pixels, 1 + self.robots + self.goal
+        return self.pixels, self.pixels, 1 + self.robot_channel + self.goal_channel
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
         """Return what is painted with, and the scans where they are shown."""
@@ -90,12 +90,12 @@ class OccupancyImage:
             beams = table["members"], table["mount"], table["beams"], table["spread"], table["far"], table["ranges"]
             paint_scan(*camera, *beams, table["free"], *tools, term.image)
         else:
-            drawn = options.bodies, options.edge, options.robots
+            drawn = options.bodies, options.edge, options.robot_channel
             cells = model.cells if options.map else None
             paint_occupied(*camera, *drawn, model.bounds, cells, seen, *tools, term.image)
-        if options.robots:
+        if options.robot_channel:
             paint_robots(*camera, seen, *tools, term.image)
-        if options.goal:
+        if options.goal_channel:
             paint_goal(*camera, model.has_goal, model.goal_threshold, state.goal, *tools, term.image)
 
 
