@@ -191,17 +191,20 @@ def record(
     level: Annotated[list[int] | None, typer.Option(help="A level; may be repeated. (default: 0)")] = None,
     split: Split = "test",
     task: Task = None,
-    out: Annotated[Path, typer.Option(help="Film to write, .mp4 or .gif.")] = Path("runs/film.mp4"),
+    out: Annotated[
+        Path | None, typer.Option(help="File to write: .mp4, .gif, .html. (default: runs/film.mp4, runs/replay.html)")
+    ] = None,
+    html: Annotated[
+        bool, typer.Option("--html", help="A page that plays the episodes, in one file, in place of a film.")
+    ] = False,
     team: Team = False,
     given: Given = None,
     modules: Imports = None,
 ) -> None:
-    """Film policies on the same levels, side by side."""
-    from irsim_gym.training.record import record_film
-    from irsim_gym.training.remembered import remembered_parameters
+    """Film policies on the same levels, side by side; or write a replay, a page with scrubber, scans and rewards."""
+    from irsim_gym.training.commands import run_record
 
-    parameters = remembered_parameters(scenario, policies, read_parameters(given))
-    print(record_film(scenario, policies, level or [0], out, split=split, task=task, parameters=parameters, team=team))
+    run_record(scenario, policies, level or [0], split, task, out, read_parameters(given), team, html=html)
 
 
 @app.command()

@@ -58,6 +58,8 @@ def test_the_wheel_holds_what_runs(built: Path) -> None:
         assert f"irsim_gym/configs/{source.relative_to(ROOT / 'configs').as_posix()}" in names
     for source in (ROOT / "agents" / "hyperparameters").glob("*.yaml"):
         assert f"irsim_gym/hyperparameters/{source.name}" in names
+    for source in (ROOT / "irsim_gym" / "render" / "page").iterdir():
+        assert f"irsim_gym/render/page/{source.name}" in names
     assert "irsim_gym/py.typed" in names
     assert [name for name in names if name.endswith("licenses/LICENSE")]
     strangers = [name for name in names if not name.startswith(("irsim_gym/", "irsim_gym-"))]

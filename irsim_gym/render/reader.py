@@ -228,7 +228,8 @@ class SceneReader:
         options, pose = group.options[k], self._state.pose[world, group.members[k]]
         mount = np.asarray(getattr(options, "offset", (0.0, 0.0, 0.0)), np.float64)
         origin = placed(mount[None, :2], pose)[0]
-        angles = group.arrays["angles"] + pose[2] + mount[2]
+        heading = float(pose[2] + mount[2])
+        angles = group.arrays["angles"] + heading
         ranges = group.arrays["ranges"][world, k].astype(np.float64)
         hits = ranges < options.range_max - HIT_MARGIN
         speeds = group.arrays.get("radial_velocity")
@@ -241,6 +242,9 @@ class SceneReader:
             speeds=np.zeros(len(ranges)) if speeds is None else speeds[world, k].copy(),
             surrounds=span > 2.0 * np.pi * (1.0 - 1.5 / max(len(angles), 2)),
             style=scan_style(options),
+            body=int(group.members[k]),
+            heading=heading,
+            angles=group.arrays["angles"].astype(np.float64),
         )
 
     def _field_views(self, world: int) -> tuple[FieldView, ...]:

@@ -88,6 +88,9 @@ class ScanView:
         speeds: Radial velocities [m/s], positive away from the sensor; zeros where it has none, shape ``(n_beams,)``.
         surrounds: The beams go all around.
         style: How it looks.
+        body: Id of the body that carries it.
+        heading: Where the sensor looks [rad].
+        angles: Directions of its beams relative to that [rad], shape ``(n_beams,)``.
     """
 
     origin: Floats
@@ -97,6 +100,9 @@ class ScanView:
     speeds: Floats
     surrounds: bool
     style: ScanStyle
+    body: int
+    heading: float
+    angles: Floats
 
 
 @dataclass(frozen=True, eq=False)

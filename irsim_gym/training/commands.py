@@ -204,6 +204,29 @@ def run_rollout(
         print(record_film(scenario, [policy], range(levels), frames, team=team, **chosen))
 
 
+def run_record(
+    scenario: str,
+    policies: Sequence[str],
+    levels: Sequence[int],
+    split: str,
+    task: str | None,
+    out: Path | None,
+    parameters: Parameters = None,
+    team: bool = False,
+    *,
+    html: bool = False,
+) -> None:
+    """Film policies, or write a page that plays their episodes, and print the file's name."""
+    from irsim_gym.training.record import record_film, record_html
+
+    used = remembered_parameters(scenario, policies, parameters)
+    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "team": team}
+    if html or (out is not None and out.suffix.lower() == ".html"):
+        print(record_html(scenario, policies, levels, out or Path("runs/replay.html"), **chosen))
+    else:
+        print(record_film(scenario, policies, levels, out or Path("runs/film.mp4"), **chosen))
+
+
 def draw_level(
     scenario: str, level: int, split: str, task: str | None, out: Path | None, parameters: Parameters = None
 ) -> Path:

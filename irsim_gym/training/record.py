@@ -1,27 +1,23 @@
-"""Films of policies on the same levels, side by side."""
+"""Films, replays and contact sheets of policies on the same levels."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from rich.console import Console
 from rich.progress import Progress
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.envs.pictures import world_status
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.policy import Policy, by_agent
-from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.training.policies import load_policy, policy_names
-from irsim_gym.training.worlds import make_episodes
+from irsim_gym.training.players import Players, players
 
 if TYPE_CHECKING:
-    from irsim_gym.render import WorldRenderer
+    from irsim_gym.render.replay import Recording
 
-SUFFIXES = (".mp4", ".gif")
+FILMS = (".mp4", ".gif")
+REPLAYS = (".html",)
 
 
 def record_film(
@@ -30,13 +26,8 @@ def record_film(
     levels: Sequence[int],
     path: Path,
     *,
-    split: str = "test",
-    task: str | None = None,
-    names: Sequence[str] | None = None,
     console: Console | None = None,
-    parameters: Mapping[str, Any] | None = None,
-    team: bool = False,
-    backend: str = "matplotlib",
+    **chosen: Any,
 ) -> Path:
     """Film policies on levels, one level after another, one panel per policy; return the film's path.
 
@@ -45,55 +36,87 @@ def record_film(
         sources: Policies as ``load_policy`` takes them.
         levels: Levels of the split.
         path: Film to write, ``.mp4`` or ``.gif``.
-        split: ``"test"``, ``"dev"`` or ``"train"``.
-        task: Shipped name or path of a task; None for the scenario's own.
-        names: Captions; None to take them from the sources.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
-        parameters: Values for the scenario's parameters.
-        team: The policies drive all robots, unless the task names some.
-        backend: Who draws: ``"matplotlib"`` or ``"raster"``.
+        **chosen: As ``players`` takes it: split, task, names, parameters, team, backend.
 
     Raises:
         IrsimGymError: The file's suffix is none of a film.
     """
-    from irsim_gym.render import make_renderer
     from irsim_gym.render.film import EpisodeFilm
 
-    if path.suffix.lower() not in SUFFIXES:
-        raise IrsimGymError(f"a film's name ends in {' or '.join(SUFFIXES)}, got '{path.name}'")
-    policies = [load_policy(source) for source in sources]
-    episodes = make_episodes(scenario, task=task, n_worlds=len(policies), parameters=parameters, team=team)
-    simulation = episodes.simulation
-    parts = simulation.model, simulation.state, simulation.sensors
-    learners = simulation.agents.tolist()
-    renderer = make_renderer(backend, simulation.scenario, *parts, learners=learners, explored=simulation.explored)
-    captions = policy_names(sources) if names is None else names
-    film = EpisodeFilm(captions, fps=1.0 / float(simulation.model.step_time[0]))
-    screen = console or Console(stderr=True)
-    with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
+    _check_suffix(path, FILMS, "a film")
+    cast = players(scenario, sources, **chosen)
+    film = EpisodeFilm(cast.names, fps=1.0 / cast.step_time)
+    with _bar(console) as bar:
         film.write(
             (
-                [_episode(episodes, renderer, policy, w, level, split) for w, policy in enumerate(policies)]
+                [_frames(cast, w, level) for w in range(len(cast.policies))]
                 for level in bar.track(levels, description="filming")
             ),
             path,
         )
-    renderer.close()
+    cast.renderer.close()
     return path
 
 
-def _episode(
-    episodes: Episodes, renderer: WorldRenderer, policy: Policy, world: int, level: int, split: str
-) -> Iterator[Bytes]:
-    """Drive one world through a level and yield its frames, that of the start first."""
-    worlds, first = np.array([world]), np.array([level])
-    episodes.begin(worlds, first, split)
-    policy.begin(episodes, worlds, first)
-    renderer.clear(world)
-    yield renderer.frame(world, world_status(episodes, world))
-    while (episodes.view.infos["outcome"][world] == Outcome.RUNNING).any():
-        chosen = by_agent(policy.act(episodes, worlds), episodes, worlds)
-        actions = np.zeros((episodes.n_worlds, *chosen.shape[1:]), chosen.dtype)
-        actions[world] = chosen[0]
-        episodes.step(actions, worlds)
-        yield renderer.frame(world, world_status(episodes, world))
+def record_html(
+    scenario: str,
+    sources: Sequence[str | Path],
+    levels: Sequence[int],
+    path: Path,
+    *,
+    console: Console | None = None,
+    **chosen: Any,
+) -> Path:
+    """Write a page that plays policies on levels, each chosen from a list; return its path.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        sources: Policies as ``load_policy`` takes them.
+        levels: Levels of the split.
+        path: Page to write, ``.html``.
+        console: Where a progress bar goes; it stays quiet when that is no terminal.
+        **chosen: As ``players`` takes it: split, task, names, parameters, team, backend.
+
+    Raises:
+        IrsimGymError: The file's suffix is none of a page.
+    """
+    from irsim_gym.render.replay_page import save_html
+
+    _check_suffix(path, REPLAYS, "a replay")
+    cast = players(scenario, sources, **chosen)
+    pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
+    with _bar(console) as bar:
+        recordings = [_recorded(cast, w, level) for w, level in bar.track(pairs, description="recording")]
+    cast.renderer.close()
+    return save_html(path, recordings)
+
+
+def _recorded(cast: Players, world: int, level: int) -> Recording:
+    """Play a level and return what it looked like."""
+    from irsim_gym.render.replay import Recording
+
+    scenario, policy = cast.episodes.simulation.scenario, cast.names[world]
+    details = {"policy": policy, "level": f"{level} ({cast.split})"}
+    recording = Recording(scenario, cast.episodes.agent_names, details)
+    for status in cast.play(world, level):
+        scene = cast.renderer.scene(world, status)
+        recording.note(scene, cast.episodes.simulation.state.pose[world], cast.values(world))
+    recording.name = f"{policy}, level {level}: {status.replace('_', ' ')}, {scene.time:.1f} s"
+    return recording
+
+
+def _frames(cast: Players, world: int, level: int) -> Iterator[Bytes]:
+    """Play a level and yield its frames."""
+    for status in cast.play(world, level):
+        yield cast.renderer.frame(world, status)
+
+
+def _bar(console: Console | None) -> Progress:
+    screen = console or Console(stderr=True)
+    return Progress(console=screen, disable=not screen.is_terminal, transient=True)
+
+
+def _check_suffix(path: Path, known: Sequence[str], what: str) -> None:
+    if path.suffix.lower() not in known:
+        raise IrsimGymError(f"{what}'s name ends in {' or '.join(known)}, got '{path.name}'")

@@ -1,0 +1,31 @@
+"""Numbers that tell how bodies fare at a moment, for those who watch."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.engine.simulation import Simulation
+
+
+def telemetry(simulation: Simulation, world: int, bodies: Ints) -> list[dict[str, float]]:
+    """Return for each of some bodies ``speed`` [m/s], ``turn_rate`` [rad/s], ``clearance`` [m], ``goal_distance`` [m].
+
+    The distance to the goal is left out where there is none, and of a body that is not there everything is. The
+    clearance, which is infinite where nothing else is, is worked out here and nowhere kept.
+    """
+    model, state = simulation.model, simulation.state
+    clearance: Floats = np.zeros((simulation.n_worlds, len(bodies)))
+    simulation.run(lambda shard: simulation.clearance(shard, bodies, clearance), np.array([world]))
+    found = []
+    for k, body in enumerate(bodies.tolist()):
+        x, y, turn_rate = state.twist[world, body].tolist()
+        numbers = {
+            "speed": float(np.hypot(x, y)),
+            "turn_rate": turn_rate,
+            "clearance": float(clearance[world, k]),
+        }
+        if model.has_goal[body]:
+            numbers["goal_distance"] = float(state.goal_distance[world, body])
+        found.append(numbers if model.present[world, body] else {})
+    return found

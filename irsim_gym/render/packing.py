@@ -1,0 +1,48 @@
+"""Rows of numbers as short JSON: whole multiples of a unit, each as its difference from the row before."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from irsim_gym.arraytypes import Floats
+
+METRE, RADIAN = 1e-3, 1e-4
+"""Units in which a replay holds lengths and angles; half of one is the largest error."""
+
+
+def packed(rows: ArrayLike, unit: float) -> dict[str, Any]:
+    """Return numbers as a unit and whole numbers, differences along the first axis.
+
+    Args:
+        rows: Shape ``(n,)`` or ``(n, width)``; NaN where there is none.
+        unit: What the numbers are rounded to.
+
+    Returns:
+        ``unit``, ``width``, and ``values``: row after row, None for NaN. A difference is taken from the latest number
+        of its column, or from 0. One row stands for any number of equal ones.
+    """
+    table = np.asarray(rows, np.float64)
+    table = table.reshape(len(table), -1)
+    whole = np.rint(table / unit)
+    if len(whole) > 1 and np.array_equal(whole, np.broadcast_to(whole[0], whole.shape), equal_nan=True):
+        whole = whole[:1]
+    absent = np.isnan(whole)
+    known = np.where(absent, 0, np.arange(1, len(whole) + 1)[:, None])
+    latest = np.maximum.accumulate(known, axis=0)
+    padded = np.vstack([np.zeros((1, whole.shape[1])), np.nan_to_num(whole)])
+    held = np.take_along_axis(padded, latest, axis=0)
+    steps = np.diff(held, axis=0, prepend=0.0).astype(np.int64).ravel().tolist()
+    values = [None if gone else step for step, gone in zip(steps, absent.ravel().tolist(), strict=True)]
+    return {"unit": unit, "width": whole.shape[1], "values": values}
+
+
+def unpacked(data: Mapping[str, Any], count: int) -> Floats:
+    """Return the numbers that were packed, shape ``(count, width)``."""
+    values: Sequence[int | None] = data["values"]
+    table = np.array([np.nan if value is None else value for value in values], np.float64).reshape(-1, data["width"])
+    sums = np.where(np.isnan(table), np.nan, np.cumsum(np.nan_to_num(table), axis=0)) * data["unit"]
+    return np.array(np.broadcast_to(sums, (count, data["width"])) if len(sums) == 1 else sums)

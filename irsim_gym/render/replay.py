@@ -1,0 +1,204 @@
+"""A recorded episode as plain data, for a page that plays it back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.render.packing import METRE, packed
+from irsim_gym.render.replay_tracks import BodyTrack, Changes, FogTrack, ScanTrack, Styles, map_data
+from irsim_gym.render.scene import BodyView, GoalView, MapView, Scene
+
+if TYPE_CHECKING:
+    from irsim_gym.scenario.spec import Scenario
+
+TIME = 1e-4
+VALUE = 1e-6
+ENDLESS = 1e6
+"""A larger number of an agent, such as the clearance in an empty world, is left out."""
+
+
+class Recording:
+    """What one episode looked like at each of its moments, and how its agents fared.
+
+    ``data`` returns what a page plays; `irsim_gym.render.replay_page` writes it. It is plain JSON; tables of numbers
+    are packed (`irsim_gym.render.packing`), and what changes seldom is a list of ``[moment, value]``, one for each
+    change:
+
+    - ``name``: how the episode is called in a list; ``details``: what else is known of it, words by name;
+    - ``title``: the picture's heading; ``bounds``: the world's rectangle [m]; ``look``: ``axis``, ``title`` (there is a
+      line above), ``titled`` (it is a title alone); ``center``: the point in the middle of the picture, or None;
+    - ``count``: number of moments; ``time`` of each [s]; ``status``: changes;
+    - ``styles``: `BodyStyle` and `ScanStyle` as mappings, to which others refer by number;
+    - ``bodies``: ``name``, ``style``, ``fixed``, ``filled``; in its own frame [m] ``lines``, ``discs``, ``mark`` (of
+      its heading), ``ghost`` (the outline that it leaves behind), ``image`` (drawn in its place); ``field`` (width
+      [rad] and depth [m] of its field of view); ``poses``: x, y, then heading and what the mark is turned by; None
+      where the body is not there;
+    - ``goals``, ``struck`` (who takes part in a collision), ``maps`` (see ``map_data``): changes;
+    - ``fog``: what nobody has seen, see ``FogTrack``, or None;
+    - ``scans``: ``body``, ``style``, ``surrounds``, ``angles``, ``ranges``, ``places`` (x, y, then heading),
+      ``speeds``; a range from above ``near`` to below ``far`` is a hit;
+    - ``agents``: ``name``, ``outcome`` (changes), and at each moment ``values``, ``action`` and ``terms`` of the
+      reward.
+
+    Args:
+        scenario: What is simulated, for its drawing options.
+        agents: Names of the robots whose numbers are noted.
+        details: What else is known of it, such as the policy and the level.
+
+    Attributes:
+        name: How the episode is called in a list.
+    """
+
+    def __init__(
+        self, scenario: Scenario, agents: Sequence[str] = (), details: Mapping[str, str] | None = None
+    ) -> None:
+        plot = scenario.world.plot
+        self._look = {"axis": not plot.no_axis, "title": bool(plot.show_title), "titled": plot.title is not None}
+        self.name, self._details = "", dict(details or {})
+        self._agents = tuple(agents)
+        self._scenes: Scene | None = None
+        self._times: list[float] = []
+        self._centers: list[tuple[float, float]] = []
+        self._styles = Styles()
+        self._bodies: dict[str, list[BodyTrack]] = {}
+        self._scans: dict[tuple[str, int], ScanTrack] = {}
+        self._status, self._goals, self._struck, self._maps = Changes(), Changes(), Changes(), Changes()
+        self._map: tuple[MapView | None, Any] = (None, None)
+        self._fog: FogTrack | None = None
+        self._values: list[tuple[Mapping[str, Any], ...]] = []
+
+    def __len__(self) -> int:
+        return len(self._times)
+
+    def note(self, scene: Scene, poses: Floats, values: Sequence[Mapping[str, Any]] = ()) -> None:
+        """Add a moment.
+
+        Args:
+            scene: What a frame would show.
+            poses: Poses of the bodies [m, m, rad], by id, shape ``(n_bodies, 3)``.
+            values: For each agent its ``outcome`` (text), numbers by any names, and, where there are such, ``action``
+                (numbers) and ``terms`` (numbers by name).
+
+        Raises:
+            ValueError: There are not as many values as agents.
+        """
+        if len(values) != len(self._agents):
+            raise ValueError(f"values of {len(self._agents)} agents are needed, got {len(values)}")
+        moment = len(self._times)
+        names = {view.body: view.name for view in scene.fixed + scene.moving}
+        self._note_bodies(scene, poses, moment)
+        self._note_scans(scene, names, moment)
+        self._status.note(moment, scene.status)
+        self._struck.note(moment, [view.name for view in scene.struck])
+        self._goals.note(moment, [self._goal(view) for view in scene.goals])
+        if scene.map is not self._map[0]:
+            self._map = scene.map, None if scene.map is None else map_data(scene.map)
+        self._maps.note(moment, self._map[1])
+        if scene.fog is not None:
+            self._fog = self._fog or FogTrack(scene.fog)
+            self._fog.note(scene.fog, moment)
+        self._times.append(scene.time)
+        self._centers.append(scene.center or (np.nan, np.nan))
+        self._values.append(tuple(dict(value) for value in values))
+        self._scenes = scene
+
+    def data(self) -> dict[str, Any]:
+        """Return the episode as JSON.
+
+        Raises:
+            ValueError: Nothing was noted.
+        """
+        if self._scenes is None:
+            raise ValueError("nothing was recorded")
+        count = len(self._times)
+        centers = np.array(self._centers)
+        return {
+            "name": self.name,
+            "details": self._details,
+            "title": self._scenes.title,
+            "bounds": [round(float(value), 6) for value in self._scenes.bounds],
+            "look": self._look,
+            "count": count,
+            "time": packed(self._times, TIME),
+            "status": self._status.list,
+            "bodies": [track.data(count) for tracks in self._bodies.values() for track in tracks],
+            "goals": self._goals.list,
+            "struck": self._struck.list,
+            "scans": [track.data(count) for track in self._scans.values()],
+            "maps": self._maps.list,
+            "fog": None if self._fog is None else self._fog.data(),
+            "center": None if np.isnan(centers).all() else packed(centers, METRE),
+            "agents": [self._agent(a, name) for a, name in enumerate(self._agents)],
+            "styles": self._styles.list,
+        }
+
+    def _note_bodies(self, scene: Scene, poses: Floats, moment: int) -> None:
+        still = self._scenes is not None and scene.fixed is self._scenes.fixed
+        fields = {id(view.style): (view.span, view.radius) for view in scene.fields}
+        if still:
+            for view in scene.fixed:
+                self._bodies[view.name][-1].stay(moment)
+        for views, fixed in ((() if still else scene.fixed, True), (scene.moving, False)):
+            for view in views:
+                pose = poses[view.body]
+                self._track(view, pose, fields.get(id(view.style)), fixed).note(view, pose, moment)
+
+    def _track(self, view: BodyView, pose: Floats, field: tuple[float, float] | None, fixed: bool) -> BodyTrack:
+        """Return where a body's poses go; one whose outline has changed is another body."""
+        tracks = self._bodies.setdefault(view.name, [])
+        if not tracks or not tracks[-1].fits(view, pose):
+            tracks.append(BodyTrack(view, pose, self._styles.number(view.style), field, fixed=fixed))
+        return tracks[-1]
+
+    def _note_scans(self, scene: Scene, names: Mapping[int, str], moment: int) -> None:
+        count: dict[str, int] = {}
+        for view in scene.scans:
+            name = names[view.body]
+            key = name, count.get(name, 0)
+            count[name] = key[1] + 1
+            if key not in self._scans:
+                self._scans[key] = ScanTrack(view, name, self._styles.number(view.style))
+            self._scans[key].note(view, moment)
+
+    def _goal(self, view: GoalView) -> dict[str, Any]:
+        return {
+            "name": view.name,
+            "x": round(view.x, 3),
+            "y": round(view.y, 3),
+            "tolerance": round(view.tolerance, 3),
+            "later": np.round(view.later, 3).tolist(),
+            "arrived": view.arrived,
+            "style": self._styles.number(view.style),
+        }
+
+    def _agent(self, a: int, name: str) -> dict[str, Any]:
+        rows = [values[a] for values in self._values]
+        outcome = Changes()
+        for moment, row in enumerate(rows):
+            outcome.note(moment, str(row.get("outcome", "")))
+        plain = [key for key in rows[-1] if key not in ("outcome", "action", "terms")]
+        terms = list(rows[-1].get("terms", ()))
+        action = [row.get("action") for row in rows]
+        return {
+            "name": name,
+            "outcome": outcome.list,
+            "values": {key: _series(row.get(key) for row in rows) for key in plain},
+            "terms": {key: _series(row.get("terms", {}).get(key) for row in rows) for key in terms},
+            "action": None if action[-1] is None else packed(_filled(action), 1e-3),
+        }
+
+
+def _series(values: Iterable[Any]) -> dict[str, Any]:
+    """Pack the numbers of an agent; those that are missing or endless are left out."""
+    found = np.array([np.nan if value is None else float(value) for value in values])
+    return packed(np.where(np.abs(found) < ENDLESS, found, np.nan), VALUE)
+
+
+def _filled(actions: Sequence[Any]) -> Floats:
+    """Return actions as a table, NaN where there was none, as before the first step."""
+    width = len(actions[-1])
+    return np.array([np.full(width, np.nan) if action is None else action for action in actions], np.float64)

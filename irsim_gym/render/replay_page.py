@@ -1,0 +1,109 @@
+"""Writes recorded episodes as one HTML file that plays them back, without anything from elsewhere."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import re
+import zlib
+from collections.abc import Sequence
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.render import theme
+from irsim_gym.render.files import whole_file
+from irsim_gym.render.replay import Recording
+
+SCHEMA, VERSION = "irsim_gym replay", 1
+SCRIPTS = ("data", "shapes", "world", "bodies", "scans", "chart", "player", "input")
+DATA = re.compile(r'<script type="application/octet-stream" id="data">([^<]*)</script>')
+
+
+def save_html(path: str | Path, recordings: Sequence[Recording], title: str = "") -> Path:
+    """Write episodes to a page with play, scrubber, zoom and a plot of reward terms; return its path.
+
+    The page holds its data, deflated and in base64: ``schema``, ``version``, ``title``, ``theme``, ``maps`` and
+    ``pictures`` (each once), and ``episodes``, see `Recording`.
+
+    Args:
+        path: File to write, ``.html``; missing folders are made.
+        recordings: The episodes, as they stand in the page's list.
+        title: Heading of the page; by default the first episode's.
+
+    Raises:
+        ValueError: No episode, one without a moment, or another suffix.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in (".html", ".htm"):
+        raise ValueError(f"a replay's name ends in .html, got '{target.name}'")
+    if not recordings:
+        raise ValueError("a replay needs an episode")
+    data = _recorded(recordings, title)
+    packed = base64.b64encode(zlib.compress(json.dumps(data, separators=(",", ":"), allow_nan=False).encode(), 9))
+    parts = {
+        "title": html.escape(data["title"]),
+        "style": _part("page.css"),
+        "script": "\n".join(_part(f"{name}.js") for name in SCRIPTS),
+        "data": packed.decode(),
+    }
+    page = re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], _part("page.html"))
+    with whole_file(target) as part:
+        part.write_text(page, encoding="utf-8")
+    return target
+
+
+def read_html(path: str | Path) -> dict[str, Any]:
+    """Return the data of a page that ``save_html`` has written.
+
+    Raises:
+        ValueError: The file is no such page.
+    """
+    found = DATA.search(Path(path).read_text(encoding="utf-8"))
+    data: dict[str, Any] = json.loads(zlib.decompress(base64.b64decode(found[1]))) if found else {}
+    if data.get("schema") != SCHEMA or data.get("version") != VERSION:
+        raise ValueError(f"{path} is no replay of version {VERSION}")
+    return data
+
+
+def _recorded(recordings: Sequence[Recording], title: str) -> dict[str, Any]:
+    """Return all that a page knows; episodes refer to maps and pictures by number."""
+    maps: list[Any] = []
+    pictures: list[Any] = []
+    episodes = [recording.data() for recording in recordings]
+    for episode in episodes:
+        for change in episode["maps"]:
+            if change[1] is not None:
+                change[1] = _number(maps, change[1])
+        for body in episode["bodies"]:
+            if body["image"] is not None:
+                body["image"] = {**body["image"], "picture": _number(pictures, body["image"]["picture"])}
+    return {
+        "schema": SCHEMA,
+        "version": VERSION,
+        "title": title or episodes[0]["title"],
+        "theme": {
+            "card": theme.CARD,
+            "grid": theme.GRID,
+            "rule": theme.RULE,
+            "shadow": theme.SHADOW,
+            "impact": theme.IMPACT,
+            "outcomes": theme.OUTCOMES,
+            "running": theme.RUNNING,
+        },
+        "maps": maps,
+        "pictures": pictures,
+        "episodes": episodes,
+    }
+
+
+def _number(known: list[Any], thing: Any) -> int:
+    """Return the place of a thing among those that are known; a new one is added."""
+    if thing not in known:
+        known.append(thing)
+    return known.index(thing)
+
+
+def _part(name: str) -> str:
+    return (files("irsim_gym.render") / "page" / name).read_text(encoding="utf-8")

@@ -1,0 +1,111 @@
+"""Policies that play levels to be watched: each in a world of its own, one episode at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from irsim_gym.engine.telemetry import telemetry
+from irsim_gym.envs.pictures import world_status
+from irsim_gym.evaluation.policy import Policy, by_agent
+from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.training.policies import load_policy, policy_names
+from irsim_gym.training.worlds import make_episodes
+
+if TYPE_CHECKING:
+    from irsim_gym.render import WorldRenderer
+
+
+@dataclass(frozen=True)
+class Players:
+    """Policies, the worlds that they play in, and who draws these.
+
+    Attributes:
+        episodes: A world for each policy.
+        policies: Who drives in them.
+        names: What the policies are called.
+        renderer: Who draws the worlds.
+        split: Where the levels are from.
+    """
+
+    episodes: Episodes
+    policies: Sequence[Policy]
+    names: Sequence[str]
+    renderer: WorldRenderer
+    split: str
+
+    @property
+    def step_time(self) -> float:
+        """Duration of a step [s]."""
+        return float(self.episodes.simulation.model.step_time[0])
+
+    def play(self, world: int, level: int) -> Iterator[str]:
+        """Drive one world through a level; yield how it stands at each moment, that of the start first."""
+        episodes, policy = self.episodes, self.policies[world]
+        worlds, first = np.array([world]), np.array([level])
+        episodes.begin(worlds, first, self.split)
+        policy.begin(episodes, worlds, first)
+        self.renderer.clear(world)
+        yield world_status(episodes, world)
+        while (episodes.view.infos["outcome"][world] == Outcome.RUNNING).any():
+            chosen = by_agent(policy.act(episodes, worlds), episodes, worlds)
+            actions = np.zeros((episodes.n_worlds, *chosen.shape[1:]), chosen.dtype)
+            actions[world] = chosen[0]
+            episodes.step(actions, worlds)
+            yield world_status(episodes, world)
+
+    def values(self, world: int) -> list[dict[str, Any]]:
+        """Return what is known of each agent now: how it fares, its action, its rewards and how its episode stands."""
+        episodes, simulation = self.episodes, self.episodes.simulation
+        view, begun = episodes.view, bool(simulation.state.step[world])
+        found = []
+        for a, numbers in enumerate(telemetry(simulation, world, simulation.agents)):
+            size = int(episodes.action_sizes[a])
+            found.append(
+                {
+                    **numbers,
+                    "outcome": Outcome(int(view.infos["outcome"][world, a])).name.lower(),
+                    "action": episodes.state.action[world, a, :size].tolist() if begun else None,
+                    "reward": float(view.reward[world, a]),
+                    "terms": dict(zip(episodes.reward_names, view.reward_terms[world, a].tolist(), strict=True)),
+                }
+            )
+        return found
+
+
+def players(
+    scenario: str,
+    sources: Sequence[str | Path],
+    *,
+    split: str = "test",
+    task: str | None = None,
+    names: Sequence[str] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    team: bool = False,
+    backend: str = "matplotlib",
+) -> Players:
+    """Load policies, and make a world for each.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        sources: Policies as ``load_policy`` takes them.
+        split: ``"test"``, ``"dev"`` or ``"train"``.
+        task: Shipped name or path of a task; None for the scenario's own.
+        names: What the policies are called; None to take it from the sources.
+        parameters: Values for the scenario's parameters.
+        team: The policies drive all robots, unless the task names some.
+        backend: Who draws: ``"matplotlib"`` or ``"raster"``.
+    """
+    from irsim_gym.render import make_renderer
+
+    loaded = [load_policy(source) for source in sources]
+    episodes = make_episodes(scenario, task=task, n_worlds=len(loaded), parameters=parameters, team=team)
+    simulation = episodes.simulation
+    parts = simulation.model, simulation.state, simulation.sensors
+    learners = simulation.agents.tolist()
+    renderer = make_renderer(backend, simulation.scenario, *parts, learners=learners, explored=simulation.explored)
+    return Players(episodes, loaded, policy_names(sources) if names is None else names, renderer, split)

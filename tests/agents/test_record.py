@@ -1,0 +1,79 @@
+"""What `irsim-gym record` writes: films whose frames are counted, and pages whose episodes are read."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from irsim_gym import cli
+from irsim_gym.render.packing import unpacked
+from irsim_gym.render.replay_page import read_html
+
+STRAIGHT = """
+world: {height: 3, width: 6, step_time: 0.25}
+robot:
+  - kinematics: {name: diff}
+    shape: {name: circle, radius: 0.2}
+    vel_max: [1, 1]
+    state: [1, 1.5, 0]
+    goal: [4.1, 1.5, 0]
+    goal_threshold: 0.2
+    sensors: [{name: lidar2d, number: 8, range_max: 2}]
+obstacle: [{shape: {name: circle, radius: 0.3}, state: [2.5, 2.6]}]
+task: {name: navigation, max_steps: 40}
+"""
+STEPS = 12
+"""A quarter of a metre a step, until less than 0.2 of 3.1 m are left."""
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    monkeypatch.chdir(tmp_path)
+    Path("straight.yaml").write_text(STRAIGHT, encoding="utf-8")
+    return "straight.yaml"
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["irsim-gym", *arguments])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    return int(end.value.code or 0)
+
+
+def test_a_replay(file: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(monkeypatch, "record", file, "dash", "random", "--level", "0", "--level", "3", "--html") == 0
+    said = capsys.readouterr()
+    assert (said.out.strip(), said.err) == ("runs/replay.html", "")
+    data = read_html("runs/replay.html")
+    first, other, *later = data["episodes"]
+    assert first["name"] == "dash, level 0: success, 3.0 s"
+    assert [episode["details"]["policy"] for episode in (first, other, *later)] == ["dash", "random"] * 2
+    assert (first["count"], first["details"]) == (STEPS + 1, {"policy": "dash", "level": "0 (test)"})
+    assert first["status"] == [[0, "running"], [STEPS, "success"]]
+    (agent,) = first["agents"]
+    values = {name: unpacked(table, STEPS + 1).ravel() for name, table in agent["values"].items()}
+    assert values["goal_distance"] == pytest.approx(3.1 - 0.25 * np.arange(STEPS + 1), abs=1e-6)
+    assert values["speed"][[0, 1, STEPS]].tolist() == [0.0, 1.0, 1.0]
+    nearest = np.hypot(1.5 - 0.25 * np.arange(STEPS + 1), 1.1) - 0.5
+    assert values["clearance"] == pytest.approx(nearest, abs=1e-6)
+    terms = sum(unpacked(table, STEPS + 1).ravel() for table in agent["terms"].values())
+    assert terms == pytest.approx(values["reward"], abs=1e-5)
+    assert {"progress", "arrival", "collision"} <= set(agent["terms"])
+    action = unpacked(agent["action"], STEPS + 1)
+    assert np.isnan(action[0]).all()
+    assert action[1:, 0] == pytest.approx(1.0)
+    (robot,) = [body for body in first["bodies"] if body["name"] == "robot_0"]
+    assert unpacked(robot["poses"][0], STEPS + 1)[:, 0] == pytest.approx(1.0 + 0.25 * np.arange(STEPS + 1))
+
+
+def test_a_name_may_ask_for_a_replay(file: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run(monkeypatch, "record", file, "dash", "--out", "one.html", "--team") == 0
+    assert [agent["name"] for agent in read_html("one.html")["episodes"][0]["agents"]] == ["robot_0"]
+
+
+def test_a_replay_is_no_film(file: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(monkeypatch, "record", file, "dash", "--html", "--out", "film.mp4") == 1
+    assert "a replay's name ends in .html, got 'film.mp4'" in capsys.readouterr().err

@@ -1,0 +1,271 @@
+"""A replay in a real browser: what is drawn where, what keys and the mouse do, and a console without errors."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import browser
+
+from irsim_gym.training.record import record_html
+
+ROOM = """
+world: {height: 6, width: 8, step_time: 0.1}
+robot:
+  - kinematics: {name: diff}
+    shape: {name: circle, radius: 0.3}
+    state: [1, 3.3, 0]
+    goal: [7, 3.3, 0]
+    color: '#00ff00'
+    sensors: [{name: lidar2d, number: 60, angle_range: 2 * pi, range_max: 2}]
+  - kinematics: {name: diff}
+    shape: {name: rectangle, length: 0.6, width: 0.4}
+    state: [7, 1, 3.14159]
+    goal: [1, 1, 0]
+    color: '#0000ff'
+obstacle: [{shape: {name: circle, radius: 0.5}, state: [4, 4.6], color: '#ff0000'}]
+task: {name: navigation, max_steps: 90}
+"""
+GREEN, BLUE, RED, WHITE = (0, 255, 0), (0, 0, 255), (255, 0, 0), (255, 255, 255)
+
+
+class Page:
+    """The page under test, and what a person sees of it."""
+
+    def __init__(self, driver: Any) -> None:
+        self.driver = driver
+
+    def run(self, script: str) -> Any:
+        return self.driver.execute_script(script)
+
+    def press(self, *keys: str) -> None:
+        from selenium.webdriver.common.action_chains import ActionChains
+
+        chain = ActionChains(self.driver, duration=0)
+        for key in keys:
+            chain.send_keys(key)
+        chain.perform()
+        self.settle()
+
+    def click(self, name: str) -> None:
+        self.driver.find_element("id", name).click()
+        self.settle()
+
+    def settle(self) -> None:
+        """Wait until what is due is drawn."""
+        self.driver.execute_async_script(
+            "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done()))"
+        )
+
+    @property
+    def moment(self) -> int:
+        return int(self.run("return player.moment"))
+
+    def picture(self) -> np.ndarray:
+        """Return what the window shows, uint8, shape ``(height, width, 3)``."""
+        from PIL import Image
+
+        return np.asarray(Image.open(io.BytesIO(self.driver.get_screenshot_as_png())).convert("RGB"))
+
+    def colour(self, x: float, y: float) -> tuple[int, int, int]:
+        """Return the colour at a point of the world [m]."""
+        left, top = self.run("const b = byId('world').getBoundingClientRect(); return [b.left, b.top]")
+        column, row = self.run(f"return [player.world.column({x}), player.world.row({y})]")
+        return tuple(self.picture()[round(top + row), round(left + column)].tolist())
+
+    def seen(self) -> np.ndarray:
+        """Return the pixels of the canvas that shows the world."""
+        left, top, width, height = self.run(
+            "const b = byId('world').getBoundingClientRect(); return [b.left, b.top, b.width, b.height]"
+        )
+        return self.picture()[round(top) : round(top + height), round(left) : round(left + width)]
+
+    def problems(self) -> list[dict[str, Any]]:
+        return list(self.driver.get_log("browser"))
+
+
+@pytest.fixture(scope="module")
+def replay(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("replay")
+    (folder / "room.yaml").write_text(ROOM, encoding="utf-8")
+    return record_html(str(folder / "room.yaml"), ["dash", "random"], [0], folder / "room.html", team=True)
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    with browser(tmp_path_factory.mktemp("profile")) as started:
+        yield started
+
+
+@pytest.fixture
+def page(driver: Any, replay: Path) -> Iterator[Page]:
+    open_page(driver, replay, 1200, 900)
+    opened = Page(driver)
+    yield opened
+    assert opened.problems() == []
+
+
+def open_page(driver: Any, replay: Path, width: int, height: int, scheme: str = "light") -> None:
+    screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+    features = [{"name": "prefers-color-scheme", "value": scheme}]
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+    driver.get(replay.as_uri())
+    wait(driver, "return Boolean(window.player)")
+    Page(driver).settle()
+
+
+def wait(driver: Any, script: str) -> None:
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    WebDriverWait(driver, 10, 0.02).until(lambda found: found.execute_script(script))
+
+
+def test_the_start_is_drawn_where_it_is(page: Page) -> None:
+    assert page.colour(0.85, 3.45) == GREEN
+    assert page.colour(7.2, 1.1) == BLUE
+    assert page.colour(4.0, 4.6) == RED
+    assert page.colour(4.3, 5.5) == WHITE
+    assert page.colour(1.0, 3.3) == WHITE  # the mark of its heading
+
+
+def test_scrubbing_moves_the_robots(page: Page) -> None:
+    page.run("byId('moment').value = 30; byId('moment').dispatchEvent(new Event('input'))")
+    page.settle()
+    x, y = page.run("return [...player.episode.bodies.find((body) => body.name === 'robot_0').place.row(30)]")
+    assert x > 3.0
+    assert page.colour(x - 0.15, y + 0.15) == GREEN
+    assert page.colour(0.85, 3.45) != GREEN
+    assert page.run("return byId('clock').textContent").startswith("3.0 / ")
+
+
+def test_keys(page: Page) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    page.press(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT, Keys.ARROW_LEFT)
+    assert page.moment == 1
+    page.press(Keys.END)
+    assert page.moment == page.run("return player.episode.count - 1")
+    page.press(Keys.HOME)
+    assert page.moment == 0
+    page.press(Keys.ARROW_UP)
+    assert page.run("return byId('speed').value") == "2"
+    page.press("l", Keys.PAGE_DOWN)
+    assert page.run("return [byId('loop').checked, player.number]") == [True, 1]
+    page.press("+", "+")
+    assert page.run("return player.world.look.zoom") == pytest.approx(1.25**2)
+    page.press("0")
+    assert page.run("return player.world.look.zoom") == 1
+
+
+def test_playing_runs_and_stops_at_the_end(page: Page) -> None:
+    page.press(" ")
+    wait(page.driver, "return player.moment >= 3")
+    page.press(" ")
+    held = page.moment
+    before = page.seen()
+    page.settle()
+    assert page.moment == held
+    assert np.array_equal(page.seen(), before)
+    page.run("byId('speed').value = '16'; player.play(true)")
+    wait(page.driver, "return !player.isPlaying")
+    assert page.moment == page.run("return player.episode.count - 1")
+    page.click("play")  # from the start again
+    wait(page.driver, "return player.moment > 0 && player.moment < player.episode.count - 1")
+
+
+@pytest.mark.parametrize(("key", "where"), [("s", (3.6, 3.6)), ("t", (2.2, 3.3)), ("n", None)])
+def test_what_is_shown_can_be_chosen(page: Page, key: str, where: tuple[float, float] | None) -> None:
+    """Scans, paths and names come and go; the ground is seen where they were."""
+    page.run("player.go(16)")
+    page.press("s" if key == "t" else "")  # a path is seen best without the scan over it
+    before = page.seen()
+    assert where is None or page.colour(*where) != WHITE
+    page.press(key)
+    after = page.seen()
+    assert 20 < (before != after).any(axis=2).sum() < 0.5 * before[..., 0].size
+    assert where is None or page.colour(*where) == WHITE
+    page.press(key)
+    assert np.array_equal(page.seen(), before)
+
+
+def test_the_wheel_zooms_about_the_mouse_and_dragging_moves(page: Page) -> None:
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
+
+    canvas = page.driver.find_element("id", "world")
+    under = "return player.world.pointAt(...[byId('world').clientWidth / 2 + 60, byId('world').clientHeight / 2 + 40])"
+    before = page.run(under)
+    origin = ScrollOrigin.from_element(canvas, 60, 40)
+    ActionChains(page.driver).scroll_from_origin(origin, 0, -600).perform()
+    page.settle()
+    assert page.run("return player.world.look.zoom") > 2
+    assert page.run(under) == pytest.approx(before, abs=0.03)
+    at = page.run("return player.world.column(4)")
+    ActionChains(page.driver).drag_and_drop_by_offset(canvas, 90, 0).perform()
+    page.settle()
+    assert page.run("return player.world.column(4)") == pytest.approx(at + 90, abs=1)
+    ActionChains(page.driver).double_click(canvas).perform()
+    page.settle()
+    assert page.run("return player.world.look.zoom") == 1
+
+
+def test_another_robot_and_another_plot(page: Page) -> None:
+    page.run("player.go(20)")
+    page.settle()
+    first = page.run("return byId('values').textContent")
+    page.run("byId('agent').value = '1'; byId('agent').dispatchEvent(new Event('change'))")
+    page.settle()
+    assert page.run("return byId('values').textContent") != first
+    legend = page.run("return [...byId('legend').children].map((item) => item.textContent)")
+    assert [name for name in ("progress", "arrival", "total") if any(name in line for line in legend)]
+    total = page.run("return player.episode.agents[1].values.reward.at(20)")
+    terms = page.run("return Object.values(player.episode.agents[1].terms).map((table) => table.at(20))")
+    assert sum(terms) == pytest.approx(total, abs=1e-5)
+    page.run("byId('kind').value = 'goal_distance'; byId('kind').dispatchEvent(new Event('change'))")
+    page.settle()
+    assert page.run("return byId('legend').children.length") == 1
+
+
+def test_a_click_into_the_plot_goes_there(page: Page) -> None:
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    chart = page.driver.find_element("id", "chart")
+    ActionChains(page.driver).move_to_element_with_offset(chart, 0, 0).click().perform()
+    page.settle()
+    middle = page.run("return (byId('chart').clientWidth / 2 - player.chart.plot.left) / player.chart.plot.width")
+    wanted = middle * page.run("return player.episode.duration")
+    assert page.moment == page.run(f"return player.episode.momentAt({wanted})")
+
+
+@pytest.mark.parametrize("size", [(1400, 900), (420, 860)])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_light_dark_wide_and_narrow(driver: Any, replay: Path, size: tuple[int, int], scheme: str) -> None:
+    open_page(driver, replay, *size, scheme)
+    page = Page(driver)
+    page.run("player.go(25)")
+    page.settle()
+    picture = page.picture()
+    assert picture.shape[:2] == size[::-1]
+    corner = picture[picture.shape[0] // 12 if size[0] > 800 else 12, 3].mean()
+    assert corner > 200 if scheme == "light" else corner < 60
+    assert page.colour(4.0, 4.6) == RED
+    assert page.run("return document.documentElement.scrollWidth") <= size[0]
+    if folder := os.environ.get("IRSIM_GYM_PICTURES"):
+        page.driver.save_screenshot(str(Path(folder) / f"replay-{scheme}-{size[0]}.png"))
+    assert page.problems() == []
+
+
+def test_a_damaged_page_says_so(driver: Any, replay: Path, tmp_path: Path) -> None:
+    text = replay.read_text(encoding="utf-8")
+    begin = text.index('id="data">') + len('id="data">')
+    damaged = tmp_path / "damaged.html"
+    damaged.write_text(text[: begin + 40] + "AAAA" + text[begin + 60 :], encoding="utf-8")
+    driver.get(damaged.as_uri())
+    wait(driver, "return document.body.textContent.includes('cannot be played')")
+    assert any(entry["level"] == "SEVERE" for entry in driver.get_log("browser"))
