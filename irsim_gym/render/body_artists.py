@@ -1,4 +1,4 @@
-"""Matplotlib artists of bodies: footprints, headings, impacts, and the map that they stand on."""
+"""How bodies are drawn: footprints, headings, impacts, and the map that they stand on."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ from matplotlib.backend_bases import RendererBase
 from matplotlib.colors import ListedColormap, to_rgba
 from matplotlib.image import AxesImage
 from matplotlib.path import Path
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.transforms import Affine2D
 
 from irsim_gym.render import shapes, theme
+from irsim_gym.render.brush import Brush, Colour, tint
 from irsim_gym.render.image_artists import Images
-from irsim_gym.render.patches import Colour, empty_collection, paint
 from irsim_gym.render.scene import BodyView, MapView
 from irsim_gym.render.styles import BodyStyle
 
-NONE: Colour = (0.0, 0.0, 0.0, 0.0)
+SHADOWS = ((2.2, 0.05), (1.2, 0.07))
+"""How far each shadow lies aside [point], and its opacity."""
 
 
 class Bodies:
@@ -31,56 +32,54 @@ class Bodies:
     """
 
     def __init__(self, axes: Axes, *, shadows: bool = False) -> None:
-        self._shadows = (
-            [_shadow(axes, pixels, alpha) for pixels, alpha in ((2.2, 0.05), (1.2, 0.07))] if shadows else []
-        )
-        self._footprints = empty_collection(axes)
+        self._shadows = SHADOWS if shadows else ()
         self._images = Images(axes)
 
-    def update(self, views: Sequence[BodyView]) -> None:
-        """Show these bodies, the first one lowest; one of several parts has no edges where they overlap."""
-        paths, fills, edges, widths, styles = [], [], [], [], []
-        self._images.update(views)
-        for view in (view for view in views if view.image is None):
-            style, path, is_filled = view.style, shapes.outline_path(view), shapes.is_filled(view)
-            in_parts = is_filled and style.alpha == 1.0 and len(view.lines) + len(view.discs) > 1
-            width = style.line_width if is_filled else style.wall_width
-            for edge, line in ((_edge(style, is_filled), 2.0 * width), (NONE, 0.0))[: 1 + in_parts]:
-                paths.append(path)
-                fills.append(_fill(style) if is_filled else NONE)
-                edges.append(edge)
-                widths.append(line if in_parts else width)
-                styles.append(style.line_style)
-        for shadow in self._shadows:
-            shadow.set_paths([path for path, fill in zip(paths, fills, strict=True) if fill is not NONE])
-        self._footprints.set_paths(paths)
-        paint(self._footprints, fills, edges)
-        self._footprints.set_linewidths(widths)
-        self._footprints.set_linestyles(styles or ["solid"])
+    def draw(self, brush: Brush, views: Sequence[BodyView]) -> None:
+        """Draw these bodies, the first one lowest."""
+        brush.ends("round", "round")
+        for shift, alpha in self._shadows:
+            place = brush.to_canvas.frozen().translate(shift * brush.point, -shift * brush.point)
+            for view in views:
+                if view.image is None and shapes.is_filled(view):
+                    self._draw_shadow(brush, view, alpha, place)
+        pictured = False
+        for view in views:
+            if view.image is None:
+                _draw_footprint(brush, view)
+            else:
+                pictured = True
+        if pictured:
+            self._images.draw(brush, views)
 
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw what the last update gave."""
-        for shadow in self._shadows:
-            shadow.draw(renderer)
-        self._footprints.draw(renderer)
-        self._images.draw(renderer)
+    @staticmethod
+    def _draw_shadow(brush: Brush, view: BodyView, alpha: float, place: Affine2D) -> None:
+        edge = tint(theme.SHADOW, 0.4 * alpha)
+        brush.draw(shapes.outline_path(view), tint(theme.SHADOW, alpha), edge, 1.5, place=place)
+
+
+def _draw_footprint(brush: Brush, view: BodyView) -> None:
+    """Draw a footprint; one of several parts has no edges where they overlap."""
+    style, path = view.style, shapes.outline_path(view)
+    if not shapes.is_filled(view):
+        brush.draw(path, None, _edge(style, is_filled=False), style.wall_width, style.line_style)
+        return
+    fill, edge = tint(style.colour, style.alpha), _edge(style, is_filled=True)
+    if style.alpha == 1.0 and len(view.lines) + len(view.discs) > 1:
+        brush.draw(path, fill, edge, 2.0 * style.line_width, style.line_style)
+        brush.draw(path, fill)
+    else:
+        brush.draw(path, fill, edge, style.line_width, style.line_style)
 
 
 class Headings:
     """Marks of where bodies head."""
 
-    def __init__(self, axes: Axes) -> None:
-        self._marks = empty_collection(axes)
-
-    def update(self, views: Sequence[BodyView]) -> None:
-        """Show the marks of these bodies."""
-        self._marks.set_paths([Path(np.vstack([view.heading, view.heading[:1]]), closed=True) for view in views])
-        colours = [to_rgba(view.style.arrow_colour, view.style.arrow_alpha * view.style.alpha) for view in views]
-        paint(self._marks, colours, [(0.0,) * 4] * len(colours))
-
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw what the last update gave."""
-        self._marks.draw(renderer)
+    def draw(self, brush: Brush, views: Sequence[BodyView]) -> None:
+        """Draw the marks of these bodies."""
+        for view in views:
+            style = view.style
+            brush.draw(Path(view.heading), tint(style.arrow_colour, style.arrow_alpha * style.alpha))
 
 
 class MapImage:
@@ -123,38 +122,18 @@ class MapImage:
 class Impacts:
     """A red edge around bodies that collide."""
 
-    def __init__(self, axes: Axes) -> None:
-        self._edges = empty_collection(axes)
-        self._edges.set_linewidths([5.0, 1.8])
-
-    def update(self, views: Sequence[BodyView]) -> None:
-        """Show these bodies as colliding."""
-        paths = [shapes.outline_path(view) for view in views]
-        self._edges.set_paths([path for path in paths for _ in range(2)])
-        colours = [to_rgba(theme.IMPACT, 0.25), to_rgba(theme.IMPACT, 1.0)]
-        paint(self._edges, [(0.0,) * 4], colours)
-
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw what the last update gave."""
-        self._edges.draw(renderer)
+    def draw(self, brush: Brush, views: Sequence[BodyView]) -> None:
+        """Draw these bodies as colliding."""
+        brush.ends("round", "round")
+        for view in views:
+            path = shapes.outline_path(view)
+            brush.draw(path, None, tint(theme.IMPACT, 0.25), 5.0)
+            brush.draw(path, None, tint(theme.IMPACT, 1.0), 1.8)
 
 
-def _fill(style: BodyStyle) -> Colour:
-    return to_rgba(style.colour, style.alpha)
-
-
-def _edge(style: BodyStyle, is_filled: bool) -> Colour:
+def _edge(style: BodyStyle, *, is_filled: bool) -> Colour:
     """Return the colour of the edge: a line's own, or a darker shade of the fill."""
     if style.edge_colour is not None:
-        return to_rgba(style.edge_colour, style.alpha)
-    red, green, blue, alpha = to_rgba(style.colour, style.alpha)
+        return tint(style.edge_colour, style.alpha)
+    red, green, blue, alpha = tint(style.colour, style.alpha)
     return (0.68 * red, 0.68 * green, 0.68 * blue, alpha) if is_filled else (red, green, blue, alpha)
-
-
-def _shadow(axes: Axes, pixels: float, alpha: float) -> Any:
-    collection = empty_collection(axes)
-    shift = pixels / 72.0
-    collection.set_transform(axes.transData + ScaledTranslation(shift, -shift, axes.figure.dpi_scale_trans))
-    paint(collection, [to_rgba(theme.SHADOW, alpha)], [to_rgba(theme.SHADOW, 0.4 * alpha)])
-    collection.set_linewidths([1.5])
-    return collection

@@ -10,11 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from matplotlib.transforms import Bbox
 
 from irsim_gym.render import theme
 from irsim_gym.render.layout import Layout, tick_positions
+from irsim_gym.render.lettering import TEXT
 
-TEXT: dict[str, Any] = {"family": theme.FONT, "parse_math": False, "usetex": False}
 TICK: dict[str, Any] = {**TEXT, "fontsize": 7.5, "color": theme.INK_LIGHT}
 
 
@@ -34,13 +35,17 @@ class Play(Artist):
 
     zorder = 100.0
 
-    def __init__(self, play: Callable[[RendererBase], None]) -> None:
+    def __init__(self, play: Callable[[RendererBase], None], extent: Callable[[RendererBase], Bbox]) -> None:
         super().__init__()
-        self._play = play
+        self._play, self._extent = play, extent
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw it."""
         self._play(renderer)
+
+    def get_tightbbox(self, renderer: RendererBase | None = None) -> Bbox | None:
+        """Return the part of the canvas that it asks for."""
+        return None if renderer is None else self._extent(renderer)
 
 
 def make_axes(figure: Figure, layout: Layout, axis: bool) -> Area:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from matplotlib.backend_bases import RendererBase
-from matplotlib.figure import Figure
-from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 
 from irsim_gym.render import theme
-from irsim_gym.render.card import TEXT
-from irsim_gym.render.layout import Layout
+from irsim_gym.render.brush import Brush
+from irsim_gym.render.layout import DOTS_PER_INCH, POINTS_PER_INCH, Layout
+from irsim_gym.render.lettering import Lettering, Type
 from irsim_gym.render.scene import Scene
 
-MARGIN, GAP, TIME_ROOM = 10.0, 14.0, 66.0
+MARGIN, GAP, TIME_ROOM, ABOVE = 10.0, 14.0, 66.0, 21.0
 LONGEST_STATUS = "left world"
 FEWEST_LETTERS = 3
+NAME = Type(9.5, theme.INK, weight="bold")
+TIME = Type(9.0, theme.INK, align="right")
 
 
 class Head:
@@ -24,68 +23,75 @@ class Head:
     Where the drawing area is too narrow they spread over the whole picture, and a text that is too long is cut.
 
     Args:
-        figure: Where it is drawn.
+        lettering: Who writes.
         layout: Where things stand on it.
         titled: There is a title.
     """
 
-    def __init__(self, figure: Figure, layout: Layout, *, titled: bool) -> None:
-        self._figure, self._titled = figure, titled
-        self._pixel = layout.enlargement / layout.width
-        y = 1.0 - 21.0 * layout.enlargement / layout.height
-        self._left, self._right = layout.left / layout.width, (layout.left + layout.plot_width) / layout.width
-        common: dict[str, Any] = {**TEXT, "va": "center", "animated": True}
-        self._name = figure.text(0.0, y, "", color=theme.INK, fontsize=9.5, weight="bold", **common)
-        self._time = figure.text(0.0, y, "", color=theme.INK, fontsize=9.0, ha="right", **common)
-        self._status = figure.text(0.0, y, "", fontsize=9.0, ha="right", **common)
+    def __init__(self, lettering: Lettering, layout: Layout, *, titled: bool) -> None:
+        self._lettering, self._layout, self._titled = lettering, layout, titled
         self._cut: tuple[str, float, str] = ("", 0.0, "")
 
-    def draw(self, renderer: RendererBase, scene: Scene) -> None:
+    def draw(self, brush: Brush, scene: Scene) -> None:
         """Draw name, status and time of a scene, or its title."""
-        if self._titled:
-            self._draw_title(renderer, scene.title)
-        else:
-            self._draw_line(renderer, scene)
+        for words, x, look in self._texts(brush, scene):
+            write = self._lettering.write_letters if look is TIME else self._lettering.write
+            write(brush, words, x, self._level(brush), look)
 
-    def _draw_title(self, renderer: RendererBase, title: str) -> None:
-        """Draw the title over the middle of the drawing area, as far as the picture's edges let it."""
-        margin = MARGIN * self._pixel
-        words = self._shortened(renderer, title, 1.0 - 2.0 * margin)
-        half = 0.5 * self._width(renderer, self._name, words)
-        middle = min(max(0.5 * (self._left + self._right), margin + half), 1.0 - margin - half)
-        self._name.set(text=words, x=middle - half)
-        self._name.draw(renderer)
+    def extent(self, brush: Brush, scene: Scene) -> Bbox:
+        """Return the part of the canvas that is written on."""
+        spans = [
+            (x - self._lettering.width(brush, words, look), x)
+            if look.align == "right"
+            else (x, x + self._lettering.width(brush, words, look))
+            for words, x, look in self._texts(brush, scene)
+        ]
+        left, right = min(low for low, _ in spans), max(high for _, high in spans)
+        level, half = self._level(brush), 0.7 * NAME.size * brush.point
+        return Bbox.from_extents(left, level - half, right, level + half)
 
-    def _draw_line(self, renderer: RendererBase, scene: Scene) -> None:
-        left, right, gap = self._left, self._right, GAP * self._pixel
-        status = f"\N{BLACK CIRCLE} {scene.status.replace('_', ' ')}"
-        time = f"{scene.time:.1f} s"
-        widths = (
-            self._width(renderer, self._status, words) for words in (f"\N{BLACK CIRCLE} {LONGEST_STATUS}", status)
-        )
-        time_room = max(self._width(renderer, self._time, time) + gap, TIME_ROOM * self._pixel)
-        room = max(widths) + time_room
-        if self._width(renderer, self._name, scene.title) + gap + room > right - left:
-            left, right = MARGIN * self._pixel, 1.0 - MARGIN * self._pixel
+    def _texts(self, brush: Brush, scene: Scene) -> tuple[tuple[str, float, Type], ...]:
+        """Return texts, where they stand across and how they look."""
+        pixel = self._pixel(brush)
+        return self._title(brush, scene.title, pixel) if self._titled else self._line(brush, scene, pixel)
+
+    def _title(self, brush: Brush, title: str, pixel: float) -> tuple[tuple[str, float, Type], ...]:
+        """Return the title, over the middle of the drawing area, as far as the picture's edges let it."""
+        layout = self._layout
+        margin, whole = MARGIN * layout.enlargement * pixel, layout.width * pixel
+        words = self._shortened(brush, title, whole - 2.0 * margin)
+        half = 0.5 * self._lettering.width(brush, words, NAME)
+        middle = min(max((layout.left + 0.5 * layout.plot_width) * pixel, margin + half), whole - margin - half)
+        return ((words, middle - half, NAME),)
+
+    def _line(self, brush: Brush, scene: Scene, pixel: float) -> tuple[tuple[str, float, Type], ...]:
+        layout, width, unit = self._layout, self._lettering.width, self._layout.enlargement * pixel
+        left, right, gap = layout.left * pixel, (layout.left + layout.plot_width) * pixel, GAP * unit
+        status, time = f"\N{BLACK CIRCLE} {scene.status.replace('_', ' ')}", f"{scene.time:.1f} s"
+        look = Type(9.0, theme.status_colour(scene.status), align="right")
+        time_room = max(self._lettering.width_of_letters(brush, time, TIME) + gap, TIME_ROOM * unit)
+        room = time_room + max(width(brush, words, look) for words in (f"\N{BLACK CIRCLE} {LONGEST_STATUS}", status))
+        if width(brush, scene.title, NAME) + gap + room > right - left:
+            left, right = MARGIN * unit, layout.width * pixel - MARGIN * unit
         if room > right - left:
             time, time_room = "", 0.0
-        self._status.set(text=status, x=right - time_room, color=theme.status_colour(scene.status))
-        self._time.set(text=time, x=right)
-        self._name.set(text=self._shortened(renderer, scene.title, right - left - room - gap), x=left)
-        for text in (self._name, self._status, self._time):
-            text.draw(renderer)
+        name = self._shortened(brush, scene.title, right - left - room - gap)
+        return (name, left, NAME), (status, right - time_room, look), (time, right, TIME)
 
-    def _width(self, renderer: RendererBase, text: Text, words: str) -> float:
-        """Return the width of words as a share of the picture's."""
-        text.set_text(words)
-        return float(text.get_window_extent(renderer).width / self._figure.bbox.width)
+    def _pixel(self, brush: Brush) -> float:
+        """Return how many units of the canvas are a pixel of a frame."""
+        return brush.point * POINTS_PER_INCH / (DOTS_PER_INCH * self._layout.enlargement)
 
-    def _shortened(self, renderer: RendererBase, words: str, room: float) -> str:
+    def _level(self, brush: Brush) -> float:
+        """Return where the line's middle is on the canvas."""
+        return (self._layout.height - ABOVE * self._layout.enlargement) * self._pixel(brush)
+
+    def _shortened(self, brush: Brush, words: str, room: float) -> str:
         """Cut words to a room; nothing is left where hardly a letter has room."""
         if self._cut[:2] == (words, room):
             return self._cut[2]
         short, count = words, len(words)
-        while self._width(renderer, self._name, short) > room and short:
+        while self._lettering.width(brush, short, NAME) > room and short:
             count -= 1
             short = f"{words[:count].rstrip()}\N{HORIZONTAL ELLIPSIS}" if count >= FEWEST_LETTERS else ""
         self._cut = words, room, short

@@ -1,18 +1,17 @@
-"""Matplotlib artists of pixels: images of bodies, and the fog over what nobody has seen."""
+"""How pixels are drawn: images of bodies, and the fog over what nobody has seen."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backend_bases import RendererBase
 from matplotlib.colors import to_rgb
 from matplotlib.transforms import Affine2D
 from PIL import Image
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
+from irsim_gym.render.brush import Brush
 from irsim_gym.render.scene import BodyView, FogView, ImageView
 
 REMEMBERED_SIZES = 64
@@ -20,38 +19,29 @@ SMOOTH = 4
 """How many times finer than its cells fog is drawn into a file that knows no pixels."""
 
 
-class Images(Artist):
+class Images:
     """Images of bodies, turned and stretched to their footprints.
 
     Each is reduced to the size that it has on the canvas once; a frame only turns and shifts it.
+
+    Args:
+        axes: Where they are drawn.
     """
 
     def __init__(self, axes: Axes) -> None:
-        super().__init__()
         self._axes = axes
-        self._images: list[ImageView] = []
         self._reduced: dict[tuple[int, int, int, float], tuple[Bytes, Image.Image]] = {}
 
-    def update(self, views: Sequence[BodyView]) -> None:  # type: ignore[override]
-        """Show the images of these bodies, the first one lowest; bodies without one are left out."""
-        self._images = [view.image for view in views if view.image is not None]
-
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw what the last update gave."""
-        for image in self._images:
-            corners: Floats = self._axes.transData.transform(image.corners)
-            if renderer.option_scale_image():
-                self._draw_scaled(renderer, image, corners)
+    def draw(self, brush: Brush, views: Sequence[BodyView]) -> None:
+        """Draw the images of these bodies, the first one lowest; bodies without one are left out."""
+        for image in (view.image for view in views if view.image is not None):
+            corners: Floats = brush.to_canvas.transform(image.corners)
+            if brush.renderer.option_scale_image():
+                _draw_scaled(brush, image, corners)
             else:
-                self._draw_pixels(renderer, image, corners)
+                self._draw_pixels(brush, image, corners)
 
-    def _draw_scaled(self, renderer: RendererBase, image: ImageView, corners: Floats) -> None:
-        """Hand the image itself to a format that can turn it."""
-        origin, (x, y) = corners[0], (corners[1] - corners[0], corners[3] - corners[0])
-        turned = Affine2D(np.array([[x[0], y[0], origin[0]], [x[1], y[1], origin[1]], [0.0, 0.0, 1.0]]))
-        _put(renderer, self, 0.0, 0.0, _faded(image), turned)
-
-    def _draw_pixels(self, renderer: RendererBase, image: ImageView, corners: Floats) -> None:
+    def _draw_pixels(self, brush: Brush, image: ImageView, corners: Floats) -> None:
         """Turn the image on a canvas of pixels."""
         canvas = self._axes.figure.bbox
         low = np.maximum(np.floor(corners.min(axis=0)) - 1.0, 0.0).astype(int)
@@ -67,7 +57,7 @@ class Images(Artist):
         start = np.array([low[0], low[1] + height]) - corners[0]
         turn = (along[0], -along[1], along @ start + 1.0, -across[0], across[1], rows - across @ start + 1.0)
         turned = source.transform((width, height), Image.Transform.AFFINE, turn, Image.Resampling.BILINEAR)
-        _put(renderer, self, float(low[0]), float(low[1]), np.asarray(turned.convert("RGBA")))
+        _put(brush, float(low[0]), float(low[1]), np.asarray(turned.convert("RGBA")))
 
     def _sized(self, image: ImageView, length: float, width: float) -> Image.Image:
         """Return the image not larger than on the canvas, with its opacity and a border of one clear pixel."""
@@ -85,41 +75,42 @@ class Images(Artist):
         return known[1]
 
 
-class Fog(Artist):
+def _draw_scaled(brush: Brush, image: ImageView, corners: Floats) -> None:
+    """Hand the image itself to a format that can turn it."""
+    origin, (x, y) = corners[0], (corners[1] - corners[0], corners[3] - corners[0])
+    turned = Affine2D(np.array([[x[0], y[0], origin[0]], [x[1], y[1], origin[1]], [0.0, 0.0, 1.0]]))
+    _put(brush, 0.0, 0.0, _faded(image), turned)
+
+
+class Fog:
     """A soft cover over the cells that nobody has seen."""
 
     def __init__(self, axes: Axes) -> None:
-        super().__init__()
         self._axes = axes
-        self._views: Sequence[FogView] = ()
 
-    def update(self, views: Sequence[FogView]) -> None:  # type: ignore[override]
-        """Show these fogs."""
-        self._views = views
-
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw what the last update gave, as far as the axes show it."""
+    def draw(self, brush: Brush, views: Sequence[FogView]) -> None:
+        """Draw these fogs, as far as the axes show them."""
         (left, right), (below, above) = self._axes.get_xlim(), self._axes.get_ylim()
-        for view in self._views:
+        for view in views:
             x_min, y_min, x_max, y_max = view.extent
             low = np.array([max(x_min, left), max(y_min, below)])
             high = np.array([min(x_max, right), min(y_max, above)])
             if (high > low).all():
-                self._draw_part(renderer, view, low, high)
+                self._draw_part(brush, view, low, high)
 
-    def _draw_part(self, renderer: RendererBase, view: FogView, low: Floats, high: Floats) -> None:
+    def _draw_part(self, brush: Brush, view: FogView, low: Floats, high: Floats) -> None:
         """Draw the part of a fog between two corners [m]."""
-        first, last = self._axes.transData.transform([low, high])
+        first, last = brush.to_canvas.transform([low, high])
         cell = (np.array(view.extent[2:]) - view.extent[:2]) / view.covered.shape
         start, end = (low - view.extent[:2]) / cell, (high - view.extent[:2]) / cell
-        if renderer.option_scale_image():
+        if brush.renderer.option_scale_image():
             columns, rows = np.ceil(SMOOTH * (end - start)).astype(int).tolist()
             turned = Affine2D().scale(*(last - first)).translate(*first)
-            _put(renderer, self, 0.0, 0.0, _cover(view, start, end, columns, rows), turned)
+            _put(brush, 0.0, 0.0, _cover(view, start, end, columns, rows), turned)
         else:
             first, last = np.rint(first), np.rint(last)
             columns, rows = np.maximum(last - first, 1.0).astype(int).tolist()
-            _put(renderer, self, float(first[0]), float(first[1]), _cover(view, start, end, columns, rows))
+            _put(brush, float(first[0]), float(first[1]), _cover(view, start, end, columns, rows))
 
 
 def _cover(view: FogView, start: Floats, end: Floats, columns: int, rows: int) -> Bytes:
@@ -147,15 +138,10 @@ def _softened(covered: Flags) -> Floats:
     return np.asarray(np.where(covered, 0.5 + around / 18.0, 0.0))
 
 
-def _put(
-    renderer: RendererBase, artist: Artist, x: float, y: float, pixels: Bytes, transform: Affine2D | None = None
-) -> None:
-    """Draw pixels, row 0 at the top, with their lower left corner at x, y on the canvas, cut at the artist's box."""
-    context = renderer.new_gc()
-    context.set_clip_rectangle(artist.get_clip_box())
+def _put(brush: Brush, x: float, y: float, pixels: Bytes, transform: Affine2D | None = None) -> None:
+    """Draw pixels, row 0 at the top, with their lower left corner at x, y on the canvas."""
     upwards = np.ascontiguousarray(pixels[::-1])
     if transform is None:
-        renderer.draw_image(context, x, y, upwards)
+        brush.renderer.draw_image(brush.context, x, y, upwards)
     else:
-        renderer.draw_image(context, x, y, upwards, transform)
-    context.restore()
+        brush.renderer.draw_image(brush.context, x, y, upwards, transform)

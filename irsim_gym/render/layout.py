@@ -9,6 +9,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats
 from irsim_gym.errors import OptionError
 
+DOTS_PER_INCH, POINTS_PER_INCH = 100.0, 72.0
 BASE_SIDE = 506.0
 LONGEST_SIDE = 1160.0
 REFERENCE_SIDE = 600.0

@@ -1,99 +1,79 @@
-"""Matplotlib artists of what range sensors see: beams, the points that they hit, and how fast these go."""
+"""How is drawn what range sensors see: beams, the points that they hit, and how fast these go."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backend_bases import RendererBase
-from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
-from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch
 from matplotlib.path import Path
+from matplotlib.transforms import Affine2D
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.render import shapes
+from irsim_gym.render.brush import Brush, Colour, tint
 from irsim_gym.render.scene import ScanView
 from irsim_gym.render.styles import VelocityStyle
+
+BEAM_WIDTH, HIT_RADIUS = 0.45, 1.3
 
 
 class Scans:
     """For each scan the area seen and the beams, or beams in the colours of their radial velocity."""
 
-    def __init__(self, axes: Axes) -> None:
-        self._area = PathPatch(Path([(0.0, 0.0)]), linewidth=0.0, animated=True)
-        self._beams = PathPatch(Path([(0.0, 0.0)]), fill=False, animated=True)
-        self._coloured: Any = LineCollection([], capstyle="butt", animated=True)
-        axes.add_patch(self._area)
-        axes.add_patch(self._beams)
-        axes.add_collection(self._coloured, autolim=False)
-        self._views: Sequence[ScanView] = ()
-
-    def update(self, views: Sequence[ScanView]) -> None:
-        """Show these scans."""
-        self._views = views
-
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw what the last update gave, one scan after another: collections of few large paths are slow."""
-        for view in self._views:
+    def draw(self, brush: Brush, views: Sequence[ScanView]) -> None:
+        """Draw these scans, one after another."""
+        brush.ends("butt", "miter")
+        for view in views:
             velocity = view.style.velocity
             if velocity is not None and velocity.coloured:
-                self._draw_velocities(renderer, view, velocity)
+                _draw_velocities(brush, view, velocity)
                 continue
             colour, alpha = view.style.colour, view.style.alpha
-            self._area.set(path=shapes.seen_path(view), facecolor=to_rgba(colour, min(0.22 * alpha, 1.0)))
-            self._area.draw(renderer)
-            self._draw_beams(renderer, shapes.beam_path(view), to_rgba(colour, min(0.9 * alpha, 1.0)), 0.45)
+            brush.draw(shapes.seen_path(view), tint(colour, min(0.22 * alpha, 1.0)))
+            brush.draw(shapes.beam_path(view), None, tint(colour, min(0.9 * alpha, 1.0)), BEAM_WIDTH)
 
-    def _draw_velocities(self, renderer: RendererBase, view: ScanView, style: VelocityStyle) -> None:
-        path = shapes.rays_path(view.origin, view.ends[~view.valid])
-        self._draw_beams(renderer, path, to_rgba(style.free_colour, style.free_alpha), style.free_width)
-        ends = view.ends[view.valid]
-        self._coloured.set_segments(np.stack([np.broadcast_to(view.origin, ends.shape), ends], axis=1))
-        self._coloured.set_color(velocity_colours(view, style, view.style.alpha))
-        self._coloured.set_linewidths([style.width])
-        self._coloured.draw(renderer)
 
-    def _draw_beams(self, renderer: RendererBase, path: Path, colour: Any, width: float) -> None:
-        self._beams.set(path=path, edgecolor=colour, linewidth=width)
-        self._beams.draw(renderer)
+def _draw_velocities(brush: Brush, view: ScanView, style: VelocityStyle) -> None:
+    free = shapes.rays_path(view.origin, view.ends[~view.valid])
+    brush.draw(free, None, tint(style.free_colour, style.free_alpha), style.free_width)
+    ends = view.ends[view.valid]
+    paths = [Path(np.stack([view.origin, end])) for end in ends]
+    if paths:
+        colours = [_plain(colour) for colour in velocity_colours(view, style, view.style.alpha)]
+        brush.lines(paths, colours, [style.width] * len(paths), ["solid"] * len(paths))
 
 
 class Hits:
     """The points where beams end on something."""
 
-    def __init__(self, axes: Axes) -> None:
-        self._dots = Line2D([], [], linestyle="none", marker="o", markersize=2.6, markeredgewidth=0.0, animated=True)
-        axes.add_line(self._dots)
-        self._marks: Any = axes.scatter([], [], animated=True)
-        self._views: Sequence[ScanView] = ()
-
-    def update(self, views: Sequence[ScanView]) -> None:
-        """Show the hits of these scans."""
-        self._views = views
-
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw what the last update gave."""
-        for view in self._views:
+    def draw(self, brush: Brush, views: Sequence[ScanView]) -> None:
+        """Draw the hits of these scans; those of one colour together."""
+        alike: dict[Colour, list[Floats]] = {}
+        for view in views:
             if view.style.velocity is not None:
-                self._draw_marks(renderer, view, view.style.velocity)
-                continue
-            ends = view.ends[view.hits]
-            self._dots.set_data(ends[:, 0], ends[:, 1])
-            self._dots.set_color(to_rgba(view.style.colour, min(3.0 * view.style.alpha, 1.0)))
-            self._dots.draw(renderer)
+                _draw_marks(brush, view, view.style.velocity)
+            else:
+                colour = tint(view.style.colour, min(3.0 * view.style.alpha, 1.0))
+                alike.setdefault(colour, []).append(view.ends[view.hits])
+        for colour, places in alike.items():
+            brush.dots(np.concatenate(places), HIT_RADIUS, colour)
 
-    def _draw_marks(self, renderer: RendererBase, view: ScanView, style: VelocityStyle) -> None:
-        if style.mark_size > 0.0:
-            self._marks.set_offsets(view.ends[view.valid])
-            self._marks.set_sizes([style.mark_size])
-            self._marks.set_facecolor(velocity_colours(view, style, 1.0))
-            self._marks.set_edgecolor(style.mark_edge_colour)
-            self._marks.set_linewidths([style.mark_edge_width])
-            self._marks.draw(renderer)
+
+def _draw_marks(brush: Brush, view: ScanView, style: VelocityStyle) -> None:
+    if style.mark_size <= 0.0:
+        return
+    radius = 0.5 * np.sqrt(style.mark_size) * brush.point
+    edge = tint(style.mark_edge_colour, 1.0)
+    brush.ends("butt", "round")
+    for end, colour in zip(view.ends[view.valid], velocity_colours(view, style, 1.0), strict=True):
+        place = Affine2D().scale(radius).translate(*brush.to_canvas.transform(end))
+        brush.draw(Path.unit_circle(), _plain(colour), edge, style.mark_edge_width, place=place)
+
+
+def _plain(colour: Floats) -> Colour:
+    red, green, blue, alpha = colour.tolist()
+    return red, green, blue, alpha
 
 
 def velocity_colours(view: ScanView, style: VelocityStyle, alpha: float) -> Floats:
