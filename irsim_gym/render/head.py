@@ -47,7 +47,7 @@ class Head:
             for words, x, look in self._texts(brush, scene)
         ]
         left, right = min(low for low, _ in spans), max(high for _, high in spans)
-        level, half = self._level(brush), 0.7 * NAME.size * brush.point
+        level, half = self._level(brush), 0.55 * NAME.size * brush.point
         return Bbox.from_extents(left, level - half, right, level + half)
 
     def _texts(self, brush: Brush, scene: Scene) -> tuple[tuple[str, float, Type], ...]:
