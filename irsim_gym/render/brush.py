@@ -41,6 +41,7 @@ class Brush:
         to_canvas: From metres to the canvas' units: pixels, or those of a file.
         box: Where the world is that is shown.
         wide_box: The same, wide enough for a wall along the border.
+        corner: The figure's lower left corner on the canvas; another one than 0, 0 where empty margins are left out.
         scale: Units of the canvas in a metre.
         point: Units of the canvas in a point of type.
         keeps_strips: Texts are drawn once and kept as pixels.
@@ -58,7 +59,7 @@ class Brush:
         canvas: Any = renderer
         self.renderer: RendererBase = canvas
         self.to_canvas, self.keeps_strips = to_canvas, keeps_strips
-        self.box, self.wide_box = box, wide_box
+        self.box, self.wide_box, self.corner = box, wide_box, (0.0, 0.0)
         self.context: Any = renderer.new_gc()
         self.scale = float(to_canvas.get_matrix()[0, 0])
         self.point = float(canvas.points_to_pixels(1.0))

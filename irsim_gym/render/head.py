@@ -34,9 +34,10 @@ class Head:
 
     def draw(self, brush: Brush, scene: Scene) -> None:
         """Draw name, status and time of a scene, or its title."""
+        level = self._level(brush)
         for words, x, look in self._texts(brush, scene):
             write = self._lettering.write_letters if look is TIME else self._lettering.write
-            write(brush, words, x, self._level(brush), look)
+            write(brush, words, brush.corner[0] + x, level, look)
 
     def extent(self, brush: Brush, scene: Scene) -> Bbox:
         """Return the part of the canvas that is written on."""
@@ -48,7 +49,7 @@ class Head:
         ]
         left, right = min(low for low, _ in spans), max(high for _, high in spans)
         level, half = self._level(brush), 0.55 * NAME.size * brush.point
-        return Bbox.from_extents(left, level - half, right, level + half)
+        return Bbox.from_extents(brush.corner[0] + left, level - half, brush.corner[0] + right, level + half)
 
     def _texts(self, brush: Brush, scene: Scene) -> tuple[tuple[str, float, Type], ...]:
         """Return texts, where they stand across and how they look."""
@@ -84,7 +85,7 @@ class Head:
 
     def _level(self, brush: Brush) -> float:
         """Return where the line's middle is on the canvas."""
-        return (self._layout.height - ABOVE * self._layout.enlargement) * self._pixel(brush)
+        return brush.corner[1] + (self._layout.height - ABOVE * self._layout.enlargement) * self._pixel(brush)
 
     def _shortened(self, brush: Brush, words: str, room: float) -> str:
         """Cut words to a room; nothing is left where hardly a letter has room."""

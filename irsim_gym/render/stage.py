@@ -104,6 +104,8 @@ class Stage:
 
         def draw(renderer: RendererBase) -> None:
             brush = self._make_brush(renderer)
+            x, y = self._figure.transFigure.transform((0.0, 0.0)).tolist()
+            brush.corner = x, y
             self._draw_bodies(brush, fixed, scene.map, _tint(scene))
             for *_, part, views in slow:
                 self._play(brush, part, views)
