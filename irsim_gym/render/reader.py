@@ -7,27 +7,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats
+from irsim_gym.arraytypes import Flags
 from irsim_gym.render import theme
-from irsim_gym.render.images import load_image
-from irsim_gym.render.outlines import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
+from irsim_gym.render.body_reader import BodyReader, labels
+from irsim_gym.render.outlines import placed
 from irsim_gym.render.scene import (
     BodyView,
     FieldView,
     FogView,
     GoalView,
-    ImageView,
-    LabelView,
     MapView,
     ScanView,
     Scene,
     TrailView,
 )
-from irsim_gym.render.styles import BodyStyle, body_style, field_of_view, is_omni, scan_style
-from irsim_gym.scenario.images import image_file
+from irsim_gym.render.styles import BodyStyle, body_style, field_of_view, scan_style
 from irsim_gym.scenario.plot_spec import trailing
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import ACKERMANN, ROBOT, WorldModel
+from irsim_gym.world.model import ROBOT, WorldModel
 from irsim_gym.world.state import WorldState
 from irsim_gym.world.trails import Trails
 
@@ -71,13 +68,8 @@ class SceneReader:
         self._robots = [body for body in order if model.role[body] == ROBOT]
         self._title = scenario.name if scenario.world.plot.title is None else scenario.world.plot.title
         self._viewpoint = scenario.world.plot.viewpoint
-        self._turns_with_motion = [is_omni(body) for body in scenario.bodies]
+        self._reader = BodyReader(scenario, model, state, self._styles)
         self._fields = {b: field_of_view(body) for b, body in enumerate(scenario.bodies) if self._styles[b].show_field}
-        self._pixels = {
-            b: load_image(image_file(body.description, scenario.file))
-            for b, body in enumerate(scenario.bodies)
-            if body.description is not None
-        }
         self._explored, self._fogs = explored, dict[int, FogView]()
         self._map: MapView | None = None
         self._fixed: dict[int, tuple[bytes, tuple[BodyView, ...]]] = {}
@@ -90,7 +82,7 @@ class SceneReader:
         model, state = self._model, self._state
         self.trails.record(np.array([world]), state.step[[world]], state.pose[[world]])
         fixed = self._fixed_views(world)
-        moving = tuple(self._body_view(world, body) for body in self._moving_bodies if model.present[world, body])
+        moving = tuple(self._reader.view(world, body) for body in self._moving_bodies if model.present[world, body])
         goals = self._goals(world)
         return Scene(
             world=world,
@@ -106,7 +98,7 @@ class SceneReader:
             trails=self._trail_views(world),
             ghosts=self._ghosts(world),
             fields=self._field_views(world),
-            labels=_labels(fixed + moving, goals),
+            labels=labels(fixed + moving, goals),
             map=self._map_view(),
             center=self._center(world),
             fog=self._fog_view(world),
@@ -124,69 +116,17 @@ class SceneReader:
             return "arrived"
         return "collision" if robots and bool(state.collided[world, robots].any()) else "running"
 
-    def _rows(self, world: int, body: int) -> tuple[slice, slice]:
-        """Return the body's rows in the tables of segments and of discs."""
-        model = self._model
-        segment, disc = int(model.segment_start[body]), int(model.disc_start[body])
-        segments = int(model.segment_count[world % len(model.segment_count), body])
-        discs = int(model.disc_count[world % len(model.disc_count), body])
-        return slice(segment, segment + segments), slice(disc, disc + discs)
-
     def _fixed_views(self, world: int) -> tuple[BodyView, ...]:
         """Return the views of the fixed bodies, the same tuple until one of their outlines changes."""
-        model, state = self._model, self._state
-        bodies = [body for body in self._fixed_bodies if model.present[world, body]]
-        parts = [np.array(bodies).tobytes()]
-        for body in bodies:
-            segments, discs = self._rows(world, body)
-            parts += [state.segments[world, segments].tobytes(), state.discs[world, discs].tobytes()]
-        key = b"|".join(parts)
+        bodies = [body for body in self._fixed_bodies if self._model.present[world, body]]
+        key = self._reader.signature(world, bodies)
         known = self._fixed.pop(world, None)
         if known is None or known[0] != key:
-            known = key, tuple(self._body_view(world, body) for body in bodies)
+            known = key, tuple(self._reader.view(world, body) for body in bodies)
             if len(self._fixed) >= REMEMBERED_WORLDS:
                 self._fixed.pop(next(iter(self._fixed)))
         self._fixed[world] = known
         return known[1]
-
-    def _body_view(self, world: int, body: int) -> BodyView:
-        state, style = self._state, self._styles[body]
-        segment_rows, disc_rows = self._rows(world, body)
-        segments, discs = state.segments[world, segment_rows].copy(), state.discs[world, disc_rows].copy()
-        return BodyView(
-            body=body,
-            name=self._names[body],
-            lines=chains(segments),
-            discs=discs,
-            solid=bool(self._model.solid[body]),
-            heading=self._heading(world, body, segment_rows, disc_rows) if style.show_arrow else NOTHING,
-            anchor=_anchor(state.pose[world, body], style, segments, discs),
-            style=style,
-            image=self._image(world, body, self._pixels[body]) if body in self._pixels else None,
-        )
-
-    def _image(self, world: int, body: int, pixels: Bytes) -> ImageView | None:
-        """Return the image of a body over the rectangle around its footprint; None without a footprint."""
-        model, (segment_rows, disc_rows) = self._model, self._rows(world, body)
-        segments = model.local_segments[world % len(model.local_segments), segment_rows]
-        extent = box(segments, model.local_discs[world % len(model.local_discs), disc_rows])
-        if extent is None:
-            return None
-        x_min, y_min, x_max, y_max = extent
-        corners = np.array([[x_min, y_min], [x_max, y_min], [x_max, y_max], [x_min, y_max]])
-        return ImageView(pixels, placed(corners, self._state.pose[world, body]), self._styles[body].image_alpha)
-
-    def _heading(self, world: int, body: int, segment_rows: slice, disc_rows: slice) -> Floats:
-        model, style, pose = self._model, self._styles[body], self._state.pose[world, body]
-        if self._turns_with_motion[body] and self._state.twist[world, body, :2].any():
-            x, y = self._state.twist[world, body, :2]
-            pose = np.array([pose[0], pose[1], np.arctan2(y, x)])
-        if style.arrow is not None:
-            return placed(arrow(*style.arrow), pose)
-        segments = model.local_segments[world % len(model.local_segments), segment_rows]
-        discs = model.local_discs[world % len(model.local_discs), disc_rows]
-        is_car = model.drive[body] == ACKERMANN and len(segments) > 0 and body not in self._pixels
-        return placed(windscreen(segments, discs) if is_car else wedge(segments, discs), pose)
 
     def _struck(self, world: int, views: tuple[BodyView, ...]) -> tuple[BodyView, ...]:
         state = self._state
@@ -302,53 +242,5 @@ class SceneReader:
             style = self._styles[body]
             if style.ghost is not None and self._model.present[world, body]:
                 poses = self.trails.poses(world, index, every=style.ghost_every, length=style.ghost_length)
-                views += [self._ghost(world, body, pose, style.ghost, style.ghost_shape or "") for pose in poses]
+                views += [self._reader.ghost(world, body, pose, style.ghost, style.ghost_shape or "") for pose in poses]
         return tuple(views)
-
-    def _ghost(self, world: int, body: int, pose: Floats, style: BodyStyle, shape: str) -> BodyView:
-        """Return the body as it stood at a pose, or a simpler shape around it."""
-        model, (segment_rows, disc_rows) = self._model, self._rows(world, body)
-        segments = model.local_segments[world % len(model.local_segments), segment_rows]
-        discs = model.local_discs[world % len(model.local_discs), disc_rows]
-        if shape:
-            segments, discs = replaced(shape, segments, discs)
-        return BodyView(
-            body=body,
-            name=self._names[body],
-            lines=tuple(placed(line, pose) for line in chains(segments)),
-            discs=np.hstack([placed(discs[:, :2], pose), discs[:, 2:]]),
-            solid=shape != "linestring" and (bool(shape) or bool(model.solid[body])),
-            heading=NOTHING,
-            anchor=(float(pose[0]), float(pose[1])),
-            style=style,
-        )
-
-
-def _anchor(pose: Floats, style: BodyStyle, segments: Floats, discs: Floats) -> tuple[float, float]:
-    """Return where a body's label stands: at the chosen offset, or above the footprint."""
-    x, y = float(pose[0]), float(pose[1])
-    if style.label_offset is not None:
-        return x + style.label_offset[0], y + style.label_offset[1]
-    extent = box(segments, discs)
-    return (x, y) if extent is None else (0.5 * (extent[0] + extent[2]), extent[3] + 0.08)
-
-
-def _foot(view: BodyView) -> float | None:
-    """Return the lowest ordinate of a footprint; None without one."""
-    lowest = [float(line[:, 1].min()) for line in view.lines] + [float(y - radius) for _, y, radius in view.discs]
-    return min(lowest, default=None)
-
-
-def _labels(bodies: Sequence[BodyView], goals: Sequence[GoalView]) -> tuple[LabelView, ...]:
-    """Return the texts beside bodies and below goals."""
-    beside = [
-        LabelView(*view.anchor, view.style.label, view.style, None if view.style.label_offset else _foot(view))
-        for view in bodies
-        if view.style.label
-    ]
-    below = [
-        LabelView(view.x, view.y, view.style.goal_label, view.style, view.y - view.tolerance)  # its own flag is there
-        for view in goals
-        if view.style.goal_label
-    ]
-    return tuple(beside + below)
