@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import threading
 import time
 import warnings
+import weakref
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from irsim_gym.arraytypes import Bytes
@@ -30,6 +33,7 @@ class Screen:
         self._process = 0
         self._given_up = False
         self._inherited: Window | None = None
+        self._end: Callable[[], object] = _nothing
 
     @property
     def is_wanted(self) -> bool:
@@ -59,6 +63,7 @@ class Screen:
 
             self._window = Window(picture.shape[1], picture.shape[0], self.title)
             self._process = os.getpid()
+            self._end = weakref.finalize(self, _close, self._window, self._process, threading.get_ident())
             self._shown_until = time.perf_counter()
         else:
             due = self._shown_until + seconds
@@ -80,6 +85,7 @@ class Screen:
         self._look_after(warn=False)
         if self._window is not None:
             self._window.close()
+            self._end()
         self._window, self._given_up = None, False
 
     def _look_after(self, *, warn: bool = True) -> None:
@@ -90,8 +96,19 @@ class Screen:
             self._inherited, self._window = self._window, None  # kept: its end would be told to the parent's display
         elif self._window.closed:
             self._window, self._given_up = None, True
+            self._end()
             if warn:
                 warnings.warn("the window was closed: the environment goes on without one", stacklevel=2)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_window": None, "_inherited": None, "_given_up": False}
+        return {**self.__dict__, "_window": None, "_inherited": None, "_given_up": False, "_end": _nothing}
+
+
+def _close(window: Window, process: int, thread: int) -> None:
+    """Close the window of a screen that is gone, where its toolkit allows it: in its own process and thread."""
+    if (process, thread) == (os.getpid(), threading.get_ident()):
+        window.close()
+
+
+def _nothing() -> None:
+    pass

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import gc
 import os
 import pickle
 import time
@@ -82,6 +83,15 @@ def test_a_person_may_close_the_window(screen: Screen, until) -> None:
     assert observation.shape == env.observation_space.shape
     assert not screen.has_window("one_robot")
     env.close()
+
+
+def test_a_forgotten_environment_takes_its_window_along(screen: Screen) -> None:
+    env = irsim_gym.make(ONE, render_mode="human")
+    env.reset(seed=0)
+    assert screen.has_window("one_robot")
+    del env
+    gc.collect()
+    assert not screen.has_window("one_robot")
 
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
