@@ -41,7 +41,9 @@ class Camera:
 
     def frame(self, status: str) -> Bytes:
         """Return a picture, uint8, shape ``(height, width, 3)``."""
-        return self._ready().frame(0, status)
+        from irsim_gym.render.picture import Picture
+
+        return self._ready().frame(0, status).view(Picture)
 
     def keep(self, status: str) -> None:
         """Keep a picture for the film."""

@@ -26,11 +26,11 @@ def test_a_grid_fills_row_by_row() -> None:
         (4, (600, 600), None, (2, (380, 380))),  # 760 / 2
         (6, (600, 600), None, (3, (380, 380))),
         (16, (600, 600), None, (4, (190, 190))),  # six in a row would be 213 high, but leave two places empty
-        (4, (1200, 200), None, (1, (1138, 190))),  # long ones lie above each other: 760 / 4 = 190
+        (4, (1200, 200), None, (1, (1140, 190))),  # long ones lie above each other: 760 / 4 = 190
         (4, (200, 100), None, (2, (200, 100))),  # never enlarged
         (6, (600, 600), 2, (2, (252, 252))),  # 760 / 3 = 253.3
         (3, (600, 600), 7, (3, (426, 426))),
-        (400, (600, 600), None, (20, (96, 96))),  # no smaller than this
+        (400, (600, 600), None, (25, (96, 96))),  # 25 x 16 would fit at 47, but no smaller than this
         (4000, (90, 80), 40, (40, (90, 80))),
     ],
 )
