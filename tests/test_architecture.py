@@ -57,7 +57,8 @@ ALLOWED: dict[str, set[str]] = {
         "moviepy",
         "PIL",
     },
-    "live": {"engine", "scenario", "world", "render", "pynput"},
+    "controls": {"render", "pynput"},
+    "live": {"engine", "scenario", "world", "render", "controls"},
 }
 # Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.
 COMPOSERS = {"training", "cli", "__init__"}
@@ -82,7 +83,7 @@ HEAVY = {
     "PIL",
 }
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
-RENDER_FROM = {"envs", "live", "training", "cli"}
+RENDER_FROM = {"envs", "live", "controls", "training", "cli"}
 
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60

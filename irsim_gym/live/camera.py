@@ -16,6 +16,7 @@ from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
     from irsim_gym.render import Renderer, WorldRenderer
+    from irsim_gym.render.layout import Layout, Limits
 
 FILMS = (".mp4", ".gif")
 FIGURES = (".png", ".pdf", ".svg", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tiff", ".webp")
@@ -32,6 +33,7 @@ class Camera:
         self._simulation, self._track, self._backend = simulation, track, backend
         self._told = 0
         self._renderer: WorldRenderer | None = None
+        self._limits: Limits | None = None
         self._kept: list[tuple[tuple[int, ...], bytes]] = []
 
     def look_at(self, simulation: Simulation) -> None:
@@ -44,6 +46,19 @@ class Camera:
         from irsim_gym.render.picture import Picture
 
         return self._ready().frame(0, status).view(Picture)
+
+    def show_part(self, limits: Limits | None) -> None:
+        """Draw another part of the world from now on, x_min, y_min, x_max, y_max [m]; None for what the file says."""
+        self._limits = limits
+        if self._renderer is not None:
+            self._renderer.look_at(limits)
+
+    def seen(self) -> Layout:
+        """Return where the world is on the picture."""
+        renderer = self._ready()
+        plot = self._simulation.scenario.world.plot
+        center = renderer.scene().center if plot.viewpoint is not None and self._limits is None else None
+        return renderer.layout if center is None else renderer.layout.centred(*center)
 
     def keep(self, status: str) -> None:
         """Keep a picture for the film."""
@@ -95,6 +110,8 @@ class Camera:
             seen = self._simulation
             parts = seen.scenario, seen.model, seen.state, seen.sensors
             self._renderer = make_renderer(self._backend, *parts, explored=seen.explored)
+            if self._limits is not None:
+                self._renderer.look_at(self._limits)
         self._tell(self._renderer.trails)
         return self._renderer
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Mapping
 
-NO_WINDOW = "there is no window: render() returns a picture, save_figure() and save_animation() write files"
+WINDOW = "load(..., render_mode='human') opens a window; without it nothing is drawn until render() or save_figure()"
 DRAWN = "render() draws bodies as their section `plot` says; for drawings of your own take the array that it returns"
 CONTACTS = "contact mode is not simulated"
 IN_FILE = "it stands in the scenario: world.scenario"
@@ -72,21 +72,13 @@ BODY: dict[str, str] = {
 WORLD: dict[str, str] = {
     "set_title": "the title stands in the file: world: {plot: {title: ...}}",
     "set_status": "status follows from the robots; pause() and resume() change it",
-    "show": NO_WINDOW,
-    "quit": "leave the loop, then close()",
-    "quit_flag": "leave the loop, then close()",
+    "quit": "leave the loop, then close(); quit_flag tells whether the person wants to",
     "pause_flag": "use status == 'Pause'",
-    "display": NO_WINDOW,
-    "headless": NO_WINDOW,
-    "disable_all_plot": NO_WINDOW,
+    "headless": WINDOW,
+    "disable_all_plot": WINDOW,
     "save_ani": "load(..., record=True) keeps frames",
-    "key_vel": "keys are not read: there is no window",
-    "key_id": "keys are not read: there is no window",
-    "keyboard": "keys are not read: there is no window",
-    "mouse": NO_WINDOW,
-    "mouse_pos": NO_WINDOW,
-    "mouse_left_pos": NO_WINDOW,
-    "mouse_right_pos": NO_WINDOW,
+    "keyboard": "use key_vel, key_id, control_mode; the options stand in the file: gui: {keyboard: ...}",
+    "mouse": "use mouse_pos, mouse_left_pos, mouse_right_pos",
     "reset_plot": "render() draws anew each time",
     "draw_trajectory": DRAWN,
     "draw_points": DRAWN,
@@ -113,10 +105,10 @@ WORLD: dict[str, str] = {
 }
 
 LOAD: dict[str, tuple[tuple[object, ...], str]] = {
-    "display": ((False,), NO_WINDOW),
-    "headless": ((True,), NO_WINDOW),
-    "disable_all_plot": ((True, False), NO_WINDOW),
-    "full": ((False,), NO_WINDOW),
+    "display": ((True, False), "True opens a window, False does not"),
+    "headless": ((True, False), "True opens no window, and neither does False without render_mode='human'"),
+    "disable_all_plot": ((True, False), WINDOW),
+    "full": ((False,), "the window is as large as the picture: plot: {figure_pixels: [1000, 800]}"),
     "ani_kwargs": ((None,), "name and rate of a film are arguments of save_animation()"),
     "log_level": ((), "leave it out: nothing is logged, warnings are Python's own"),
     "log_file": ((None,), "nothing is logged, warnings are Python's own"),
@@ -144,14 +136,25 @@ def missing(what: str, name: str, elsewhere: Mapping[str, str], known: Iterable[
     return f"{what} has no '{name}'" + (f" (did you mean '{near[0]}'?)" if near else "")
 
 
-def check_arguments(others: Mapping[str, object]) -> dict[str, object]:
-    """Let arguments of IR-SIM's pass that ask for what is so anyway; return the rest, meant for the scenario.
+def check_arguments(render_mode: str | None, others: Mapping[str, object]) -> tuple[str | None, dict[str, object]]:
+    """Let arguments of IR-SIM's pass that ask for what is so anyway.
+
+    Returns:
+        The render mode, and the rest of the arguments, meant for the scenario.
 
     Raises:
         TypeError: One of them asks for something else; the message tells what to do.
+        ValueError: Another render mode.
     """
+    if render_mode not in (None, "rgb_array", "human"):
+        raise ValueError(f"render_mode must be None, 'rgb_array' or 'human', got {render_mode!r}")
     for name, value in others.items():
         harmless, advice = LOAD.get(name, ((), ""))
         if advice and not any(value is one for one in harmless):
             raise TypeError(f"load() takes no {name}={value!r}: {advice}")
-    return {name: value for name, value in others.items() if name not in LOAD}
+    hidden = next((name for name, no in (("display", False), ("headless", True)) if others.get(name) is no), None)
+    wanted = render_mode == "human" or others.get("display") is True
+    if wanted and hidden is not None:
+        raise TypeError(f"load() takes no {hidden}={others[hidden]!r} where a window is asked for as well")
+    rest = {name: value for name, value in others.items() if name not in LOAD}
+    return ("human" if wanted else render_mode), rest

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -11,14 +10,13 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes
 from irsim_gym.engine import compile
-from irsim_gym.errors import NoKeyboardWarning, UnknownNameError
+from irsim_gym.errors import UnknownNameError
 from irsim_gym.live import hints, moves
 from irsim_gym.live.actions import Actions, Reference, pair_actions
 from irsim_gym.live.camera import Camera
+from irsim_gym.live.driven import ENDING_S, Driven
 from irsim_gym.live.goals import Goals
-from irsim_gym.live.population import Population
 from irsim_gym.live.roster import Roster
 from irsim_gym.live.track import Track
 from irsim_gym.scenario import Scenario, load_scenario
@@ -26,22 +24,29 @@ from irsim_gym.scenario import Scenario, load_scenario
 ScenarioSource = str | Path | Mapping[str, Any]
 
 
-class World(Population):
+class World(Driven):
     """One world of a scenario, run by hand as IR-SIM's users know it.
 
     It is a batch of one of the same simulator that learners use, so a step, a collision or a scan is the same here.
-    IR-SIM's names work where they mean something without a window; the error for another one says what to use.
-    ``help`` lists them all. Where IR-SIM has columns, arrays are flat here.
+    IR-SIM's names work; the error for one that does not says what to use. ``help`` lists them all. Where IR-SIM has
+    columns, arrays are flat here.
+
+    In a window (``render_mode="human"``) keys do: r reset, l reload, space pause and resume, F5 pause and then one step
+    each, esc quit, x switch between keyboard and auto, v save a figure, y stop and resume drawing. With
+    ``control_mode: keyboard`` they drive a robot: w and s ahead and back, a and d turn (an omnidirectional robot:
+    sideways), q and e turn an ``omni_angular`` robot and for others change the greatest speed, as shift+z and shift+c
+    do; z and c change the greatest turn rate; alt and a digit choose the robot. The wheel zooms about the cursor, the
+    middle button shows all.
 
     Args:
         scenario: A shipped name such as ``cluttered_room``, the path of a YAML file, or the same as plain data. By
             default the YAML file beside the running script that is named as the script is.
         seed: Which level is drawn first; the one that ``irsim_gym.make`` begins with ``reset(seed=seed)``.
-        render_mode: None or ``"rgb_array"``: ``render`` returns pictures in either case. There is no window yet.
+        render_mode: None or ``"rgb_array"``: ``render`` returns pictures. ``"human"``: it shows them in a window too.
         record: Keep a frame of the start and of each sample, for ``save_animation``.
         save_ani: IR-SIM's way: as ``record``, and ``end`` writes the film.
-        **others: Values for the scenario's parameters, and IR-SIM's other arguments, such as ``display=False``, where
-            they ask for what is so anyway.
+        **others: Values for the scenario's parameters, and IR-SIM's other arguments where they ask for what is so
+            anyway; ``display=True`` is ``render_mode="human"``.
 
     Raises:
         ScenarioError: The file cannot be used; the error lists every problem with its line.
@@ -61,21 +66,18 @@ class World(Population):
         save_ani: bool = False,
         **others: Any,
     ) -> None:
-        self._parameters = hints.check_arguments(others)
-        if render_mode not in (None, "rgb_array"):
-            raise ValueError(f"render_mode must be None or 'rgb_array' (there is no window yet), got {render_mode!r}")
+        mode, self._parameters = hints.check_arguments(render_mode, others)
         self._source = _beside_the_script() if scenario is None else scenario
         self._record, self._save_at_end, self._unsaved = record or save_ani, save_ani, False
         self._seed, self._episode = _seed(0 if seed is None else seed), 0
         self._read()
+        self._begin_driving(mode, self._loaded)
         self.track = Track()
         self._camera = Camera(self.simulation, self.track)
         self._begin(self._loaded.world.status)
 
     def _read(self) -> None:
         self._loaded = load_scenario(self._source, self._parameters)
-        if self._loaded.world.control_mode == "keyboard":
-            warnings.warn("keys are not read yet: the behaviours drive (control_mode: auto)", NoKeyboardWarning, 4)
         self._compile()
 
     def _compile(self) -> None:
@@ -103,14 +105,15 @@ class World(Population):
         self.close()
 
     def close(self) -> None:
-        """Free the renderer. May be called twice; the world can still be used."""
+        """Close the window and free the renderer. May be called twice; the world can still be used."""
+        self._close_window()
         self._camera.close()
 
-    def end(self, ending_time: float = 0.0, ani_name: str | Path | None = None) -> Path | None:
+    def end(self, ending_time: float = ENDING_S, ani_name: str | Path | None = None) -> Path | None:
         """Write the film if the world was loaded with ``save_ani`` or a name is given, and close.
 
         Args:
-            ending_time: Taken for the sake of IR-SIM's scripts [s]; there is no window that could stay open.
+            ending_time: How long a window stays open before [s]; a person may close it sooner.
             ani_name: The film's file, as for ``save_animation``.
 
         Returns:
@@ -121,6 +124,7 @@ class World(Population):
         """
         asked = ani_name is not None or (self._save_at_end and self._unsaved)
         film = self.save_animation(ani_name) if asked else None
+        self._linger(ending_time)
         self.close()
         return film
 
@@ -158,15 +162,16 @@ class World(Population):
     def status(self) -> str:
         """How the world stands, as text.
 
-        ``Arrived`` when all robots have arrived, else ``Collision`` when one collides, else ``Running``. ``Pause``
-        lasts until ``resume``, ``Reset`` and ``Reload`` until the next step; at first it is what the file says.
+        ``Arrived`` when all robots have arrived, else ``Collision`` when one collides, else ``Running``, or
+        ``Running (keyboard)`` when keys drive. ``Pause`` lasts until ``resume``, ``Reset`` and ``Reload`` until the
+        next step; at first it is what the file says. ``Pause (Debugging)`` after F5, ``Quit`` after esc.
         """
         return self._status
 
     def done(self, mode: Literal["all", "any"] = "all") -> bool:
         """Return whether all robots, or any, have arrived or are held in place by a collision.
 
-        A world without robots is never done.
+        A world without robots is never done. One that a person quit (``quit_flag``) always is.
 
         Raises:
             ValueError: Another mode.
@@ -175,22 +180,14 @@ class World(Population):
             raise ValueError(f"mode must be 'all' or 'any', got {mode!r}")
         state, robots = self.simulation.state, moves.robots(self.simulation)
         over = state.arrived[0, robots] | state.stopped[0, robots]
-        return bool(len(over)) and bool(over.all() if mode == "all" else over.any())
-
-    def pause(self) -> None:
-        """Let steps do nothing until ``resume``."""
-        self._paused, self._status = True, "Pause"
-
-    def resume(self) -> None:
-        """Go on after a pause."""
-        self._paused, self._status = False, "Running"
+        return self.quit_flag or (bool(len(over)) and bool(over.all() if mode == "all" else over.any()))
 
     def step(self, action: Actions | None = None, action_id: Reference | Sequence[Reference] | None = None) -> None:
         """Advance by one step; nothing happens while the world is paused.
 
         An action is a command in the coordinates of the body's drive [m/s, rad/s] and overrides what the body would
-        do by itself, in this step alone. Limits, stopping at collisions and all else hold as ever; a body that never
-        moves ignores it.
+        do by itself, in this step alone; keys that drive (``control_mode``) override both. Limits, stopping at
+        collisions and all else hold as ever; a body that never moves ignores it.
 
         Args:
             action: None, one action, a list of actions, or a mapping from names to actions. A None among them leaves
@@ -203,19 +200,19 @@ class World(Population):
                 action that reaches nobody is a mistake, and in a loop a warning is easily missed. Or ``step_mode`` is
                 ``external``.
         """
-        if self._paused:
+        if not self._may_step():
             return
         rows = (
             {} if action is None else pair_actions(action, action_id, self._index_of, len(self.simulation.parts.names))
         )
         if rows and self.simulation.parts.external:
             raise ValueError("step_mode is external: set_state moves the bodies, actions have no effect")
-        bodies, commands = moves.commands(self.simulation, rows)
+        bodies, commands = moves.commands(self.simulation, {**rows, **self._keys()})
         if len(bodies):
             self.simulation.step(commands, bodies)
         else:
             self.simulation.step()
-        self._status = moves.status_of(self.simulation)
+        self._status = self._told(moves.status_of(self.simulation))
         self.track.note(self.simulation)
         self._keep_frame()
 
@@ -252,6 +249,7 @@ class World(Population):
         """Read the file again and begin its first level."""
         self._episode = 0
         self._read()
+        self._take_control_mode(self._loaded)
         self._camera.look_at(self.simulation)
         self._begin("Reload")
 
@@ -265,16 +263,11 @@ class World(Population):
         self._seed, self._episode = _seed(seed), -1
         self.simulation.state.random[:] = self.simulation.streams(self._seed)
 
-    def render(self, interval: float = 0.0) -> Bytes:
-        """Return a picture of the world, uint8, shape ``(height, width, 3)``.
-
-        It needs no display. There is no window yet, so there is nothing to wait for: ``interval`` [s] is taken for the
-        sake of IR-SIM's scripts and has no effect; what is drawn is said by the sections ``plot``, not by arguments.
-        """
-        return self._camera.frame(self._shown_status())
-
     def _shown_status(self) -> str:
         return "" if self._status == "None" else self._status
+
+    def _is_sample(self) -> bool:
+        return self.sampling
 
     def _keep_frame(self) -> None:
         if self._record and self.sampling:

@@ -9,7 +9,7 @@ from irsim_gym.arraytypes import Bytes, Flags
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 
 if TYPE_CHECKING:
-    from irsim_gym.render.layout import Layout
+    from irsim_gym.render.layout import Layout, Limits
     from irsim_gym.render.scene import Scene
     from irsim_gym.scenario.spec import Scenario
     from irsim_gym.world.group import Group
@@ -39,6 +39,9 @@ class WorldRenderer(Protocol):
 
     def frames(self, worlds: Sequence[int], statuses: Sequence[str]) -> Bytes:
         """Return fresh pictures of several worlds, uint8, ``(n, height, width, 3)``."""
+
+    def look_at(self, limits: Limits | None) -> None:
+        """Show another part of the world from now on [m]; None for what the scenario says."""
 
     def clear(self, world: int | None = None) -> None:
         """Forget the trails of one world, or of all."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+import time
 from typing import Any
 
 import matplotlib
@@ -55,6 +56,16 @@ def has_focus(manager: Any) -> bool:
             answer = getattr(window, name)()
             return answer is not None and answer is not False
     return True
+
+
+def event_time(event: Any) -> float:
+    """Return when a toolkit's event happened [s], by its own clock; where it does not tell, the time of now."""
+    for name in ("time", "timestamp", "GetTimestamp"):
+        told = getattr(event, name, None)
+        told = told() if callable(told) else told
+        if isinstance(told, int | float) and told > 0:
+            return 0.001 * told
+    return time.perf_counter()
 
 
 def _order() -> list[str]:

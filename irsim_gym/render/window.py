@@ -15,7 +15,7 @@ from PIL import Image
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import theme
-from irsim_gym.render.toolkits import has_focus, new_manager
+from irsim_gym.render.toolkits import event_time, has_focus, new_manager
 
 EventName = Literal["key_press", "key_release", "mouse_press", "mouse_release", "mouse_move", "mouse_leave", "scroll"]
 NAMES: dict[EventName, str] = {
@@ -43,6 +43,7 @@ class WindowEvent:
         row: In pixels from the top.
         button: For mouse buttons: 1 left, 2 middle, 3 right; 0 otherwise.
         steps: For the wheel: how far it was turned, away from the person positive.
+        time: When it was done, by the clock of the toolkit [s].
     """
 
     key: str = ""
@@ -50,6 +51,7 @@ class WindowEvent:
     row: float = 0.0
     button: int = 0
     steps: float = 0.0
+    time: float = 0.0
 
 
 class Window:
@@ -158,6 +160,7 @@ class Window:
             row=row,
             button=int(button) if isinstance(button, int) else 0,
             steps=float(getattr(event, "step", 0.0) or 0.0),
+            time=event_time(event.guiEvent),
         )
 
 

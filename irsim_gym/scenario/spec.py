@@ -57,7 +57,7 @@ class WorldSpec:
         (0.0, 0.0), unit="m", meaning="Lower left corner of the world.", consequence="Given poses do not move with it."
     )
     control_mode: Literal["auto", "keyboard"] = option(
-        "auto", meaning="Who drives in irsim_gym.load; without a keyboard the behaviours do. Learners do not see it."
+        "auto", meaning="Who drives in irsim_gym.load; without a window the behaviours do. Learners do not see it."
     )
     collision_mode: Literal["stop", "unobstructed", "unobstructed_obstacles"] = option(
         "stop",
@@ -207,8 +207,11 @@ class BodyOptions:
 class KeyboardSpec:
     """The section ``gui.keyboard``."""
 
-    backend: Literal["pynput", "mpl"] = option("pynput", meaning="Where key presses come from.")
-    global_hook: bool = option(False, meaning="Listen to keys while another window has the focus.")
+    backend: Literal["pynput", "mpl"] = option(
+        "pynput",
+        meaning="Where key presses come from; pynput, where it does not work, gives way to the window (mpl).",
+    )
+    global_hook: bool = option(False, meaning="Listen to keys while another window has the focus (pynput).")
     key_lv_max: float = option(
         3.0, ge=0.0, unit="m/s", meaning="Speed while a key is held.", consequence="Above vel_max it has no effect."
     )
@@ -216,7 +219,7 @@ class KeyboardSpec:
     key_lv: float = option(0.0, unit="m/s", meaning="Speed at the beginning.")
     key_ang: float = option(0.0, unit="rad/s", meaning="Turn rate at the beginning.")
     key_rot: float = option(0.0, unit="rad/s", meaning="Turn rate of an omnidirectional body at the beginning.")
-    key_id: int = option(0, ge=0, meaning="Number of the robot that the keys drive.")
+    key_id: int = option(0, ge=0, meaning="Number of the robot, among the robots, that the keys drive.")
 
 
 @kind

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 
 import numpy as np
@@ -32,8 +33,8 @@ class Screen:
         self._do("keyup", key)
 
     def type(self, *keys: str) -> None:
-        """Press keys one after another, e.g. ``w``, ``alt+1``, ``Escape``, ``space``, ``F5``."""
-        self._do("key", *keys)
+        """Press keys one after another as fast as a person can: ``w``, ``alt+1``, ``Escape``, ``space``, ``F5``."""
+        self._do("key", "--delay", "80", *keys)
 
     def move(self, column: int, row: int) -> None:
         self._do("mousemove", str(column), str(row))
@@ -79,7 +80,8 @@ class Screen:
         return self._display.create_resource_object("window", int(found[0]))
 
     def _found(self, title: str) -> list[str]:
-        command = ["xdotool", "search", "--onlyvisible", "--name", title]
+        escaped = re.sub(r"([][(){}.*+?^$|\\])", r"\\\1", title)
+        command = ["xdotool", "search", "--onlyvisible", "--name", f"^{escaped}$"]
         return subprocess.run(command, capture_output=True, text=True, check=False).stdout.split()
 
     def _do(self, *words: str) -> None:

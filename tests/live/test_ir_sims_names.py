@@ -148,8 +148,9 @@ def test_the_map_as_cells() -> None:
     ("name", "said"),
     [
         ("set_title", "world: {plot: {title"),
-        ("key_vel", "keys are not read"),
-        ("quit_flag", r"close\(\)"),
+        ("keyboard", "use key_vel, key_id"),
+        ("quit", r"close\(\); quit_flag"),
+        ("headless", "render_mode='human'"),
         ("draw_points", "render"),
         ("random_polygon_shape", "random_shape"),
         ("logger", "logging"),
@@ -189,7 +190,9 @@ def test_arguments_of_ir_sims_scripts(tmp_path: Path, monkeypatch: pytest.Monkey
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ({"display": True}, r"takes no display=True: there is no window: render\(\) returns a picture"),
+        ({"display": True, "headless": True}, "takes no headless=True where a window is asked for as well"),
+        ({"render_mode": "human", "display": False}, "takes no display=False where a window"),
+        ({"full": True}, "takes no full=True: the window is as large as the picture"),
         ({"log_level": "INFO"}, "takes no log_level='INFO': leave it out"),
         ({"step_mode": "external"}, "world: {step_mode: external}"),
         ({"world_name": "a.yaml"}, "first argument"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import pytest
 from small_world import DIFF, SCENARIO, WALL, world
 
 import irsim_gym
-from irsim_gym.errors import NoKeyboardWarning, ScenarioError, UnknownNameError
+from irsim_gym.errors import NoKeyboardWarning, NoWindowError, ScenarioError, UnknownNameError
 
 
 def test_behaviours_drive_without_an_action() -> None:
@@ -197,5 +198,28 @@ def test_bad_files_and_modes() -> None:
         irsim_gym.load({"wrld": {}})
     with pytest.raises(UnknownNameError, match="no scenario named"):
         irsim_gym.load("cluttered_rom")
-    with pytest.raises(ValueError, match="no window yet"):
-        irsim_gym.load({"obstacle": WALL}, render_mode="human")
+    with pytest.raises(ValueError, match="must be None, 'rgb_array' or 'human', got"):
+        irsim_gym.load({"obstacle": WALL}, render_mode="rgb_array_list")
+
+
+def test_a_world_without_a_window_has_no_keys_and_no_mouse(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    here = world(gui={"keyboard": {"key_id": 1}})
+    assert (here.control_mode, here.display, here.quit_flag, here.key_id) == ("auto", False, False, 1)
+    assert here.key_vel.tolist() == [0.0, 0.0, 0.0]
+    assert (here.mouse_pos, here.mouse_left_pos, here.mouse_right_pos) == (None, None, None)
+    with pytest.raises(ValueError, match="render_mode='human'"):
+        here.show()
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems always have a display")
+@pytest.mark.parametrize("asked", [{"render_mode": "human"}, {"display": True}])
+def test_a_window_without_a_display_is_an_error(asked: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    here = irsim_gym.load({"obstacle": WALL}, **asked)
+    here.step()
+    with pytest.raises(NoWindowError, match="no display"):
+        here.render()
+    assert here.end() is None

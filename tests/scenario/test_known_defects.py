@@ -254,7 +254,7 @@ def test_d33_the_format_of_saved_figures_is_a_default(tmp_path: Path) -> None:
 
 
 def test_d34_d35_d36_keys_of_the_keyboard_are_known_and_the_behaviours_go_on() -> None:
-    """Reading a keyboard comes with the window. Until then a file that asks for one runs by its behaviours."""
+    """Without a window a file that asks for a keyboard runs by its behaviours; with one, see tests/gui."""
     keyboard = scenario("gui: {keyboard: {key_id: 1}}").gui.keyboard
     assert (keyboard.backend, keyboard.key_lv_max, keyboard.key_ang_max, keyboard.key_id) == ("pynput", 3.0, 1.0, 1)
     robot = {"kinematics": {"name": "diff"}, "goal": [5, 0], "behavior": {"name": "dash"}}

@@ -1,0 +1,149 @@
+"""What keys mean: how fast the chosen robot is to drive, and what the world is asked to do."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.controls.keys import HeldKeys, KeySource, Stroke
+from irsim_gym.controls.keys_window import WindowKeys
+from irsim_gym.errors import NoKeyboardWarning
+
+if TYPE_CHECKING:
+    from irsim_gym.render.window import Window
+
+SPEED_STEP = 0.2
+"""What one press adds to or takes from a greatest speed [m/s or rad/s]."""
+
+AXES = {"ahead": ("w", "s"), "aside": ("a", "d"), "turn": ("q", "e")}
+"""The keys of each way to move: the one that makes it positive, and the one that makes it negative."""
+
+COMMANDS = {
+    "r": "reset",
+    "space": "pause",
+    "escape": "quit",
+    "x": "switch",
+    "l": "reload",
+    "f5": "step",
+    "v": "figure",
+    "y": "display",
+}
+
+
+class Keyboard:
+    """Turns strokes into the command of a drive and into what is asked of the world.
+
+    A held key means full speed, a released one 0; of two opposite keys the later one counts.
+
+    Args:
+        options: The section ``gui.keyboard``.
+        source: Where strokes come from.
+    """
+
+    def __init__(self, options: Any, source: KeySource) -> None:
+        self.key_lv_max, self.key_ang_max = float(options.key_lv_max), float(options.key_ang_max)
+        self.key_id = int(options.key_id)
+        self._begin = {"ahead": options.key_lv, "aside": options.key_ang, "turn": options.key_rot}
+        self._source, self._held = source, HeldKeys()
+
+    @property
+    def backend(self) -> str:
+        """Where strokes come from: ``pynput`` or ``mpl``."""
+        return self._source.name
+
+    def poll(self, *, drives: bool = True, turns: bool = False) -> list[str]:
+        """Take the strokes since the last call.
+
+        Args:
+            drives: Keys choose robots and speeds; commands to the world are taken in either case.
+            turns: q and e turn the robot, so they do not change its greatest speed.
+
+        Returns:
+            What the world is asked to do, of the values of ``COMMANDS``, in order.
+        """
+        asked = []
+        now = time.perf_counter()
+        for stroke in self._source.strokes():
+            if not self._held.take(stroke, now):
+                continue
+            if stroke.key in COMMANDS and not stroke.alt:
+                asked.append(COMMANDS[stroke.key])
+            elif drives:
+                self._begin.update({way: 0.0 for way, keys in AXES.items() if stroke.key in keys})
+                self._set(stroke, turns)
+        self._held.settle(now)
+        return asked
+
+    def _set(self, stroke: Stroke, turns: bool) -> None:
+        """Choose a robot, or change a greatest speed."""
+        if stroke.alt:
+            if stroke.key.isdecimal() and len(stroke.key) == 1:
+                self.key_id = int(stroke.key)
+            return
+        sign = {"z": -1, "q": -1, "c": 1, "e": 1}.get(stroke.key)
+        if sign is None:
+            return
+        if stroke.key in ("z", "c") and not stroke.shift:
+            self.key_ang_max = _changed(self.key_ang_max, sign)
+        elif stroke.key in ("z", "c") or not turns:
+            self.key_lv_max = _changed(self.key_lv_max, sign)
+
+    def _way(self, name: str, full: float) -> float:
+        """Return how fast to go one way, of ``AXES``: full or 0, and what it begins with before its first key."""
+        more, less = AXES[name]
+        key = self._held.latest(more, less)
+        return float(self._begin[name]) if key is None else full if key == more else -full
+
+    @property
+    def key_vel(self) -> Floats:
+        """Speed ahead [m/s], of a and d [rad/s], and of q and e [rad/s]; shape ``(3,)``."""
+        return self.command(("linear", "angular", "angular"))
+
+    def command(self, command_names: Sequence[str]) -> Floats:
+        """Return the command of a drive, shape ``(n_components,)``; limits are the step's business.
+
+        Args:
+            command_names: What its components are. A drive that goes sideways does so with a and d, as fast as it
+                goes ahead; one that turns by itself as well does so with q and e.
+        """
+        sideways = self.key_lv_max if command_names[1] in ("y", "left") else self.key_ang_max
+        full = {"ahead": self.key_lv_max, "aside": sideways, "turn": self.key_ang_max}
+        return np.array([self._way(name, full[name]) for name in AXES][: len(command_names)])
+
+    def close(self) -> None:
+        """Listen no longer. May be called twice."""
+        self._source.close()
+
+
+def open_keyboard(options: Any, window: Window) -> Keyboard:
+    """Return a keyboard for a window: pynput's keys if the options ask for them and it works, else the window's own."""
+    return Keyboard(options, _source(options, window))
+
+
+def _source(options: Any, window: Window) -> KeySource:
+    if options.backend == "mpl":
+        return WindowKeys(window)
+    try:
+        from irsim_gym.controls.keys_pynput import PynputKeys
+
+        return PynputKeys((lambda: True) if options.global_hook else (lambda: window.focused))
+    except Exception as error:  # pynput raises what the system's libraries raise
+        if options.global_hook:
+            reason = (str(error) or repr(error)).splitlines()[0]
+            warnings.warn(
+                f"keys count only while the window has the focus: pynput does not work here ({reason}); "
+                "`pip install irsim_gym[play]` installs it",
+                NoKeyboardWarning,
+                stacklevel=5,
+            )
+        return WindowKeys(window)
+
+
+def _changed(speed: float, sign: int) -> float:
+    """Return a greatest speed that is one step faster or slower; rounded, as 0.2 is no binary number."""
+    return max(round(speed + sign * SPEED_STEP, 6), 0.0)

@@ -1,0 +1,82 @@
+"""Keys from the operating system, by the package pynput."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from irsim_gym.controls.keys import KeySource, Stroke
+
+SPELT = {"esc": "escape", "enter": "return"}
+ENDING_S = 2.0
+
+
+class PynputKeys(KeySource):
+    """Strokes at the keyboard, whichever window gets them; they arrive in a thread of pynput's.
+
+    Args:
+        is_focused: Says whether keys are meant for us. It is asked by ``strokes``, in the caller's thread; while it
+            says no, keys that go down are passed over.
+
+    Raises:
+        ImportError: pynput is not installed, or finds no keyboard.
+    """
+
+    name = "pynput"
+
+    def __init__(self, is_focused: Callable[[], bool]) -> None:
+        from pynput import keyboard
+
+        self._is_focused = is_focused
+        self._came: deque[Stroke] = deque()
+        self._alt = self._shift = False
+        self._listener: Any = keyboard.Listener(on_press=self._pressed, on_release=self._released)
+        self._listener.daemon = True
+        self._listener.start()
+        self._listener.wait()
+
+    def strokes(self) -> list[Stroke]:
+        """Return the strokes since the last call that were meant for us, in order."""
+        focused = self._is_focused()
+        came = [self._came.popleft() for _ in range(len(self._came))]
+        return [stroke for stroke in came if focused or not stroke.down]
+
+    def close(self) -> None:
+        """End the thread."""
+        if self._listener.is_alive():
+            # Under X pynput's own stop() takes effect with the next key only: its thread waits on the connection that
+            # is told to end. Another connection can end its record at once.
+            connection, context = (getattr(self._listener, name, None) for name in ("_display_stop", "_context"))
+            if connection is not None and context is not None:
+                another = type(connection)()
+                another.record_disable_context(context)
+                another.sync()
+                another.close()
+            else:
+                self._listener.stop()
+            self._listener.join(ENDING_S)
+
+    def _pressed(self, key: Any, *_: Any) -> None:
+        self._take(key, down=True)
+
+    def _released(self, key: Any, *_: Any) -> None:
+        self._take(key, down=False)
+
+    def _take(self, key: Any, *, down: bool) -> None:
+        name = _plain_name(key)
+        if name.startswith("alt"):
+            self._alt = down
+        if name.startswith("shift"):
+            self._shift = down
+        self._came.append(Stroke(name, down, time.perf_counter(), self._alt, self._shift))
+
+
+def _plain_name(key: Any) -> str:
+    """Return the name of one of pynput's keys: a character in lower case, or what it is called."""
+    char = getattr(key, "char", None)
+    if char is not None:
+        return str(char).lower()
+    name = str(getattr(key, "name", None) or "unknown")
+    return SPELT.get(name, name)

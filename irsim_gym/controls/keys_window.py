@@ -1,0 +1,47 @@
+"""Keys from the events of a window."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from irsim_gym.controls.keys import KeySource, Stroke
+
+if TYPE_CHECKING:
+    from irsim_gym.render.window import Window, WindowEvent
+
+SPELT = {" ": "space", "enter": "return", "": "unknown"}
+
+
+class WindowKeys(KeySource):
+    """Strokes in a window that has the focus. They come in while it shows pictures or waits."""
+
+    name = "mpl"
+
+    def __init__(self, window: Window) -> None:
+        self._came: list[Stroke] = []
+        self._alt = False
+        window.connect("key_press", self._pressed)
+        window.connect("key_release", self._released)
+
+    def strokes(self) -> list[Stroke]:
+        """Return the strokes since the last call, in order."""
+        came, self._came = self._came, []
+        return came
+
+    def close(self) -> None:
+        """Do nothing: the window's end is theirs too."""
+
+    def _pressed(self, event: WindowEvent) -> None:
+        self._take(event.key, event.time, down=True)
+
+    def _released(self, event: WindowEvent) -> None:
+        self._take(event.key, event.time, down=False)
+
+    def _take(self, name: str, time: float, *, down: bool) -> None:
+        """Take a key as matplotlib names it: ``w``, ``W`` with shift, ``alt+1``."""
+        *modifiers, key = [name] if name in ("+", "") else name.replace("++", "+plus").split("+")
+        if key in ("alt", "alt_l", "alt_r"):
+            self._alt = down  # on some toolkits it is not among the modifiers of other keys
+        alt = "alt" in modifiers or self._alt
+        shift = "shift" in modifiers or (len(key) == 1 and key.isupper())
+        self._came.append(Stroke(SPELT.get(key, key.lower()), down, time, alt, shift))
