@@ -23,6 +23,7 @@ class Area(Axes):
     """Axes whose animated artists somebody else may draw where a figure is saved, as where it is shown."""
 
     leaves_out_animated = False
+    card: Rectangle
 
     def get_children(self) -> list[Artist]:
         """Return the artists that are drawn with the axes."""
@@ -60,7 +61,9 @@ def make_axes(figure: Figure, layout: Layout, axis: bool) -> Area:
     figure.add_axes(axes)
     axes.set(xticks=[], yticks=[], facecolor=theme.PAPER)
     axes.set_axis_off()
-    add_frame(axes, layout, facecolor=theme.CARD, edgecolor=theme.RULE if axis else theme.CARD, linewidth=0.8)
+    axes.card = add_frame(
+        axes, layout, facecolor=theme.CARD, edgecolor=theme.RULE if axis else theme.CARD, linewidth=0.8
+    )
     return axes
 
 

@@ -52,7 +52,7 @@ class Renderer:
     ) -> None:
         plot = scenario.world.plot
         self._reader = SceneReader(scenario, model, state, sensors, learners, trails, explored)
-        self._cut = plot.saved_figure.bbox_inches == "tight"
+        self._saved_figure = plot.saved_figure
         self._axis, self._show_title, self._titled = not plot.no_axis, bool(plot.show_title), plot.title is not None
         self._layout = lay_out(
             model.bounds,
@@ -134,7 +134,7 @@ class Renderer:
             dots_per_inch: 100 for the size of a frame, 200 for twice as many pixels each way.
         """
         scene = self._reader.read(world, status)
-        self._ready(scene).save(scene, path, dots_per_inch, cut=self._cut)
+        self._ready(scene).save(scene, path, dots_per_inch, self._saved_figure)
 
     def _ready(self, scene: Scene) -> Stage:
         if self._stage is None:

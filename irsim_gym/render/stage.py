@@ -27,6 +27,7 @@ from irsim_gym.render.layout import DOTS_PER_INCH, POINTS_PER_INCH, Layout, Limi
 from irsim_gym.render.lettering import Lettering
 from irsim_gym.render.scene import BodyView, LabelView, MapView, Scene
 from irsim_gym.render.styles import GROUND, TOP
+from irsim_gym.scenario.plot_spec import SavedFigure
 
 HALF_A_WALL = 1.1
 """Half the width of a wall's line [point]: one along the border is drawn whole."""
@@ -90,14 +91,14 @@ class Stage:
         self._finish(brush, scene, live)
         return _without_alpha(np.asarray(self._canvas.buffer_rgba()))
 
-    def save(self, scene: Scene, path: Path, dots_per_inch: float, *, cut: bool = False) -> None:
+    def save(self, scene: Scene, path: Path, dots_per_inch: float, options: SavedFigure) -> None:
         """Write a picture of the scene to a file, in the format of its suffix.
 
         Args:
             scene: What it shows.
             path: A format that matplotlib writes, such as ``.png``, ``.pdf`` or ``.svg``; missing folders are made.
             dots_per_inch: 100 for the size of a frame, 200 for twice as many pixels each way.
-            cut: Leave out the empty margins.
+            options: Margins and background.
         """
         self._look(scene)
         fixed, slow, live = self._layers(scene)
@@ -119,11 +120,19 @@ class Stage:
         path.parent.mkdir(parents=True, exist_ok=True)
         self._figure.add_artist(play)
         self._axes.leaves_out_animated = True
+        self._axes.card.set_facecolor("none" if options.transparent else theme.CARD)
         try:
-            dpi = self._figure.dpi * dots_per_inch / DOTS_PER_INCH
-            self._figure.savefig(path, dpi=dpi, bbox_inches="tight" if cut else None)
+            self._figure.savefig(
+                path,
+                dpi=self._figure.dpi * dots_per_inch / DOTS_PER_INCH,
+                bbox_inches="tight" if options.bbox_inches == "tight" else None,
+                pad_inches=options.pad_inches,
+                facecolor="none" if options.transparent else options.facecolor or theme.PAPER,
+            )
         finally:
+            self._axes.card.set_facecolor(theme.CARD)
             self._axes.leaves_out_animated = False
+            self._brush = None  # saving at another resolution leaves the canvas with another renderer
             play.remove()
 
     def count_artists(self) -> int:

@@ -28,6 +28,21 @@ class SavedFigure:
     format: Literal["png", "pdf", "svg", "jpg", "jpeg", "eps", "ps", "tif", "tiff", "webp"] = option(
         "png", meaning="File format of saved figures without a suffix."
     )
+    pad_inches: float = option(
+        0.1, ge=0.0, le=10.0, unit="inch", meaning="Margin around what is drawn when bbox_inches is tight."
+    )
+    facecolor: str | None = option(None, min_length=1, meaning="Colour around the world; by default a light grey.")
+    transparent: bool = option(
+        False,
+        meaning="Leave out what lies behind the world and around it, where the format can.",
+        consequence="facecolor is not seen.",
+    )
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of a colour that is none."""
+        problem = color_problem(self.facecolor)
+        if problem:
+            yield "facecolor", problem
 
 
 @kind

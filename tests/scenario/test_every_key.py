@@ -95,7 +95,7 @@ world:
   fog_map: true
   fog_map_resolution: 0.5
   plot:
-    saved_figure: {{dpi: 50, bbox_inches: standard, format: jpg}}
+    saved_figure: {{dpi: 50, bbox_inches: standard, format: jpg, pad_inches: 0.2, facecolor: white, transparent: false}}
     figure_pixels: [300, 200]
     show_title: false
     title: Everything

@@ -24,7 +24,7 @@ LANGUAGE: dict[str, str] = {
         "mdownsample plot step_mode fog_map fog_map_resolution"
     ),
     "world.plot": "saved_figure figure_pixels show_title title no_axis tight viewpoint",
-    "world.plot.saved_figure": "dpi bbox_inches format",
+    "world.plot.saved_figure": "dpi bbox_inches format pad_inches facecolor transparent",
     "robot, obstacle": (
         "name number distribution kinematics shape state velocity goal behavior group_behavior role color "
         "static vel_min vel_max acce angle_range goal_threshold sensors arrive_mode description group "
