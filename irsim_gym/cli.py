@@ -36,6 +36,7 @@ Given = Annotated[
 Team = Annotated[
     bool, typer.Option("--team", help="A policy drives all robots (or those that the task names), not one.")
 ]
+Backend = Annotated[str, typer.Option(help="Who draws frames: matplotlib or raster.")]
 Imports = Annotated[
     list[str] | None,
     typer.Option(
@@ -230,13 +231,14 @@ def rollout(
     task: Task = None,
     frames: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
     team: Team = False,
+    backend: Backend = "matplotlib",
     given: Given = None,
     modules: Imports = None,
 ) -> None:
     """Drive a policy through a few levels and print how they ended."""
     from irsim_gym.training.commands import run_rollout
 
-    run_rollout(scenario, policy, levels, split, task, frames, read_parameters(given), team)
+    run_rollout(scenario, policy, levels, split, task, frames, read_parameters(given), team, backend)
 
 
 @app.command("run")
@@ -247,6 +249,7 @@ def run_by_itself(
     ] = 500,
     seed: Annotated[int, typer.Option(min=0, help="Which level is drawn.")] = 0,
     film: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
+    backend: Backend = "matplotlib",
     given: Given = None,
     modules: Imports = None,
 ) -> None:
@@ -255,7 +258,8 @@ def run_by_itself(
 
     if film is not None and film.suffix.lower() not in (".mp4", ".gif"):
         raise IrsimGymError(f"a film's name ends in .mp4 or .gif, got '{film.name}'")
-    with load(scenario, seed=seed, record=film is not None, **read_parameters(given)) as world:
+    parameters = read_parameters(given)
+    with load(scenario, seed=seed, render_backend=backend, record=film is not None, **parameters) as world:
         world.resume()
         while world.count < steps and not world.done():
             world.step()
@@ -274,13 +278,14 @@ def draw(
     split: Split = "dev",
     task: Task = None,
     out: Annotated[Path | None, typer.Option(help="PNG file (default: SCENARIO.png).")] = None,
+    backend: Backend = "matplotlib",
     given: Given = None,
     modules: Imports = None,
 ) -> None:
     """Draw the start of a level."""
     from irsim_gym.training.commands import draw_level
 
-    print(draw_level(scenario, level, split, task, out, read_parameters(given)))
+    print(draw_level(scenario, level, split, task, out, read_parameters(given), backend))
 
 
 @app.command()

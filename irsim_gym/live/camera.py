@@ -30,6 +30,10 @@ class Camera:
     """
 
     def __init__(self, simulation: Simulation, track: Track, backend: str = "matplotlib") -> None:
+        if backend != "matplotlib":
+            from irsim_gym.render import checked_backend
+
+            checked_backend(backend)
         self._simulation, self._track, self._backend = simulation, track, backend
         self._told = 0
         self._renderer: WorldRenderer | None = None

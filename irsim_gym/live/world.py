@@ -43,6 +43,7 @@ class World(Driven):
             default the YAML file beside the running script that is named as the script is.
         seed: Which level is drawn first; the one that ``irsim_gym.make`` begins with ``reset(seed=seed)``.
         render_mode: None or ``"rgb_array"``: ``render`` returns pictures. ``"human"``: it shows them in a window too.
+        render_backend: Who draws frames: ``"matplotlib"`` or ``"raster"``; figures in files are matplotlib's.
         record: Keep a frame of the start and of each sample, for ``save_animation``.
         save_ani: IR-SIM's way: as ``record``, and ``end`` writes the film.
         **others: Values for the scenario's parameters, and IR-SIM's other arguments where they ask for what is so
@@ -50,7 +51,7 @@ class World(Driven):
 
     Raises:
         ScenarioError: The file cannot be used; the error lists every problem with its line.
-        UnknownNameError: Nothing is shipped under the name, or the scenario has no such parameter.
+        UnknownNameError: Nothing is shipped under the name, or the scenario has no such parameter; another backend.
         ValueError: Another render mode, or a negative seed.
         TypeError: The seed is no whole number, an argument means nothing here, or no file was given and none is beside
             the script.
@@ -62,6 +63,7 @@ class World(Driven):
         *,
         seed: int | None = None,
         render_mode: str | None = None,
+        render_backend: str = "matplotlib",
         record: bool = False,
         save_ani: bool = False,
         **others: Any,
@@ -73,7 +75,7 @@ class World(Driven):
         self._read()
         self._begin_driving(mode, self._loaded)
         self.track = Track()
-        self._camera = Camera(self.simulation, self.track)
+        self._camera = Camera(self.simulation, self.track, render_backend)
         self._begin(self._loaded.world.status)
 
     def _read(self) -> None:
@@ -308,12 +310,21 @@ def load(
     *,
     seed: int | None = None,
     render_mode: str | None = None,
+    render_backend: str = "matplotlib",
     record: bool = False,
     save_ani: bool = False,
     **others: Any,
 ) -> World:
     """Load a scenario to run it by hand, without learning; arguments and errors are those of ``World``."""
-    return World(scenario, seed=seed, render_mode=render_mode, record=record, save_ani=save_ani, **others)
+    return World(
+        scenario,
+        seed=seed,
+        render_mode=render_mode,
+        render_backend=render_backend,
+        record=record,
+        save_ani=save_ani,
+        **others,
+    )
 
 
 def _beside_the_script() -> Path:

@@ -184,6 +184,7 @@ def run_rollout(
     frames: Path | None,
     parameters: Parameters = None,
     team: bool = False,
+    backend: str = "matplotlib",
 ) -> None:
     """Drive a policy through a few levels and print a line for each; of a team, one for each robot."""
     used = remembered_parameters(scenario, [policy], parameters)
@@ -201,7 +202,7 @@ def run_rollout(
     if frames is not None:
         from irsim_gym.training.record import record_film
 
-        print(record_film(scenario, [policy], range(levels), frames, team=team, **chosen))
+        print(record_film(scenario, [policy], range(levels), frames, team=team, backend=backend, **chosen))
 
 
 def run_record(
@@ -228,7 +229,13 @@ def run_record(
 
 
 def draw_level(
-    scenario: str, level: int, split: str, task: str | None, out: Path | None, parameters: Parameters = None
+    scenario: str,
+    level: int,
+    split: str,
+    task: str | None,
+    out: Path | None,
+    parameters: Parameters = None,
+    backend: str = "matplotlib",
 ) -> Path:
     """Draw the start of a level into a PNG file and return it; nobody has to learn in it.
 
@@ -237,7 +244,7 @@ def draw_level(
     """
     from matplotlib.image import imsave
 
-    from irsim_gym.render import Renderer
+    from irsim_gym.render import make_renderer
 
     if out is not None and out.suffix != ".png":
         raise IrsimGymError(f"pictures are PNG files, got '{out}'")
@@ -246,7 +253,7 @@ def draw_level(
     path.parent.mkdir(parents=True, exist_ok=True)
     parts = simulation.model, simulation.state, simulation.sensors
     learners = simulation.agents.tolist()
-    renderer = Renderer(simulation.scenario, *parts, learners=learners, explored=simulation.explored)
+    renderer = make_renderer(backend, simulation.scenario, *parts, learners=learners, explored=simulation.explored)
     imsave(path, renderer.frame(0), format="png")
     renderer.close()
     return path
