@@ -1,13 +1,15 @@
-"""Reads the bodies of a scene from the arrays of a simulation, where they are and where they were."""
+"""Reads what is seen of bodies from the arrays of a simulation: footprints, headings, and outlines left behind."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats
+from irsim_gym.arraytypes import Floats
 from irsim_gym.render.images import load_image
 from irsim_gym.render.outlines import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
 from irsim_gym.render.scene import BodyView, GoalView, ImageView, LabelView
@@ -18,6 +20,28 @@ from irsim_gym.world.state import WorldState
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
+
+REMEMBERED_FORMS = 4096
+LABEL_GAP = 0.08
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """What a footprint is in the body frame [m], where it stays the same however the body moves.
+
+    Attributes:
+        chains: First and last segment (exclusive) of each of its chains.
+        mark: Corners of the mark that shows where it heads; empty for none.
+        corners: Corners of the rectangle around it; None for an empty footprint.
+        ghost_lines: Chains of the outline that it leaves behind.
+        ghost_discs: Discs of that outline.
+    """
+
+    chains: tuple[tuple[int, int], ...]
+    mark: Floats
+    corners: Floats | None
+    ghost_lines: tuple[Floats, ...]
+    ghost_discs: Floats
 
 
 class BodyReader:
@@ -33,12 +57,14 @@ class BodyReader:
     def __init__(self, scenario: Scenario, model: WorldModel, state: WorldState, styles: Sequence[BodyStyle]) -> None:
         self._model, self._state, self._styles = model, state, styles
         self._names = [body.name for body in scenario.bodies]
-        self._turns_with_motion = [is_omni(body) for body in scenario.bodies]
+        self._turning = [is_omni(body) for body in scenario.bodies]
         self._pixels = {
             b: load_image(image_file(body.description, scenario.file))
             for b, body in enumerate(scenario.bodies)
             if body.description is not None
         }
+        self._solid = [bool(solid) for solid in model.solid]
+        self._forms: dict[tuple[int, bytes, bytes], Form] = {}
 
     def signature(self, world: int, bodies: Sequence[int]) -> bytes:
         """Return what changes whenever one of the bodies changes its place or outline."""
@@ -49,64 +75,6 @@ class BodyReader:
             parts += [state.segments[world, segments].tobytes(), state.discs[world, discs].tobytes()]
         return b"|".join(parts)
 
-    def view(self, world: int, body: int) -> BodyView:
-        """Return a body as it stands now."""
-        state, style = self._state, self._styles[body]
-        segment_rows, disc_rows = self._rows(world, body)
-        segments, discs = state.segments[world, segment_rows].copy(), state.discs[world, disc_rows].copy()
-        return BodyView(
-            body=body,
-            name=self._names[body],
-            lines=chains(segments),
-            discs=discs,
-            solid=bool(self._model.solid[body]),
-            heading=self._heading(world, body, segment_rows, disc_rows) if style.show_arrow else NOTHING,
-            anchor=_anchor(state.pose[world, body], style, segments, discs),
-            style=style,
-            image=self._image(world, body, self._pixels[body]) if body in self._pixels else None,
-        )
-
-    def _image(self, world: int, body: int, pixels: Bytes) -> ImageView | None:
-        """Return the image of a body over the rectangle around its footprint; None without a footprint."""
-        model, (segment_rows, disc_rows) = self._model, self._rows(world, body)
-        segments = model.local_segments[world % len(model.local_segments), segment_rows]
-        extent = box(segments, model.local_discs[world % len(model.local_discs), disc_rows])
-        if extent is None:
-            return None
-        x_min, y_min, x_max, y_max = extent
-        corners = np.array([[x_min, y_min], [x_max, y_min], [x_max, y_max], [x_min, y_max]])
-        return ImageView(pixels, placed(corners, self._state.pose[world, body]), self._styles[body].image_alpha)
-
-    def _heading(self, world: int, body: int, segment_rows: slice, disc_rows: slice) -> Floats:
-        model, style, pose = self._model, self._styles[body], self._state.pose[world, body]
-        if self._turns_with_motion[body] and self._state.twist[world, body, :2].any():
-            x, y = self._state.twist[world, body, :2]
-            pose = np.array([pose[0], pose[1], np.arctan2(y, x)])
-        if style.arrow is not None:
-            return placed(arrow(*style.arrow), pose)
-        segments = model.local_segments[world % len(model.local_segments), segment_rows]
-        discs = model.local_discs[world % len(model.local_discs), disc_rows]
-        is_car = model.drive[body] == ACKERMANN and len(segments) > 0 and body not in self._pixels
-        return placed(windscreen(segments, discs) if is_car else wedge(segments, discs), pose)
-
-    def ghost(self, world: int, body: int, pose: Floats, style: BodyStyle, shape: str) -> BodyView:
-        """Return the body as it stood at a pose, or a simpler shape around it."""
-        model, (segment_rows, disc_rows) = self._model, self._rows(world, body)
-        segments = model.local_segments[world % len(model.local_segments), segment_rows]
-        discs = model.local_discs[world % len(model.local_discs), disc_rows]
-        if shape:
-            segments, discs = replaced(shape, segments, discs)
-        return BodyView(
-            body=body,
-            name=self._names[body],
-            lines=tuple(placed(line, pose) for line in chains(segments)),
-            discs=np.hstack([placed(discs[:, :2], pose), discs[:, 2:]]),
-            solid=shape != "linestring" and (bool(shape) or bool(model.solid[body])),
-            heading=NOTHING,
-            anchor=(float(pose[0]), float(pose[1])),
-            style=style,
-        )
-
     def _rows(self, world: int, body: int) -> tuple[slice, slice]:
         """Return the body's rows in the tables of segments and of discs."""
         model = self._model
@@ -114,6 +82,85 @@ class BodyReader:
         segments = int(model.segment_count[world % len(model.segment_count), body])
         discs = int(model.disc_count[world % len(model.disc_count), body])
         return slice(segment, segment + segments), slice(disc, disc + discs)
+
+    def form(self, world: int, body: int, rows: tuple[slice, slice] | None = None) -> Form:
+        """Return the form of a body's footprint, the same object until a level gives it another one."""
+        segment_rows, disc_rows = self._rows(world, body) if rows is None else rows
+        segments = self._model.local_segments[world % len(self._model.local_segments), segment_rows]
+        discs = self._model.local_discs[world % len(self._model.local_discs), disc_rows]
+        key = body, segments.tobytes(), discs.tobytes()
+        found = self._forms.get(key)
+        if found is None:
+            if len(self._forms) >= REMEMBERED_FORMS:
+                self._forms.pop(next(iter(self._forms)))
+            found = self._forms[key] = self._make_form(body, segments.copy(), discs.copy())
+        return found
+
+    def _make_form(self, body: int, segments: Floats, discs: Floats) -> Form:
+        style, extent = self._styles[body], box(segments, discs)
+        corners = None
+        if extent is not None:
+            x_min, y_min, x_max, y_max = extent
+            corners = np.array([[x_min, y_min], [x_max, y_min], [x_max, y_max], [x_min, y_max]])
+        left = replaced(style.ghost_shape, segments, discs) if style.ghost_shape else (segments, discs)
+        return Form(_cuts(segments), self._mark(body, segments, discs), corners, chains(left[0]), left[1])
+
+    def _mark(self, body: int, segments: Floats, discs: Floats) -> Floats:
+        style = self._styles[body]
+        if not style.show_arrow:
+            return NOTHING
+        if style.arrow is not None:
+            return arrow(*style.arrow)
+        is_car = self._model.drive[body] == ACKERMANN and len(segments) > 0 and body not in self._pixels
+        return windscreen(segments, discs) if is_car else wedge(segments, discs)
+
+    def view(self, world: int, body: int) -> BodyView:
+        """Return what is seen of a body now."""
+        state, style = self._state, self._styles[body]
+        rows = self._rows(world, body)
+        form = self.form(world, body, rows)
+        pose = state.pose[world, body]
+        segments, discs = state.segments[world, rows[0]], state.discs[world, rows[1]].copy()
+        lines = tuple(_chain(segments[first:last]) for first, last in form.chains)
+        return BodyView(
+            body=body,
+            name=self._names[body],
+            lines=lines,
+            discs=discs,
+            solid=self._solid[body],
+            heading=placed(form.mark, self._heading(world, body, pose)) if len(form.mark) else NOTHING,
+            anchor=_anchor(pose, style, lines, discs),
+            style=style,
+            image=self._image(body, form, pose) if body in self._pixels else None,
+        )
+
+    def _heading(self, world: int, body: int, pose: Floats) -> Floats:
+        """Return a pose that heads where the body is seen to head."""
+        if self._turning[body]:
+            x, y = self._state.twist[world, body, :2].tolist()
+            if x or y:
+                return np.array([pose[0], pose[1], math.atan2(y, x)])
+        return pose
+
+    def _image(self, body: int, form: Form, pose: Floats) -> ImageView | None:
+        """Return the image of a body over the rectangle around its footprint; None without a footprint."""
+        if form.corners is None:
+            return None
+        return ImageView(self._pixels[body], placed(form.corners, pose), self._styles[body].image_alpha)
+
+    def ghost(self, body: int, form: Form, pose: Floats, style: BodyStyle) -> BodyView:
+        """Return the body as it stood at a pose, or a simpler shape around it."""
+        shape, discs = self._styles[body].ghost_shape or "", form.ghost_discs
+        return BodyView(
+            body=body,
+            name=self._names[body],
+            lines=tuple(placed(line, pose) for line in form.ghost_lines),
+            discs=np.hstack([placed(discs[:, :2], pose), discs[:, 2:]]),
+            solid=shape != "linestring" and (bool(shape) or self._solid[body]),
+            heading=NOTHING,
+            anchor=(float(pose[0]), float(pose[1])),
+            style=style,
+        )
 
 
 def labels(bodies: Sequence[BodyView], goals: Sequence[GoalView]) -> tuple[LabelView, ...]:
@@ -131,16 +178,41 @@ def labels(bodies: Sequence[BodyView], goals: Sequence[GoalView]) -> tuple[Label
     return tuple(beside + below)
 
 
-def _anchor(pose: Floats, style: BodyStyle, segments: Floats, discs: Floats) -> tuple[float, float]:
+def _cuts(segments: Floats) -> tuple[tuple[int, int], ...]:
+    """Return first and last segment (exclusive) of each chain."""
+    ends = np.cumsum([len(line) - 1 for line in chains(segments)]).tolist()
+    return tuple(zip([0, *ends[:-1]], ends, strict=True)) if ends else ()
+
+
+def _chain(segments: Floats) -> Floats:
+    """Return the vertices of segments that follow each other, shape ``(n_segments + 1, 2)``."""
+    vertices = np.empty((len(segments) + 1, 2))
+    vertices[:-1], vertices[-1] = segments[:, :2], segments[-1, 2:]
+    return vertices
+
+
+def _anchor(pose: Floats, style: BodyStyle, lines: tuple[Floats, ...], discs: Floats) -> tuple[float, float]:
     """Return where a body's label stands: at the chosen offset, or above the footprint."""
-    x, y = float(pose[0]), float(pose[1])
+    x, y, _ = pose.tolist()
     if style.label_offset is not None:
         return x + style.label_offset[0], y + style.label_offset[1]
-    extent = box(segments, discs)
-    return (x, y) if extent is None else (0.5 * (extent[0] + extent[2]), extent[3] + 0.08)
+    if not style.label:
+        return x, y
+    if not lines and len(discs) == 1:
+        x, y, radius = discs[0].tolist()
+        return x, y + radius + LABEL_GAP
+    corners = [*lines, discs[:, :2] - discs[:, 2:], discs[:, :2] + discs[:, 2:]]
+    points = np.concatenate(corners)
+    if not len(points):
+        return x, y
+    (x_min, _), (x_max, y_max) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    return 0.5 * (x_min + x_max), y_max + LABEL_GAP
 
 
 def _foot(view: BodyView) -> float | None:
     """Return the lowest ordinate of a footprint; None without one."""
+    if not view.lines and len(view.discs) == 1:
+        _, y, radius = view.discs[0].tolist()
+        return float(y - radius)
     lowest = [float(line[:, 1].min()) for line in view.lines] + [float(y - radius) for _, y, radius in view.discs]
     return min(lowest, default=None)

@@ -10,18 +10,18 @@ import numpy as np
 from irsim_gym.arraytypes import Flags
 from irsim_gym.render import theme
 from irsim_gym.render.body_reader import BodyReader, labels
-from irsim_gym.render.outlines import placed
+from irsim_gym.render.kept import Kept
+from irsim_gym.render.scan_reader import ScanReader
 from irsim_gym.render.scene import (
     BodyView,
     FieldView,
     FogView,
     GoalView,
     MapView,
-    ScanView,
     Scene,
-    TrailView,
 )
-from irsim_gym.render.styles import BodyStyle, body_style, field_of_view, scan_style
+from irsim_gym.render.styles import BodyStyle, body_style, field_of_view
+from irsim_gym.render.track_reader import TrackReader
 from irsim_gym.scenario.plot_spec import trailing
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import ROBOT, WorldModel
@@ -31,7 +31,6 @@ from irsim_gym.world.trails import Trails
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
 
-HIT_MARGIN = 1e-3
 REMEMBERED_WORLDS = 16
 
 
@@ -59,30 +58,35 @@ class SceneReader:
         explored: Flags | None = None,
     ) -> None:
         self._model, self._state = model, state
-        self._scans = [group for group in sensors if {"ranges", "angles"} <= group.arrays.keys()]
         self._names = [body.name for body in scenario.bodies]
         self._styles = [body_style(body, learner=b in learners) for b, body in enumerate(scenario.bodies)]
         order = sorted(range(len(self._styles)), key=lambda body: self._styles[body].order)
         self._fixed_bodies = [body for body in order if not model.movable[body]]
         self._moving_bodies = [body for body in order if model.movable[body]]
-        self._robots = [body for body in order if model.role[body] == ROBOT]
+        self._robots = np.array([body for body in order if model.role[body] == ROBOT], np.int64)
+        self._shows_goal = np.array([style.show_goal for style in self._styles], np.bool_)
         self._title = scenario.name if scenario.world.plot.title is None else scenario.world.plot.title
         self._viewpoint = scenario.world.plot.viewpoint
-        self._reader = BodyReader(scenario, model, state, self._styles)
         self._fields = {b: field_of_view(body) for b, body in enumerate(scenario.bodies) if self._styles[b].show_field}
         self._explored, self._fogs = explored, dict[int, FogView]()
         self._map: MapView | None = None
-        self._fixed: dict[int, tuple[bytes, tuple[BodyView, ...]]] = {}
+        self._fixed: Kept[tuple[BodyView, ...]] = Kept()
+        self._goal_views: Kept[tuple[GoalView, ...]] = Kept()
         if trails is None:
             trails = Trails(np.array(trailing(scenario.bodies, learners), np.int64), len(state.pose))
         self.trails = trails
+        self._bodies = BodyReader(scenario, model, state, self._styles)
+        self._tracks = TrackReader(trails, self._bodies, self._styles)
+        ranging = [group for group in sensors if {"ranges", "angles"} <= group.arrays.keys()]
+        self._scans = [ScanReader(group, self._styles) for group in ranging]
 
     def read(self, world: int, status: str = "") -> Scene:
         """Return what world number ``world`` looks like now, and note where its bodies are for their trails."""
         model, state = self._model, self._state
         self.trails.record(np.array([world]), state.step[[world]], state.pose[[world]])
-        fixed = self._fixed_views(world)
-        moving = tuple(self._reader.view(world, body) for body in self._moving_bodies if model.present[world, body])
+        present = model.present[world]
+        fixed = self._fixed_views(world, present)
+        moving = tuple(self._bodies.view(world, body) for body in self._moving_bodies if present[body])
         goals = self._goals(world)
         return Scene(
             world=world,
@@ -94,10 +98,10 @@ class SceneReader:
             moving=moving,
             struck=self._struck(world, fixed + moving),
             goals=goals,
-            scans=self._scan_views(world),
-            trails=self._trail_views(world),
-            ghosts=self._ghosts(world),
-            fields=self._field_views(world),
+            scans=tuple(view for scans in self._scans for view in scans.read(world, state.pose[world], present)),
+            trails=self._tracks.paths(world, present),
+            ghosts=self._tracks.ghosts(world, present),
+            fields=self._field_views(world, present),
             labels=labels(fixed + moving, goals),
             map=self._map_view(),
             center=self._center(world),
@@ -111,87 +115,54 @@ class SceneReader:
     def _status(self, world: int) -> str:
         """Return IR-SIM's status: arrived when all robots have, else collision when one collides, else running."""
         state = self._state
-        robots = [body for body in self._robots if self._model.present[world, body]]
-        if robots and bool(state.arrived[world, robots].all()):
+        robots = self._robots[self._model.present[world, self._robots]]
+        if len(robots) and bool(state.arrived[world, robots].all()):
             return "arrived"
-        return "collision" if robots and bool(state.collided[world, robots].any()) else "running"
+        return "collision" if bool(state.collided[world, robots].any()) else "running"
 
-    def _fixed_views(self, world: int) -> tuple[BodyView, ...]:
+    def _fixed_views(self, world: int, present: Flags) -> tuple[BodyView, ...]:
         """Return the views of the fixed bodies, the same tuple until one of their outlines changes."""
-        bodies = [body for body in self._fixed_bodies if self._model.present[world, body]]
-        key = self._reader.signature(world, bodies)
-        known = self._fixed.pop(world, None)
-        if known is None or known[0] != key:
-            known = key, tuple(self._reader.view(world, body) for body in bodies)
-            if len(self._fixed) >= REMEMBERED_WORLDS:
-                self._fixed.pop(next(iter(self._fixed)))
-        self._fixed[world] = known
-        return known[1]
+        bodies = [body for body in self._fixed_bodies if present[body]]
+        key = self._bodies.signature(world, bodies)
+        return self._fixed.get(world, key, lambda _: tuple(self._bodies.view(world, body) for body in bodies))
 
     def _struck(self, world: int, views: tuple[BodyView, ...]) -> tuple[BodyView, ...]:
         state = self._state
-        robots = [body for body in self._robots if state.collided[world, body]]
-        bodies = {*robots, *(int(state.hit[world, body]) for body in robots)}
-        return tuple(view for view in views if view.body in bodies)
+        robots = self._robots[state.collided[world, self._robots]]
+        bodies = {*robots.tolist(), *state.hit[world, robots].tolist()}
+        return tuple(view for view in views if view.body in bodies) if bodies else ()
 
     def _goals(self, world: int) -> tuple[GoalView, ...]:
+        """Return the goals that are shown, the same tuple until one of them changes."""
         model, state = self._model, self._state
-        shown = model.has_goal & model.present[world]
-        views = []
-        for body in (int(body) for body in np.flatnonzero(shown) if self._styles[int(body)].show_goal):
-            x, y, heading = (float(value) for value in state.goal[world, body])
-            later = slice(int(state.waypoint[world, body]) + 1, int(model.waypoint_count[world, body]))
-            views.append(
-                GoalView(
-                    x=x,
-                    y=y,
-                    heading=heading,
-                    tolerance=float(model.goal_threshold[world % len(model.goal_threshold), body]),
-                    later=model.waypoints[world, body, later, :2].copy(),
-                    arrived=bool(state.arrived[world, body]),
-                    name=self._names[body],
-                    style=self._styles[body],
-                )
-            )
-        return tuple(views)
-
-    def _scan_views(self, world: int) -> tuple[ScanView, ...]:
-        model = self._model
-        return tuple(
-            self._scan_view(world, group, k)
-            for group in self._scans
-            for k, body in enumerate(group.members)
-            if model.present[world, body] and self._styles[int(body)].show_sensor
+        shown = model.has_goal & model.present[world] & self._shows_goal
+        columns = (state.goal, state.waypoint, state.arrived, model.waypoint_count, model.waypoints)
+        threshold = model.goal_threshold[world % len(model.goal_threshold)]
+        key = [shown.tobytes(), threshold.tobytes(), *(column[world].tobytes() for column in columns)]
+        return self._goal_views.get(
+            world, key, lambda _: tuple(self._goal(world, body) for body in np.flatnonzero(shown).tolist())
         )
 
-    def _scan_view(self, world: int, group: Group, k: int) -> ScanView:
-        options, pose = group.options[k], self._state.pose[world, group.members[k]]
-        mount = np.asarray(getattr(options, "offset", (0.0, 0.0, 0.0)), np.float64)
-        origin = placed(mount[None, :2], pose)[0]
-        heading = float(pose[2] + mount[2])
-        angles = group.arrays["angles"] + heading
-        ranges = group.arrays["ranges"][world, k].astype(np.float64)
-        hits = ranges < options.range_max - HIT_MARGIN
-        speeds = group.arrays.get("radial_velocity")
-        span = float(group.arrays["angles"][-1] - group.arrays["angles"][0])
-        return ScanView(
-            origin=origin,
-            ends=origin + ranges[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]),
-            hits=hits,
-            valid=hits & (ranges > getattr(options, "range_min", 0.0)),
-            speeds=np.zeros(len(ranges)) if speeds is None else speeds[world, k].copy(),
-            surrounds=span > 2.0 * np.pi * (1.0 - 1.5 / max(len(angles), 2)),
-            style=scan_style(options),
-            body=int(group.members[k]),
+    def _goal(self, world: int, body: int) -> GoalView:
+        model, state = self._model, self._state
+        x, y, heading = state.goal[world, body].tolist()
+        later = slice(int(state.waypoint[world, body]) + 1, int(model.waypoint_count[world, body]))
+        return GoalView(
+            x=x,
+            y=y,
             heading=heading,
-            angles=group.arrays["angles"].astype(np.float64),
+            tolerance=float(model.goal_threshold[world % len(model.goal_threshold), body]),
+            later=model.waypoints[world, body, later, :2].copy(),
+            arrived=bool(state.arrived[world, body]),
+            name=self._names[body],
+            style=self._styles[body],
         )
 
-    def _field_views(self, world: int) -> tuple[FieldView, ...]:
+    def _field_views(self, world: int, present: Flags) -> tuple[FieldView, ...]:
         views = []
         for body, field in self._fields.items():
-            if field is not None and self._model.present[world, body]:
-                x, y, heading = (float(value) for value in self._state.pose[world, body])
+            if field is not None and present[body]:
+                x, y, heading = self._state.pose[world, body].tolist()
                 views.append(FieldView(x, y, heading, *field, self._styles[body]))
         return tuple(views)
 
@@ -226,21 +197,3 @@ class SceneReader:
             return None  # it was taken out of the world by hand
         x, y, _ = self._state.pose[world, self._names.index(self._viewpoint)]
         return float(x), float(y)
-
-    def _trail_views(self, world: int) -> tuple[TrailView, ...]:
-        views = []
-        for index, body in enumerate(self.trails.bodies):
-            style = self._styles[int(body)]
-            if style.show_trajectory and self._model.present[world, body]:
-                poses = self.trails.poses(world, index, length=style.trajectory_length)
-                views.append(TrailView(poses[:, :2], style))
-        return tuple(views)
-
-    def _ghosts(self, world: int) -> tuple[BodyView, ...]:
-        views = []
-        for index, body in enumerate(int(body) for body in self.trails.bodies):
-            style = self._styles[body]
-            if style.ghost is not None and self._model.present[world, body]:
-                poses = self.trails.poses(world, index, every=style.ghost_every, length=style.ghost_length)
-                views += [self._reader.ghost(world, body, pose, style.ghost, style.ghost_shape or "") for pose in poses]
-        return tuple(views)

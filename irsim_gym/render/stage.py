@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.backend_bases import RendererBase
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D, Bbox
@@ -52,7 +52,7 @@ class Stage:
     def __init__(
         self, layout: Layout, *, titled: bool = False, axis: bool = True, show_title: bool = True, clipped: bool = True
     ) -> None:
-        dpi = DOTS_PER_INCH * layout.enlargement
+        self._dpi = dpi = DOTS_PER_INCH * layout.enlargement
         self._figure = Figure(figsize=(layout.width / dpi, layout.height / dpi), dpi=dpi, facecolor=theme.PAPER)
         self._canvas: Any = FigureCanvasAgg(self._figure)
         self._axes = axes = make_axes(self._figure, layout, axis)
@@ -82,7 +82,7 @@ class Stage:
         self._look(scene)
         brush = self._brush
         if brush is None:
-            brush = self._brush = self._make_brush(self._canvas.get_renderer(), keeps_strips=True)
+            brush = self._brush = self._make_brush(self._canvas.get_renderer())
         fixed, slow, live = self._layers(scene)
         ground = scene.fixed, len(fixed), scene.map, _tint(scene), self._layout
         self._backdrop.put(
@@ -206,7 +206,7 @@ class Stage:
     ) -> None:
         """Draw an empty figure, the map and the first ``count`` fixed bodies on the canvas for frames."""
         self._canvas.draw()
-        brush = self._make_brush(self._canvas.get_renderer(), keeps_strips=True)
+        brush = self._make_brush(self._canvas.get_renderer())
         self._draw_bodies(brush, fixed[:count], map_view, tint)
 
     def _draw_bodies(self, brush: Brush, fixed: Sequence[BodyView], map_view: MapView | None, tint: str | None) -> None:
@@ -234,9 +234,10 @@ class Stage:
         if self._ticks is not None:
             self._ticks.update(layout)
 
-    def _make_brush(self, renderer: RendererBase, *, keeps_strips: bool = False) -> Brush:
+    def _make_brush(self, renderer: RendererBase) -> Brush:
         """Return a brush for a canvas that the figure is being drawn on, which may have a resolution of its own."""
         canvas: Any = renderer
+        keeps_strips = isinstance(renderer, RendererAgg) and self._figure.dpi == self._dpi
         to_canvas = Affine2D(self._axes.transData.get_matrix())
         area = Bbox(self._axes.bbox.get_points())
         if not self._clipped:

@@ -66,12 +66,30 @@ class Trails:
         Returns:
             Poses [m, m, rad], the oldest first, shape ``(n, 3)``.
         """
-        noted = self._noted[world]
-        slots = np.flatnonzero((noted >= 0) & (noted % every == 0))
-        slots = slots[np.argsort(noted[slots])]
-        rows: Floats = self._poses[world, slots, index]
+        _, table = self.noted(world, every)
+        rows: Floats = table[:, index]
         rows = rows[~np.isnan(rows[:, 0])]
         return rows[-length:] if length else rows
+
+    def noted(self, world: int, every: int = 1) -> tuple[Ints, Floats]:
+        """Return when and where all tracked bodies have been, for reading only.
+
+        Args:
+            world: Index of the world.
+            every: Only at steps that this number divides.
+
+        Returns:
+            Steps since the episode began, the oldest first, shape ``(n,)``, and poses [m, m, rad], NaN where a body was
+            not, shape ``(n, n_tracked, 3)``.
+        """
+        steps = self._noted[world]
+        last = int(self._latest[world])
+        if 0 <= last < len(steps) and steps[0] == 0 and steps[last] == last and (steps[: last + 1] >= 0).all():
+            chosen = slice(0, last + 1, every)  # every step from the first on: nothing has to be copied
+            return steps[chosen], self._poses[world, chosen]
+        slots = np.flatnonzero((steps >= 0) & (steps % every == 0))
+        slots = slots[np.argsort(steps[slots])]
+        return steps[slots], self._poses[world, slots]
 
     def forget(self, bodies: Flags) -> None:
         """Forget where some bodies have been: they have just come to another place.
