@@ -12,7 +12,7 @@ from irsim_gym.arraytypes import Bytes
 from irsim_gym.errors import OptionError
 from irsim_gym.render import Renderer
 from irsim_gym.render.layout import Limits
-from irsim_gym.scenario.plot_spec import WorldPlot
+from irsim_gym.scenario.plot_spec import SavedFigure, WorldPlot
 
 OBSTACLE, CARD = (0x47, 0x55, 0x69), (255, 255, 255)
 
@@ -73,9 +73,9 @@ def test_back_to_what_the_scenario_says() -> None:
 def test_a_saved_picture_shows_the_same_part(world: World, tmp_path: Path) -> None:
     from PIL import Image
 
+    world.scenario.world.plot = WorldPlot(saved_figure=SavedFigure(bbox_inches="standard"))
     renderer = world.renderer()
     renderer.look_at((2.0, 2.0, 6.0, 6.0))
-    renderer._cut = False
     renderer.save(tmp_path / "near.png")
     with Image.open(tmp_path / "near.png") as picture:
         saved = np.asarray(picture.convert("RGB"))
