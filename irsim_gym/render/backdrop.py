@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from operator import is_
 from typing import Any
 
-REMEMBERED_WORLDS = 8
+REMEMBERED_WORLDS = 16
 
 Part = tuple[Any, list[Any]]
 """Who draws, and what."""

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import copy
 import pickle
+from pathlib import Path
 from typing import Any
 
 import gymnasium
+import imageio.v2 as imageio
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
-from gymnasium.wrappers import RenderCollection
+from gymnasium.wrappers import RecordVideo, RenderCollection
 from stable_baselines3.common.vec_env.base_vec_env import tile_images
 
 import irsim_gym
@@ -239,3 +241,17 @@ def assert_pictures(ours: Any, expected: Any) -> None:
     for left, right in zip(ours, expected, strict=True):
         assert (left.dtype, left.ndim) == (np.uint8, 3)
         assert np.array_equal(left, right)
+
+
+@pytest.mark.parametrize(("mode", "frames", "fps"), [("rgb_array", 8, 20.0), ("rgb_array_list", 4, 1 / 0.15)])
+def test_gymnasiums_films_run_in_real_time(mode: str, frames: int, fps: float, tmp_path: Path) -> None:
+    """A picture of each step, or of the beginning, of steps 3 and 6 and of the end after step 7."""
+    env = RecordVideo(one(SPARSE, render_mode=mode, max_steps=7), str(tmp_path / "films"), disable_logger=True)
+    env.reset(seed=0)
+    for _ in range(7):
+        env.step(AHEAD)
+    env.close()
+    (film,) = tmp_path.glob("films/*.mp4")
+    with imageio.get_reader(film) as reader:
+        assert reader.count_frames() == frames
+        assert reader.get_meta_data()["fps"] == pytest.approx(fps, abs=0.01)
