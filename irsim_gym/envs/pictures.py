@@ -272,6 +272,7 @@ class Pictures:
                 size=size,
                 trails=self.trails,
                 explored=simulation.explored,
+                share=simulation.shards.run,
             )
         return self._renderers[size]
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from irsim_gym.arraytypes import Bytes, Flags
-from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
+from irsim_gym.errors import UnknownNameError, suggestion
 
 if TYPE_CHECKING:
+    from irsim_gym.render.easel import Share
     from irsim_gym.render.layout import Layout, Limits
     from irsim_gym.render.scene import Scene
     from irsim_gym.scenario.spec import Scenario
@@ -70,6 +71,7 @@ def make_renderer(
     size: tuple[int, int] | None = None,
     trails: Trails | None = None,
     explored: Flags | None = None,
+    share: Share | None = None,
 ) -> WorldRenderer:
     """Make the renderer of a simulation; the libraries that it needs are loaded here and not before.
 
@@ -84,12 +86,17 @@ def make_renderer(
         size: Width and height of the frames in pixels, made even; None for what the scenario asks for.
         trails: Where bodies have been, kept by who steps the worlds; None for poses at which frames were drawn.
         explored: Which cells of the world its robots have seen (``Simulation.explored``); what is left lies in fog.
+        share: Who divides the pictures of one call among threads, as ``Shards.run`` of the engine does; None for
+            nobody. Matplotlib draws one after the other all the same.
 
     Raises:
         UnknownNameError: There is no such renderer.
     """
+    options: dict[str, Any] = {"learners": learners, "size": size, "trails": trails, "explored": explored}
     if checked_backend(backend) == "raster":
-        raise IrsimGymError("this version has no renderer 'raster' yet: use render_backend='matplotlib'")
+        from irsim_gym.render.raster_renderer import RasterRenderer
+
+        return RasterRenderer(scenario, model, state, sensors, share=share, **options)
     from irsim_gym.render.matplotlib_renderer import Renderer
 
-    return Renderer(scenario, model, state, sensors, learners=learners, size=size, trails=trails, explored=explored)
+    return Renderer(scenario, model, state, sensors, **options)

@@ -93,7 +93,7 @@ class SceneReader:
             bounds=model.bounds.copy(),
             title=self._title,
             time=float(state.time[world]),
-            status=status or self._status(world),
+            status=status or self.status(world),
             fixed=fixed,
             moving=moving,
             struck=self._struck(world, fixed + moving),
@@ -103,8 +103,8 @@ class SceneReader:
             ghosts=self._tracks.ghosts(world, present),
             fields=self._field_views(world, present),
             labels=labels(fixed + moving, goals),
-            map=self._map_view(),
-            center=self._center(world),
+            map=self.map_view(),
+            center=self.center(world),
             fog=self._fog_view(world),
         )
 
@@ -112,7 +112,7 @@ class SceneReader:
         """Forget the trails of one world, or of all."""
         self.trails.clear(None if world is None else np.array([world]))
 
-    def _status(self, world: int) -> str:
+    def status(self, world: int) -> str:
         """Return IR-SIM's status: arrived when all robots have, else collision when one collides, else running."""
         state = self._state
         robots = self._robots[self._model.present[world, self._robots]]
@@ -166,7 +166,7 @@ class SceneReader:
                 views.append(FieldView(x, y, heading, *field, self._styles[body]))
         return tuple(views)
 
-    def _map_view(self) -> MapView | None:
+    def map_view(self) -> MapView | None:
         """Return the occupancy map; it is the same in all worlds and at all times."""
         x, y, width, height, body = (float(value) for value in self._model.map_frame)
         if self._map is None and body >= 0:
@@ -189,7 +189,7 @@ class SceneReader:
         self._fogs[world] = known
         return known
 
-    def _center(self, world: int) -> tuple[float, float] | None:
+    def center(self, world: int) -> tuple[float, float] | None:
         """Return the point that stays in the middle of the picture."""
         if not isinstance(self._viewpoint, str):
             return self._viewpoint

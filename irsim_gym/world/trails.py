@@ -91,6 +91,16 @@ class Trails:
         slots = slots[np.argsort(steps[slots])]
         return steps[slots], self._poses[world, slots]
 
+    def tables(self) -> tuple[Floats, Ints, Ints]:
+        """Return the tables for who reads them in a kernel.
+
+        Returns:
+            Poses [m, m, rad] by world, slot and tracked body, shape ``(n_worlds, n_slots, n_tracked, 3)``; the step of
+            each slot, -1 for none, shape ``(n_worlds, n_slots)``; and the latest step of each world, -1 for none. A
+            step stands in the slot of its rest modulo the number of slots.
+        """
+        return self._poses, self._noted, self._latest
+
     def forget(self, bodies: Flags) -> None:
         """Forget where some bodies have been: they have just come to another place.
 

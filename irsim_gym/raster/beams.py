@@ -1,0 +1,141 @@
+"""What range sensors see: the area, the beams, and the points that they hit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
+from irsim_gym.jit import kernel
+from irsim_gym.raster.areas import add_disc, add_polygon, is_near
+from irsim_gym.raster.masks import paint_mask
+from irsim_gym.raster.records import AREA, EDGE
+from irsim_gym.raster.sheets import add_edge, paint
+
+MOST_BEAMS = 100
+"""Of more beams than that only every n-th is drawn."""
+HIT_MARGIN = 1e-3
+"""A range that is nearer to the greatest one than this hits nothing [m]."""
+
+
+@kernel
+def load_beams(points: Floats, scan: Any, pose: Floats, angles: Floats, ranges: Rays, first: int, view: Floats) -> None:
+    """Write the sensor's place as point 0 and the ends of its beams behind it [pixel]."""
+    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+    x, y = pose[0] + cosine * scan.x - sine * scan.y, pose[1] + sine * scan.x + cosine * scan.y
+    points[0, 0], points[0, 1] = view[0] + view[2] * x, view[1] - view[2] * y
+    for i in range(scan.count):
+        angle, reach = angles[scan.first + i] + pose[2] + scan.heading, view[2] * float(ranges[first + i])
+        points[i + 1, 0] = points[0, 0] + reach * np.cos(angle)
+        points[i + 1, 1] = points[0, 1] - reach * np.sin(angle)
+
+
+@kernel
+def paint_scan(
+    picture: Bytes,
+    sheet: Rays,
+    box: Ints,
+    points: Floats,
+    item: Any,
+    scan: Any,
+    ranges: Rays,
+    speeds: Floats,
+    colour: Floats,
+) -> None:
+    """Paint what a sensor sees below the bodies: the area and the beams, or beams in the colours of velocities.
+
+    ``points`` are those of ``load_beams``.
+    """
+    if not is_near(points, 0, 1):
+        return
+    if scan.coloured:
+        _paint_velocities(picture, sheet, box, points, item, scan, ranges, speeds, colour)
+        return
+    add_polygon(sheet, box, points, 1 if scan.surrounds else 0, scan.count if scan.surrounds else scan.count + 1)
+    paint(picture, sheet, box, item.colours[AREA], False)
+    apart = (scan.count + MOST_BEAMS - 1) // MOST_BEAMS
+    for i in range(0, scan.count, apart):
+        _add_beam(sheet, box, points, i + 1, item.width)
+    paint(picture, sheet, box, item.colours[EDGE], False)
+
+
+@kernel
+def _add_beam(sheet: Rays, box: Ints, points: Floats, i: int, width: float) -> None:
+    """Add the line from the sensor to a point."""
+    if not is_near(points, i, 1):
+        return
+    ax, ay, bx, by = points[0, 0], points[0, 1], points[i, 0], points[i, 1]
+    dx, dy = bx - ax, by - ay
+    size = np.sqrt(dx * dx + dy * dy)
+    if size > 0.0:
+        dx, dy = 0.5 * width * dx / size, 0.5 * width * dy / size
+        add_edge(sheet, box, ax + dy, ay - dx, bx + dy, by - dx)
+        add_edge(sheet, box, bx + dy, by - dx, bx - dy, by + dx)
+        add_edge(sheet, box, bx - dy, by + dx, ax - dy, ay + dx)
+        add_edge(sheet, box, ax - dy, ay + dx, ax + dy, ay - dx)
+
+
+@kernel
+def _paint_velocities(
+    picture: Bytes,
+    sheet: Rays,
+    box: Ints,
+    points: Floats,
+    item: Any,
+    scan: Any,
+    ranges: Rays,
+    speeds: Floats,
+    colour: Floats,
+) -> None:
+    """Paint beams that hit nothing as one, and each other one in the colour of its velocity."""
+    for i in range(scan.count):
+        if not (scan.range_min < ranges[i] < scan.range_max - HIT_MARGIN):
+            _add_beam(sheet, box, points, i + 1, item.other_width)
+    paint(picture, sheet, box, item.colours[AREA], False)
+    for i in range(scan.count):
+        if scan.range_min < ranges[i] < scan.range_max - HIT_MARGIN:
+            _mix(colour, scan, speeds[i] if speeds.shape[0] else 0.0, item.colours[EDGE][3])
+            _add_beam(sheet, box, points, i + 1, item.width)
+            paint(picture, sheet, box, colour, False)
+
+
+@kernel
+def _mix(colour: Floats, scan: Any, speed: float, opacity: float) -> None:
+    """Write the colour of a radial velocity: the sign's, mixed with that of rest below the full speed."""
+    share = min(abs(speed) / scan.full_speed, 1.0)
+    for channel in range(3):
+        end = scan.away[channel] if speed >= 0.0 else scan.nearer[channel]
+        colour[channel] = (1.0 - share) * scan.rest[channel] + share * end
+    colour[3] = opacity
+
+
+@kernel
+def paint_hits(
+    picture: Bytes,
+    sheet: Rays,
+    box: Ints,
+    points: Floats,
+    item: Any,
+    scan: Any,
+    ranges: Rays,
+    speeds: Floats,
+    colour: Floats,
+    masks: Bytes,
+    mask_rows: Ints,
+) -> None:
+    """Paint the points that beams hit; ``points`` are those of ``load_beams``."""
+    for i in range(scan.count):
+        x, y = points[i + 1, 0], points[i + 1, 1]
+        if not (ranges[i] < scan.range_max - HIT_MARGIN and is_near(points, i + 1, 1)):
+            continue
+        if scan.full_speed <= 0.0:
+            column, row = int(np.floor(x + 0.5)), int(np.floor(y + 0.5))
+            paint_mask(picture, box, masks, mask_rows, item.every, column, row, item.colours[AREA])
+        elif scan.mark > 0.0 and ranges[i] > scan.range_min:
+            _mix(colour, scan, speeds[i] if speeds.shape[0] else 0.0, 1.0)
+            add_disc(sheet, box, x, y, scan.mark, 1.0)
+            paint(picture, sheet, box, colour, False)
+            add_disc(sheet, box, x, y, scan.mark + 0.5 * scan.mark_edge, 1.0)
+            add_disc(sheet, box, x, y, scan.mark - 0.5 * scan.mark_edge, -1.0)
+            paint(picture, sheet, box, scan.rim, False)

@@ -1,0 +1,322 @@
+"""What belongs to bodies: footprints, headings, goals, fields of view, paths, and what they left behind."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
+from irsim_gym.jit import kernel
+from irsim_gym.raster.areas import add_disc, add_line, add_polygon
+from irsim_gym.raster.masks import paint_mask
+from irsim_gym.raster.records import AREA, ARROW, CIRCLE, CURVE, EDGE, OTHER, RECTANGLE, WINDSCREEN
+from irsim_gym.raster.sheets import paint
+from irsim_gym.raster.ways import add_way, paint_outline
+
+FADE_STEPS = 28
+FAINTEST = 0.12
+APART = 1.5
+"""Points of a path that are nearer than this along the way are left out [pixel]."""
+ARC_STEP = 0.05
+FULL_TURN = 2.0 * np.pi - 0.01
+LEFT, RIGHT, LOW, HIGH = 0, 1, 2, 3
+
+
+@kernel
+def set_place(place: Floats, view: Floats, x: float, y: float, heading: float) -> None:
+    """Write the way from a frame at a pose [m, m, rad] to pixels; see ``ways.paint_outline``."""
+    cosine, sine, scale = np.cos(heading), np.sin(heading), view[2]
+    place[0], place[1], place[2] = scale * cosine, -scale * sine, scale * x + view[0]
+    place[3], place[4], place[5] = -scale * sine, -scale * cosine, view[1] - scale * y
+    place[6] = scale
+
+
+@kernel
+def extent(
+    box: Floats, segments: Floats, segment_rows: tuple[int, int], discs: Floats, disc_rows: tuple[int, int]
+) -> bool:
+    """Write the bounding box x_min, x_max, y_min, y_max of an outline [m]; return False for an empty one."""
+    box[LEFT] = box[LOW] = np.inf
+    box[RIGHT] = box[HIGH] = -np.inf
+    for row in range(segment_rows[0], segment_rows[0] + segment_rows[1]):
+        for end in range(0, 4, 2):
+            box[LEFT], box[RIGHT] = min(box[LEFT], segments[row, end]), max(box[RIGHT], segments[row, end])
+            box[LOW], box[HIGH] = min(box[LOW], segments[row, end + 1]), max(box[HIGH], segments[row, end + 1])
+    for row in range(disc_rows[0], disc_rows[0] + disc_rows[1]):
+        x, y, radius = discs[row, 0], discs[row, 1], discs[row, 2]
+        box[LEFT], box[RIGHT] = min(box[LEFT], x - radius), max(box[RIGHT], x + radius)
+        box[LOW], box[HIGH] = min(box[LOW], y - radius), max(box[HIGH], y + radius)
+    return bool(box[LEFT] <= box[RIGHT])
+
+
+@kernel
+def paint_footprint(
+    picture: Bytes,
+    sheet: Rays,
+    box: Ints,
+    points: Floats,
+    item: Any,
+    segments: Floats,
+    segment_rows: tuple[int, int],
+    discs: Floats,
+    disc_rows: tuple[int, int],
+    place: Floats,
+    solid: bool,
+    colour: Floats,
+) -> None:
+    """Paint a body; one of several parts has no edges where they overlap."""
+    is_area = item.filled and (disc_rows[1] > 0 or (segment_rows[1] > 0 and solid))
+    area, edge = item.colours[AREA], item.colours[EDGE] if is_area else item.colours[OTHER]
+    width = item.width if is_area else item.other_width
+    colour[3] = 0.0
+    if not is_area:
+        area = colour
+    elif area[3] >= 1.0 and (disc_rows[1] > 1 or disc_rows[1] * segment_rows[1] > 0):
+        paint_outline(
+            picture, sheet, box, points, segments, segment_rows, discs, disc_rows, place,
+            colour, edge, 2.0 * width, item.style, item.snapped,
+        )  # fmt: skip
+        edge = colour
+    paint_outline(
+        picture, sheet, box, points, segments, segment_rows, discs, disc_rows, place,
+        area, edge, width, item.style, item.snapped,
+    )  # fmt: skip
+
+
+@kernel
+def load_mark(
+    points: Floats,
+    item: Any,
+    segments: Floats,
+    segment_rows: tuple[int, int],
+    discs: Floats,
+    disc_rows: tuple[int, int],
+    box: Floats,
+) -> int:
+    """Write the corners of the mark that shows where a body heads, in its frame [m]; return their number."""
+    if item.form == ARROW:
+        neck, shaft, half = 0.55 * item.x, 0.14 * item.y, 0.5 * item.y
+        points[0, 0], points[0, 1], points[1, 0], points[1, 1] = 0.0, shaft, neck, shaft
+        points[2, 0], points[2, 1], points[3, 0], points[3, 1] = neck, half, item.x, 0.0
+        points[4, 0], points[4, 1], points[5, 0], points[5, 1] = neck, -half, neck, -shaft
+        points[6, 0], points[6, 1] = 0.0, -shaft
+        return 7
+    if not extent(box, segments, segment_rows, discs, disc_rows):
+        return 0
+    if item.form == WINDSCREEN and segment_rows[1] > 0:
+        length, middle, half = box[RIGHT] - box[LEFT], 0.5 * (box[LOW] + box[HIGH]), 0.5 * (box[HIGH] - box[LOW])
+        back, front = box[LEFT] + 0.56 * length, box[LEFT] + 0.74 * length
+        points[0, 0], points[0, 1], points[1, 0], points[1, 1] = back, middle - 0.58 * half, front, middle - 0.76 * half
+        points[2, 0], points[2, 1], points[3, 0], points[3, 1] = front, middle + 0.76 * half, back, middle + 0.58 * half
+        return 4
+    x, y, half = _centre(segments, segment_rows, discs, disc_rows, box)
+    points[0, 0], points[0, 1], points[1, 0], points[1, 1] = x + 0.70 * half, y, x - 0.46 * half, y + 0.50 * half
+    points[2, 0], points[2, 1], points[3, 0], points[3, 1] = x - 0.20 * half, y, x - 0.46 * half, y - 0.50 * half
+    return 4
+
+
+@kernel
+def _centre(
+    segments: Floats, segment_rows: tuple[int, int], discs: Floats, disc_rows: tuple[int, int], box: Floats
+) -> tuple[float, float, float]:
+    """Return the middle of a footprint and how far it is to its boundary [m]: of its first disc, else of its sides."""
+    if disc_rows[1] > 0:
+        return discs[disc_rows[0], 0], discs[disc_rows[0], 1], discs[disc_rows[0], 2]
+    x, y, total, nearest2 = 0.0, 0.0, 0.0, np.inf
+    for row in range(segment_rows[0], segment_rows[0] + segment_rows[1]):
+        dx, dy = segments[row, 2] - segments[row, 0], segments[row, 3] - segments[row, 1]
+        size = np.sqrt(dx * dx + dy * dy)
+        x, y = x + size * (segments[row, 0] + 0.5 * dx), y + size * (segments[row, 1] + 0.5 * dy)
+        total += size
+    x, y = x / max(total, 1e-12), y / max(total, 1e-12)
+    for row in range(segment_rows[0], segment_rows[0] + segment_rows[1]):
+        dx, dy = segments[row, 2] - segments[row, 0], segments[row, 3] - segments[row, 1]
+        share = ((x - segments[row, 0]) * dx + (y - segments[row, 1]) * dy) / max(dx * dx + dy * dy, 1e-12)
+        share = min(max(share, 0.0), 1.0)
+        dx, dy = segments[row, 0] + share * dx - x, segments[row, 1] + share * dy - y
+        nearest2 = min(nearest2, dx * dx + dy * dy)
+    return x, y, max(np.sqrt(nearest2), 0.15 * min(box[RIGHT] - box[LEFT], box[HIGH] - box[LOW]))
+
+
+@kernel
+def place_points(points: Floats, count: int, place: Floats) -> None:
+    """Turn points of a body's frame [m] into pixels."""
+    for i in range(count):
+        x, y = points[i, 0], points[i, 1]
+        points[i, 0] = place[0] * x + place[1] * y + place[2]
+        points[i, 1] = place[3] * x + place[4] * y + place[5]
+
+
+@kernel
+def load_around(points: Floats, form: int, segments: Floats, segment_rows: tuple[int, int], discs: Floats,
+                disc_rows: tuple[int, int], box: Floats) -> bool:  # fmt: skip
+    """Write a simpler shape around a footprint [m]: four corners of a rectangle, or middle and radius of a circle."""
+    if not extent(box, segments, segment_rows, discs, disc_rows):
+        return False
+    if form == RECTANGLE:
+        for i in range(4):
+            points[i, 0] = box[LEFT] if i in (0, 3) else box[RIGHT]
+            points[i, 1] = box[LOW] if i < 2 else box[HIGH]
+        return True
+    x, y, reach = 0.5 * (box[LEFT] + box[RIGHT]), 0.5 * (box[LOW] + box[HIGH]), 0.0
+    for row in range(segment_rows[0], segment_rows[0] + segment_rows[1]):
+        for end in range(0, 4, 2):
+            dx, dy = segments[row, end] - x, segments[row, end + 1] - y
+            reach = max(reach, np.sqrt(dx * dx + dy * dy))
+    for row in range(disc_rows[0], disc_rows[0] + disc_rows[1]):
+        dx, dy = discs[row, 0] - x, discs[row, 1] - y
+        reach = max(reach, np.sqrt(dx * dx + dy * dy) + discs[row, 2])
+    points[0, 0], points[0, 1], points[1, 0] = x, y, reach
+    return True
+
+
+@kernel
+def paint_ghost(
+    picture: Bytes,
+    sheet: Rays,
+    box: Ints,
+    points: Floats,
+    item: Any,
+    segments: Floats,
+    segment_rows: tuple[int, int],
+    discs: Floats,
+    disc_rows: tuple[int, int],
+    place: Floats,
+    solid: bool,
+    colour: Floats,
+) -> None:
+    """Paint what a body left behind: its outline, or a simpler shape around it."""
+    if item.form not in (CIRCLE, RECTANGLE):
+        is_solid = solid and item.form != CURVE
+        paint_footprint(
+            picture, sheet, box, points, item, segments, segment_rows, discs, disc_rows, place, is_solid, colour
+        )
+        return
+    if not load_around(points, item.form, segments, segment_rows, discs, disc_rows, colour):
+        return
+    if item.form == RECTANGLE:
+        place_points(points, 4, place)
+        if item.filled:
+            add_polygon(sheet, box, points, 0, 4)
+            paint(picture, sheet, box, item.colours[AREA], False)
+        add_way(sheet, box, points, 4, item.width, True, True, item.style)
+    else:
+        radius = points[1, 0] * place[6]
+        place_points(points, 1, place)
+        if item.filled:
+            add_disc(sheet, box, points[0, 0], points[0, 1], radius, 1.0)
+            paint(picture, sheet, box, item.colours[AREA], False)
+        add_disc(sheet, box, points[0, 0], points[0, 1], radius + 0.5 * item.width, 1.0)
+        add_disc(sheet, box, points[0, 0], points[0, 1], radius - 0.5 * item.width, -1.0)
+    paint(picture, sheet, box, item.colours[EDGE], False)
+
+
+@kernel
+def paint_field(picture: Bytes, sheet: Rays, box: Ints, points: Floats, item: Any, pose: Floats, view: Floats) -> None:
+    """Paint a field of view: a sector, or a disc when it is a full turn wide (``x`` is its width, ``y`` its depth)."""
+    x, y, radius = view[0] + view[2] * pose[0], view[1] - view[2] * pose[1], view[2] * item.y
+    if item.x >= FULL_TURN:
+        add_disc(sheet, box, x, y, radius, 1.0)
+        paint(picture, sheet, box, item.colours[AREA], False)
+        add_disc(sheet, box, x, y, radius + 0.5 * item.width, 1.0)
+        add_disc(sheet, box, x, y, radius - 0.5 * item.width, -1.0)
+    else:
+        count = max(int(item.x / ARC_STEP), 2) + 1
+        points[0, 0], points[0, 1] = x, y
+        for i in range(count):
+            angle = pose[2] + item.x * (i / (count - 1) - 0.5)
+            points[i + 1, 0], points[i + 1, 1] = x + radius * np.cos(angle), y - radius * np.sin(angle)
+        add_polygon(sheet, box, points, 0, count + 1)
+        paint(picture, sheet, box, item.colours[AREA], False)
+        add_line(sheet, box, points, 0, count + 1, item.width, True, True)
+    paint(picture, sheet, box, item.colours[EDGE], False)
+
+
+@kernel
+def paint_path(
+    picture: Bytes,
+    sheet: Rays,
+    box: Ints,
+    points: Floats,
+    item: Any,
+    count: int,
+    view: Floats,
+    colour: Floats,
+) -> None:
+    """Paint the way that a body came: a thin one fades towards its beginning, one with a width is a band.
+
+    ``points`` holds its positions [m], with room for as many again.
+    """
+    count = _thin(points, count, view)
+    if count < 2:
+        return
+    width = item.width * view[2] if item.in_metres else item.width
+    steps = 1 if item.in_metres else FADE_STEPS
+    n_parts, before = 0, 0
+    for step in range(1, steps + 1):
+        after = step * (count - 1) // steps
+        n_parts += 1 if after > before else 0
+        before = after
+    part, before = 0, 0
+    for channel in range(3):
+        colour[channel] = item.colours[EDGE][channel]
+    for step in range(1, steps + 1):
+        after = step * (count - 1) // steps
+        if after == before:
+            continue
+        share = part / (n_parts - 1.0) if n_parts > 1 else 0.0
+        faintest = 1.0 if item.in_metres else FAINTEST
+        colour[3] = item.colours[EDGE][3] * (faintest + (1.0 - faintest) * share)
+        for i in range(after - before + 1):
+            points[count + i, 0], points[count + i, 1] = points[before + i, 0], points[before + i, 1]
+        add_way(sheet, box, points[count:], after - before + 1, width, False, False, item.style)
+        paint(picture, sheet, box, colour, False)
+        part, before = part + 1, after
+
+
+@kernel
+def _thin(points: Floats, count: int, view: Floats) -> int:
+    """Turn positions [m] into pixels and leave out those that are too near each other; return how many are left."""
+    kept, along, last_x, last_y = 0, 0.0, 0.0, 0.0
+    for i in range(count):
+        x, y = view[0] + view[2] * points[i, 0], view[1] - view[2] * points[i, 1]
+        before = np.floor(along / APART)
+        if i > 0:
+            along += np.sqrt((x - last_x) * (x - last_x) + (y - last_y) * (y - last_y))
+        if i == 0 or i == count - 1 or count < 3 or np.floor(along / APART) > before:
+            points[kept, 0], points[kept, 1] = x, y
+            kept += 1
+        last_x, last_y = x, y
+    return kept
+
+
+@kernel
+def paint_goal(
+    picture: Bytes, sheet: Rays, box: Ints, item: Any, goal: Floats, threshold: float, arrived: bool, view: Floats
+) -> None:
+    """Paint the circle of a goal's tolerance; it is fuller once the goal is reached."""
+    x, y, radius = view[0] + view[2] * goal[0], view[1] - view[2] * goal[1], view[2] * threshold
+    add_disc(sheet, box, x, y, radius, 1.0)
+    paint(picture, sheet, box, item.colours[OTHER] if arrived else item.colours[AREA], False)
+    add_disc(sheet, box, x, y, radius + 0.5 * item.width, 1.0)
+    add_disc(sheet, box, x, y, radius - 0.5 * item.width, -1.0)
+    paint(picture, sheet, box, item.colours[EDGE], False)
+
+
+@kernel
+def paint_mark(
+    picture: Bytes,
+    box: Ints,
+    masks: Bytes,
+    mask_rows: Ints,
+    mask: int,
+    x: float,
+    y: float,
+    view: Floats,
+    colour: Floats,
+) -> None:
+    """Paint a mask with its origin at a point of the world [m]."""
+    column, row = view[0] + view[2] * x, view[1] - view[2] * y
+    if abs(column) < 1e6 and abs(row) < 1e6:
+        paint_mask(picture, box, masks, mask_rows, mask, int(np.floor(column + 0.5)), int(np.floor(row + 0.5)), colour)

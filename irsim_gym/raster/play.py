@@ -1,0 +1,367 @@
+"""One picture after another: everything of a plan, in the order in which it covers each other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Floats, Ints
+from irsim_gym.jit import kernel
+from irsim_gym.raster.areas import add_line, add_polygon
+from irsim_gym.raster.beams import load_beams, paint_hits, paint_scan
+from irsim_gym.raster.figures import (
+    HIGH,
+    LEFT,
+    LOW,
+    RIGHT,
+    extent,
+    load_mark,
+    paint_field,
+    paint_footprint,
+    paint_ghost,
+    paint_goal,
+    paint_mark,
+    paint_path,
+    place_points,
+    set_place,
+)
+from irsim_gym.raster.masks import paint_fog, paint_image, paint_mask
+from irsim_gym.raster.records import (
+    AREA,
+    EDGE,
+    FIELD,
+    FOG,
+    FOOTPRINT,
+    GHOSTS,
+    GOAL_CIRCLE,
+    GOAL_LABEL,
+    GOAL_MARKS,
+    HEADING,
+    HITS,
+    IMAGE,
+    IMPACT,
+    LABEL,
+    OTHER,
+    PATH,
+    PLOT,
+    SCAN,
+    SHADOW,
+    WHOLE,
+    Desk,
+    Look,
+    Model,
+    Past,
+    Prints,
+    Readings,
+    State,
+)
+from irsim_gym.raster.sheets import paint
+from irsim_gym.raster.ways import paint_outline
+
+ROBOT = 0
+LABEL_GAP = 0.08
+"""Room between a body and the label above it [m]."""
+
+
+@kernel
+def draw_items(
+    pictures: Bytes,
+    frames: Ints,
+    worlds: Ints,
+    items: Any,
+    scans: Any,
+    model: Model,
+    state: State,
+    readings: Readings,
+    past: Past,
+    prints: Prints,
+    look: Look,
+    desk: Desk,
+) -> None:
+    """Draw the items of a plan on pictures.
+
+    Args:
+        pictures: uint8, shape ``(n, height, width, 3)``.
+        frames: Which pictures, shape ``(n_drawn,)``.
+        worlds: World of each picture, shape ``(n,)``.
+        items: What is drawn, ``records.ITEM``.
+        scans: Sensors, ``records.BEAMS``.
+        model: The simulation's constants.
+        state: Its present state.
+        readings: What its sensors have read; rows go by picture.
+        past: Where its bodies have been.
+        prints: Masks and images.
+        look: Where the world is on the pictures; rows go by picture.
+        desk: Memory to draw with.
+    """
+    for f in frames:
+        w, picture, view = worlds[f], pictures[f], look.views[f]
+        _find_struck(w, model, state, desk)
+        for number in range(items.shape[0]):
+            item = items[number]
+            kind, b, box = item.kind, item.body, look.boxes[f, item.box]
+            if b >= 0 and not model.present[w, b]:
+                continue
+            if kind in (SCAN, HITS):
+                _draw_scan(picture, box, item, scans[item.row], w, f, state, readings, prints, view, desk)
+            elif kind in (GHOSTS, PATH):
+                _draw_past(picture, box, item, w, model, past, view, desk)
+            elif kind in (GOAL_CIRCLE, GOAL_MARKS):
+                if model.has_goal[b]:
+                    _draw_goal(picture, box, item, w, model, state, prints, view, desk)
+            elif kind == FOG:
+                frame = desk.colour
+                columns, rows = readings.explored.shape[1], readings.explored.shape[2]
+                frame[0], frame[1] = look.bounds[0], look.bounds[1]
+                frame[2], frame[3] = (look.bounds[2] - frame[0]) / columns, (look.bounds[3] - frame[1]) / rows
+                paint_fog(picture, box, readings.explored[w], desk.cells, frame, view, item.colours[AREA])
+            elif kind in (LABEL, GOAL_LABEL):
+                if kind == LABEL or model.has_goal[b]:
+                    _draw_label(picture, item, w, f, model, state, prints, look, desk)
+            elif kind == FIELD:
+                paint_field(picture, desk.sheet, box, desk.points, item, state.pose[w, b], view)
+            else:
+                _draw_body(picture, box, item, w, model, state, prints, view, desk)
+
+
+@kernel
+def _find_struck(w: int, model: Model, state: State, desk: Desk) -> None:
+    """Note the bodies that take part in a robot's collision."""
+    n_bodies = desk.struck.shape[0]
+    for b in range(n_bodies):
+        desk.struck[b] = False
+    for b in range(n_bodies):
+        if model.role[b] == ROBOT and state.collided[w, b]:
+            desk.struck[b] = True
+            if 0 <= state.hit[w, b] < n_bodies:
+                desk.struck[state.hit[w, b]] = True
+
+
+@kernel
+def _draw_body(
+    picture: Bytes, box: Ints, item: Any, w: int, model: Model, state: State, prints: Prints, view: Floats, desk: Desk
+) -> None:
+    """Draw a footprint, its shadow, image, heading or impact."""
+    b, kind, place = item.body, item.kind, desk.place
+    segment_rows = model.segment_start[b], model.segment_count[w % model.segment_count.shape[0], b]
+    disc_rows = model.disc_start[b], model.disc_count[w % model.disc_count.shape[0], b]
+    segments, discs = state.segments[w], state.discs[w]
+    if kind in (HEADING, IMAGE):
+        segments = model.local_segments[w % model.local_segments.shape[0]]
+        discs = model.local_discs[w % model.local_discs.shape[0]]
+        heading = state.pose[w, b, 2]
+        if item.turns and (state.twist[w, b, 0] != 0.0 or state.twist[w, b, 1] != 0.0):
+            heading = np.arctan2(state.twist[w, b, 1], state.twist[w, b, 0])
+        set_place(place, view, state.pose[w, b, 0], state.pose[w, b, 1], heading)
+    else:
+        set_place(place, view, 0.0, 0.0, 0.0)
+    if kind == FOOTPRINT:
+        paint_footprint(
+            picture, desk.sheet, box, desk.points, item, segments, segment_rows, discs, disc_rows, place,
+            model.solid[b], desk.colour,
+        )  # fmt: skip
+    elif kind == HEADING:
+        count = load_mark(desk.points, item, segments, segment_rows, discs, disc_rows, desk.colour)
+        place_points(desk.points, count, place)
+        add_polygon(desk.sheet, box, desk.points, 0, count)
+        paint(picture, desk.sheet, box, item.colours[AREA], False)
+    elif kind == SHADOW and (disc_rows[1] > 0 or (segment_rows[1] > 0 and model.solid[b])):
+        place[2], place[5] = place[2] + item.x, place[5] + item.y
+        paint_outline(
+            picture, desk.sheet, box, desk.points, segments, segment_rows, discs, disc_rows, place,
+            item.colours[AREA], item.colours[EDGE], item.width, item.style, item.snapped,
+        )  # fmt: skip
+    elif kind == IMPACT and desk.struck[b]:
+        desk.colour[3] = 0.0
+        for width, colour in ((item.other_width, item.colours[OTHER]), (item.width, item.colours[EDGE])):
+            paint_outline(
+                picture, desk.sheet, box, desk.points, segments, segment_rows, discs, disc_rows, place,
+                desk.colour, colour, width, item.style, item.snapped,
+            )  # fmt: skip
+    elif kind == IMAGE and extent(desk.colour, segments, segment_rows, discs, disc_rows):
+        points, low = desk.points, desk.colour
+        points[0, 0], points[0, 1], points[1, 0], points[1, 1] = low[LEFT], low[LOW], low[RIGHT], low[LOW]
+        points[2, 0], points[2, 1] = low[LEFT], low[HIGH]
+        place_points(points, 3, place)
+        for i in range(1, 3):
+            points[i, 0], points[i, 1] = points[i, 0] - points[0, 0], points[i, 1] - points[0, 1]
+        paint_image(picture, box, prints.pixels, prints.image_rows, item.row, points[0], points[1], points[2])
+
+
+@kernel
+def _draw_past(
+    picture: Bytes, box: Ints, item: Any, w: int, model: Model, past: Past, view: Floats, desk: Desk
+) -> None:
+    """Draw the path of a body, or the outlines that it has left behind, from the oldest on."""
+    b, n_slots, latest = item.body, past.noted.shape[1], past.latest[w]
+    first = max(latest - n_slots + 1, 0)
+    if item.length > 0:
+        kept, step = 0, latest
+        while step >= first and kept < item.length:
+            kept += 1 if _was_there(past, w, step, item) else 0
+            step -= 1
+        first = step + 1
+    count = 0
+    for step in range(first, latest + 1):
+        if not _was_there(past, w, step, item):
+            continue
+        pose = past.poses[w, step % n_slots, item.row]
+        if item.kind == PATH:
+            desk.points[count, 0], desk.points[count, 1] = pose[0], pose[1]
+            count += 1
+        else:
+            segment_rows = model.segment_start[b], model.segment_count[w % model.segment_count.shape[0], b]
+            disc_rows = model.disc_start[b], model.disc_count[w % model.disc_count.shape[0], b]
+            set_place(desk.place, view, pose[0], pose[1], pose[2])
+            paint_ghost(
+                picture, desk.sheet, box, desk.points, item,
+                model.local_segments[w % model.local_segments.shape[0]], segment_rows,
+                model.local_discs[w % model.local_discs.shape[0]], disc_rows,
+                desk.place, model.solid[b], desk.colour,
+            )  # fmt: skip
+    if item.kind == PATH:
+        paint_path(picture, desk.sheet, box, desk.points, item, count, view, desk.colour)
+
+
+@kernel
+def _was_there(past: Past, w: int, step: int, item: Any) -> bool:
+    """Return whether a pose was noted at a step that is shown."""
+    slot = step % past.noted.shape[1]
+    return bool(step % item.every == 0 and past.noted[w, slot] == step and past.poses[w, slot, item.row, 0] < np.inf)
+
+
+@kernel
+def _draw_scan(
+    picture: Bytes,
+    box: Ints,
+    item: Any,
+    scan: Any,
+    w: int,
+    f: int,
+    state: State,
+    readings: Readings,
+    prints: Prints,
+    view: Floats,
+    desk: Desk,
+) -> None:
+    """Draw what a sensor sees, or the points that its beams hit."""
+    ranges, speeds, points = readings.ranges[f, scan.first :], readings.speeds[f, 0:], desk.points
+    if speeds.shape[0] > 0:
+        speeds = speeds[scan.first :]
+    load_beams(points, scan, state.pose[w, scan.body], readings.angles, ranges, 0, view)
+    if item.kind == SCAN:
+        paint_scan(picture, desk.sheet, box, points, item, scan, ranges, speeds, desk.colour)
+    else:
+        paint_hits(
+            picture, desk.sheet, box, points, item, scan, ranges, speeds, desk.colour, prints.masks, prints.mask_rows
+        )
+
+
+@kernel
+def _draw_goal(
+    picture: Bytes, box: Ints, item: Any, w: int, model: Model, state: State, prints: Prints, view: Floats, desk: Desk
+) -> None:
+    """Draw the circle of a goal, or its flag and the goals after it."""
+    b, goal = item.body, state.goal[w, item.body]
+    threshold = model.goal_threshold[w % model.goal_threshold.shape[0], b]
+    if item.kind == GOAL_CIRCLE:
+        paint_goal(picture, desk.sheet, box, item, goal, threshold, state.arrived[w, b], view)
+    else:
+        for i in range(state.waypoint[w, b] + 1, model.waypoint_count[w, b]):
+            x, y = model.waypoints[w, b, i, 0], model.waypoints[w, b, i, 1]
+            paint_mark(picture, box, prints.masks, prints.mask_rows, item.every, x, y, view, item.colours[OTHER])
+        for mask in range(item.row, item.row + 2):
+            paint_mark(picture, box, prints.masks, prints.mask_rows, mask, goal[0], goal[1], view, item.colours[EDGE])
+
+
+@kernel
+def _draw_label(
+    picture: Bytes, item: Any, w: int, f: int, model: Model, state: State, prints: Prints, look: Look, desk: Desk
+) -> None:
+    """Draw a label: that of a goal below it; that of a body at its place or above it, below it where a flag stands."""
+    b, view, box = item.body, look.views[f], desk.colour
+    x, y, height = state.pose[w, b, 0], state.pose[w, b, 1], 1.3 * item.width / view[2]
+    segment_rows = model.segment_start[b], model.segment_count[w % model.segment_count.shape[0], b]
+    disc_rows = model.disc_start[b], model.disc_count[w % model.disc_count.shape[0], b]
+    if item.kind == GOAL_LABEL:  # its own flag stands there
+        below = model.goal_threshold[w % model.goal_threshold.shape[0], b] + height
+        x, y = state.goal[w, b, 0], state.goal[w, b, 1] - below
+    elif item.in_metres:
+        x, y = x + item.x, y + item.y
+    elif extent(box, state.segments[w], segment_rows, state.discs[w], disc_rows):
+        x, y = 0.5 * (box[LEFT] + box[RIGHT]), box[HIGH] + LABEL_GAP
+        if _meets_flag(w, x, y, 0.35 * item.width * item.length / view[2], height, model, state, look, view):
+            y = box[LOW] - height
+    shown = look.boxes[f, PLOT]
+    column, row = view[0] + view[2] * x, view[1] - view[2] * y
+    if shown[0] <= column <= shown[2] and shown[1] <= row <= shown[3]:
+        left, base = int(np.floor(column - item.half + 0.5)), int(np.floor(row - item.foot + 0.5))
+        paint_mask(
+            picture, look.boxes[f, WHOLE], prints.masks, prints.mask_rows, item.row, left, base, item.colours[AREA]
+        )
+
+
+@kernel
+def _meets_flag(
+    w: int, x: float, y: float, half: float, height: float, model: Model, state: State, look: Look, view: Floats
+) -> bool:
+    """Return whether a label over x, y [m] would stand on the flag of a goal."""
+    meets = False
+    for b in range(look.flagged.shape[0]):
+        if look.flagged[b] and model.present[w, b] and model.has_goal[b]:
+            goal_x, goal_y = state.goal[w, b, 0], state.goal[w, b, 1]
+            beside = goal_x + look.flag[0] / view[2] < x - half or goal_x > x + half
+            apart = goal_y + look.flag[1] / view[2] < y or goal_y > y + height
+            meets = meets or not (beside or apart)
+    return meets
+
+
+@kernel
+def draw_heads(
+    pictures: Bytes, frames: Ints, words: Ints, ends: Ints, inks: Floats, prints: Prints, boxes: Ints
+) -> None:
+    """Write words on pictures.
+
+    Args:
+        pictures: uint8, shape ``(n, height, width, 3)``.
+        frames: Which pictures, shape ``(n_drawn,)``.
+        words: Mask, column, row and colour of each word, shape ``(n_words, 4)``.
+        ends: Where the words of each picture end, after those of the one before, shape ``(n,)``.
+        inks: Colours, shape ``(n_inks, 4)``.
+        prints: Masks.
+        boxes: Parts of the pictures, shape ``(n, 4, 4)``.
+    """
+    for f in frames:
+        for i in range(0 if f == 0 else ends[f - 1], ends[f]):
+            ink, box = inks[words[i, 3]], boxes[f, WHOLE]
+            paint_mask(pictures[f], box, prints.masks, prints.mask_rows, words[i, 0], words[i, 1], words[i, 2], ink)
+
+
+@kernel
+def draw_frames(pictures: Bytes, frames: Ints, colours: Floats, width: float, look: Look, desk: Desk) -> None:
+    """Tint the world's rectangle, or draw its edge where a width is given [pixel].
+
+    Args:
+        pictures: uint8, shape ``(n, height, width, 3)``.
+        frames: Which pictures, shape ``(n_drawn,)``.
+        colours: Colour and opacity for each picture, shape ``(n, 4)``.
+        width: Width of the edge; 0 for the area.
+        look: Where the world is.
+        desk: Memory to draw with.
+    """
+    for f in frames:
+        if not colours[f, 3] > 0.0:
+            continue
+        view, points, bounds = look.views[f], desk.points, look.bounds
+        shift = 0.5 if int(width + 0.5) % 2 == 1 else 0.0
+        for i in range(4):
+            x, y = bounds[0] if i in (0, 3) else bounds[2], bounds[1] if i < 2 else bounds[3]
+            column, row = np.floor(view[0] + view[2] * x + 0.5), np.floor(view[1] - view[2] * y + 0.5)
+            points[i, 0], points[i, 1] = column + shift, row + shift
+        box = look.boxes[f, PLOT]
+        if width > 0.0:
+            add_line(desk.sheet, box, points, 0, 4, width, True, True)
+        else:
+            add_polygon(desk.sheet, box, points, 0, 4)
+        paint(pictures[f], desk.sheet, box, colours[f], False)

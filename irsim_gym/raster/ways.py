@@ -1,0 +1,177 @@
+"""Lines that may be dashed, and outlines of footprints."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
+from irsim_gym.jit import kernel
+from irsim_gym.raster.areas import FINENESS, MOST_CORNERS, add_disc, add_line, add_polygon
+from irsim_gym.raster.sheets import paint
+
+SOLID, DASHED, DASHDOT, DOTTED = 0, 1, 2, 3
+DASHES = np.array([[1.0, 0.0, 1.0, 0.0], [3.7, 1.6, 3.7, 1.6], [6.4, 1.6, 1.0, 1.6], [1.0, 1.65, 1.0, 1.65]])
+"""Lengths of dash, gap, dash, gap of each line style, in widths of the line."""
+GAP = 1e-6
+"""Segments farther apart than this do not follow each other [m]."""
+ALIGNED = 1e-4
+"""A line that departs less than this from a row or column of pixels goes along it [pixel]."""
+
+
+@kernel
+def add_way(
+    sheet: Rays, box: Ints, points: Floats, count: int, width: float, closed: bool, round_ends: bool, style: int
+) -> None:
+    """Add a line through the first ``count`` points to a sheet, in a line style.
+
+    The points behind them are overwritten; there is room for ``2 count + 3``.
+    """
+    if style == SOLID:
+        add_line(sheet, box, points, 0, count, width, closed, round_ends)
+        return
+    part, left, fresh, ahead = 0, DASHES[style, 0] * width, count, count
+    for i in range(count if closed else count - 1):
+        after = (i + 1) % count
+        ax, ay = points[i, 0], points[i, 1]
+        dx, dy = points[after, 0] - ax, points[after, 1] - ay
+        size, along = np.sqrt(dx * dx + dy * dy), 0.0
+        if part % 2 == 0:
+            points[ahead, 0], points[ahead, 1] = ax, ay
+            ahead += 1
+        while along < size and left > 0.0:
+            step = min(left, size - along)
+            along, left = along + step, left - step
+            x, y = ax + dx * along / size, ay + dy * along / size
+            if left > 0.0:
+                continue
+            if part % 2 == 0:
+                points[ahead, 0], points[ahead, 1] = x, y
+                add_line(sheet, box, points, fresh, ahead + 1 - fresh, width, False, round_ends)
+                ahead = fresh
+            else:
+                points[ahead, 0], points[ahead, 1] = x, y
+                ahead += 1
+            part = (part + 1) % 4
+            left = DASHES[style, part] * width
+    if part % 2 == 0 and ahead > fresh:
+        last = 0 if closed else count - 1
+        points[ahead, 0], points[ahead, 1] = points[last, 0], points[last, 1]
+        add_line(sheet, box, points, fresh, ahead + 1 - fresh, width, False, round_ends)
+
+
+@kernel
+def paint_outline(
+    picture: Bytes,
+    sheet: Rays,
+    box: Ints,
+    points: Floats,
+    segments: Floats,
+    segment_rows: tuple[int, int],
+    discs: Floats,
+    disc_rows: tuple[int, int],
+    place: Floats,
+    area: Floats,
+    edge: Floats,
+    width: float,
+    style: int,
+    snapped: bool,
+) -> None:
+    """Paint the area of an outline and a line along its boundary.
+
+    Args:
+        picture: Where it is painted.
+        sheet: An empty sheet.
+        box: Part of the picture that may change.
+        points: Room for points.
+        segments: x0, y0, x1, y1 [m], shape ``(segment, 4)``.
+        segment_rows: First row and number of its segments.
+        discs: x, y, radius [m], shape ``(disc, 3)``.
+        disc_rows: First row and number of its discs.
+        place: From metres to pixels: columns are ``place[0] x + place[1] y + place[2]``, rows go by the other three,
+            and ``place[6]`` is the pixels per metre.
+        area: Colour and opacity of the area.
+        edge: Colour and opacity of the line.
+        width: Its width [pixel].
+        style: Its style.
+        snapped: Where it goes along rows and columns alone, its lines fill whole pixels.
+    """
+    shift = snapping(segments, segment_rows, disc_rows[1], place, width) if snapped else -1.0
+    if area[3] > 0.0:
+        row, end = segment_rows[0], segment_rows[0] + segment_rows[1]
+        while row < end:
+            count, _ = load_chain(points, segments, row, end, place, shift)
+            add_polygon(sheet, box, points, 0, count)
+            row += count - 1
+        for row in range(disc_rows[0], disc_rows[0] + disc_rows[1]):
+            x, y = discs[row, 0], discs[row, 1]
+            column = place[0] * x + place[1] * y + place[2]
+            add_disc(sheet, box, column, place[3] * x + place[4] * y + place[5], discs[row, 2] * place[6], -1.0)
+        paint(picture, sheet, box, area, False)
+    if edge[3] > 0.0 and width > 0.0:
+        row, end = segment_rows[0], segment_rows[0] + segment_rows[1]
+        while row < end:
+            count, closed = load_chain(points, segments, row, end, place, shift)
+            row += count - 1
+            add_way(sheet, box, points, count - 1 if closed else count, width, closed, True, style)
+        for row in range(disc_rows[0], disc_rows[0] + disc_rows[1]):
+            x, y = discs[row, 0], discs[row, 1]
+            column, line = place[0] * x + place[1] * y + place[2], place[3] * x + place[4] * y + place[5]
+            _add_circle(sheet, box, points, column, line, discs[row, 2] * place[6], width, style)
+        paint(picture, sheet, box, edge, False)
+
+
+@kernel
+def load_chain(points: Floats, segments: Floats, row: int, end: int, place: Floats, shift: float) -> tuple[int, bool]:
+    """Write the vertices of segments that follow each other, from a row on, as pixels.
+
+    Returns:
+        How many vertices there are, one more than segments, and whether the last one is the first one again.
+    """
+    x, y, count, last = segments[row, 0], segments[row, 1], 0, row
+    while True:
+        column, line = place[0] * x + place[1] * y + place[2], place[3] * x + place[4] * y + place[5]
+        if shift >= 0.0:
+            column, line = np.floor(column + 0.5) + shift, np.floor(line + 0.5) + shift
+        points[count, 0], points[count, 1] = column, line
+        count += 1
+        if count > 1 and (last + 1 == end or not _follows(segments, last, last + 1)):
+            break
+        if count > 1:
+            last += 1
+        x, y = segments[last, 2], segments[last, 3]
+    return count, count > 3 and _follows(segments, last, row)
+
+
+@kernel
+def _follows(segments: Floats, before: int, after: int) -> bool:
+    """Return whether a segment begins where another one ends."""
+    dx, dy = segments[after, 0] - segments[before, 2], segments[after, 1] - segments[before, 3]
+    return bool(abs(dx) < GAP and abs(dy) < GAP)
+
+
+@kernel
+def snapping(segments: Floats, rows: tuple[int, int], n_discs: int, place: Floats, width: float) -> float:
+    """Return by how much lines are shifted to fill whole pixels; -1 where some do not go along rows or columns."""
+    for row in range(rows[0], rows[0] + rows[1]):
+        dx, dy = segments[row, 2] - segments[row, 0], segments[row, 3] - segments[row, 1]
+        if abs(place[0] * dx + place[1] * dy) > ALIGNED and abs(place[3] * dx + place[4] * dy) > ALIGNED:
+            return -1.0
+    if n_discs > 0:
+        return -1.0
+    return 0.5 if int(width + 0.5) % 2 == 1 else 0.0
+
+
+@kernel
+def _add_circle(
+    sheet: Rays, box: Ints, points: Floats, x: float, y: float, radius: float, width: float, style: int
+) -> None:
+    """Add a circle as a line [pixel]."""
+    if style == SOLID or not radius * radius < MOST_CORNERS:
+        add_disc(sheet, box, x, y, radius + 0.5 * width, 1.0)
+        add_disc(sheet, box, x, y, radius - 0.5 * width, -1.0)
+        return
+    count = int(max(FINENESS * np.sqrt(radius), 12.0))
+    for i in range(count):
+        angle = 2.0 * np.pi * i / count
+        points[i, 0], points[i, 1] = x + radius * np.cos(angle), y + radius * np.sin(angle)
+    add_way(sheet, box, points, count, width, True, True, style)

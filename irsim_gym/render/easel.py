@@ -1,0 +1,290 @@
+"""What the raster renderer draws with: the plan, ready-made words, backdrops, and memory for each thread."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.raster import records
+from irsim_gym.raster.areas import MOST_CORNERS
+from irsim_gym.raster.masks import paint_cells
+from irsim_gym.raster.play import draw_frames, draw_heads, draw_items
+from irsim_gym.raster.sheets import new_sheet
+from irsim_gym.render import theme
+from irsim_gym.render.colours import CLEAR, colour
+from irsim_gym.render.layout import Layout
+from irsim_gym.render.letters import Masks
+from irsim_gym.render.raster_card import Card, Head, plot_box, world_box
+from irsim_gym.render.raster_images import Images
+from irsim_gym.render.raster_plan import FLAG, Plan
+from irsim_gym.render.reader import SceneReader
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+from irsim_gym.world.trails import LONGEST
+
+if TYPE_CHECKING:
+    from irsim_gym.scenario.spec import Scenario
+
+POINT = 100.0 / 72.0
+HALF_A_WALL = 1.1
+BACKDROP_BYTES = 64 << 20
+Share = Callable[[Callable[[Shard], None], Ints], None]
+"""Runs a function on shares of given numbers, perhaps on several threads; ``Shards.run`` of the engine is one."""
+
+
+class Easel:
+    """Draws pictures of worlds; made with the first one.
+
+    Args:
+        scenario: What is simulated.
+        model: The simulation's constants.
+        state: Its present state.
+        sensors: Its sensor groups.
+        learners: Bodies whose goals and trajectories are drawn unless the scenario says otherwise.
+        reader: Who knows the map and the trails.
+        explored: Which cells of the world its robots have seen, or None.
+        share: Who divides the work among threads, or None.
+        layout: Where things are on a frame.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        model: WorldModel,
+        state: WorldState,
+        sensors: Sequence[Group],
+        learners: Collection[int],
+        reader: SceneReader,
+        explored: Flags | None,
+        share: Share | None,
+        layout: Layout,
+    ) -> None:
+        plot = scenario.world.plot
+        self._scenario, self._model, self._state, self._reader = scenario, model, state, reader
+        self._share, self._layout = share, layout
+        self._title = scenario.name if plot.title is None else plot.title
+        self._clipped = plot.viewpoint is None or reader.center(0) is None
+        self._explored = np.zeros((1, 1, 1), np.bool_) if explored is None else explored
+        self._masks, self.point = Masks(), POINT * layout.enlargement
+        self._images = Images(scenario, model, layout.scale)
+        followed = [int(body) for body in reader.trails.bodies]
+        self.plan = Plan(
+            scenario,
+            model,
+            sensors,
+            learners,
+            followed,
+            self._images.number,
+            self._masks,
+            self.point,
+            fog=explored is not None,
+        )
+        self._image_scale = layout.scale
+        self._card = Card(self._masks, self.point, not plot.no_axis)
+        self._head = Head(self._masks, self.point, layout, titled=plot.title is not None) if plot.show_title else None
+        self._desks: dict[int, records.Desk] = {}
+        self._cards: dict[Layout, Bytes] = {}
+        self._backdrops: dict[tuple[Layout, bytes], Bytes] = {}
+        self._fixed = np.unique(self.plan.ground["body"]) if len(self.plan.ground) else np.zeros(0, np.int64)
+        self._segment_rows, self._disc_rows = self._fixed_rows()
+
+    def draw(self, worlds: Ints, statuses: Sequence[str], layouts: Sequence[Layout]) -> Bytes:
+        """Draw worlds.
+
+        Args:
+            worlds: Their indices, shape ``(n,)``.
+            statuses: How their episodes stand.
+            layouts: Which part of each is shown.
+
+        Returns:
+            Pictures, uint8, shape ``(n, height, width, 3)``.
+        """
+        pictures = np.empty((len(worlds), self._layout.height, self._layout.width, 3), np.uint8)
+        if not len(worlds):
+            return pictures
+        if layouts[0].scale != self._image_scale:
+            self._image_scale = layouts[0].scale
+            self._images = Images(self._scenario, self._model, self._image_scale)
+        job = _Job(self, pictures, worlds, statuses, layouts)
+        frames = np.arange(len(worlds))
+        if self._share is None or len(worlds) == 1:
+            job.draw(Shard(frames))
+        else:
+            self._share(job.draw, frames)
+        self._keep(job)
+        return pictures
+
+    def desk(self, slot: int) -> records.Desk:
+        """Return the memory of a thread."""
+        desk = self._desks.get(slot)
+        if desk is None:
+            layout, model = self._layout, self._model
+            n_points = max(MOST_CORNERS, LONGEST, 2 * len(self.plan.angles), model.local_segments.shape[1]) + 16
+            desk = self._desks[slot] = records.Desk(
+                sheet=new_sheet(layout.height, layout.width),
+                points=np.zeros((3 * n_points, 2)),
+                place=np.zeros(7),
+                colour=np.zeros(4),
+                cells=np.zeros(self._explored.shape[1:], np.float32),
+                struck=np.zeros(len(model.role), np.bool_),
+            )
+        return desk
+
+    def _fixed_rows(self) -> tuple[Ints, Ints]:
+        """Return the rows of the fixed bodies' segments and discs."""
+        model, sides = self._model, []
+        for start, table, size in (
+            (model.segment_start, model.local_segments, model.segment_count),
+            (model.disc_start, model.local_discs, model.disc_count),
+        ):
+            ends = [int(start[b]) + int(size[:, b].max(initial=0)) for b in self._fixed]
+            rows = [np.arange(start[b], min(end, table.shape[1])) for b, end in zip(self._fixed, ends, strict=True)]
+            sides.append(np.concatenate([np.zeros(0, np.int64), *rows]))
+        return sides[0], sides[1]
+
+    def backdrop_key(self, world: int, layout: Layout) -> tuple[Layout, bytes]:
+        """Return what the backdrop of a world depends on."""
+        state, model = self._state, self._model
+        parts = state.segments[world, self._segment_rows], state.discs[world, self._disc_rows]
+        here = model.present[world, self._fixed]
+        counts = (table[world % len(table), self._fixed] for table in (model.segment_count, model.disc_count))
+        return layout, b"|".join([here.tobytes(), *(part.tobytes() for part in (*counts, *parts))])
+
+    def known_backdrop(self, key: tuple[Layout, bytes]) -> Bytes | None:
+        """Return a backdrop that was kept."""
+        return self._backdrops.get(key)
+
+    def _keep(self, job: _Job) -> None:
+        """Keep the new backdrops, in the place of old ones where there are too many."""
+        room = max(BACKDROP_BYTES // self._layout.width // self._layout.height // 3, 1)
+        for key, backdrop in list(job.new_backdrops.items())[:room]:
+            while len(self._backdrops) >= room:
+                self._backdrops.pop(next(iter(self._backdrops)))
+            self._backdrops[key] = backdrop
+
+    def look(self, layouts: Sequence[Layout]) -> records.Look:
+        """Return where the worlds are on their pictures."""
+        known = {layout: (look_from(layout), self._boxes(layout)) for layout in dict.fromkeys(layouts)}
+        return records.Look(
+            views=np.array([known[layout][0] for layout in layouts]),
+            boxes=np.array([known[layout][1] for layout in layouts]),
+            bounds=self._model.bounds,
+            flag=np.array(FLAG) * self.point,
+            flagged=self.plan.flagged,
+        )
+
+    def _boxes(self, layout: Layout) -> Ints:
+        plot = plot_box(layout)
+        wall = HALF_A_WALL * self.point
+        inner = [world_box(layout, 0.0), world_box(layout, wall)] if self._clipped else [plot, plot]
+        return np.array([*inner, plot, [0, 0, layout.width, layout.height]], np.int64)
+
+    def tables(self, worlds: Ints) -> tuple[Any, ...]:
+        """Return what kernels read of the simulation, in the order of ``play.draw_items``."""
+        model, state, groups = self._model, self._state, self.plan.groups
+        rows = [group.arrays["ranges"][worlds].reshape(len(worlds), -1) for group in groups]
+        ranges = np.concatenate([np.zeros((len(worlds), 0), np.float32), *rows], axis=1, dtype=np.float32)
+        speeds = np.zeros((len(worlds), ranges.shape[1] if self.plan.has_speeds else 0))
+        first = 0
+        for group, row in zip(groups, rows, strict=True):
+            if "radial_velocity" in group.arrays:
+                found = group.arrays["radial_velocity"][worlds].reshape(row.shape)
+                speeds[:, first : first + row.shape[1]] = found
+            first += row.shape[1]
+        return (
+            self.plan.scans,
+            records.Model(*(getattr(model, name) for name in records.Model._fields)),
+            records.State(*(getattr(state, name) for name in records.State._fields)),
+            records.Readings(self.plan.angles, ranges, speeds, self._explored),
+            records.Past(*self._reader.trails.tables()),
+            records.Prints(self._masks.levels, self._masks.rows, self._images.pixels, self._images.rows),
+        )
+
+    def words(self, worlds: Ints, statuses: Sequence[str]) -> tuple[Ints, Ints, Floats]:
+        """Return the words of the heads: where they stand, where those of each picture end, and their colours."""
+        if self._head is None:
+            return np.zeros((0, 4), np.int64), np.zeros(len(worlds), np.int64), np.zeros((1, 4))
+        placed, ends, inks = list[tuple[int, int, int, int]](), list[int](), [colour(theme.INK, 1.0)]
+        for status, time in zip(statuses, self._state.time[worlds].tolist(), strict=True):
+            plain, coloured = self._head.place(self._title, status, time)
+            placed += [(*word, 0) for word in plain]
+            placed += [(*word, len(inks)) for word in coloured]
+            ends.append(len(placed))
+            inks.append(colour(theme.status_colour(status), 1.0))
+        return np.array(placed, np.int64).reshape(-1, 4), np.array(ends, np.int64), np.array(inks)
+
+    def card(self, layout: Layout, desk: records.Desk) -> Bytes:
+        """Return the picture of an empty world, with its map."""
+        known = self._cards.get(layout)
+        if known is None:
+            known = np.empty((layout.height, layout.width, 3), np.uint8)
+            self._card.draw(known, desk.sheet, layout)
+            view = self._reader.map_view()
+            if view is not None:
+                x_min, y_min, x_max, y_max = view.extent
+                columns, rows = view.occupied.shape
+                frame = np.array([x_min, y_min, (x_max - x_min) / columns, (y_max - y_min) / rows])
+                ink = np.array(colour(view.colour, view.alpha))
+                paint_cells(known, plot_box(layout), view.occupied, frame, look_from(layout), ink)
+            self._cards.clear()
+            self._cards[layout] = known
+        return known
+
+
+class _Job:
+    """One call of ``Easel.draw``: what differs from picture to picture."""
+
+    def __init__(
+        self, easel: Easel, pictures: Bytes, worlds: Ints, statuses: Sequence[str], layouts: Sequence[Layout]
+    ) -> None:
+        self._easel, self._pictures, self._worlds, self._layouts = easel, pictures, worlds, layouts
+        self.new_backdrops: dict[tuple[Layout, bytes], Bytes] = {}
+        desk = easel.desk(0)
+        self._cards = {layout: easel.card(layout, desk) for layout in dict.fromkeys(layouts)}
+        self._look = easel.look(layouts)
+        self._words = easel.words(worlds, statuses)
+        self._tables = easel.tables(worlds)  # with the masks of new words
+        outcomes = [theme.status_colour(status) if theme.ends_episode(status) else None for status in statuses]
+        self._tints = np.array([CLEAR if name is None else colour(name, 0.07) for name in outcomes])
+        self._edges = np.array([CLEAR if name is None else colour(name, 0.9) for name in outcomes])
+
+    def draw(self, shard: Shard) -> None:
+        """Draw a share of the pictures."""
+        easel, frames, pictures = self._easel, shard.worlds, self._pictures
+        desk = easel.desk(shard.slot)
+        self._lay_ground(frames, desk)
+        draw_frames(pictures, frames, self._tints, 0.0, self._look, desk)
+        self._draw_items(easel.plan.live, frames, desk)
+        draw_frames(pictures, frames, self._edges, 2.2 * easel.point, self._look, desk)
+        draw_heads(pictures, frames, *self._words, self._tables[-1], self._look.boxes)
+
+    def _draw_items(self, items: Any, frames: Ints, desk: records.Desk) -> None:
+        """Draw rows of the plan on some pictures."""
+        scans, model, state, readings, past, prints = self._tables
+        draw_items(
+            self._pictures, frames, self._worlds, items, scans, model, state, readings, past, prints, self._look, desk
+        )
+
+    def _lay_ground(self, frames: Ints, desk: records.Desk) -> None:
+        """Draw what never moves, or copy it from a picture with the same."""
+        easel, missing = self._easel, {}
+        for f in frames.tolist():
+            layout = self._layouts[f]
+            key = easel.backdrop_key(int(self._worlds[f]), layout)
+            known = easel.known_backdrop(key)
+            if known is None:
+                missing[f], known = key, self._cards[layout]
+            np.copyto(self._pictures[f], known)
+        if missing:
+            chosen = np.array(list(missing), np.int64)
+            self._draw_items(easel.plan.ground, chosen, desk)
+            self.new_backdrops |= {key: self._pictures[f].copy() for f, key in missing.items()}
+
+
+def look_from(layout: Layout) -> Floats:
+    """Return column and row of the world's origin [pixel], and pixels per metre, shape ``(3,)``."""
+    return np.array([*layout.column_row(0.0, 0.0), layout.scale])

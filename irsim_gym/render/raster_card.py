@@ -1,0 +1,200 @@
+"""The card below the world, and the words above it, for the raster renderer; as ``card`` and ``head`` draw them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
+from irsim_gym.raster.areas import paint_line, paint_polygon
+from irsim_gym.raster.masks import paint_mask
+from irsim_gym.render import theme
+from irsim_gym.render.colours import colour
+from irsim_gym.render.layout import Layout, tick_positions
+from irsim_gym.render.letters import Masks, Word
+
+MARGIN, GAP, TIME_ROOM = 10.0, 14.0, 66.0
+LONGEST_STATUS = "left world"
+FEWEST_LETTERS = 3
+DOT = "\N{BLACK CIRCLE}"
+TICK_SIZE, NAME_SIZE, STATUS_SIZE = 7.5, 9.5, 9.0
+REMEMBERED_HEADS = 512
+Placed = list[tuple[int, int, int]]
+"""Mask, column and row of each word."""
+
+
+class Card:
+    """Draws the paper, the world's frame, the grid and the ticks of a layout.
+
+    Args:
+        masks: Where its words are kept.
+        point: Pixels in a point of type.
+        axis: Draw ticks and the world's frame.
+    """
+
+    def __init__(self, masks: Masks, point: float, axis: bool) -> None:
+        self._masks, self._point, self._axis = masks, point, axis
+
+    def draw(self, picture: Bytes, sheet: Rays, layout: Layout) -> None:
+        """Draw it over the whole of a picture, uint8, ``(height, width, 3)``."""
+        picture[:] = np.rint(colour(theme.PAPER, 1.0)[:3]).astype(np.uint8)
+        corners = _snapped([layout.column_row(x, y) for x, y in _corners(layout)], 0.8 * self._point)
+        box = plot_box(layout)
+        paint_polygon(picture, sheet, box, corners, 0, 4, False, np.array(colour(theme.CARD, 1.0)))
+        rule = np.array(colour(theme.RULE if self._axis else theme.CARD, 1.0))
+        paint_line(picture, sheet, box, corners, 0, 4, 0.8 * self._point, True, True, rule)
+        if self._axis:
+            self._draw_ticks(picture, sheet, layout)
+
+    def _draw_ticks(self, picture: Bytes, sheet: Rays, layout: Layout) -> None:
+        x_min, y_min, x_max, y_max = layout.bounds
+        left, below, right, above = layout.limits
+        low, high = (max(x_min, left), max(y_min, below)), (min(x_max, right), min(y_max, above))
+        if low[0] > high[0] or low[1] > high[1]:
+            return
+        gap = 6.0 * layout.enlargement
+        columns = tick_positions(low[0], high[0], layout.plot_width / layout.enlargement).tolist()
+        for x in columns:
+            self._draw_rule(picture, sheet, layout, (x, low[1]), (x, high[1]))
+        rows = tick_positions(low[1], high[1], layout.plot_height / layout.enlargement).tolist()
+        for y in rows:
+            self._draw_rule(picture, sheet, layout, (low[0], y), (high[0], y))
+        for x in columns:
+            word = self._word(_number(x) + (" m" if x == columns[-1] else ""))
+            column, row = layout.column_row(x, low[1])
+            self._write(picture, word, column - 0.5 * word.width, row + gap + word.height - word.foot)
+        for y in rows:
+            word = self._word(_number(y))
+            column, row = layout.column_row(low[0], y)
+            self._write(picture, word, column - gap - word.width, row + 0.5 * word.height - word.foot)
+
+    def _word(self, text: str) -> Word:
+        return self._masks.word(text, TICK_SIZE * self._point)
+
+    def _write(self, picture: Bytes, word: Word, column: float, row: float) -> None:
+        ink, box = np.array(colour(theme.INK_LIGHT, 1.0)), whole_box(picture)
+        paint_mask(picture, box, self._masks.levels, self._masks.rows, word.mask, round(column), round(row), ink)
+
+    def _draw_rule(
+        self, picture: Bytes, sheet: Rays, layout: Layout, start: tuple[float, float], end: tuple[float, float]
+    ) -> None:
+        """Draw a line of the grid, which reaches half its width beyond its ends."""
+        width = 0.7 * self._point
+        points = _snapped([layout.column_row(*start), layout.column_row(*end)], width)
+        axis = int(points[0, 0] == points[1, 0])
+        order = 1.0 if points[1, axis] > points[0, axis] else -1.0
+        points[:, axis] += np.array([-0.5, 0.5]) * order * width
+        paint_line(
+            picture, sheet, plot_box(layout), points, 0, 2, width, False, False, np.array(colour(theme.GRID, 1.0))
+        )
+
+
+class Head:
+    """The words above the world: name, status and time, or a title in place of all three.
+
+    Args:
+        masks: Where its words are kept.
+        point: Pixels in a point of type.
+        layout: Where things stand.
+        titled: There is a title alone.
+    """
+
+    def __init__(self, masks: Masks, point: float, layout: Layout, *, titled: bool) -> None:
+        self._masks, self._layout, self._titled = masks, layout, titled
+        self._name_size, self._size = NAME_SIZE * point, STATUS_SIZE * point
+        self._middle = 21.0 * layout.enlargement
+        self._known: dict[tuple[str, str, str], tuple[Placed, Placed]] = {}
+
+    def place(self, title: str, status: str, time: float) -> tuple[Placed, Placed]:
+        """Return the words in the colour of ink, and those in the colour of the status."""
+        key = (title, status, f"{time:.1f} s")
+        found = self._known.get(key)
+        if found is None:
+            if len(self._known) >= REMEMBERED_HEADS:
+                self._known.clear()
+            found = self._known[key] = (self._title(title), []) if self._titled else self._line(*key)
+        return found
+
+    def _title(self, title: str) -> Placed:
+        margin, width = MARGIN * self._layout.enlargement, self._layout.width
+        words = self._shortened(title, width - 2.0 * margin)
+        half = 0.5 * self._masks.word(words, self._name_size, bold=True).width
+        middle = self._layout.left + 0.5 * self._layout.plot_width
+        return self._name(words, min(max(middle, margin + half), width - margin - half) - half)
+
+    def _line(self, title: str, status: str, time: str) -> tuple[Placed, Placed]:
+        layout, gap, margin = self._layout, GAP * self._layout.enlargement, MARGIN * self._layout.enlargement
+        left, right = float(layout.left), float(layout.left + layout.plot_width)
+        status = f"{DOT} {status.replace('_', ' ')}"
+        time_room = max(self._width(time) + gap, TIME_ROOM * layout.enlargement)
+        room = max(self._width(f"{DOT} {LONGEST_STATUS}"), self._width(status)) + time_room
+        if self._masks.word(title, self._name_size, bold=True).width + gap + room > right - left:
+            left, right = margin, layout.width - margin
+        if room > right - left:
+            time, time_room = "", 0.0
+        name = self._name(self._shortened(title, right - left - room - gap), left)
+        ink = name + self._letters(time, right - self._width(time))
+        return ink, self._letters(status, right - time_room - self._width(status))
+
+    def _name(self, words: str, column: float) -> Placed:
+        if not words:
+            return []
+        word = self._masks.word(words, self._name_size, bold=True)
+        return [(word.mask, round(column), round(self._middle + 0.5 * word.height - word.foot))]
+
+    def _letters(self, text: str, column: float) -> Placed:
+        """Place a text letter by letter: it changes from frame to frame, its letters do not."""
+        placed = []
+        for letter in text:
+            word = self._masks.word(letter, self._size)
+            line = self._masks.word("lp", self._size)
+            placed.append((word.mask, round(column), round(self._middle + 0.5 * line.height - line.foot)))
+            column += word.advance
+        return placed
+
+    def _width(self, text: str) -> float:
+        return sum(self._masks.word(letter, self._size).advance for letter in text)
+
+    def _shortened(self, words: str, room: float) -> str:
+        """Cut words to a room; nothing is left where hardly a letter has room."""
+        short, count = words, len(words)
+        while short and self._masks.word(short, self._name_size, bold=True).width > room:
+            count -= 1
+            short = f"{words[:count].rstrip()}\N{HORIZONTAL ELLIPSIS}" if count >= FEWEST_LETTERS else ""
+        return short
+
+
+def plot_box(layout: Layout) -> Ints:
+    """Return the drawing area: first column, first row, end column, end row."""
+    top = layout.height - layout.bottom - layout.plot_height
+    sides = np.array([layout.left, top, layout.left + layout.plot_width, layout.height - layout.bottom])
+    most = [layout.width, layout.height, layout.width, layout.height]
+    return np.asarray(np.clip(sides, 0, most), np.int64)
+
+
+def world_box(layout: Layout, margin: float) -> Ints:
+    """Return the part of the world that is shown, wider by a margin [pixel]."""
+    left, foot = layout.column_row(*layout.bounds[:2])
+    right, top = layout.column_row(*layout.bounds[2:])
+    plot = plot_box(layout)
+    box = np.floor(np.clip([left - margin, top - margin, right + margin, foot + margin], -1e6, 1e6) + 0.5)
+    return np.array([*np.clip(box[:2], plot[:2], plot[2:]), *np.clip(box[2:], plot[:2], plot[2:])], np.int64)
+
+
+def whole_box(picture: Bytes) -> Ints:
+    """Return the box of a whole picture."""
+    return np.array([0, 0, picture.shape[1], picture.shape[0]])
+
+
+def _corners(layout: Layout) -> list[tuple[float, float]]:
+    x_min, y_min, x_max, y_max = layout.bounds
+    return [(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)]
+
+
+def _snapped(places: list[tuple[float, float]], width: float) -> Floats:
+    """Return points moved so that a line through them fills whole pixels."""
+    shift = 0.5 if round(width) % 2 == 1 else 0.0
+    return np.asarray(np.floor(np.clip(places, -1e6, 1e6) + 0.5) + shift)
+
+
+def _number(value: float) -> str:
+    return f"{round(value, 9) + 0.0:g}".replace("-", "\N{MINUS SIGN}")
