@@ -55,8 +55,8 @@ class ObservationPolicy:
 
 def percepts(episodes: Episodes, worlds: Ints) -> Percepts:
     """Return a copy of what the agents of worlds perceive, a row for each agent: arrays ``(n * n_agents, ...)``."""
-    seen = episodes.view.percepts.each(lambda rows: rows[worlds])
-    return seen.each(lambda rows: rows.reshape(-1, *rows.shape[2:]))
+    n_rows = len(worlds) * episodes.n_agents
+    return episodes.view.percepts.each(lambda rows: rows[worlds].reshape(n_rows, *rows.shape[2:]))
 
 
 def by_world(actions: Actions, episodes: Episodes) -> Actions:

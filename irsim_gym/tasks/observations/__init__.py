@@ -12,6 +12,7 @@ from irsim_gym.tasks.observations.neighbors import Neighbors
 from irsim_gym.tasks.observations.occupancy_image import OccupancyImage
 from irsim_gym.tasks.observations.past_scans import PastScans
 from irsim_gym.tasks.observations.scan import Scan
+from irsim_gym.tasks.observations.top_view import TopView
 from irsim_gym.tasks.observations.trail import Trail
 from irsim_gym.tasks.observations.velocity import Velocity
 
@@ -28,3 +29,4 @@ OBSERVATIONS.register("neighbors", Neighbors)
 OBSERVATIONS.register("goal_record", GoalRecord)
 OBSERVATIONS.register("trail", Trail)
 OBSERVATIONS.register("occupancy_image", OccupancyImage)
+OBSERVATIONS.register("top_view", TopView)

@@ -1,0 +1,214 @@
+"""Top view: what a camera above the agent sees, or one above the whole world."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.raster.areas import add_disc
+from irsim_gym.raster.sheets import paint
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.observations.painting import (
+    Sights,
+    View,
+    add_body,
+    add_cells,
+    add_outside,
+    add_side,
+    column_of,
+    painters,
+    row_of,
+    sights,
+    view_from,
+)
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import OBSTACLE, ROBOT, WorldModel
+from irsim_gym.world.state import WorldState
+
+COLOURS = ("background", "outside", "obstacles", "goals", "robots", "itself", "headings")
+BACKGROUND, OUTSIDE, OBSTACLES, GOALS, ROBOTS, ITSELF, HEADINGS = range(len(COLOURS))
+NOBODY = -1
+"""In place of the body that is left out."""
+
+
+@kind
+class TopView:
+    """A square picture in colours, as a camera straight above would take it; edges are smooth.
+
+    It is uint8 ``(pixels, pixels, 3)``: red, green, blue. The agent, other robots, obstacles and its goal have a colour
+    each, and a triangle on each robot points ahead. ``follow: robot`` keeps the agent in the middle, ``follow: world``
+    shows all of the world.
+    """
+
+    only_kernels: ClassVar[bool] = True
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = False
+
+    pixels: int = option(64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 wants 36.")
+    follow: Literal["robot", "world"] = option("robot", meaning="What stays in the middle of the picture.")
+    metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of what is shown around a robot.")
+    rotated: bool = option(True, meaning="Around a robot: its heading points up; else the world's y axis does.")
+    background: str = option("#f4f5f7", meaning="Colour of free ground, #rrggbb like all others.")
+    outside: str = option("#aab2bd", meaning="Colour of what is outside of the world.")
+    obstacles: str = option("#3d4451", meaning="Colour of obstacles and maps.")
+    goals: str = option("#2fb344", meaning="Colour of the agent's next goal.")
+    robots: str = option("#f59f00", meaning="Colour of other robots.")
+    itself: str = option("#1c6dd0", meaning="Colour of the agent.")
+    headings: str = option("#ffffff", meaning="Colour of the triangle that points ahead.")
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        for name in COLOURS:
+            if not re.fullmatch("#[0-9a-fA-F]{6}", getattr(self, name)):
+                yield name, f"must be a colour such as '#1c6dd0', got '{getattr(self, name)}'"
+
+    @property
+    def image_shape(self) -> tuple[int, int, int]:
+        """Height and width [pixels] and number of channels."""
+        return self.pixels, self.pixels, 3
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return what is painted with, and the colours with their opacity, ``(n_colours, 4)``."""
+        colours = [[*bytes.fromhex(getattr(self, name)[1:]), 1.0] for name in COLOURS]
+        return {**painters(simulation, self.pixels, self.pixels), "colours": np.array(colours, np.float64)}
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Paint the picture."""
+        options, table = term.options, term.arrays
+        whole = options.follow == "world"
+        paint_view(
+            shard.worlds,
+            term.agents,
+            whole,
+            options.rotated,
+            options.pixels / options.metres,
+            model.bounds,
+            model.cells,
+            model.has_goal,
+            model.goal_threshold,
+            state.goal,
+            sights(model, state),
+            table["colours"],
+            table["box"],
+            table["sheets"][shard.slot],
+            term.image,
+        )
+
+
+@kernel
+def paint_view(
+    worlds: Ints,
+    agents: Ints,
+    whole: bool,
+    rotated: bool,
+    scale: float,
+    bounds: Floats,
+    cells: CellMap | None,
+    has_goal: Flags,
+    threshold: Floats,
+    goal: Floats,
+    seen: Sights,
+    colours: Floats,
+    box: Ints,
+    sheet: Rays,
+    image: Bytes,
+) -> None:
+    """Paint the pictures.
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent.
+        whole: Show all of the world.
+        rotated: See ``TopView``.
+        scale: Pixels per metre around a robot.
+        bounds: The world's rectangle [m].
+        cells: The map, or None.
+        has_goal: Whether there is a goal, ``(n_bodies,)``.
+        threshold: Distance under which it is reached [m].
+        goal: The goals that are next.
+        seen: What can be seen.
+        colours: Colours and opacities, ``(n_colours, 4)``.
+        box: The whole picture.
+        sheet: Empty before and after.
+        image: Written, ``(n_worlds, n_agents, pixels, pixels, 3)``.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            picture, own = image[w, a], agents[a]
+            view = view_from(seen.pose[w, own], rotated, scale, picture.shape[0])
+            if whole:
+                view = view_of_all(bounds, picture.shape[0])
+            fill(picture, colours[BACKGROUND])
+            add_outside(sheet, box, view, bounds)
+            paint(picture, sheet, box, colours[OUTSIDE], False)
+            if has_goal[own]:
+                x, y = goal[w, own, 0], goal[w, own, 1]
+                radius = max(threshold[min(w, threshold.shape[0] - 1), own] * scale_of(view), 1.5)
+                add_disc(sheet, box, column_of(view, x, y), row_of(view, x, y), radius, 1.0)
+                paint(picture, sheet, box, colours[GOALS], False)
+            add_cells(sheet, box, view, cells)
+            add_bodies(sheet, box, view, seen, w, OBSTACLE, NOBODY)
+            paint(picture, sheet, box, colours[OBSTACLES], False)
+            add_bodies(sheet, box, view, seen, w, ROBOT, own)
+            paint(picture, sheet, box, colours[ROBOTS], False)
+            if seen.present[w, own]:
+                add_body(sheet, box, view, seen, w, own)
+                paint(picture, sheet, box, colours[ITSELF], False)
+            add_headings(sheet, box, view, seen, w)
+            paint(picture, sheet, box, colours[HEADINGS], False)
+
+
+@kernel(inlined=True)
+def scale_of(view: View) -> float:
+    """Return the pixels per metre."""
+    return view[4]
+
+
+@kernel
+def view_of_all(bounds: Floats, pixels: int) -> View:
+    """Return a view of all of the world, its y axis up."""
+    width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
+    x, y = bounds[0] + 0.5 * width, bounds[1] + 0.5 * height
+    return x, y, 0.0, 1.0, pixels / max(width, height), 0.5 * pixels, 0.5 * pixels
+
+
+@kernel
+def fill(picture: Bytes, colour: Floats) -> None:
+    """Fill a picture with a colour."""
+    for row in range(picture.shape[0]):
+        for column in range(picture.shape[1]):
+            for channel in range(picture.shape[2]):
+                picture[row, column, channel] = int(colour[channel])
+
+
+@kernel
+def add_bodies(sheet: Rays, box: Ints, view: View, seen: Sights, w: int, role: int, but: int) -> None:
+    """Add the bodies of a role that are in a world, all but one, to a sheet."""
+    for b in range(seen.role.shape[0]):
+        if seen.role[b] == role and b != but and seen.present[w, b]:
+            add_body(sheet, box, view, seen, w, b)
+
+
+@kernel
+def add_headings(sheet: Rays, box: Ints, view: View, seen: Sights, w: int) -> None:
+    """Add a triangle that points ahead on each robot."""
+    for b in range(seen.role.shape[0]):
+        if seen.role[b] != ROBOT or not seen.present[w, b]:
+            continue
+        size = seen.reach[min(w, seen.reach.shape[0] - 1), b]
+        x, y, heading = seen.pose[w, b, 0], seen.pose[w, b, 1], seen.pose[w, b, 2]
+        ahead_x, ahead_y = size * np.cos(heading), size * np.sin(heading)
+        tip_x, tip_y, aside_x, aside_y = x + 0.9 * ahead_x, y + 0.9 * ahead_y, -0.5 * ahead_y, 0.5 * ahead_x
+        add_side(sheet, box, view, tip_x, tip_y, x + aside_x, y + aside_y)
+        add_side(sheet, box, view, x + aside_x, y + aside_y, x - aside_x, y - aside_y)
+        add_side(sheet, box, view, x - aside_x, y - aside_y, tip_x, tip_y)
