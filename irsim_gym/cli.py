@@ -193,19 +193,31 @@ def record(
     split: Split = "test",
     task: Task = None,
     out: Annotated[
-        Path | None, typer.Option(help="File to write: .mp4, .gif, .html. (default: runs/film.mp4, runs/replay.html)")
+        Path | None, typer.Option(help="File to write: .mp4, .gif, .html, .png (default: runs/film.mp4 and so on).")
     ] = None,
     html: Annotated[
-        bool, typer.Option("--html", help="A page that plays the episodes, in one file, in place of a film.")
+        bool, typer.Option("--html", help="A page that plays the episodes, one file, in place of a film.")
     ] = False,
+    sheet: Annotated[bool, typer.Option("--sheet", help="One picture with moments of each episode.")] = False,
+    strobe: Annotated[
+        bool, typer.Option("--strobe", help="One picture with the ways of each episode, coloured by time.")
+    ] = False,
+    backend: Annotated[str, typer.Option(help="Who draws frames: matplotlib or raster.")] = "matplotlib",
     team: Team = False,
     given: Given = None,
     modules: Imports = None,
 ) -> None:
-    """Film policies on the same levels, side by side; or write a replay, a page with scrubber, scans and rewards."""
+    """Film policies on the same levels, side by side; or write a replay with scrubber, scans and rewards, or a picture.
+
+    With --html a page is written that plays the episodes in a browser, with --sheet or --strobe one picture.
+    """
     from irsim_gym.training.commands import run_record
 
-    run_record(scenario, policies, level or [0], split, task, out, read_parameters(given), team, html=html)
+    asked = [kind for kind, wanted in (("replay", html), ("sheet", sheet), ("strobe", strobe)) if wanted]
+    if len(asked) > 1:
+        raise IrsimGymError("--html, --sheet and --strobe exclude each other: call record once for each")
+    kind, parameters = (*asked, "film")[0], read_parameters(given)
+    run_record(scenario, policies, level or [0], split, task, out, parameters, team, kind=kind, backend=backend)
 
 
 @app.command()

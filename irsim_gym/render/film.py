@@ -87,14 +87,17 @@ class EpisodeFilm:
         return np.vstack([self._strips[key], frame])
 
 
-def caption_strip(caption: str, width: int) -> Bytes:
-    """Draw a caption on a strip, uint8, shape ``(height, width, 3)``; the height is even and grows with the width."""
-    enlargement = max(width / REFERENCE_SIDE, 0.4)
+def caption_strip(caption: str, width: int, frame_width: float | None = None) -> Bytes:
+    """Draw a caption on a strip, uint8, shape ``(height, width, 3)``.
+
+    The height is even and grows with ``frame_width``, that of the frames below it [pixel]; None for the strip's own.
+    """
+    enlargement = max((frame_width or width) / REFERENCE_SIDE, 0.4)
     height = 2 * round(CAPTION_HEIGHT * enlargement / 2.0)
     dpi = DOTS_PER_INCH * enlargement
     figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi, facecolor=theme.PAPER)
     canvas: Any = FigureCanvasAgg(figure)
-    left = LEFT / REFERENCE_SIDE
+    left = LEFT * enlargement / width
     look: dict[str, Any] = {"family": theme.FONT, "fontsize": CAPTION_SIZE, "weight": "bold", "color": theme.INK}
     figure.text(left, 0.40, caption, va="center", parse_math=False, usetex=False, **look)
     canvas.draw()

@@ -1,17 +1,41 @@
-"""Rows of numbers as short JSON: whole multiples of a unit, each as its difference from the row before."""
+"""What is kept small: frames in memory, and rows of numbers as short JSON."""
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Bytes, Floats
 
 METRE, RADIAN = 1e-3, 1e-4
 """Units in which a replay holds lengths and angles; half of one is the largest error."""
+
+
+@dataclass(frozen=True)
+class PackedFrame:
+    """A picture, of which flat colours leave a few percent.
+
+    Attributes:
+        shape: Its height, width and number of channels.
+        content: Its bytes, deflated.
+    """
+
+    shape: tuple[int, ...]
+    content: bytes
+
+    @classmethod
+    def of(cls, frame: Bytes) -> Self:
+        """Pack a picture, uint8, shape ``(height, width, 3)``."""
+        return cls(frame.shape, zlib.compress(frame.tobytes(), 1))
+
+    def frame(self) -> Bytes:
+        """Return the picture; it cannot be written."""
+        return np.frombuffer(zlib.decompress(self.content), np.uint8).reshape(self.shape)
 
 
 def packed(rows: ArrayLike, unit: float) -> dict[str, Any]:

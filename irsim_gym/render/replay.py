@@ -51,16 +51,17 @@ class Recording:
 
     Attributes:
         name: How the episode is called in a list.
+        look: ``axis``, ``title``, ``titled``, see above.
     """
 
     def __init__(
         self, scenario: Scenario, agents: Sequence[str] = (), details: Mapping[str, str] | None = None
     ) -> None:
         plot = scenario.world.plot
-        self._look = {"axis": not plot.no_axis, "title": bool(plot.show_title), "titled": plot.title is not None}
+        self.look = {"axis": not plot.no_axis, "title": bool(plot.show_title), "titled": plot.title is not None}
         self.name, self._details = "", dict(details or {})
         self._agents = tuple(agents)
-        self._scenes: Scene | None = None
+        self._last: Scene | None = None
         self._times: list[float] = []
         self._centers: list[tuple[float, float]] = []
         self._styles = Styles()
@@ -73,6 +74,32 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self._times)
+
+    @property
+    def agents(self) -> tuple[str, ...]:
+        """Names of the robots whose numbers are noted."""
+        return self._agents
+
+    @property
+    def times(self) -> Sequence[float]:
+        """The moments [s]."""
+        return self._times
+
+    @property
+    def last(self) -> Scene:
+        """What the last moment looked like.
+
+        Raises:
+            ValueError: Nothing was noted.
+        """
+        if self._last is None:
+            raise ValueError("nothing was recorded")
+        return self._last
+
+    def moving(self, moment: int) -> dict[str, BodyView]:
+        """Return by name the bodies that can move and were there, as they stood at a moment."""
+        tracks = (track for tracks in self._bodies.values() for track in tracks if not track.fixed)
+        return {view.name: view for track in tracks if (view := track.view(moment)) is not None}
 
     def note(self, scene: Scene, poses: Floats, values: Sequence[Mapping[str, Any]] = ()) -> None:
         """Add a moment.
@@ -104,7 +131,7 @@ class Recording:
         self._times.append(scene.time)
         self._centers.append(scene.center or (np.nan, np.nan))
         self._values.append(tuple(dict(value) for value in values))
-        self._scenes = scene
+        self._last = scene
 
     def data(self) -> dict[str, Any]:
         """Return the episode as JSON.
@@ -112,16 +139,14 @@ class Recording:
         Raises:
             ValueError: Nothing was noted.
         """
-        if self._scenes is None:
-            raise ValueError("nothing was recorded")
-        count = len(self._times)
+        last, count = self.last, len(self._times)
         centers = np.array(self._centers)
         return {
             "name": self.name,
             "details": self._details,
-            "title": self._scenes.title,
-            "bounds": [round(float(value), 6) for value in self._scenes.bounds],
-            "look": self._look,
+            "title": last.title,
+            "bounds": [round(float(value), 6) for value in last.bounds],
+            "look": self.look,
             "count": count,
             "time": packed(self._times, TIME),
             "status": self._status.list,
@@ -137,7 +162,7 @@ class Recording:
         }
 
     def _note_bodies(self, scene: Scene, poses: Floats, moment: int) -> None:
-        still = self._scenes is not None and scene.fixed is self._scenes.fixed
+        still = self._last is not None and scene.fixed is self._last.fixed
         fields = {id(view.style): (view.span, view.radius) for view in scene.fields}
         if still:
             for view in scene.fixed:
@@ -180,15 +205,15 @@ class Recording:
         outcome = Changes()
         for moment, row in enumerate(rows):
             outcome.note(moment, str(row.get("outcome", "")))
-        plain = [key for key in rows[-1] if key not in ("outcome", "action", "terms")]
-        terms = list(rows[-1].get("terms", ()))
+        plain = [key for key in _keys(rows) if key not in ("outcome", "action", "terms")]
+        terms = _keys(row.get("terms", {}) for row in rows)
         action = [row.get("action") for row in rows]
         return {
             "name": name,
             "outcome": outcome.list,
             "values": {key: _series(row.get(key) for row in rows) for key in plain},
             "terms": {key: _series(row.get("terms", {}).get(key) for row in rows) for key in terms},
-            "action": None if action[-1] is None else packed(_filled(action), 1e-3),
+            "action": None if all(each is None for each in action) else packed(_filled(action), 1e-3),
         }
 
 
@@ -198,7 +223,12 @@ def _series(values: Iterable[Any]) -> dict[str, Any]:
     return packed(np.where(np.abs(found) < ENDLESS, found, np.nan), VALUE)
 
 
+def _keys(rows: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return the keys of all rows, in the order in which they come."""
+    return list(dict.fromkeys(key for row in rows for key in row))
+
+
 def _filled(actions: Sequence[Any]) -> Floats:
     """Return actions as a table, NaN where there was none, as before the first step."""
-    width = len(actions[-1])
+    width = max(len(action) for action in actions if action is not None)
     return np.array([np.full(width, np.nan) if action is None else action for action in actions], np.float64)

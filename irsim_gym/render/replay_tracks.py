@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Iterable
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -69,14 +69,14 @@ class BodyTrack:
     def __init__(
         self, view: BodyView, pose: Floats, style: int, field: tuple[float, float] | None, *, fixed: bool
     ) -> None:
-        self._style, self._field, self._fixed = style, field, fixed
-        self._name, self._filled = view.name, shapes.is_filled(view)
+        self._view, self._style, self._field, self.fixed = view, style, field, fixed
+        self._filled = shapes.is_filled(view)
         self._lines = [_own(line, pose) for line in view.lines]
         self._discs = np.hstack([_own(view.discs[:, :2], pose), view.discs[:, 2:]])
         self._mark = _own(view.heading, pose)
         self._image = None if view.image is None else _image(view.image, pose)
         self._ghost = None if view.style.ghost is None else self._left_behind(view, view.style.ghost)
-        self._rows: list[tuple[int, Floats]] = []
+        self._rows: dict[int, Floats] = {}
 
     def _left_behind(self, view: BodyView, style: BodyStyle) -> dict[str, Any]:
         """Return the outline that the body leaves behind on its way."""
@@ -101,21 +101,36 @@ class BodyTrack:
 
     def note(self, view: BodyView, pose: Floats, moment: int) -> None:
         """Note where the body is, and where its mark points."""
-        self._rows.append((moment, np.array([*pose, _turn(self._mark, _own(view.heading, pose))])))
+        self._rows[moment] = np.array([*pose, _turn(self._mark, _own(view.heading, pose))])
 
     def stay(self, moment: int) -> None:
         """Note that it is where it was."""
-        self._rows.append((moment, self._rows[-1][1]))
+        self._rows[moment] = self._rows[moment - 1]
+
+    def view(self, moment: int) -> BodyView | None:
+        """Return the body as it stood at a moment, without an image; None where it was not there."""
+        row = self._rows.get(moment)
+        if row is None:
+            return None
+        pose = row[:3]
+        return replace(
+            self._view,
+            lines=tuple(placed(line, pose) for line in self._lines),
+            discs=np.hstack([placed(self._discs[:, :2], pose), self._discs[:, 2:]]),
+            heading=placed(self._mark, pose + np.array([0.0, 0.0, row[3]])),
+            anchor=(float(pose[0]), float(pose[1])),
+            image=None,
+        )
 
     def data(self, count: int) -> dict[str, Any]:
         """Return the body as JSON, with a pose for each of ``count`` moments."""
         rows = np.full((count, 4), np.nan)
-        for moment, row in self._rows:
+        for moment, row in self._rows.items():
             rows[moment] = row
         return {
-            "name": self._name,
+            "name": self._view.name,
             "style": self._style,
-            "fixed": self._fixed,
+            "fixed": self.fixed,
             "filled": self._filled,
             "field": None if self._field is None else [round(value, 4) for value in self._field],
             "ghost": self._ghost,

@@ -215,17 +215,35 @@ def run_record(
     parameters: Parameters = None,
     team: bool = False,
     *,
-    html: bool = False,
+    kind: str = "film",
+    backend: str = "matplotlib",
 ) -> None:
-    """Film policies, or write a page that plays their episodes, and print the file's name."""
-    from irsim_gym.training.record import record_film, record_html
+    """Film policies, or write a ``replay``, a ``sheet`` or a ``strobe`` picture of them; print the file's name.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        policies: As ``load_policy`` takes them.
+        levels: Levels of the split.
+        split: ``"test"``, ``"dev"`` or ``"train"``.
+        task: Shipped name or path of a task; None for the scenario's own.
+        out: File to write; None for one in ``runs``. A name that ends in ``.html`` asks for a replay.
+        parameters: Values for the scenario's parameters.
+        team: The policies drive all robots, unless the task names some.
+        kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
+        backend: Who draws frames: ``"matplotlib"`` or ``"raster"``.
+    """
+    from irsim_gym.training.record import record_film, record_html, record_sheet
 
     used = remembered_parameters(scenario, policies, parameters)
-    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "team": team}
-    if html or (out is not None and out.suffix.lower() == ".html"):
+    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "team": team, "backend": backend}
+    asked_by_name = out is not None and out.suffix.lower() == ".html"
+    if kind == "replay" or (kind == "film" and asked_by_name):
         print(record_html(scenario, policies, levels, out or Path("runs/replay.html"), **chosen))
-    else:
+    elif kind == "film":
         print(record_film(scenario, policies, levels, out or Path("runs/film.mp4"), **chosen))
+    else:
+        path = out or Path(f"runs/{kind}.png")
+        print(record_sheet(scenario, policies, levels, path, strobe=kind == "strobe", **chosen))
 
 
 def draw_level(

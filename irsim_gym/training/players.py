@@ -58,6 +58,11 @@ class Players:
             episodes.step(actions, worlds)
             yield world_status(episodes, world)
 
+    def title(self, world: int, level: int, status: str) -> str:
+        """Return what an episode is called that has just ended."""
+        time = float(self.episodes.simulation.state.time[world])
+        return f"{self.names[world]}, level {level}: {status.replace('_', ' ')}, {time:.1f} s"
+
     def values(self, world: int) -> list[dict[str, Any]]:
         """Return what is known of each agent now: how it fares, its action, its rewards and how its episode stands."""
         episodes, simulation = self.episodes, self.episodes.simulation

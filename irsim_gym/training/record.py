@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 FILMS = (".mp4", ".gif")
 REPLAYS = (".html",)
+PICTURES = (".png", ".jpg", ".webp", ".tif")
+DRAWINGS = (".pdf", ".svg")
 
 
 def record_film(
@@ -92,6 +94,60 @@ def record_html(
     return save_html(path, recordings)
 
 
+def record_sheet(
+    scenario: str,
+    sources: Sequence[str | Path],
+    levels: Sequence[int],
+    path: Path,
+    *,
+    strobe: bool = False,
+    console: Console | None = None,
+    **chosen: Any,
+) -> Path:
+    """Put policies on levels into one picture; return its path.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        sources: Policies as ``load_policy`` takes them.
+        levels: Levels of the split.
+        path: Picture to write, ``.png`` or another; with ``strobe`` and one episode also ``.pdf`` and ``.svg``.
+        strobe: Each episode is one panel: the ways that the robots took, coloured by time, and where they stood. Else
+            it is a row of moments, evenly spaced, from the first to the last.
+        console: Where a progress bar goes; it stays quiet when that is no terminal.
+        **chosen: As ``players`` takes it: split, task, names, parameters, team, backend.
+
+    Raises:
+        IrsimGymError: The file's suffix is none of such a picture.
+    """
+    from irsim_gym.render.film import EpisodeFilm
+    from irsim_gym.render.sheet import contact_sheet, draw_strobe, save_sheet, save_strobe
+
+    cast = players(scenario, sources, **chosen)
+    pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
+    _check_suffix(path, (*PICTURES, *(DRAWINGS if strobe and len(pairs) == 1 else ())), "such a picture")
+    with _bar(console) as bar:
+        track = bar.track(pairs, description="drawing")
+        if not strobe:
+            shown = [_moments(cast, w, level) for w, level in track]
+            return save_sheet(contact_sheet([frames for _, frames in shown], [name for name, _ in shown]), path)
+        recordings = [_recorded(cast, w, level) for w, level in track]
+    if len(recordings) == 1:
+        return save_strobe(recordings[0], path, cast.renderer.layout)
+    panels = [draw_strobe(recording, cast.renderer.layout) for recording in recordings]
+    film = EpisodeFilm([recording.name for recording in recordings], fps=1.0 / cast.step_time)
+    return save_sheet(film.compose(panels), path)
+
+
+def _moments(cast: Players, world: int, level: int) -> tuple[str, list[Bytes]]:
+    """Play a level; return what it is called, and frames of some moments."""
+    from irsim_gym.render.sheet import Moments
+
+    moments = Moments()
+    for status in cast.play(world, level):
+        moments.offer(lambda status=status: cast.renderer.frame(world, status))  # type: ignore[misc]
+    return cast.title(world, level, status), moments.frames()
+
+
 def _recorded(cast: Players, world: int, level: int) -> Recording:
     """Play a level and return what it looked like."""
     from irsim_gym.render.replay import Recording
@@ -102,7 +158,7 @@ def _recorded(cast: Players, world: int, level: int) -> Recording:
     for status in cast.play(world, level):
         scene = cast.renderer.scene(world, status)
         recording.note(scene, cast.episodes.simulation.state.pose[world], cast.values(world))
-    recording.name = f"{policy}, level {level}: {status.replace('_', ' ')}, {scene.time:.1f} s"
+    recording.name = cast.title(world, level, status)
     return recording
 
 
