@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from irsim_gym.cli_tools import import_modules, print_options, print_shipped, read_parameters
+from irsim_gym.cli_tools import import_modules, print_options, print_shipped, progress, read_parameters
 from irsim_gym.errors import IrsimGymError
 
 app = typer.Typer(
@@ -202,7 +202,7 @@ def record(
     strobe: Annotated[
         bool, typer.Option("--strobe", help="One picture with the ways of each episode, coloured by time.")
     ] = False,
-    backend: Annotated[str, typer.Option(help="Who draws frames: matplotlib or raster.")] = "matplotlib",
+    backend: Backend = "matplotlib",
     team: Team = False,
     given: Given = None,
     modules: Imports = None,
@@ -260,7 +260,9 @@ def run_by_itself(
         int, typer.Option(min=1, help="Most steps; it ends when all robots have arrived or collided.")
     ] = 500,
     seed: Annotated[int, typer.Option(min=0, help="Which level is drawn.")] = 0,
-    film: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
+    film: Annotated[
+        Path | None, typer.Option(help="Film to write as well, .mp4 or .gif; .html for a replay in a browser.")
+    ] = None,
     backend: Backend = "matplotlib",
     given: Given = None,
     modules: Imports = None,
@@ -268,19 +270,21 @@ def run_by_itself(
     """Run a file without learning, driven by its own behaviours, and print how its robots stand at the end."""
     from irsim_gym.live import load
 
-    if film is not None and film.suffix.lower() not in (".mp4", ".gif"):
-        raise IrsimGymError(f"a film's name ends in .mp4 or .gif, got '{film.name}'")
+    if film is not None and film.suffix.lower() not in (".mp4", ".gif", ".html"):
+        raise IrsimGymError(f"a film's name ends in .mp4, .gif or .html, got '{film.name}'")
     parameters = read_parameters(given)
     with load(scenario, seed=seed, render_backend=backend, record=film is not None, **parameters) as world:
         world.resume()
-        while world.count < steps and not world.done():
-            world.step()
+        with progress("driving", steps, shown=film is not None) as advance:
+            while world.count < steps and not world.done():
+                world.step()
+                advance()
         print(f"{world.status} after {world.time:g} s")
         for robot in world.robots:
             flag = "arrived" if robot.arrived else "collided" if robot.collided else "under way"
             print(f"{robot.name}: {flag} at ({', '.join(f'{value:.2f}' for value in robot.state)})")
         if film is not None:
-            print(world.save_animation(film))
+            print(world.save_html(film) if film.suffix.lower() == ".html" else world.save_animation(film))
 
 
 @app.command()
@@ -289,7 +293,7 @@ def draw(
     level: Annotated[int, typer.Option(min=0, help="Which level.")] = 0,
     split: Split = "dev",
     task: Task = None,
-    out: Annotated[Path | None, typer.Option(help="PNG file (default: SCENARIO.png).")] = None,
+    out: Annotated[Path | None, typer.Option(help=".png, .pdf or .svg file (default: SCENARIO.png).")] = None,
     backend: Backend = "matplotlib",
     given: Given = None,
     modules: Imports = None,

@@ -5,7 +5,8 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from textwrap import shorten
 from typing import Any
@@ -144,3 +145,21 @@ def print_options(name: str) -> None:
             default = f"{row.default} {row.unit and f'[{row.unit}]'}".strip()
             table.add_row(*map(Text, (row.key, default, row.allowed, f"{row.meaning} {row.consequence}")))
         console.print(table if tables[title] else f"{title}: no options", markup=False, highlight=False)
+
+
+@contextmanager
+def progress(words: str, total: int, *, shown: bool = True) -> Iterator[Callable[[], None]]:
+    """Give a function that moves a progress bar on by one; there is none where nobody watches.
+
+    Args:
+        words: What is going on.
+        total: How many steps it takes at most.
+        shown: Show it where the output is a terminal.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    screen = Console(stderr=True)
+    with Progress(console=screen, disable=not (shown and screen.is_terminal), transient=True) as bar:
+        line = bar.add_task(words, total=total)
+        yield lambda: bar.advance(line)

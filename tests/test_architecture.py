@@ -56,6 +56,7 @@ ALLOWED: dict[str, set[str]] = {
         "imageio",
         "moviepy",
         "PIL",
+        "rich",
     },
     "controls": {"render", "pynput"},
     "live": {"engine", "scenario", "world", "render", "controls"},

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import zlib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +9,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.engine import Simulation
+from irsim_gym.live.reel import Reel
 from irsim_gym.live.track import Track
 from irsim_gym.world.trails import Trails
 
@@ -19,6 +18,8 @@ if TYPE_CHECKING:
     from irsim_gym.render.layout import Layout, Limits
 
 FILMS = (".mp4", ".gif")
+PAGES = (".html",)
+PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
 FIGURES = (".png", ".pdf", ".svg", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tiff", ".webp")
 
 
@@ -26,7 +27,6 @@ class Camera:
     """Draws one simulation. The renderer is made with the first picture.
 
     Paths and trails are those of the track, however seldom a picture is made, and stay when bodies come and go.
-    Frames that are kept are packed, since flat colours shrink to a few percent.
     """
 
     def __init__(self, simulation: Simulation, track: Track, backend: str = "matplotlib") -> None:
@@ -38,7 +38,7 @@ class Camera:
         self._told = 0
         self._renderer: WorldRenderer | None = None
         self._limits: Limits | None = None
-        self._kept: list[tuple[tuple[int, ...], bytes]] = []
+        self._reel = Reel()
 
     def look_at(self, simulation: Simulation) -> None:
         """Draw this simulation from now on; kept frames stay."""
@@ -65,15 +65,13 @@ class Camera:
         return renderer.layout if center is None else renderer.layout.centred(*center)
 
     def keep(self, status: str) -> None:
-        """Keep a picture for the film."""
-        frame = self.frame(status)
-        if self._kept and frame.shape != self._kept[0][0]:
-            self._kept.clear()  # another file was loaded, whose pictures have another size
-        self._kept.append((frame.shape, zlib.compress(frame.tobytes(), 1)))
+        """Keep the present moment for films, replays and sheets."""
+        self._reel.keep(self.frame(status), self._ready().scene(0, status), self._simulation)
 
     def clear(self) -> None:
-        """Begin new paths and trails."""
+        """Begin another episode, with new paths and trails."""
         self._told = 0
+        self._reel.begin()
         if self._renderer is not None:
             self._renderer.clear()
 
@@ -94,18 +92,39 @@ class Camera:
         Raises:
             ValueError: Another suffix than those of films, or no frames.
         """
-        from irsim_gym.render.video import write_video
-
         target = _with_suffix(path, FILMS, "mp4")
-        if not self._kept:
-            raise ValueError("no frames were kept: load the world with record=True")
-        write_video(self._frames(), target, fps)
-        self._kept.clear()
+        self._reel.save_film(target, fps)
         return target
 
-    def _frames(self) -> Iterator[Bytes]:
-        for shape, packed in self._kept:
-            yield np.frombuffer(zlib.decompress(packed), np.uint8).reshape(shape)
+    def save_html(self, path: Path) -> Path:
+        """Write a page that plays all episodes that were kept; return its path.
+
+        Raises:
+            ValueError: Another suffix, or nothing was kept.
+        """
+        target = _with_suffix(path, PAGES, "html")
+        self._reel.save_html(target)
+        return target
+
+    def save_sheet(self, path: Path, count: int) -> Path:
+        """Write one picture with some of the kept frames; return its path.
+
+        Raises:
+            ValueError: Another suffix, no frames, or fewer than two asked for.
+        """
+        target = _with_suffix(path, PICTURES, "png")
+        self._reel.save_sheet(target, count)
+        return target
+
+    def save_strobe(self, path: Path) -> Path:
+        """Write one picture with the ways of the robots in the present episode; return its path.
+
+        Raises:
+            ValueError: Another suffix, or nothing was kept.
+        """
+        target = _with_suffix(path, FIGURES, "png")
+        self._reel.save_strobe(target, self._ready().layout)
+        return target
 
     def _ready(self) -> WorldRenderer:
         if self._renderer is None:

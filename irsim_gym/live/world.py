@@ -44,7 +44,7 @@ class World(Driven):
         seed: Which level is drawn first; the one that ``irsim_gym.make`` begins with ``reset(seed=seed)``.
         render_mode: None or ``"rgb_array"``: ``render`` returns pictures. ``"human"``: it shows them in a window too.
         render_backend: Who draws frames: ``"matplotlib"`` or ``"raster"``; figures in files are matplotlib's.
-        record: Keep a frame of the start and of each sample, for ``save_animation``.
+        record: Keep a frame of the start and of each sample, for ``save_animation`` and its like.
         save_ani: IR-SIM's way: as ``record``, and ``end`` writes the film.
         **others: Values for the scenario's parameters, and IR-SIM's other arguments where they ask for what is so
             anyway; ``display=True`` is ``render_mode="human"``.
@@ -303,6 +303,40 @@ class World(Driven):
         film = self._camera.save_film(Path(self.name if path is None else path), rate)
         self._unsaved = False
         return film
+
+    def save_html(self, path: str | Path | None = None) -> Path:
+        """Write a page that plays all episodes since the world was loaded, in any browser; return its path.
+
+        Args:
+            path: ``.html``, also without the suffix; by default the world's name.
+
+        Raises:
+            ValueError: Another suffix, or nothing was kept: a world keeps it when it is loaded with ``record=True``.
+        """
+        return self._camera.save_html(Path(self.name if path is None else path))
+
+    def save_sheet(self, path: str | Path | None = None, moments: int = 12) -> Path:
+        """Write one picture with moments, evenly spaced, of what ``save_animation`` writes or wrote; return its path.
+
+        Args:
+            path: ``.png`` or another picture of pixels; by default the world's name with ``-sheet``.
+            moments: How many; the first and the last are among them.
+
+        Raises:
+            ValueError: Another suffix, nothing was kept, or fewer than two moments.
+        """
+        return self._camera.save_sheet(Path(f"{self.name}-sheet" if path is None else path), moments)
+
+    def save_strobe(self, path: str | Path | None = None) -> Path:
+        """Write one picture with the ways of the robots in this episode, coloured by time; return its path.
+
+        Args:
+            path: ``.png``, ``.pdf``, ``.svg`` and so on; by default the world's name with ``-strobe``.
+
+        Raises:
+            ValueError: Another suffix, or nothing was kept.
+        """
+        return self._camera.save_strobe(Path(f"{self.name}-strobe" if path is None else path))
 
 
 def load(

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import matplotlib
 import numpy as np
 from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
@@ -21,6 +22,7 @@ from irsim_gym.render.backdrop import Backdrop
 from irsim_gym.render.body_artists import Bodies, Headings, Impacts, MapImage
 from irsim_gym.render.brush import Brush
 from irsim_gym.render.card import Play, Ticks, add_frame, make_axes
+from irsim_gym.render.files import whole_file
 from irsim_gym.render.head import Head
 from irsim_gym.render.image_artists import Fog
 from irsim_gym.render.layout import DOTS_PER_INCH, POINTS_PER_INCH, Layout, Limits
@@ -29,6 +31,8 @@ from irsim_gym.render.scene import BodyView, LabelView, MapView, Scene
 from irsim_gym.render.styles import GROUND, TOP
 from irsim_gym.scenario.plot_spec import SavedFigure
 
+READABLE: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42}
+"""Text stays text in files that can hold it, and its fonts come along where a format can embed them."""
 HALF_A_WALL = 1.1
 """Half the width of a wall's line [point]: one along the border is drawn whole."""
 
@@ -117,18 +121,18 @@ class Stage:
             return Bbox.null() if self._head is None else self._head.extent(brush, scene)
 
         play = Play(draw, extent)
-        path.parent.mkdir(parents=True, exist_ok=True)
         self._figure.add_artist(play)
         self._axes.leaves_out_animated = True
         self._axes.card.set_facecolor("none" if options.transparent else theme.CARD)
         try:
-            self._figure.savefig(
-                path,
-                dpi=self._figure.dpi * dots_per_inch / DOTS_PER_INCH,
-                bbox_inches="tight" if options.bbox_inches == "tight" else None,
-                pad_inches=options.pad_inches,
-                facecolor="none" if options.transparent else options.facecolor or theme.PAPER,
-            )
+            with whole_file(path) as part, matplotlib.rc_context(READABLE):
+                self._figure.savefig(
+                    part,
+                    dpi=self._figure.dpi * dots_per_inch / DOTS_PER_INCH,
+                    bbox_inches="tight" if options.bbox_inches == "tight" else None,
+                    pad_inches=options.pad_inches,
+                    facecolor="none" if options.transparent else options.facecolor or theme.PAPER,
+                )
         finally:
             self._axes.card.set_facecolor(theme.CARD)
             self._axes.leaves_out_animated = False

@@ -13,6 +13,8 @@ from typing import Any, Self
 import imageio.v2 as imageio
 import numpy as np
 from PIL import Image
+from rich.console import Console
+from rich.progress import Progress
 
 from irsim_gym.arraytypes import Bytes
 
@@ -102,25 +104,31 @@ class VideoWriter:
             self.discard()
 
 
-def write_video(frames: Iterable[Bytes], path: str | Path | Sequence[str | Path], fps: float) -> None:
+def write_video(
+    frames: Iterable[Bytes], path: str | Path | Sequence[str | Path], fps: float, *, total: int | None = None
+) -> None:
     """Write frames to one film, or to several (mp4 and gif) at once.
 
     Args:
         frames: uint8, shape ``(height, width, 3)`` each; they are taken one by one and not kept.
         path: File or files to write, ``.mp4`` or ``.gif``.
         fps: Frames per second.
+        total: How many frames there are, for a progress bar on the terminal; None shows none.
 
     Raises:
         ValueError: No frames, frames of different shapes, another suffix, or a frame rate that is not positive.
     """
     paths = [path] if isinstance(path, str | Path) else list(path)
     writers = [VideoWriter(each, fps) for each in paths]
+    screen = Console(stderr=True)
+    quiet = total is None or not screen.is_terminal
     try:
-        for frame in frames:
+        with Progress(console=screen, disable=quiet, transient=True) as bar:
+            for frame in bar.track(frames, total, description="filming"):
+                for writer in writers:
+                    writer.append(frame)
             for writer in writers:
-                writer.append(frame)
-        for writer in writers:
-            writer.close()
+                writer.close()
     finally:
         for writer in writers:
             writer.discard()

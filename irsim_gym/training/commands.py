@@ -255,25 +255,28 @@ def draw_level(
     parameters: Parameters = None,
     backend: str = "matplotlib",
 ) -> Path:
-    """Draw the start of a level into a PNG file and return it; nobody has to learn in it.
+    """Draw the start of a level into a file and return it; nobody has to learn in it.
 
     Raises:
-        IrsimGymError: The file is to have another ending.
+        IrsimGymError: The file is to have another ending than ``.png``, ``.pdf`` or ``.svg``.
     """
-    from matplotlib.image import imsave
+    from irsim_gym.render import Renderer, make_renderer
+    from irsim_gym.render.sheet import save_sheet
 
-    from irsim_gym.render import make_renderer
-
-    if out is not None and out.suffix != ".png":
-        raise IrsimGymError(f"pictures are PNG files, got '{out}'")
+    if out is not None and out.suffix not in (".png", ".pdf", ".svg"):
+        raise IrsimGymError(f"pictures are .png, .pdf or .svg files, got '{out}'")
     simulation = begin_level(load_scenario(scenario_name(scenario), parameters), level, split, task)
     path = out or Path(f"{simulation.scenario.name}.png")
-    path.parent.mkdir(parents=True, exist_ok=True)
     parts = simulation.model, simulation.state, simulation.sensors
-    learners = simulation.agents.tolist()
-    renderer = make_renderer(backend, simulation.scenario, *parts, learners=learners, explored=simulation.explored)
-    imsave(path, renderer.frame(0), format="png")
-    renderer.close()
+    chosen: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored}
+    if path.suffix == ".png":
+        renderer = make_renderer(backend, simulation.scenario, *parts, **chosen)
+        save_sheet(renderer.frame(0), path)
+        renderer.close()
+    else:
+        figure = Renderer(simulation.scenario, *parts, **chosen)
+        figure.save(path)
+        figure.close()
     return path
 
 

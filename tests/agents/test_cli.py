@@ -95,7 +95,7 @@ def test_schema_is_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
         (["evaluate", "empty_goal", "--no-references"], "nothing to evaluate"),
         (["evaluate", "empty_goal", "--split", "tset"], "did you mean 'test'"),
         (["record", "empty_goal", "dash", "--out", "film.avi"], "ends in .mp4 or .gif"),
-        (["run", "empty_goal", "--film", "film.avi"], "ends in .mp4 or .gif"),
+        (["run", "empty_goal", "--film", "film.avi"], "ends in .mp4, .gif or .html"),
     ],
 )
 def test_mistakes_are_told_in_a_sentence(
