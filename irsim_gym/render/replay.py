@@ -52,6 +52,7 @@ class Recording:
     Attributes:
         name: How the episode is called in a list.
         look: ``axis``, ``title``, ``titled``, see above.
+        saved_figure: Resolution, margins and background of pictures of it.
     """
 
     def __init__(
@@ -59,6 +60,7 @@ class Recording:
     ) -> None:
         plot = scenario.world.plot
         self.look = {"axis": not plot.no_axis, "title": bool(plot.show_title), "titled": plot.title is not None}
+        self.saved_figure = plot.saved_figure
         self.name, self._details = "", dict(details or {})
         self._agents = tuple(agents)
         self._last: Scene | None = None

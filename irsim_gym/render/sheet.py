@@ -24,7 +24,6 @@ from irsim_gym.render.scene import BodyView, LabelView, Scene, TrailView
 from irsim_gym.render.stage import Stage
 from irsim_gym.render.styles import TOP, BodyStyle
 from irsim_gym.render.tiles import grid
-from irsim_gym.scenario.plot_spec import SavedFigure
 
 MOMENTS = 12
 FINENESS = 8
@@ -221,7 +220,9 @@ def save_strobe(
 ) -> Path:
     """Write the picture of ``strobe`` to a file, ``.png``, ``.pdf``, ``.svg`` or another that matplotlib writes."""
     scene = strobe(recording, layout, count)
-    _stage(recording, layout, scene).save(scene, path, dots_per_inch, SavedFigure(bbox_inches="standard"))
+    _stage(recording, layout, scene).save(
+        scene, path, dots_per_inch, replace(recording.saved_figure, bbox_inches="standard")
+    )
     return path
 
 
