@@ -255,6 +255,21 @@ DECISIONS = {
         "paths of several bodies can be told apart",
         "section 13",
     ),
+    "drawn_images": Decision(
+        "images named by `description` come with the package; every acker robot is drawn as car_green.png, "
+        "whatever its colour",
+        "our own images under these names; car_green.png for rectangular acker robots whose entry gives no colour "
+        "and no line style",
+        "a fleet can be told apart by its colours",
+        "section 13",
+    ),
+    "drawn_fog": Decision(
+        "with `fog_map`, fog has hard edges and covers everything but what is drawn later",
+        "it covers the map and bodies that never move, and is softer towards what was seen; goals, robots, paths and "
+        "scans lie above it",
+        "it says what is not known of the world, not who drives in it",
+        "section 13",
+    ),
     "collision_tint": Decision(
         "a collision changes the title alone",
         "the edges of what collides are red, and the world is tinted when a robot collides",
