@@ -98,7 +98,8 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
             ``"rgb_array"``: a fresh picture of the present moment, uint8, ``(height, width, 3)``.
             ``"rgb_array_list"``: the pictures since the last call or reset: one of the beginning, one each
             ``sample_time``, one of the end. ``"human"``: None; ``reset`` and ``step`` show these same moments in a
-            window, not faster than in real time. Without a mode None, with a warning.
+            window, not faster than in real time. Without a mode None, with a warning. Gymnasium's ``RecordVideo``
+            asks after each step: give it ``"rgb_array"``.
         """
         render_warning(self.render_mode)
         return self.worlds.pictures.of(0)

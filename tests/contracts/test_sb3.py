@@ -6,6 +6,7 @@ import pickle
 from copy import deepcopy
 
 import gymnasium
+import imageio.v2 as imageio
 import numpy as np
 import pytest
 import torch
@@ -212,7 +213,11 @@ def test_sb3_video(tmp_path):
     for _ in range(6):
         recorder.step(np.zeros((2, 2), np.float32))
     recorder.close()
-    assert [file.suffix for file in tmp_path.iterdir()] == [".mp4"]
+    (film,) = tmp_path.iterdir()
+    with imageio.get_reader(film) as reader:
+        assert reader.count_frames() == 1 + 4  # that of the reset is not counted in the length
+        assert reader.get_meta_data()["fps"] == pytest.approx(10.0)
+        assert reader.get_data(0).shape == (1200, 600, 3)
 
 
 def test_evaluation_trusts_the_statistics():

