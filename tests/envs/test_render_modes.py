@@ -19,6 +19,7 @@ import irsim_gym
 from irsim_gym import sb3
 from irsim_gym.envs.single import WorldEnv
 from irsim_gym.errors import IrsimGymError, NoWindowError, UnknownNameError
+from irsim_gym.render import BACKENDS
 from irsim_gym.render.screen import Screen
 
 WORLD = {"name": "small", "step_time": 0.05, "sample_time": 0.05, "plot": {"figure_pixels": [120, 100]}}
@@ -228,6 +229,19 @@ def test_what_cannot_be_shown_is_said(face: str, monkeypatch: pytest.MonkeyPatch
     with pytest.raises(NoWindowError, match=r"no display.*render_mode='rgb_array'"):
         env.reset()
     env.close()
+
+
+@pytest.mark.parametrize("face", FACES)
+def test_every_environment_takes_both_renderers(face: str) -> None:
+    drawn = []
+    for backend in BACKENDS:
+        env = FACES[face](render_mode="rgb_array", render_backend=backend)
+        env.reset(0) if face == "batch" else env.reset()
+        pictures = env.get_images() if face.startswith("sb3") else env.render()
+        drawn.append(np.asarray(pictures).astype(float))
+        env.close()
+    assert drawn[0].shape == drawn[1].shape
+    assert 0.0 < np.abs(drawn[0] - drawn[1]).mean() < 2.0  # two renderers, one picture but for edges and letters
 
 
 def test_stable_baselines_knows_no_lists() -> None:

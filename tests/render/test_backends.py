@@ -31,7 +31,20 @@ def test_several_frames_are_the_single_ones() -> None:
     assert renderer.frames([], []).shape == (0, 80, 120, 3)
 
 
-def test_choosing_loads_no_matplotlib() -> None:
-    script = "import sys, irsim_gym.render as r; r.make_renderer; print('matplotlib' in sys.modules)"
+ALONE = """
+import sys
+import irsim_gym
+envs = irsim_gym.make_vec("empty_goal", 2, render_mode="rgb_array_list", render_backend="raster")
+envs.reset(seed=0)
+(first,), (second,) = envs.render()
+assert first.any() and envs.tiled(2, room=(400, 400)).shape[1] == 400
+print("matplotlib" in sys.modules)
+"""
+
+
+@pytest.mark.parametrize(
+    "script", ["import sys, irsim_gym.render as r; r.make_renderer; print('matplotlib' in sys.modules)", ALONE]
+)
+def test_matplotlib_is_loaded_for_nobody_else(script: str) -> None:
     result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "False"

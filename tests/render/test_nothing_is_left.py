@@ -14,10 +14,10 @@ import pytest
 from matplotlib.figure import Figure
 
 import irsim_gym
+from irsim_gym.render import BACKENDS
 
 WORLD = {"plot": {"figure_pixels": [80, 60]}}
 SCENARIO = {"world": WORLD, "robot": {"kinematics": {"name": "diff"}, "state": [1, 5, 0], "goal": [9, 5, 0]}}
-BACKENDS = ("matplotlib",)
 
 
 def drawn(backend: str, *, closes: bool) -> weakref.ref:
