@@ -271,8 +271,9 @@ def _draw_goal(
         for i in range(state.waypoint[w, b] + 1, model.waypoint_count[w, b]):
             x, y = model.waypoints[w, b, i, 0], model.waypoints[w, b, i, 1]
             paint_mark(picture, box, prints.masks, prints.mask_rows, item.every, x, y, view, item.colours[OTHER])
+        x, y = goal[0], goal[1]
         for mask in range(item.row, item.row + 2):
-            paint_mark(picture, box, prints.masks, prints.mask_rows, mask, goal[0], goal[1], view, item.colours[EDGE])
+            paint_mark(picture, box, prints.masks, prints.mask_rows, mask, x, y, view, item.colours[EDGE])
 
 
 @kernel

@@ -32,8 +32,8 @@ from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
 """Kinds of what is drawn."""
 WEDGE, WINDSCREEN, ARROW = 0, 1, 2
 OWN, CIRCLE, RECTANGLE, CURVE = 0, 1, 2, 3
-WORLD, WALLS, PLOT, WHOLE = 0, 1, 2, 3
-"""Boxes: the world, the same with its walls' whole lines, the drawing area, the whole picture."""
+WORLD, WALLS, PLOT, WHOLE, MARKS = 0, 1, 2, 3, 4
+"""Boxes: the world, the same and its walls' whole lines, the drawing area, the picture, the world and its rim."""
 AREA, EDGE, OTHER, LAST = 0, 1, 2, 3
 
 ITEM = np.dtype(
@@ -195,7 +195,7 @@ class Look(NamedTuple):
 
     Attributes:
         views: Column and row of the world's origin [pixel], pixels per metre; shape ``(n, 3)``.
-        boxes: The boxes ``WORLD`` to ``WHOLE``, shape ``(n, 4, 4)``.
+        boxes: The boxes ``WORLD`` to ``MARKS``, shape ``(n, 5, 4)``.
         bounds: The world's rectangle [m]: x_min, y_min, x_max, y_max.
         flag: Width and height of a goal's flag, from its foot [pixel].
         flagged: Which bodies' goals are shown.

@@ -181,7 +181,8 @@ class Easel:
         plot = plot_box(layout)
         wall = HALF_A_WALL * self.point
         inner = [world_box(layout, 0.0), world_box(layout, wall)] if self._clipped else [plot, plot]
-        return np.array([*inner, plot, [0, 0, layout.width, layout.height]], np.int64)
+        whole, rim = np.array([0, 0, layout.width, layout.height]), np.array([0, 0, 1, 1])
+        return np.array([*inner, plot, whole, np.minimum(inner[0] + rim, whole[[2, 3, 2, 3]])], np.int64)
 
     def tables(self, worlds: Ints) -> tuple[Any, ...]:
         """Return what kernels read of the simulation, in the order of ``play.draw_items``."""

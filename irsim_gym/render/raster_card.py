@@ -7,6 +7,7 @@ import numpy as np
 from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
 from irsim_gym.raster.areas import paint_line, paint_polygon
 from irsim_gym.raster.masks import paint_mask
+from irsim_gym.raster.ways import TIE
 from irsim_gym.render import theme
 from irsim_gym.render.colours import colour
 from irsim_gym.render.layout import Layout, tick_positions
@@ -193,7 +194,7 @@ def _corners(layout: Layout) -> list[tuple[float, float]]:
 def _snapped(places: list[tuple[float, float]], width: float) -> Floats:
     """Return points moved so that a line through them fills whole pixels."""
     shift = 0.5 if round(width) % 2 == 1 else 0.0
-    return np.asarray(np.floor(np.clip(places, -1e6, 1e6) + 0.5) + shift)
+    return np.asarray(np.floor(np.clip(places, -1e6, 1e6) + np.array([0.5 + TIE, 0.5 - TIE])) + shift)
 
 
 def _number(value: float) -> str:

@@ -234,7 +234,7 @@ class Plan:
                 if self._styles[body].show_sensor:
                     yield (GROUND, SCANS, 0, float(len(beams))), self._scan(body, len(beams), style)
                     look = [colour(style.colour, min(3.0 * style.alpha, 1.0))]
-                    item = self._item(records.HITS, body, colours=look, row=len(beams), every=dot)
+                    item = self._item(records.HITS, body, colours=look, row=len(beams), every=dot, box=records.MARKS)
                     yield (TOP, HITS, 0, float(len(beams))), item
                 beams.append(beam)
         if beams:
@@ -289,9 +289,10 @@ def _table(rows: Sequence[tuple[Key, Any]]) -> Any:
 
 
 def _dot(masks: Masks, radius: float) -> int:
-    """Return the mask of a dot."""
+    """Return the mask of a dot in the middle of a pixel."""
     return masks.drawn(
-        radius, lambda picture, sheet, box, middle: paint_disc(picture, sheet, box, middle, middle, radius, WHITE)
+        radius + 0.5,
+        lambda picture, sheet, box, corner: paint_disc(picture, sheet, box, corner + 0.5, corner + 0.5, radius, WHITE),
     )
 
 
