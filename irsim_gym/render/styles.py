@@ -298,4 +298,4 @@ def _line_style(name: str) -> str:
 def _short_name(name: str, robot: bool) -> str:
     """Return the label that IR-SIM puts beside a body: r0 for robot_0; other names as they are."""
     head, _, number = name.rpartition("_")
-    return ("r" if robot else "o") + number if head in ("robot", "obstacle") else name
+    return ("r" if robot else "o") + number if head in ("robot", "obstacle") and number.isdigit() else name
