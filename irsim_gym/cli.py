@@ -189,7 +189,7 @@ def evaluate(
 def record(
     scenario: Scenario,
     policies: Annotated[list[str], typer.Argument(help="Runs' folders, policy.zip files, random, dash, rvo, orca.")],
-    level: Annotated[list[int] | None, typer.Option(help="A level; may be repeated. (default: 0)")] = None,
+    level: Annotated[list[int] | None, typer.Option(min=0, help="A level; may be repeated. (default: 0)")] = None,
     split: Split = "test",
     task: Task = None,
     out: Annotated[
@@ -333,6 +333,11 @@ def _guarded(command: typer.Typer) -> None:
     except IrsimGymError as error:
         print(error, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
         sys.exit(128 + error.signal if hasattr(error, "signal") else 1)
+    except OSError as error:
+        if error.filename is None:
+            raise
+        print(f"cannot use {error.filename}: {error.strerror}", file=sys.stderr)
+        sys.exit(1)
 
 
 if __name__ == "__main__":

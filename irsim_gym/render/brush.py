@@ -137,7 +137,7 @@ class Brush:
 
 @functools.lru_cache(maxsize=1024)
 def _dashes(style: str, width: float) -> tuple[float, tuple[float, ...] | None]:
-    """Return offset and lengths of dashes [point] as a graphics context wants them."""
-    if style == "solid":
+    """Return offset and lengths of dashes [point] as a graphics context wants them; none for a line without width."""
+    if style == "solid" or width <= 0.0:
         return 0.0, None
     return 0.0, tuple(length * width for length in DASHES[style])

@@ -140,7 +140,7 @@ def _softened(covered: Flags) -> Floats:
 
 def _put(brush: Brush, x: float, y: float, pixels: Bytes, transform: Affine2D | None = None) -> None:
     """Draw pixels, row 0 at the top, with their lower left corner at x, y on the canvas."""
-    upwards = np.ascontiguousarray(pixels[::-1])
+    upwards = pixels[::-1].copy()  # not a view of what Pillow protects: matplotlib wants to be able to write
     if transform is None:
         brush.renderer.draw_image(brush.context, x, y, upwards)
     else:

@@ -187,6 +187,10 @@ def run_rollout(
     backend: str = "matplotlib",
 ) -> None:
     """Drive a policy through a few levels and print a line for each; of a team, one for each robot."""
+    from irsim_gym.training.record import FILMS, check_suffix, record_film
+
+    if frames is not None:
+        check_suffix(frames, FILMS, "a film")
     used = remembered_parameters(scenario, [policy], parameters)
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used}
     if team:
@@ -200,8 +204,6 @@ def run_rollout(
         hit = f" with {row.hit}" if row.hit else ""
         print(f"{who}: {row.outcome}{hit} after {row.time:.1f} s, {row.path_length:.2f} m driven")
     if frames is not None:
-        from irsim_gym.training.record import record_film
-
         print(record_film(scenario, [policy], range(levels), frames, team=team, backend=backend, **chosen))
 
 

@@ -46,7 +46,7 @@ def record_film(
     """
     from irsim_gym.render.film import EpisodeFilm
 
-    _check_suffix(path, FILMS, "a film")
+    check_suffix(path, FILMS, "a film")
     cast = players(scenario, sources, **chosen)
     film = EpisodeFilm(cast.names, fps=1.0 / cast.step_time)
     with _bar(console) as bar:
@@ -85,7 +85,7 @@ def record_html(
     """
     from irsim_gym.render.replay_page import save_html
 
-    _check_suffix(path, REPLAYS, "a replay")
+    check_suffix(path, REPLAYS, "a replay")
     cast = players(scenario, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
     with _bar(console) as bar:
@@ -124,7 +124,7 @@ def record_sheet(
 
     cast = players(scenario, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
-    _check_suffix(path, (*PICTURES, *(DRAWINGS if strobe and len(pairs) == 1 else ())), "such a picture")
+    check_suffix(path, (*PICTURES, *(DRAWINGS if strobe and len(pairs) == 1 else ())), "such a picture")
     with _bar(console) as bar:
         track = bar.track(pairs, description="drawing")
         if not strobe:
@@ -173,6 +173,7 @@ def _bar(console: Console | None) -> Progress:
     return Progress(console=screen, disable=not screen.is_terminal, transient=True)
 
 
-def _check_suffix(path: Path, known: Sequence[str], what: str) -> None:
+def check_suffix(path: Path, known: Sequence[str], what: str) -> None:
+    """Raise an ``IrsimGymError`` where a file's name has none of the known suffixes."""
     if path.suffix.lower() not in known:
         raise IrsimGymError(f"{what}'s name ends in {' or '.join(known)}, got '{path.name}'")

@@ -96,14 +96,26 @@ def test_schema_is_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
         (["evaluate", "empty_goal", "--split", "tset"], "did you mean 'test'"),
         (["record", "empty_goal", "dash", "--out", "film.avi"], "ends in .mp4 or .gif"),
         (["run", "empty_goal", "--film", "film.avi"], "ends in .mp4, .gif or .html"),
+        (["rollout", "empty_goal", "--frames", "film.avi"], "ends in .mp4 or .gif"),
+        (["draw", "empty_goal", "--out", "file/picture.png"], "cannot use file"),
+        (["run", "empty_goal", "--steps", "1", "--film", "file/film.gif"], "cannot use file"),
     ],
 )
 def test_mistakes_are_told_in_a_sentence(
     arguments: list[str], said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    Path("file").touch()
     assert run(monkeypatch, *arguments) == 1
-    assert said in capsys.readouterr().err
+    told = capsys.readouterr()
+    assert said in told.err
+    assert "level 0" not in told.out  # nothing was driven before
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_levels_are_counted_from_0(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(monkeypatch, "record", "empty_goal", "dash", "--level", "-1") == 2
+    assert "-1 is not in the range" in capsys.readouterr().err
 
 
 def test_rollout_and_draw(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
