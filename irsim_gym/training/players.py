@@ -43,15 +43,33 @@ class Players:
         """Duration of a step [s]."""
         return float(self.episodes.simulation.model.step_time[0])
 
+    @property
+    def steps_per_frame(self) -> int:
+        """Steps from one frame of a film to the next: ``sample_time``."""
+        return self.episodes.simulation.scenario.world.steps_per_sample
+
+    def is_frame(self, world: int) -> bool:
+        """Return whether a film shows the present moment: a sample, or the end of the episode."""
+        is_sample = int(self.episodes.simulation.state.step[world]) % self.steps_per_frame == 0
+        return is_sample or not self._is_running(world)
+
+    def _is_running(self, world: int) -> bool:
+        return bool((self.episodes.view.infos["outcome"][world] == Outcome.RUNNING).any())
+
     def play(self, world: int, level: int) -> Iterator[str]:
-        """Drive one world through a level; yield how it stands at each moment, that of the start first."""
+        """Drive one world through a level; yield how it stands at each moment, that of the start first.
+
+        Paths on frames go through all moments, also through those of which no frame is drawn.
+        """
         episodes, policy = self.episodes, self.policies[world]
         worlds, first = np.array([world]), np.array([level])
         episodes.begin(worlds, first, self.split)
         policy.begin(episodes, worlds, first)
         self.renderer.clear(world)
         yield world_status(episodes, world)
-        while (episodes.view.infos["outcome"][world] == Outcome.RUNNING).any():
+        state, trails = episodes.simulation.state, self.renderer.trails
+        while self._is_running(world):
+            trails.record(worlds, state.step[worlds], state.pose[worlds])
             chosen = by_agent(policy.act(episodes, worlds), episodes, worlds)
             actions = np.zeros((episodes.n_worlds, *chosen.shape[1:]), chosen.dtype)
             actions[world] = chosen[0]

@@ -33,6 +33,8 @@ def record_film(
 ) -> Path:
     """Film policies on levels, one level after another, one panel per policy; return the film's path.
 
+    There is a frame of the start, one every ``sample_time`` and one of the end.
+
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
         sources: Policies as ``load_policy`` takes them.
@@ -48,7 +50,7 @@ def record_film(
 
     check_suffix(path, FILMS, "a film")
     cast = players(scenario, sources, **chosen)
-    film = EpisodeFilm(cast.names, fps=1.0 / cast.step_time)
+    film = EpisodeFilm(cast.names, fps=1.0 / (cast.steps_per_frame * cast.step_time))
     with _bar(console) as bar:
         film.write(
             (
@@ -163,9 +165,10 @@ def _recorded(cast: Players, world: int, level: int) -> Recording:
 
 
 def _frames(cast: Players, world: int, level: int) -> Iterator[Bytes]:
-    """Play a level and yield its frames."""
+    """Play a level and yield its frames: the start, every ``sample_time``, the end."""
     for status in cast.play(world, level):
-        yield cast.renderer.frame(world, status)
+        if cast.is_frame(world):
+            yield cast.renderer.frame(world, status)
 
 
 def _bar(console: Console | None) -> Progress:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import imageio.v2 as imageio
 import numpy as np
 import pytest
 
 from irsim_gym import cli
 from irsim_gym.render.packing import unpacked
 from irsim_gym.render.replay_page import read_html
+from irsim_gym.training.players import players
 
 STRAIGHT = """
 world: {height: 3, width: 6, step_time: 0.25}
@@ -78,3 +80,18 @@ def test_a_name_may_ask_for_a_replay(file: str, monkeypatch: pytest.MonkeyPatch)
 def test_a_replay_is_no_film(file: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(monkeypatch, "record", file, "dash", "--html", "--out", "film.mp4") == 1
     assert "a replay's name ends in .html, got 'film.mp4'" in capsys.readouterr().err
+
+
+def test_a_film_shows_samples_and_the_end(file: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A sample each 1.25 s is one each five steps: the start, steps 5 and 10, the end after step 12."""
+    Path(file).write_text(STRAIGHT.replace("step_time: 0.25", "step_time: 0.25, sample_time: 1.25"), encoding="utf-8")
+    cast = players(file, ["dash"], backend="raster")
+    assert cast.steps_per_frame == 5
+    shown = [(int(cast.episodes.simulation.state.step[0]), status) for status in cast.play(0, 0) if cast.is_frame(0)]
+    assert shown == [(0, "running"), (5, "running"), (10, "running"), (12, "success")]
+    (trail,) = cast.renderer.scene(0).trails
+    assert trail.points[:, 0] == pytest.approx(1.0 + 0.25 * np.arange(STEPS + 1))
+    assert run(monkeypatch, "record", file, "dash", "--backend", "raster") == 0
+    with imageio.get_reader("runs/film.mp4") as film:
+        assert film.get_meta_data()["fps"] == pytest.approx(0.8)
+        assert film.count_frames() == 4 + 1  # the end is held for 1.2 s
