@@ -12,6 +12,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import HIT_OF_KIND, EpisodeRow
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
+from irsim_gym.evaluation.ways import Watcher
 from irsim_gym.tasks import Episodes, Outcome
 
 Driver = Policy | Callable[[Any], Actions]
@@ -25,6 +26,7 @@ def evaluate(
     *,
     optima: Optima | None = None,
     on_episodes: Callable[[int], None] | None = None,
+    watcher: Watcher | None = None,
 ) -> list[EpisodeRow]:
     """Drive levels of a split once each and return a row per episode, in the order of the levels.
 
@@ -38,6 +40,7 @@ def evaluate(
         split: ``"test"``, ``"dev"`` or ``"train"``.
         optima: Geodesic optima that earlier evaluations of the same split found; filled further.
         on_episodes: Called with the number of episodes that have just ended.
+        watcher: Who is told of each step.
 
     Raises:
         IrsimGymError: The task has several agents, see ``evaluate_team``.
@@ -48,7 +51,7 @@ def evaluate(
         )
     found = optima_of(split, optima)
     rows: dict[int, EpisodeRow] = {}
-    for indices, worlds, played in drive(policy, episodes, levels, split):
+    for indices, worlds, played in drive(policy, episodes, levels, split, watcher):
         for index, world, level in zip(indices, worlds, played, strict=True):
             rows[index] = episode_row(episodes, found, world, level)
         if on_episodes is not None:
@@ -68,7 +71,11 @@ def optima_of(split: str, optima: Optima | None) -> Optima:
 
 
 def drive(
-    policy: Driver, episodes: Episodes, levels: int | Sequence[int], split: str
+    policy: Driver,
+    episodes: Episodes,
+    levels: int | Sequence[int],
+    split: str,
+    watcher: Watcher | None = None,
 ) -> Iterator[tuple[list[int], list[int], list[int]]]:
     """Drive levels once each; whenever worlds have ended, because all of their agents have, yield them.
 
@@ -77,17 +84,20 @@ def drive(
         episodes: The worlds.
         levels: Their number (levels 0, 1, ...) or their indices.
         split: ``"test"``, ``"dev"`` or ``"train"``.
+        watcher: Who is told of each step.
 
     Yields:
         The places of the levels among those asked for, the worlds that played them, and the levels.
     """
     chosen = np.arange(levels, dtype=np.int64) if isinstance(levels, int) else np.asarray(levels, dtype=np.int64)
     driver = policy if isinstance(policy, Policy) else ObservationPolicy(policy)
-    for indices, worlds in _run(driver, episodes, chosen, split):
+    for indices, worlds in _run(driver, episodes, chosen, split, watcher):
         yield indices.tolist(), worlds.tolist(), chosen[indices].tolist()
 
 
-def _run(policy: Policy, episodes: Episodes, levels: Ints, split: str) -> Iterator[tuple[Ints, Ints]]:
+def _run(
+    policy: Policy, episodes: Episodes, levels: Ints, split: str, watcher: Watcher | None
+) -> Iterator[tuple[Ints, Ints]]:
     running = np.arange(min(episodes.n_worlds, levels.size), dtype=np.int64)
     episode = np.full(episodes.n_worlds, -1, dtype=np.int64)
     following = 0
@@ -100,6 +110,8 @@ def _run(policy: Policy, episodes: Episodes, levels: Ints, split: str) -> Iterat
             following += begun.size
             episodes.begin(begun, levels[episode[begun]], split)
             policy.begin(episodes, begun, levels[episode[begun]])
+            if watcher is not None:
+                watcher.began(episodes, begun, episode[begun])
         running = running[~np.isin(running, idle[begun.size :])]
         if not running.size:
             return
@@ -108,8 +120,12 @@ def _run(policy: Policy, episodes: Episodes, levels: Ints, split: str) -> Iterat
             actions = np.zeros((episodes.n_worlds, *chosen.shape[1:]), chosen.dtype)
         actions[running] = chosen
         episodes.step(actions, running)
+        if watcher is not None:
+            watcher.stepped(episodes, running)
         idle = running[(episodes.view.infos["outcome"][running] != Outcome.RUNNING).all(axis=1)]
         if idle.size:
+            if watcher is not None:
+                watcher.ended(episodes, idle, episode[idle])
             yield episode[idle], idle
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from irsim_gym.evaluation.optimum import Optima, straight_distance
 from irsim_gym.evaluation.protocol import Driver, drive, episode_row, optima_of
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
+from irsim_gym.evaluation.ways import Watcher
 from irsim_gym.tasks import Episodes
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
 
@@ -26,6 +27,7 @@ def evaluate_team(
     *,
     optima: Optima | None = None,
     on_episodes: Callable[[int], None] | None = None,
+    watcher: Watcher | None = None,
 ) -> list[TeamRow]:
     """Drive all agents through levels of a split, once each; return a row per level, in the order of the levels.
 
@@ -39,11 +41,12 @@ def evaluate_team(
         split: ``"test"``, ``"dev"`` or ``"train"``.
         optima: Geodesic optima that earlier evaluations of the same split found; filled further.
         on_episodes: Called with the number of levels that have just ended.
+        watcher: Who is told of each step.
     """
     found = optima_of(split, optima)
     limit = episodes.task.max_steps * float(episodes.simulation.model.step_time[0])
     rows: dict[int, TeamRow] = {}
-    for indices, worlds, played in drive(policy, episodes, levels, split):
+    for indices, worlds, played in drive(policy, episodes, levels, split, watcher):
         for index, world, level in zip(indices, worlds, played, strict=True):
             agents = [_agent_row(episodes, found, world, level, a) for a in range(episodes.n_agents)]
             rows[index] = TeamRow(level, limit, tuple(agents))

@@ -171,7 +171,7 @@ def run_evaluation(
     )
     for table in found.tables:
         print_table(table)
-    print(f"rows, figures and table: {folder}")
+    print(f"rows, figures, table, and a picture of the ways (ways.png, ways.pdf): {folder}")
     return found
 
 

@@ -11,15 +11,16 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from irsim_gym.evaluation.metrics import EpisodeRow, Summary, summarize
+from irsim_gym.evaluation.metrics import EpisodeRow, Rate, Summary, summarize
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN
-from irsim_gym.evaluation.tables import summary_table, table_text, write_episodes, write_json, write_text
+from irsim_gym.evaluation.tables import percent, summary_table, table_text, write_episodes, write_json, write_text
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.policies import load_policy, policy_names
 from irsim_gym.training.run import machine
+from irsim_gym.training.ways import Atlas
 from irsim_gym.training.worlds import conditions, make_episodes
 
 WORLDS = 128
@@ -64,7 +65,7 @@ def evaluate_policies(
     console: Console | None = None,
     parameters: Mapping[str, Any] | None = None,
 ) -> Evaluation:
-    """Evaluate policies and write ``episodes.csv``, ``summary.json`` and ``table.txt``.
+    """Evaluate policies and write ``episodes.csv``, ``summary.json``, ``table.txt``, ``ways.png`` and ``ways.pdf``.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
@@ -81,10 +82,13 @@ def evaluate_policies(
     """
     episodes = make_episodes(scenario, task=task, n_worlds=max(1, min(n_worlds, levels)), parameters=parameters)
     chosen = named_policies(sources, names, ALWAYS_SHOWN if references else ())
-    rows = drive_policies(evaluate, episodes, chosen, levels, split, console or Console(stderr=True))
+    atlas = None if folder is None else Atlas(episodes)
+    rows = drive_policies(evaluate, episodes, chosen, levels, split, console or Console(stderr=True), atlas)
     found = Evaluation(episodes.simulation.scenario.label, split, rows, [summarize(name, rows[name]) for name in rows])
-    if folder is not None:
+    if folder is not None and atlas is not None:
         write_evaluation(folder, found, conditions(episodes, split, levels))
+        said = {each.policy: f"{rate_text(each.success)} arrive" for each in found.summaries}
+        atlas.draw(folder, f"{found.scenario}: {levels:,} {split} levels", said, levels)
     return found
 
 
@@ -93,6 +97,11 @@ def write_evaluation(folder: Path, found: Evaluation, named: Mapping[str, object
     write_episodes(folder / "episodes.csv", found.rows)
     write_json(folder / "summary.json", {"conditions": named, "machine": machine(), "policies": found.summaries})
     write_text(folder / "table.txt", "\n".join(map(table_text, found.tables)))
+
+
+def rate_text(share: Rate) -> str:
+    """Return a share with its interval, in percent."""
+    return f"{percent(share)} % ({100.0 * share.low:.1f}\N{EN DASH}{100.0 * share.high:.1f})"
 
 
 def named_policies(
@@ -111,6 +120,7 @@ def drive_policies(
     levels: int,
     split: str,
     console: Console,
+    atlas: Atlas | None = None,
 ) -> dict[str, list[Row]]:
     """Return the rows of several policies on the same levels, with a progress bar.
 
@@ -121,6 +131,7 @@ def drive_policies(
         levels: How many levels of the split, from 0.
         split: ``"test"``, ``"dev"`` or ``"train"``.
         console: Where the bar goes; it stays quiet when that is no terminal.
+        atlas: Who keeps their ways, for a picture.
     """
     optima, rows = Optima(split), {}
     with Progress(console=console, disable=not console.is_terminal, transient=True) as bar:
@@ -133,5 +144,6 @@ def drive_policies(
                 split,
                 optima=optima,
                 on_episodes=lambda count, line=line: bar.advance(line, count),
+                watcher=None if atlas is None else atlas.follow(name),
             )
     return rows

@@ -13,13 +13,14 @@ from rich.table import Table
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.reference_policies import TEAM_SHOWN
-from irsim_gym.evaluation.tables import table_text, write_json, write_text
+from irsim_gym.evaluation.tables import percent, table_text, write_json, write_text
 from irsim_gym.evaluation.team_metrics import TeamRow, TeamSummary, summarize_teams
 from irsim_gym.evaluation.team_tables import compared_table, team_table, write_agents, write_levels
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.tasks import Episodes
-from irsim_gym.training.evaluate import WORLDS, drive_policies, named_policies
+from irsim_gym.training.evaluate import WORLDS, drive_policies, named_policies, rate_text
 from irsim_gym.training.run import machine
+from irsim_gym.training.ways import Atlas
 from irsim_gym.training.worlds import make_episodes, team_conditions
 
 
@@ -63,7 +64,7 @@ def evaluate_team_policies(
     console: Console | None = None,
     parameters: Mapping[str, Any] | None = None,
 ) -> TeamEvaluation:
-    """Evaluate policies of teams; write ``episodes.csv``, ``levels.csv``, ``summary.json`` and ``table.txt``.
+    """Evaluate policies of teams; write ``episodes.csv``, ``levels.csv``, ``summary.json``, ``table.txt``, ``ways.*``.
 
     A reference policy that cannot drive all robots is left out, and said to be, unless it is among the sources.
 
@@ -87,10 +88,17 @@ def evaluate_team_policies(
     if references:
         shown = named_policies((), None, [name for name in TEAM_SHOWN if name not in chosen])
         chosen = {**chosen, **_fitting(shown, episodes, screen)}
-    rows = drive_policies(evaluate_team, episodes, chosen, levels, split, screen)
+    atlas = None if folder is None else Atlas(episodes)
+    rows = drive_policies(evaluate_team, episodes, chosen, levels, split, screen, atlas)
     found = TeamEvaluation(episodes.simulation.scenario.label, split, rows, summarize_teams(rows))
-    if folder is not None:
+    if folder is not None and atlas is not None:
         write_team_evaluation(folder, found, team_conditions(episodes, split, levels))
+        said = {
+            each.policy: f"all arrive in {rate_text(each.cooperative_success)} of the levels, "
+            f"{percent(each.individual_success)} % of the robots"
+            for each in found.summaries
+        }
+        atlas.draw(folder, f"{found.scenario}: {episodes.n_agents} robots, {levels:,} {split} levels", said, levels)
     return found
 
 

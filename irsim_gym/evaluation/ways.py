@@ -1,0 +1,93 @@
+"""The ways that agents take in evaluated levels, for pictures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.tasks import Episodes, Outcome
+
+SHOWN = 200
+"""Of so many levels, the first ones, whole ways are kept; of the others where they end."""
+
+
+class Watcher(Protocol):
+    """Who is told how an evaluation goes on; it only looks."""
+
+    def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
+        """Levels have begun in worlds; the indices are their places among those that are evaluated, all ``(n,)``."""
+
+    def stepped(self, episodes: Episodes, worlds: Ints) -> None:
+        """Worlds have taken a step."""
+
+    def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
+        """All agents of worlds have ended."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """The way of one agent in one level.
+
+    Attributes:
+        level: Place of the level among those that are evaluated.
+        points: Its positions from start to end [m], float32 ``(n, 2)``; its end alone where the way was not kept.
+        goal: Its last goal [m], ``(2,)``; NaN without one.
+        outcome: How its episode ended, e.g. ``"collision"``.
+    """
+
+    level: int
+    points: Rays
+    goal: Floats
+    outcome: str
+
+
+@dataclass
+class Ways:
+    """Keeps the ways of a policy: a `Watcher`.
+
+    Args:
+        episodes: The worlds.
+        shown: Of how many levels whole ways are kept.
+
+    Attributes:
+        ways: Those of all levels that have ended, in any order.
+    """
+
+    episodes: Episodes
+    shown: int = SHOWN
+    ways: list[Way] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        shape = self.episodes.n_worlds, self.episodes.task.max_steps + 1, self.episodes.n_agents, 2
+        self._points: Rays = np.zeros(shape, np.float32)
+        self._count: Ints = np.zeros(shape[0], np.int64)
+        self._kept = np.zeros(shape[0], np.bool_)
+
+    def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
+        """Note where agents start."""
+        self._count[worlds], self._kept[worlds] = 0, indices < self.shown
+        self.stepped(episodes, worlds)
+
+    def stepped(self, episodes: Episodes, worlds: Ints) -> None:
+        """Note where agents are, in those worlds whose ways are kept."""
+        kept = worlds[self._kept[worlds]]
+        if not len(kept):
+            return
+        simulation = episodes.simulation
+        self._points[kept, self._count[kept]] = simulation.state.pose[kept[:, None], simulation.agents, :2]
+        self._count[kept] += 1
+
+    def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
+        """Note the ways of worlds that have ended."""
+        infos, simulation = episodes.view.infos, episodes.simulation
+        for w, index in zip(worlds.tolist(), indices.tolist(), strict=True):
+            for a, body in enumerate(simulation.agents.tolist()):
+                last = int(infos["steps"][w, a]) + 1
+                here = simulation.state.pose[w, body, :2].astype(np.float32)[None]
+                count = int(simulation.model.waypoint_count[w, body])
+                goal = simulation.model.waypoints[w, body, count - 1, :2] if count else np.full(2, np.nan)
+                points = self._points[w, :last, a].copy() if self._kept[w] else here
+                self.ways.append(Way(index, points, goal.copy(), Outcome(int(infos["outcome"][w, a])).name.lower()))

@@ -1,0 +1,66 @@
+"""The picture of evaluated ways: where obstacles are, and how ways ended."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import imageio.v3 as iio
+import numpy as np
+import pytest
+from hand_made import Body, box, disc, make_world, wall
+
+from irsim_gym.render.scene import MapView
+from irsim_gym.render.ways_plot import Density, DrawnWay, Panel, colour_of, draw_ways
+
+
+def test_density_is_the_share_of_levels() -> None:
+    world = make_world([Body(disc(1.0), (3.0, 3.0, 0.0)), Body(box(4.0, 2.0), (7.0, 8.0, 0.0))], lidar=False)
+    density = Density(world.model.bounds)
+    density.add(world.renderer().scene(0).fixed)
+    world.move(0, 6.0, 3.0)
+    density.add(world.renderer().scene(0).fixed)
+    shares = density.shares()
+    assert shares.shape == (240, 240)
+
+    def at(x: float, y: float) -> float:
+        return float(shares[int((10.0 - y) * 24.0), int(x * 24.0)])
+
+    assert (at(3.0, 3.0), at(6.0, 3.0), at(7.0, 8.0), at(1.0, 9.0)) == (0.5, 0.5, 1.0, 0.0)
+    area = shares.sum() / 24.0**2
+    assert area == pytest.approx(np.pi + 8.0, rel=0.02)
+
+
+def test_walls_and_maps_are_seen() -> None:
+    world = make_world([Body(wall((1.0, 1.0), (9.0, 1.0)))], lidar=False)
+    density = Density(world.model.bounds)
+    occupied = np.zeros((10, 20), np.bool_)
+    occupied[2, 16] = True  # from 2 to 3 m, and from 8 to 8.5 m
+    density.add(world.renderer().scene(0).fixed, MapView((0.0, 0.0, 10.0, 10.0), occupied, "k", 1.0))
+    shares = density.shares()
+    assert shares[int(9.0 * 24), 120] > 0.4
+    assert shares[int(1.75 * 24), int(2.5 * 24)] == 1.0
+    assert shares[int(1.2 * 24), int(2.5 * 24)] == 0.0
+
+
+def test_the_picture(tmp_path: Path) -> None:
+    density = Density(np.array([0.0, 0.0, 8.0, 4.0]))
+    density.add(())
+    along = np.column_stack([np.linspace(1.0, 7.0, 30), np.full(30, 2.0)])
+    nowhere = np.full(2, np.nan)
+    ways = [DrawnWay(along, np.array([7.0, 2.0]), "success"), DrawnWay(along[:1], nowhere, "collision")]
+    panels = [
+        Panel("one", "50.0 % arrive", ways, {"success": 1, "collision": 1}),
+        Panel("two", "none arrives", [DrawnWay(along, nowhere, "left_world")], {"left_world": 1}),
+    ]
+    files = [tmp_path / name for name in ("ways.png", "ways.svg", "ways.pdf")]
+    draw_ways(files, panels, density, "a title", "a note")
+    red, green, blue = np.moveaxis(iio.imread(files[0])[..., :3].astype(int), 2, 0)
+    for coloured in (green - red > 50, (blue - green > 50) & (blue > red), (red - green > 100) & (red - blue > 100)):
+        rows, columns = np.nonzero(coloured)  # the way that arrived, the one that left, and the mark of the collision
+        assert len(rows) > 40
+    assert colour_of("success") != colour_of("collision") != colour_of("anything else")
+    text = files[1].read_text()
+    for words in ("a title", "a note", "50.0 % arrive", "success 1, collision 1", "left world 1", "start", "goal"):
+        assert words in text
+    assert files[2].read_bytes().startswith(b"%PDF")
+    assert len(list(tmp_path.iterdir())) == 3
