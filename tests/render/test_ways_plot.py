@@ -56,7 +56,7 @@ def test_the_picture(tmp_path: Path) -> None:
     draw_ways(files, panels, density, "a title", "a note")
     red, green, blue = np.moveaxis(iio.imread(files[0])[..., :3].astype(int), 2, 0)
     for coloured in (green - red > 50, (blue - green > 50) & (blue > red), (red - green > 100) & (red - blue > 100)):
-        rows, columns = np.nonzero(coloured)  # the way that arrived, the one that left, and the mark of the collision
+        rows = np.flatnonzero(coloured)  # the way that arrived, the one that left, and the mark of the collision
         assert len(rows) > 40
     assert colour_of("success") != colour_of("collision") != colour_of("anything else")
     text = files[1].read_text()
