@@ -12,39 +12,13 @@ from matplotlib.transforms import Affine2D
 from irsim_gym.render import shapes
 from irsim_gym.render.brush import Brush, Colour, tint
 from irsim_gym.render.lettering import Lettering, Type
-from irsim_gym.render.scene import FieldView, GoalView, LabelView, TrailView
+from irsim_gym.render.scene import FieldView, GoalView, LabelView
 
-FAINTEST = 0.12
-APART = 1.5
-"""Points of a path that are nearer to each other are left out [pixel]."""
 FLAG = (6.5, 10.5)
 """Width and height of a goal's flag, from its foot [point]."""
 POLE = Path([(0.0, 0.0), (0.0, 10.0)])
 PENNANT = Path([(0.0, 10.0), (6.25, 7.75), (0.0, 5.5), (0.0, 10.0)], closed=True)
 POLE_WIDTH, LATER_RADIUS = 1.3, 2.25
-
-
-class Trails:
-    """Trajectories: thin ones fade towards their beginning, those with a width are one band."""
-
-    def draw(self, brush: Brush, views: Sequence[TrailView]) -> None:
-        """Draw these trajectories."""
-        paths: list[Path] = []
-        colours: list[Colour] = []
-        widths: list[float] = []
-        styles: list[str] = []
-        for view in views:
-            style, width = view.style, view.style.trajectory_width
-            points = shapes.thinned(view.points, APART / brush.scale)
-            parts = shapes.pieces(points) if width is None else [points][: len(points) > 1]
-            strengths = np.linspace(1.0 if width else FAINTEST, 1.0, len(parts)) * style.trajectory_alpha
-            paths += [Path(part) for part in parts]
-            colours += [tint(style.trajectory_colour, strength) for strength in strengths.tolist()]
-            widths += [1.9 if width is None else max(width * brush.scale / brush.point, 0.3)] * len(parts)
-            styles += [style.trajectory_style] * len(parts)
-        if paths:
-            brush.ends("butt", "round")
-            brush.lines(paths, colours, widths, styles)
 
 
 class Goals:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from matplotlib.path import Path
 
 from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.render.scene import BodyView, FieldView, ScanView
 
-FADE_STEPS = 28
 FULL_TURN = 2.0 * np.pi - 0.01
 ARC_STEP = 0.05
 MOST_BEAMS = 100
@@ -81,11 +78,3 @@ def thinned(points: Floats, apart: float) -> Floats:
     kept: Flags = np.concatenate([[True], np.diff(bins) > 0])
     kept[-1] = True
     return np.asarray(points[kept], np.float64)
-
-
-def pieces(points: Floats) -> list[Floats]:
-    """Cut a polyline into at most ``FADE_STEPS`` pieces that share their end points."""
-    if len(points) < 2:
-        return []
-    cuts = np.unique(np.linspace(0, len(points) - 1, FADE_STEPS + 1).astype(int))
-    return [points[first : last + 1] for first, last in pairwise(cuts)]

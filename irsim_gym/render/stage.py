@@ -27,6 +27,7 @@ from irsim_gym.render.head import Head
 from irsim_gym.render.image_artists import Fog
 from irsim_gym.render.layout import DOTS_PER_INCH, POINTS_PER_INCH, Layout, Limits
 from irsim_gym.render.lettering import Lettering
+from irsim_gym.render.path_artists import Trails
 from irsim_gym.render.scene import BodyView, LabelView, MapView, Scene
 from irsim_gym.render.styles import GROUND, TOP
 from irsim_gym.scenario.plot_spec import SavedFigure
@@ -66,7 +67,7 @@ class Stage:
         self._fixed, self._ghosts, self._moving = Bodies(axes, shadows=True), Bodies(axes), Bodies(axes)
         self._fog = Fog(axes)
         self._scans, self._hits = scan_artists.Scans(), scan_artists.Hits()
-        self._fields, self._goals, self._trails = artists.Fields(), artists.Goals(), artists.Trails()
+        self._fields, self._goals, self._trails = artists.Fields(), artists.Goals(), Trails()
         self._headings, self._impacts = Headings(), Impacts()
         self._labels = artists.Labels(lettering)
         self._outcome = add_frame(axes, layout, linewidth=2.2, animated=True)
