@@ -156,6 +156,9 @@ def _blend(picture: Bytes, row: int, first: int, end: int, colour: Floats, opaci
     """Blend a colour into the pixels of a row from ``first`` to ``end``."""
     share = np.int32(opacity * WHOLE + HALF)
     keep, line = np.int32(256) - share, picture[row]
+    if picture.shape[2] == 4:
+        _blend_four(line, first, end, colour, share, keep)
+        return
     if picture.shape[2] != 3:
         for channel in range(picture.shape[2]):
             value = np.int32(colour[channel] + 0.5) * share + 128
@@ -169,3 +172,17 @@ def _blend(picture: Bytes, row: int, first: int, end: int, colour: Floats, opaci
         line[column, 0] = (np.int32(line[column, 0]) * keep + red) >> 8
         line[column, 1] = (np.int32(line[column, 1]) * keep + green) >> 8
         line[column, 2] = (np.int32(line[column, 2]) * keep + blue) >> 8
+
+
+@kernel(inlined=True)
+def _blend_four(line: Bytes, first: int, end: int, colour: Floats, share: Any, keep: Any) -> None:
+    """Blend a colour into pixels with four channels, in lanes."""
+    red = np.int32(colour[0] + 0.5) * share + 128
+    green = np.int32(colour[1] + 0.5) * share + 128
+    blue = np.int32(colour[2] + 0.5) * share + 128
+    fourth = np.int32(colour[3] + 0.5) * share + 128
+    for column in range(np.uint32(first), np.uint32(end)):
+        line[column, 0] = (np.int32(line[column, 0]) * keep + red) >> 8
+        line[column, 1] = (np.int32(line[column, 1]) * keep + green) >> 8
+        line[column, 2] = (np.int32(line[column, 2]) * keep + blue) >> 8
+        line[column, 3] = (np.int32(line[column, 3]) * keep + fourth) >> 8

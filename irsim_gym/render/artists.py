@@ -6,43 +6,40 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from matplotlib.path import Path
-from matplotlib.transforms import Affine2D
 
 from irsim_gym.render import shapes
-from irsim_gym.render.brush import Brush, Colour, tint
+from irsim_gym.render.brush import Brush, tint
 from irsim_gym.render.lettering import Lettering, Type
 from irsim_gym.render.scene import FieldView, GoalView, LabelView
+from irsim_gym.render.washer import Colour
 
 FLAG = (6.5, 10.5)
 """Width and height of a goal's flag, from its foot [point]."""
-POLE = Path([(0.0, 0.0), (0.0, 10.0)])
-PENNANT = Path([(0.0, 10.0), (6.25, 7.75), (0.0, 5.5), (0.0, 10.0)], closed=True)
-POLE_WIDTH, LATER_RADIUS = 1.3, 2.25
+POLE = np.array([(0.0, 0.0), (0.0, 10.0)])
+PENNANT = np.array([(0.0, 10.0), (6.25, 7.75), (0.0, 5.5)])
+RIM, POLE_WIDTH, LATER_RADIUS, FIELD_EDGE = 1.1, 1.3, 2.25, 0.9
 
 
 class Goals:
     """For each goal the circle of its tolerance, a flag, and dots for the goals after it."""
 
     def draw(self, brush: Brush, views: Sequence[GoalView]) -> None:
-        """Draw these goals: all circles, then dots and flags one goal after another."""
+        """Draw these goals: all circles, then dots, then flags."""
         brush.ends("round", "round")
-        for view in views:
-            circle, colour = shapes.circle_path(view.x, view.y, view.tolerance), _colour(view)
-            brush.draw(circle, _faded(colour, 0.30 if view.arrived else 0.14), _faded(colour, 0.9), 1.1)
-        brush.ends("butt", "round")
-        for view in views:
-            colour = _colour(view)
+        colours = [tint(view.style.goal_colour, view.style.goal_alpha) for view in views]
+        looks = list(zip(views, colours, strict=True))
+        fills = [_faded(colour, 0.30 if view.arrived else 0.14) for view, colour in looks]
+        edges = [_faded(colour, 0.9) for colour in colours]
+        circles = [shapes.disc(view.x, view.y, view.tolerance, brush.scale) for view in views]
+        brush.areas(circles, fills, edges, [RIM] * len(views))
+        for view, colour in looks:
             if len(view.later):
                 brush.dots(view.later, LATER_RADIUS, _faded(colour, 0.45))
-            x, y = brush.to_canvas.transform((view.x, view.y))
-            place = Affine2D().scale(brush.point).translate(x, y)
-            brush.draw(POLE, None, colour, POLE_WIDTH, place=place)
-            brush.draw(PENNANT, colour, place=place)
-
-
-def _colour(view: GoalView) -> Colour:
-    return tint(view.style.goal_colour, view.style.goal_alpha)
+        brush.ends("butt", "round")
+        metre = brush.point / brush.scale
+        feet = [np.array([view.x, view.y]) for view in views]
+        brush.bundles([[POLE * metre + foot] for foot in feet], colours, POLE_WIDTH)
+        brush.areas([PENNANT * metre + foot for foot in feet], colours)
 
 
 class Fields:
@@ -51,10 +48,10 @@ class Fields:
     def draw(self, brush: Brush, views: Sequence[FieldView]) -> None:
         """Draw these fields of view."""
         brush.ends("round", "round")
-        for view in views:
-            style = view.style
-            fill, edge = tint(style.field_colour, style.field_alpha), tint(style.field_edge_colour, style.field_alpha)
-            brush.draw(shapes.sector_path(view), fill, edge, 0.9)
+        styles = [view.style for view in views]
+        fills = [tint(style.field_colour, style.field_alpha) for style in styles]
+        edges = [tint(style.field_edge_colour, style.field_alpha) for style in styles]
+        brush.areas([shapes.sector(view, brush.scale) for view in views], fills, edges, [FIELD_EDGE] * len(views))
 
 
 class Labels:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -10,14 +11,14 @@ from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.colors import ListedColormap, to_rgba
 from matplotlib.image import AxesImage
-from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
 from irsim_gym.render import shapes, theme
-from irsim_gym.render.brush import Brush, Colour, tint
+from irsim_gym.render.brush import CLEAR, Brush, tint
 from irsim_gym.render.image_artists import Images
 from irsim_gym.render.scene import BodyView, MapView
 from irsim_gym.render.styles import BodyStyle
+from irsim_gym.render.washer import Colour
 
 SHADOWS = ((2.2, 0.05), (1.2, 0.07))
 """How far each shadow lies aside [point], and its opacity."""
@@ -43,19 +44,29 @@ class Bodies:
             for view in views:
                 if view.image is None and shapes.is_filled(view):
                     self._draw_shadow(brush, view, alpha, place)
-        pictured = False
-        for view in views:
-            if view.image is None:
-                _draw_footprint(brush, view)
+        for is_plain, run in groupby((view for view in views if view.image is None), shapes.is_plain):
+            if is_plain:
+                _draw_plain(brush, list(run))
             else:
-                pictured = True
-        if pictured:
-            self._images.draw(brush, views)
+                for view in run:
+                    _draw_footprint(brush, view)
+        self._images.draw(brush, [view for view in views if view.image is not None])
 
     @staticmethod
     def _draw_shadow(brush: Brush, view: BodyView, alpha: float, place: Affine2D) -> None:
         edge = tint(theme.SHADOW, 0.4 * alpha)
         brush.draw(shapes.outline_path(view), tint(theme.SHADOW, alpha), edge, 1.5, place=place)
+
+
+def _draw_plain(brush: Brush, views: Sequence[BodyView]) -> None:
+    """Draw footprints that are single closed ways with plain edges."""
+    looks = [(view.style, shapes.is_filled(view)) for view in views]
+    brush.areas(
+        [shapes.corners(view, brush.scale) for view in views],
+        [tint(style.colour, style.alpha) if is_filled else CLEAR for style, is_filled in looks],
+        [_edge(style, is_filled=is_filled) for style, is_filled in looks],
+        [style.line_width if is_filled else style.wall_width for style, is_filled in looks],
+    )
 
 
 def _draw_footprint(brush: Brush, view: BodyView) -> None:
@@ -77,9 +88,8 @@ class Headings:
 
     def draw(self, brush: Brush, views: Sequence[BodyView]) -> None:
         """Draw the marks of these bodies."""
-        for view in views:
-            style = view.style
-            brush.draw(Path(view.heading), tint(style.arrow_colour, style.arrow_alpha * style.alpha))
+        colours = [tint(view.style.arrow_colour, view.style.arrow_alpha * view.style.alpha) for view in views]
+        brush.areas([view.heading for view in views], colours)
 
 
 class MapImage:

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 from matplotlib.backend_bases import RendererBase
+from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.colors import to_rgba
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, BboxBase, IdentityTransform
 
 from irsim_gym.arraytypes import Floats
-
-Colour = tuple[float, float, float, float]
+from irsim_gym.render.washer import Colour, Washer
 
 CLEAR: Colour = (0.0, 0.0, 0.0, 0.0)
 DASHES = {"dashed": (3.7, 1.6), "dashdot": (6.4, 1.6, 1.0, 1.6), "dotted": (1.0, 1.65)}
@@ -44,6 +44,7 @@ class Brush:
         corner: The figure's lower left corner on the canvas; another one than 0, 0 where empty margins are left out.
         scale: Units of the canvas in a metre.
         point: Units of the canvas in a point of type.
+        washer: Who paints translucent areas faster than the renderer; None where the canvas has no pixels.
         keeps_strips: Texts are drawn once and kept as pixels.
     """
 
@@ -59,6 +60,7 @@ class Brush:
         canvas: Any = renderer
         self.renderer: RendererBase = canvas
         self.to_canvas, self.keeps_strips = to_canvas, keeps_strips
+        self.washer = Washer(renderer, to_canvas) if isinstance(renderer, RendererAgg) else None
         self.box, self.wide_box, self.corner = box, wide_box, (0.0, 0.0)
         self.context: Any = renderer.new_gc()
         self.scale = float(to_canvas.get_matrix()[0, 0])
@@ -102,6 +104,44 @@ class Brush:
             self._style = style, width
         area = fill if fill is not None and fill[3] > 0.0 else None
         self.renderer.draw_path(context, path, self.to_canvas if place is None else place, area)
+
+    def areas(
+        self,
+        ways: Sequence[Floats],
+        fills: Sequence[Colour],
+        edges: Sequence[Colour] = (),
+        widths: Sequence[float] = (),
+    ) -> None:
+        """Draw polygons, one after another.
+
+        Args:
+            ways: Their corners [m], shape ``(n, 2)``; the last one need not repeat the first.
+            fills: Their colours.
+            edges: Colours of their edges; nothing for no edges.
+            widths: Widths of these edges [point].
+        """
+        edges, widths = edges or [CLEAR] * len(fills), widths or [0.0] * len(fills)
+        if self.washer is not None:
+            box = self.context.get_clip_rectangle()
+            self.washer.areas(box, ways, fills, edges, [width * self.point for width in widths])
+            return
+        for way, fill, edge, width in zip(ways, fills, edges, widths, strict=True):
+            self.draw(Path(np.concatenate([way, way[:1]]), closed=True), fill, edge, width)
+
+    def bundles(self, bundles: Sequence[Sequence[Floats]], colours: Sequence[Colour], width: float) -> None:
+        """Draw bundles of lines; within a bundle they are not darker where they overlap.
+
+        Args:
+            bundles: The points of each of their lines [m], shape ``(n, 2)``.
+            colours: Colours of the bundles.
+            width: Width of the lines [point].
+        """
+        if self.washer is not None:
+            self.washer.lines(self.context.get_clip_rectangle(), bundles, colours, width * self.point)
+            return
+        for ways, colour in zip(bundles, colours, strict=True):
+            if ways:
+                self.draw(Path.make_compound_path(*map(Path, ways)), None, colour, width)
 
     def lines(
         self, paths: Sequence[Path], colours: Sequence[Colour], widths: Sequence[float], styles: Sequence[str]

@@ -16,7 +16,7 @@ from irsim_gym.render.scene import TrailView
 FAINTEST, FADE_STEPS = 0.12, 20
 THIN, THINNEST_BAND = 1.9, 0.3
 """Width of a path without one of its own, and the least of those with one [point]."""
-APART = 1.5
+APART = 3.0
 """Points of a path that are nearer to each other are left out [pixel]."""
 
 
@@ -36,9 +36,16 @@ class Trails:
                 _draw_band(brush, view)
         strengths = np.linspace(FAINTEST, 1.0, FADE_STEPS).tolist()
         for (colour, alpha, line), ways in alike.items():
-            for strength, path in zip(strengths, faded_paths(ways, APART / brush.scale), strict=True):
-                if path is not None:
-                    brush.draw(path, None, tint(colour, strength * alpha), THIN, line)
+            parts, colours = (
+                faded(ways, APART / brush.scale),
+                [tint(colour, strength * alpha) for strength in strengths],
+            )
+            if line == "solid":
+                brush.bundles(parts, colours, THIN)
+                continue
+            for part, one in zip(parts, colours, strict=True):
+                if part:
+                    brush.draw(Path.make_compound_path(*map(Path, part)), None, one, THIN, line)
 
 
 def _draw_band(brush: Brush, view: TrailView) -> None:
@@ -48,15 +55,15 @@ def _draw_band(brush: Brush, view: TrailView) -> None:
     brush.draw(path, None, colour, width, style.trajectory_style)
 
 
-def faded_paths(ways: Sequence[Floats], apart: float) -> list[Path | None]:
-    """Return the first parts of some ways as one path, then the second ones, and so on; None where there are none.
+def faded(ways: Sequence[Floats], apart: float) -> list[list[Floats]]:
+    """Return the first parts of some ways, then the second ones, and so on; none of a way that has too few points.
 
     Args:
         ways: Points [m], at least two of each, each of shape ``(n, 2)``.
         apart: Points that stand closer along the way are left out [m].
 
     Returns:
-        ``FADE_STEPS`` paths.
+        ``FADE_STEPS`` lists.
     """
     points = np.concatenate(ways)
     ends = np.cumsum([len(way) for way in ways])
@@ -64,17 +71,9 @@ def faded_paths(ways: Sequence[Floats], apart: float) -> list[Path | None]:
     points, ends = points[kept], np.searchsorted(kept, ends)
     begins = np.concatenate([[0], ends[:-1]])
     cuts = begins[None, :] + np.arange(FADE_STEPS + 1)[:, None] * (ends - 1 - begins) // FADE_STEPS
-    counts = np.where(cuts[1:] > cuts[:-1], cuts[1:] - cuts[:-1] + 1, 0)
-    stops = np.cumsum(counts.ravel())
-    total = int(stops[-1])
-    starts = stops - counts.ravel()
-    order = np.repeat(cuts[:-1].ravel() - starts, counts.ravel()) + np.arange(total)
-    vertices, codes = points[order], np.full(total, Path.LINETO, Path.code_type)
-    codes[starts[counts.ravel() > 0]] = Path.MOVETO
-    bounds = [0, *stops[len(ways) - 1 :: len(ways)].tolist()]
     return [
-        Path(vertices[first:last], codes[first:last]) if last > first else None
-        for first, last in pairwise(bounds)
+        [points[first : last + 1] for first, last in zip(firsts, lasts, strict=True) if last > first]
+        for firsts, lasts in pairwise(cuts.tolist())
     ]
 
 

@@ -11,9 +11,10 @@ from matplotlib.transforms import Affine2D
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.render import shapes
-from irsim_gym.render.brush import Brush, Colour, tint
+from irsim_gym.render.brush import Brush, tint
 from irsim_gym.render.scene import ScanView
 from irsim_gym.render.styles import VelocityStyle
+from irsim_gym.render.washer import Colour
 
 BEAM_WIDTH, HIT_RADIUS = 0.45, 1.3
 
@@ -22,21 +23,26 @@ class Scans:
     """For each scan the area seen and the beams, or beams in the colours of their radial velocity."""
 
     def draw(self, brush: Brush, views: Sequence[ScanView]) -> None:
-        """Draw these scans, one after another."""
+        """Draw these scans: all areas, then all beams."""
         brush.ends("butt", "miter")
+        plain = []
         for view in views:
             velocity = view.style.velocity
             if velocity is not None and velocity.coloured:
                 _draw_velocities(brush, view, velocity)
-                continue
-            colour, alpha = view.style.colour, view.style.alpha
-            brush.draw(shapes.seen_path(view), tint(colour, min(0.22 * alpha, 1.0)))
-            brush.draw(shapes.beam_path(view), None, tint(colour, min(0.9 * alpha, 1.0)), BEAM_WIDTH)
+            else:
+                plain.append(view)
+        if plain:
+            looks = [(view.style.colour, view.style.alpha) for view in plain]
+            brush.areas([shapes.seen(view) for view in plain], [tint(one, min(0.22 * a, 1.0)) for one, a in looks])
+            beams = [shapes.beams(view) for view in plain]
+            brush.bundles(beams, [tint(one, min(0.9 * a, 1.0)) for one, a in looks], BEAM_WIDTH)
 
 
 def _draw_velocities(brush: Brush, view: ScanView, style: VelocityStyle) -> None:
-    free = shapes.rays_path(view.origin, view.ends[~view.valid])
-    brush.draw(free, None, tint(style.free_colour, style.free_alpha), style.free_width)
+    free = shapes.rays(view.origin, view.ends[~view.valid])
+    if free:
+        brush.bundles([free], [tint(style.free_colour, style.free_alpha)], style.free_width)
     ends = view.ends[view.valid]
     paths = [Path(np.stack([view.origin, end])) for end in ends]
     if paths:

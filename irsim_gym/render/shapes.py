@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import functools
+import math
+
 import numpy as np
 from matplotlib.path import Path
 
@@ -39,34 +42,58 @@ def circle_path(x: float, y: float, radius: float) -> Path:
     return Path(CIRCLE_VERTICES * radius + np.array([x, y]), CIRCLE_CODES)
 
 
-def sector_path(view: FieldView) -> Path:
-    """Return a field of view: a sector, or a circle when it is a full turn wide."""
+def is_plain(view: BodyView) -> bool:
+    """Return whether a footprint is a single closed way with a plain edge."""
+    if view.style.line_style != "solid" or len(view.lines) + len(view.discs) != 1:
+        return False
+    return bool(len(view.discs)) or _is_closed(view.lines[0])
+
+
+def corners(view: BodyView, scale: float) -> Floats:
+    """Return the corners of such a footprint, where ``scale`` pixels are a metre."""
+    if view.lines:
+        return view.lines[0][:-1]
+    x, y, radius = view.discs[0].tolist()
+    return disc(x, y, radius, scale)
+
+
+def disc(x: float, y: float, radius: float, scale: float) -> Floats:
+    """Return the corners of a polygon that cannot be told from a disc, where ``scale`` pixels are a metre."""
+    count = 16 * math.ceil(min(0.45 * math.sqrt(radius * scale), 16.0))
+    return np.asarray(_circle(count) * radius + np.array([x, y]), np.float64)
+
+
+@functools.lru_cache(maxsize=16)
+def _circle(count: int) -> Floats:
+    angles = np.linspace(0.0, 2.0 * np.pi, count + 1)[:-1]
+    return np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def sector(view: FieldView, scale: float) -> Floats:
+    """Return the corners of a field of view: a sector, or a disc when it is a full turn wide."""
     if view.span >= FULL_TURN:
-        return circle_path(view.x, view.y, view.radius)
+        return disc(view.x, view.y, view.radius, scale)
     angles = view.heading + np.linspace(-0.5, 0.5, max(int(view.span / ARC_STEP), 2) + 1) * view.span
-    arc = view.radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    return Path(np.vstack([np.zeros((1, 2)), arc, np.zeros((1, 2))]) + np.array([view.x, view.y]), closed=True)
+    corners = np.zeros((len(angles) + 1, 2))
+    corners[1:, 0], corners[1:, 1] = view.radius * np.cos(angles), view.radius * np.sin(angles)
+    return np.asarray(corners + np.array([view.x, view.y]), np.float64)
 
 
-def beam_path(view: ScanView) -> Path:
-    """Return the beams as one path, so that where they overlap they are not darker; of many every n-th."""
-    ends = view.ends[:: -(-len(view.ends) // MOST_BEAMS)]
-    return rays_path(view.origin, ends)
+def beams(view: ScanView) -> list[Floats]:
+    """Return both ends of each beam; of many every n-th."""
+    return rays(view.origin, view.ends[:: -(-len(view.ends) // MOST_BEAMS)])
 
 
-def rays_path(origin: Floats, ends: Floats) -> Path:
-    """Return the lines from a point to others as one path."""
-    vertices = np.empty((2 * len(ends), 2))
-    vertices[0::2] = origin
-    vertices[1::2] = ends
-    codes = np.tile(np.array([Path.MOVETO, Path.LINETO], Path.code_type), len(ends))
-    return Path(vertices, codes)
+def rays(origin: Floats, ends: Floats) -> list[Floats]:
+    """Return the lines from a point to others, each of shape ``(2, 2)``."""
+    lines = np.empty((len(ends), 2, 2))
+    lines[:, 0], lines[:, 1] = origin, ends
+    return list(lines)
 
 
-def seen_path(view: ScanView) -> Path:
-    """Return the border of the area that a scan sees."""
-    corners = view.ends if view.surrounds else np.vstack([view.origin, view.ends])
-    return Path(np.vstack([corners, corners[:1]]), closed=True)
+def seen(view: ScanView) -> Floats:
+    """Return the corners of the area that a scan sees."""
+    return view.ends if view.surrounds else np.vstack([view.origin, view.ends])
 
 
 def thinned(points: Floats, apart: float) -> Floats:
