@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 class Screen:
     """Shows pictures in a window that opens with the first one, and keeps each as long as it lasts in the world.
 
-    A person may close the window: whoever shows pictures goes on without it, and is warned once. A copy, and a
-    forked process, has no window yet and opens its own.
+    A person may close the window: whoever shows pictures goes on without it, and is warned once. A copy has no window
+    yet and opens its own. In a forked process the window is the parent's, and stays: there is none, with a warning.
 
     Args:
         title: What stands above the window.
@@ -93,7 +93,10 @@ class Screen:
         if self._window is None:
             return
         if self._process != os.getpid():
-            self._inherited, self._window = self._window, None  # kept: its end would be told to the parent's display
+            # Kept, as its end would be told to the parent's display; another one would break the parent's connection.
+            self._inherited, self._window, self._given_up = self._window, None, True
+            if warn:
+                warnings.warn("the window is the parent process's: this one goes on without a window", stacklevel=2)
         elif self._window.closed:
             self._window, self._given_up = None, True
             self._end()

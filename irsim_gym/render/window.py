@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -14,8 +15,9 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from irsim_gym.arraytypes import Bytes
+from irsim_gym.errors import NoWindowError
 from irsim_gym.render import theme
-from irsim_gym.render.toolkits import event_time, has_focus, new_manager
+from irsim_gym.render.toolkits import INSTEAD, event_time, has_focus, new_manager
 
 EventName = Literal["key_press", "key_release", "mouse_press", "mouse_release", "mouse_move", "mouse_leave", "scroll"]
 NAMES: dict[EventName, str] = {
@@ -66,16 +68,27 @@ class Window:
         title: What stands above it.
 
     Raises:
-        NoWindowError: There is no display, or no toolkit that works.
+        NoWindowError: There is no display, or no toolkit that works; or this process was forked from one that had
+            opened a window, whose connection to the display it would break.
     """
 
+    _process: ClassVar[int] = 0
+    """Who opened the first one: a fork inherits the number, and the toolkit's connection."""
+
     def __init__(self, width: int, height: int, title: str = "irsim_gym") -> None:
+        if Window._process not in (0, os.getpid()):
+            raise NoWindowError(
+                "no window can be opened: this process was forked from one that had opened a window, and they would "
+                "share its connection to the display. Start processes with 'spawn', or open windows in them alone. "
+                f"{INSTEAD}"
+            )
         self._figure = Figure(
             figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH, facecolor=theme.PAPER
         )
         self._picture = _Picture(width, height)
         self._figure.add_artist(self._picture)
         self._manager: Any = new_manager(self._figure)
+        Window._process = os.getpid()
         self._canvas: Any = self._manager.canvas
         for handler in ("key_press_handler_id", "button_press_handler_id", "scroll_handler_id"):
             if getattr(self._manager, handler, None) is not None:

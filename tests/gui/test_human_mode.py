@@ -6,6 +6,8 @@ import copy
 import gc
 import os
 import pickle
+import subprocess
+import sys
 import time
 import warnings
 
@@ -19,6 +21,7 @@ from screen import Screen
 
 import irsim_gym
 from irsim_gym import sb3
+from irsim_gym.errors import NoWindowError
 
 SMALL = {"plot": {"figure_pixels": [240, 200]}, "step_time": 0.05, "sample_time": 0.1}
 ROBOT = {"kinematics": {"name": "diff"}, "state": [1, 5, 0], "goal": [9, 5, 0]}
@@ -114,16 +117,38 @@ def test_a_forked_process_leaves_the_window_alone(screen: Screen) -> None:
     before = screen.picture(240, 200)
     child = os.fork()
     if child == 0:
-        inside = env.unwrapped.worlds.pictures
-        gone = inside._screen.is_wanted and inside._screen.window is None
-        env.close()
-        os._exit(0 if gone else 1)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            for _ in range(4):
+                env.step(AHEAD)
+            env.close()
+        other = irsim_gym.make(ONE, render_mode="human")
+        try:
+            other.reset(seed=0)
+        except NoWindowError as error:
+            told = "Start processes with 'spawn'" in str(error)
+        os._exit(0 if told and ["parent" in str(one.message) for one in caught] == [True] else 1)
     assert os.waitpid(child, 0)[1] == 0
     assert np.array_equal(screen.picture(240, 200), before)
     for _ in range(2):
         env.step(AHEAD)
     assert np.array_equal(screen.picture(240, 200), shown_by(env))
     env.close()
+
+
+def test_forked_workers_open_windows_of_their_own(display: str) -> None:
+    script = f"""
+import subprocess, gymnasium, irsim_gym
+envs = gymnasium.make_vec("irsim_gym/World-v0", 2, vectorization_mode="async", vector_kwargs={{"context": "fork"}},
+                          scenario={ONE!r}, render_mode="human")
+envs.reset(seed=0)
+envs.step(envs.action_space.sample())
+found = subprocess.run(["xdotool", "search", "--onlyvisible", "--name", "one_robot"], capture_output=True, text=True)
+print(len(found.stdout.split()), envs.render())
+envs.close()
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60)
+    assert done.stdout.strip() == "2 (None, None)", done.stderr
 
 
 def test_worlds_side_by_side(screen: Screen, kept_picture) -> None:
