@@ -88,7 +88,7 @@ class Headings:
 
     def draw(self, brush: Brush, views: Sequence[BodyView]) -> None:
         """Draw the marks of these bodies."""
-        colours = [tint(view.style.arrow_colour, view.style.arrow_alpha * view.style.alpha) for view in views]
+        colours = [tint(view.style.arrow_colour, view.style.arrow_alpha) for view in views]
         brush.areas([view.heading for view in views], colours)
 
 

@@ -155,7 +155,7 @@ class Plan:
         return self._item(
             records.HEADING,
             body,
-            colours=[colour(style.arrow_colour, style.arrow_alpha * style.alpha)],
+            colours=[colour(style.arrow_colour, style.arrow_alpha)],
             form=form,
             x=length,
             y=width,

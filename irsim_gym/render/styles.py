@@ -40,7 +40,7 @@ class BodyStyle:
         show_arrow: Mark where it heads.
         arrow: Length and width of that mark [m]; None for one that fits into the footprint.
         arrow_colour: Colour of that mark.
-        arrow_alpha: Opacity of that mark.
+        arrow_alpha: Opacity of that mark; one within the footprint fades with it.
         arrow_order: Its layer; None for the body's.
         show_trajectory: Draw where it has been.
         trajectory_colour: Colour of that line.
@@ -188,7 +188,7 @@ def body_style(body: Any, *, learner: bool = False) -> BodyStyle:
         show_arrow=_or(plot.show_arrow, not body.static and not is_omni(body) and body.description is None),
         arrow=arrow,
         arrow_colour=arrow_colour,
-        arrow_alpha=arrow_alpha,
+        arrow_alpha=arrow_alpha if arrow else arrow_alpha * alpha,
         arrow_order=plot.arrow_zorder,
         show_trajectory=_or(plot.show_trajectory, learner),
         trajectory_colour=path_colour,

@@ -203,6 +203,10 @@ CASES = (
     Case(robot(arrow_length=0.6), ahead, ARROW_ON),
     Case(robot(arrow_width=0.25), ahead, ARROW_ON),
     Case(robot(arrow_alpha=0.4), ahead, {**ARROW_ON, **robot(arrow_color="blue")}),
+    Case(robot(obj_alpha=0.0), body, ARROW_ON, shows={(1.8, 1.47): (255, 215, 0)}, name="arrow_of_an_unseen_body"),
+    Case(
+        robot(obj_alpha=0.0), body, robot(show_arrow=True), shows={(1.45, 1.32): WHITE}, name="mark_of_an_unseen_body"
+    ),
     Case(robot(arrow_zorder=2), body, ARROW_ON, shows={START[:2]: GREEN}),
     Case(robot(show_trajectory=True), path, robot(obj_alpha=0.0), steps=14),
     Case(robot(traj_color="red"), path, PATH_ON, shows={DRIVEN: RED}, steps=14),

@@ -1,8 +1,9 @@
-"""Each drawing option changes the right pixels and no others, and its picture is the committed one.
+"""Each drawing option changes the right pixels and no others, in both renderers, and its picture is the committed one.
 
 ``references/*.png`` were looked at when they were committed. A picture agrees with its reference when no more than 1 %
-of its pixels differ by more than 48 levels and the mean difference is at most 1.5 levels: other versions of matplotlib
-and FreeType smooth edges and letters a little differently. After a change on purpose write them anew, look at them::
+of its pixels differ by more than 48 levels and the mean difference is at most 2 levels: other versions of matplotlib
+and FreeType, and the other renderer, smooth edges and letters a little differently. matplotlib draws the references.
+After a change on purpose write them anew, and look at them::
 
     RENEW_REFERENCES=1 make test ARGS=tests/render/test_plot_keys.py
 """
@@ -24,13 +25,14 @@ from plot_cases import BOX, CASES, GOAL, RADIUS, START, TOLERANCE, Case, Moment
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.live import load
+from irsim_gym.render.backends import BACKENDS
 from irsim_gym.render.layout import Layout
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
 
 FOLDER = Path(__file__).parent / "references"
 CHANGED, LEAST = 12, 12
 """A pixel has changed by more than so many levels; a change has at least so many pixels."""
-FAR_OFF, MOST_FAR_OFF, MEAN_OFF = 48, 0.01, 1.5
+FAR_OFF, MOST_FAR_OFF, MEAN_OFF = 48, 0.01, 2.0
 NOT_IN_A_PICTURE = {"saved_figure"}
 COMMAND = (1.0, 0.9)
 
@@ -69,7 +71,7 @@ class Picture:
         return Moment(x, y, self.poses)
 
 
-def drawn(options: Mapping[str, Any], steps: int) -> Picture:
+def drawn(options: Mapping[str, Any], steps: int, backend: str) -> Picture:
     data = copy.deepcopy(WORLD)
     for key, value in options.items():
         *sections, last = key.split(".")
@@ -77,7 +79,7 @@ def drawn(options: Mapping[str, Any], steps: int) -> Picture:
         for section in sections:
             place = place.setdefault(section, {})
         place[last] = value
-    with load(data) as world:
+    with load(data, render_backend=backend) as world:
         poses = [world.simulation.state.pose[0, 0].copy()]
         for _ in range(steps):
             world.step(COMMAND)
@@ -87,18 +89,20 @@ def drawn(options: Mapping[str, Any], steps: int) -> Picture:
 
 
 @cache
-def picture(key: str) -> tuple[Picture, Picture]:
+def picture(key: str, backend: str) -> tuple[Picture, Picture]:
     """Return the pictures of a case, before and after."""
     case = next(case for case in CASES if case.label == key)
-    return drawn(case.given, case.steps), drawn({**case.given, **case.change}, case.steps)
+    return drawn(case.given, case.steps, backend), drawn({**case.given, **case.change}, case.steps, backend)
 
 
 cases = pytest.mark.parametrize("case", CASES, ids=lambda case: case.label)
+backends = pytest.mark.parametrize("backend", BACKENDS)
 
 
 @cases
-def test_the_right_pixels_change(case: Case) -> None:
-    before, after = picture(case.label)
+@backends
+def test_the_right_pixels_change(case: Case, backend: str) -> None:
+    before, after = picture(case.label, backend)
     if before.pixels.shape != after.pixels.shape:
         return
     changed = np.abs(after.pixels.astype(int) - before.pixels).max(axis=2) > CHANGED
@@ -109,17 +113,19 @@ def test_the_right_pixels_change(case: Case) -> None:
 
 
 @pytest.mark.parametrize("case", [case for case in CASES if case.shows], ids=lambda case: case.label)
-def test_points_have_the_colours_that_are_asked_for(case: Case) -> None:
-    after = picture(case.label)[1]
+@backends
+def test_points_have_the_colours_that_are_asked_for(case: Case, backend: str) -> None:
+    after = picture(case.label, backend)[1]
     for point, colour in case.shows.items():
         column, row = after.layout.column_row(*point)
         assert np.allclose(after.pixels[int(row), int(column)], colour, atol=3), point
 
 
 @cases
-def test_pictures_are_the_committed_ones(case: Case) -> None:
-    pixels, file = picture(case.label)[1].pixels, FOLDER / f"{case.label}.png"
-    if os.environ.get("RENEW_REFERENCES"):
+@backends
+def test_pictures_are_the_committed_ones(case: Case, backend: str) -> None:
+    pixels, file = picture(case.label, backend)[1].pixels, FOLDER / f"{case.label}.png"
+    if os.environ.get("RENEW_REFERENCES") and backend == "matplotlib":
         Image.fromarray(pixels).save(file, optimize=True)
     with Image.open(file) as reference:
         off = np.abs(np.asarray(reference.convert("RGB")).astype(int) - pixels)
