@@ -20,15 +20,19 @@ if TYPE_CHECKING:
     from irsim_gym.envs.parallel import parallel_env
     from irsim_gym.live import load
     from irsim_gym.scenario import load_scenario
+    from irsim_gym.training.demonstrations import load_demonstrations
+    from irsim_gym.training.recorder import record_demonstrations
 
 _LAZY = {
     "behavior": ("irsim_gym.behaviors.custom", "behavior"),
     "compile": ("irsim_gym.engine", "compile"),
     "group_behavior": ("irsim_gym.behaviors.custom", "group_behavior"),
     "load": ("irsim_gym.live", "load"),
+    "load_demonstrations": ("irsim_gym.training.demonstrations", "load_demonstrations"),
     "load_scenario": ("irsim_gym.scenario", "load_scenario"),
     "parallel_env": ("irsim_gym.envs.parallel", "parallel_env"),
     "make_batch": ("irsim_gym.envs.batch", "make_batch"),
+    "record_demonstrations": ("irsim_gym.training.recorder", "record_demonstrations"),
     "sb3": ("irsim_gym.envs.sb3", None),
 }
 
@@ -38,11 +42,13 @@ __all__ = [
     "errors",
     "group_behavior",
     "load",
+    "load_demonstrations",
     "load_scenario",
     "make",
     "make_batch",
     "make_vec",
     "parallel_env",
+    "record_demonstrations",
     "register_scenarios",
     "sb3",
 ]

@@ -242,6 +242,7 @@ def rollout(
     split: Split = "dev",
     task: Task = None,
     frames: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
+    record: Annotated[Path | None, typer.Option(help="Demonstrations to write as well, .npz.")] = None,
     team: Team = False,
     backend: Backend = "matplotlib",
     given: Given = None,
@@ -250,7 +251,7 @@ def rollout(
     """Drive a policy through a few levels and print how they ended."""
     from irsim_gym.training.commands import run_rollout
 
-    run_rollout(scenario, policy, levels, split, task, frames, read_parameters(given), team, backend)
+    run_rollout(scenario, policy, levels, split, task, frames, read_parameters(given), team, backend, record)
 
 
 @app.command("run")
@@ -285,6 +286,34 @@ def run_by_itself(
             print(f"{robot.name}: {flag} at ({', '.join(f'{value:.2f}' for value in robot.state)})")
         if film is not None:
             print(world.save_html(film) if film.suffix.lower() == ".html" else world.save_animation(film))
+
+
+@app.command()
+def play(
+    scenario: Scenario,
+    record: Annotated[
+        Path | None, typer.Option(help="Demonstrations to write, .npz; a file that is there is gone on with.")
+    ] = None,
+    task: Task = None,
+    level: Annotated[int, typer.Option("--level", "--seed", min=0, help="First level.")] = 0,
+    split: Split = "train",
+    robot: Annotated[
+        str | None, typer.Option(help="Name or number of the robot (default: the one that learns).")
+    ] = None,
+    speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="How many times as fast as in life.")] = 1.0,
+    given: Given = None,
+    modules: Imports = None,
+) -> None:
+    """Drive a robot by hand in a window, level after level; esc leaves. The window tells the keys."""
+    from irsim_gym.tasks.levels import check_split
+    from irsim_gym.training.play import Wishes
+    from irsim_gym.training.play import play as play_by_hand
+
+    check_split(split)
+    played = play_by_hand(Wishes(scenario, task, robot, level, split, read_parameters(given), record, speed))
+    print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")
+    if played.record is not None:
+        print(f"{played.record}: {played.recorded} episode{'' if played.recorded == 1 else 's'}")
 
 
 @app.command()

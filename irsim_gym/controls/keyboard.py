@@ -25,6 +25,7 @@ AXES = {"ahead": ("w", "s"), "aside": ("a", "d"), "turn": ("q", "e")}
 
 COMMANDS = {
     "r": "reset",
+    "n": "next",
     "space": "pause",
     "escape": "quit",
     "x": "switch",

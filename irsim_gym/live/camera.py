@@ -59,10 +59,10 @@ class Camera:
 
     def seen(self) -> Layout:
         """Return where the world is on the picture."""
-        renderer = self._ready()
-        plot = self._simulation.scenario.world.plot
-        center = renderer.scene().center if plot.viewpoint is not None and self._limits is None else None
-        return renderer.layout if center is None else renderer.layout.centred(*center)
+        from irsim_gym.render.backends import layout_of
+
+        viewpoint = self._simulation.scenario.world.plot.viewpoint
+        return layout_of(self._ready(), follows=viewpoint is not None and self._limits is None)
 
     def keep(self, status: str) -> None:
         """Keep the present moment for films, replays and sheets."""

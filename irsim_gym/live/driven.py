@@ -10,9 +10,9 @@ from typing import Literal
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats
+from irsim_gym.controls.driver import Driver
 from irsim_gym.errors import NoKeyboardWarning
 from irsim_gym.live import moves
-from irsim_gym.live.driver import Driver
 from irsim_gym.live.population import Population
 from irsim_gym.scenario import Scenario
 
@@ -193,6 +193,8 @@ class Driven(Population):
         match asked:
             case "reset":
                 self.reset()
+            case "next":
+                self.reset(random=True)
             case "reload":
                 self.reload()
             case "pause":

@@ -31,8 +31,8 @@ class World(Driven):
     IR-SIM's names work; the error for one that does not says what to use. ``help`` lists them all. Where IR-SIM has
     columns, arrays are flat here.
 
-    In a window (``render_mode="human"``) keys do: r reset, l reload, space pause and resume, F5 pause and then one step
-    each, esc quit, x switch between keyboard and auto, v save a figure, y stop and resume drawing. With
+    In a window (``render_mode="human"``) keys do: r reset, n next level, l reload, space pause and resume, F5 pause and
+    then one step each, esc quit, x switch between keyboard and auto, v save a figure, y stop and resume drawing. With
     ``control_mode: keyboard`` they drive a robot: w and s ahead and back, a and d turn (an omnidirectional robot:
     sideways), q and e turn an ``omni_angular`` robot and for others change the greatest speed, as shift+z and shift+c
     do; z and c change the greatest turn rate; alt and a digit choose the robot. The wheel zooms about the cursor, the

@@ -51,6 +51,17 @@ class WorldRenderer(Protocol):
         """Free what frames were drawn with; a later frame makes it anew."""
 
 
+def layout_of(renderer: WorldRenderer, *, follows: bool) -> Layout:
+    """Return where the world is on a frame that would be drawn now.
+
+    Args:
+        renderer: Who draws it.
+        follows: The scenario's ``viewpoint`` decides what is seen, and nobody has asked for another part.
+    """
+    center = renderer.scene().center if follows else None
+    return renderer.layout if center is None else renderer.layout.centred(*center)
+
+
 def checked_backend(name: str) -> str:
     """Return the name of a renderer, or raise an ``UnknownNameError`` that lists them."""
     if name not in BACKENDS:

@@ -185,12 +185,19 @@ def run_rollout(
     parameters: Parameters = None,
     team: bool = False,
     backend: str = "matplotlib",
+    record: Path | None = None,
 ) -> None:
-    """Drive a policy through a few levels and print a line for each; of a team, one for each robot."""
+    """Drive a policy through a few levels and print a line for each; of a team, one for each robot.
+
+    Raises:
+        IrsimGymError: Demonstrations of a team are asked for, which one file does not hold.
+    """
     from irsim_gym.training.record import FILMS, check_suffix, record_film
 
     if frames is not None:
         check_suffix(frames, FILMS, "a film")
+    if team and record is not None:
+        raise IrsimGymError("--record keeps what one robot sees and does: leave --team out")
     used = remembered_parameters(scenario, [policy], parameters)
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used}
     if team:
@@ -205,6 +212,11 @@ def run_rollout(
         print(f"{who}: {row.outcome}{hit} after {row.time:.1f} s, {row.path_length:.2f} m driven")
     if frames is not None:
         print(record_film(scenario, [policy], range(levels), frames, team=team, backend=backend, **chosen))
+    if record is not None:
+        from irsim_gym.training.recorder import record_demonstrations
+
+        kept = record_demonstrations(scenario, policy, record, levels, split=split, task=task, **used)
+        print(f"{record}: {kept.n_episodes} episodes, {len(kept)} steps")
 
 
 def run_record(

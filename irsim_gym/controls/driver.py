@@ -1,4 +1,4 @@
-"""The window on a world that is run by hand, with the keyboard and the mouse that belong to it."""
+"""The window on a world, with the keyboard and the mouse that belong to it."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.controls import Mouse
 from irsim_gym.controls.keyboard import open_keyboard
+from irsim_gym.controls.mouse import Mouse
 
 if TYPE_CHECKING:
     from irsim_gym.render.layout import Layout, Limits

@@ -1,0 +1,98 @@
+"""What a person who plays sees: the world, how the episode stands, and what the keys do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.render import theme
+from irsim_gym.render.backends import WorldRenderer, layout_of
+from irsim_gym.render.layout import Layout, Limits
+from irsim_gym.render.panel import Panel, Told, Word
+
+DRIVE = {
+    2: (("w s", "ahead, back"), ("a d", "turn"), ("q e", "speed"), ("z c", "turn rate")),
+    3: (("w s", "ahead, back"), ("a d", "sideways"), ("q e", "turn"), ("shift z c", "speed"), ("z c", "turn rate")),
+}
+SIDEWAYS = (("w s", "along x"), ("a d", "along y"), ("q e", "speed"))
+WORLD = (
+    ("space", "pause"),
+    ("F5", "one step"),
+    ("r", "again"),
+    ("n", "next level"),
+    ("x", "by itself"),
+    ("v", "picture"),
+    ("wheel", "zoom"),
+    ("esc", "leave"),
+)
+SEVERAL = (("alt 0-9", "robot"),)
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How an episode stands, in words; ``recorded`` counts the episodes in the file, None without one."""
+
+    level: str
+    robot: str
+    steps: str
+    paid: str
+    speeds: str
+    recorded: int | None = None
+    paused: bool = False
+    by_itself: str | None = None
+    message: str = ""
+
+
+class PlayScreen:
+    """Shows the one world of an environment, with a strip of words and keys below.
+
+    Args:
+        renderer: Draws the world.
+        command_names: What the components of the robot's command are.
+        several: There are other robots to choose.
+        follows: The scenario has a ``viewpoint``.
+    """
+
+    def __init__(self, renderer: WorldRenderer, command_names: Sequence[str], *, several: bool, follows: bool) -> None:
+        self._renderer, self._follows, self._zoomed = renderer, follows, False
+        driving = SIDEWAYS if tuple(command_names) == ("x", "y") else DRIVE[len(command_names)]
+        keys = (*driving, *WORLD[:4], *(SEVERAL if several else ()), *WORLD[4:])
+        self._panel = Panel(renderer.layout.width, keys, renderer.layout.enlargement)
+
+    def frame(self, status: str) -> Bytes:
+        """Return a picture of the world alone, ``(height, width, 3)``."""
+        return self._renderer.frame(0, status)
+
+    def picture(self, status: str, standing: Standing) -> Bytes:
+        """Return what the window shows, ``(height, width, 3)``."""
+        return self._panel.below(self.frame(status), _told(standing))
+
+    def seen(self) -> Layout:
+        """Return where the world is on the picture."""
+        return layout_of(self._renderer, follows=self._follows and not self._zoomed)
+
+    def look_at(self, limits: Limits | None) -> None:
+        """Show another part of the world; None for the whole."""
+        self._zoomed = limits is not None
+        self._renderer.look_at(limits)
+
+    def clear(self) -> None:
+        """Forget the paths, for the beginning of an episode."""
+        self._renderer.clear()
+
+
+def _told(standing: Standing) -> Told:
+    """Return the words of the strip."""
+    if standing.message:
+        return Told(((standing.message, theme.INK),))
+    left: list[Word] = [(standing.robot, theme.INK)]
+    left += [(text, theme.INK_LIGHT) for text in (standing.level, standing.steps, standing.paid, standing.speeds)]
+    right: list[Word] = []
+    if standing.paused:
+        right.append(("paused", theme.OUTCOMES["timeout"]))
+    if standing.by_itself is not None:
+        right.append((f"driven by {standing.by_itself}", theme.RUNNING))
+    if standing.recorded is not None:
+        right.append((f"\N{BLACK CIRCLE} recording: {standing.recorded}", theme.IMPACT))
+    return Told(tuple(left), tuple(right))

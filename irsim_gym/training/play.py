@@ -1,0 +1,333 @@
+"""A person drives a robot of a task by hand, in a window, at the speed of life."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import irsim_gym
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.controls import Driver
+from irsim_gym.envs.pictures import world_status
+from irsim_gym.envs.single import WorldEnv
+from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
+from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
+from irsim_gym.evaluation.commands import to_actions
+from irsim_gym.evaluation.tables import write_bytes
+from irsim_gym.families import BEHAVIORS
+from irsim_gym.scenario.load import load_scenario
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.tasks import Outcome
+from irsim_gym.training.recorder import Recorder
+from irsim_gym.training.run import scenario_name
+
+if TYPE_CHECKING:
+    from irsim_gym.envs.worlds import Worlds
+    from irsim_gym.render.play_screen import PlayScreen
+
+RESULT_S = 1.2
+"""How long the end of an episode is looked at before the next level begins [s]."""
+LONGEST_WAIT_S = 0.02
+MESSAGE_S = 3.0
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What is to be played.
+
+    Attributes:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        task: Shipped name or path of a task; None for the scenario's own.
+        robot: Name or number of the robot that is driven; None for the one that learns.
+        level: First level.
+        split: Where levels come from: ``train``, ``dev`` or ``test``.
+        parameters: Values for the scenario's parameters.
+        record: File for demonstrations, ``.npz``; None for none.
+        speed: How many times as fast as in life.
+    """
+
+    scenario: str
+    task: str | None = None
+    robot: str | None = None
+    level: int = 0
+    split: str = "train"
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    record: Path | None = None
+    speed: float = 1.0
+
+
+@dataclass(frozen=True)
+class Played:
+    """What came of it: how episodes ended, and the file with what was recorded."""
+
+    outcomes: Counter[str]
+    record: Path | None
+    recorded: int
+
+
+class Player:
+    """Plays level after level until the person leaves.
+
+    Keys are those of ``irsim_gym.load``: r begins the level again and drops what was recorded of it, n goes on with
+    the next level, l reads the file again, x lets the robot drive by itself, alt and a digit choose another robot.
+
+    Args:
+        wishes: What is to be played.
+
+    Raises:
+        NoWindowError: There is no display, or no toolkit that works.
+        IrsimGymError: The scenario or the task cannot be used, there is no such robot, or the file for demonstrations
+            is of another environment.
+    """
+
+    def __init__(self, wishes: Wishes) -> None:
+        self._wishes, self._level, self._one = wishes, wishes.level, np.zeros(1, np.int64)
+        self._read(wishes.robot)
+        self._recorder = None if wishes.record is None else Recorder(self._env, wishes.record)
+        self._outcomes: Counter[str] = Counter()
+        self._paused = self._granted = self._left = self._hidden = False
+        self._auto: BehaviorPolicy | None = None
+        self._message, self._said_at = "", 0.0
+        self._begin()
+        keys, title = self._scenario.gui.keyboard, f"{self._scenario.label} - irsim-gym play"
+        first = self._picture(keys.key_lv_max, keys.key_ang_max)
+        self._driver = Driver(title, first, self._scenario.gui, self._screen.seen)
+        self._driver.keyboard.key_id = self._number
+
+    def _read(self, robot: str | None) -> None:
+        """Read the scenario and its task, with a robot that learns; None for the one that does anyway."""
+        name = scenario_name(self._wishes.scenario)
+        self._scenario = load_scenario(name, self._wishes.parameters)
+        task = self._wishes.task if robot is None else _task_of(self._scenario, self._wishes.task, robot)
+        env: Any = irsim_gym.make(name, task=task, disable_env_checker=True, **self._wishes.parameters)
+        assert isinstance(env.unwrapped, WorldEnv)
+        self._env, self._worlds = env, env.unwrapped.worlds
+        self._body = int(self._worlds.simulation.agents[0])
+        self._number = self._scenario.robots.index(self._body)
+        self._screen = _screen(self._worlds, self._body)
+
+    def _begin(self) -> None:
+        """Begin the present level."""
+        self._seen, _ = self._env.reset(options={"split": self._wishes.split, "level": self._level})
+        if self._recorder is not None:
+            self._recorder.drop()
+            self._recorder.begin(self._seen, self._level)
+        self._return, self._steps, self._ended_at = 0.0, 0, 0.0
+        self._screen.clear()
+
+    def run(self) -> Played:
+        """Play until the person leaves, by esc, Ctrl-C or closing the window; then write what was recorded."""
+        try:
+            while not self._left:
+                due = time.perf_counter() + self._scenario.world.step_time / self._wishes.speed
+                self._one_step()
+                self._show()
+                self._pause_until(due)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            self.close()
+        recorded = 0 if self._recorder is None else self._recorder.n_episodes
+        return Played(self._outcomes, None if self._recorder is None else self._recorder.path, recorded)
+
+    def close(self) -> None:
+        """Write what was recorded, close the window."""
+        if self._recorder is not None:
+            self._recorder.save()
+        self._driver.close()
+        self._env.close()
+
+    def _one_step(self) -> None:
+        if self._ended_at:
+            if time.perf_counter() - self._ended_at > RESULT_S:
+                self._next()
+        elif self._granted or not self._paused:
+            self._granted = False
+            self._step()
+
+    def _step(self) -> None:
+        episodes = self._worlds.episodes
+        if self._auto is None:
+            command = self._driver.keyboard.command(self._scenario.bodies[self._body].kinematics.command_names)
+            action = to_actions(episodes, self._one, command[None, None])[0, 0]
+        else:
+            action = self._auto.act(episodes, self._one)[0]
+        self._seen, reward, terminated, truncated, info = self._env.step(action)
+        self._return, self._steps = self._return + float(reward), self._steps + 1
+        if self._recorder is not None:
+            by_hand = self._auto is None
+            self._recorder.add(action, self._seen, reward, terminated, truncated, info["outcome"], by_hand=by_hand)
+        if terminated or truncated:
+            self._ended_at = time.perf_counter()
+            self._outcomes[Outcome(info["outcome"]).name.lower()] += 1
+
+    def _pause_until(self, due: float) -> None:
+        """Wait for the next step, and do what is asked meanwhile."""
+        while True:
+            turns = len(self._scenario.bodies[self._body].kinematics.command_names) == 3
+            for asked in self._driver.poll(drives=True, turns=turns):
+                self._do(asked)
+            if self._driver.keyboard.key_id != self._number:
+                self._choose(self._driver.keyboard.key_id)
+            changed, limits = self._driver.new_limits()
+            if changed:
+                self._screen.look_at(limits)
+            left = due - time.perf_counter()
+            if left <= 0.0 or self._left:
+                return
+            self._driver.wait(min(left, LONGEST_WAIT_S))
+
+    def _do(self, asked: str) -> None:
+        """Do what a key asks for, of the values of ``controls.keyboard.COMMANDS``."""
+        match asked:
+            case "reset":
+                self._begin()
+            case "next":
+                self._next()
+            case "reload":
+                self._reload()
+            case "pause":
+                self._paused, self._granted = not self._paused, False
+            case "step":
+                self._granted, self._paused = self._paused, True
+            case "switch":
+                self._switch()
+            case "figure":
+                self._save_figure()
+            case "display":
+                self._hidden = not self._hidden
+            case "quit":
+                self._left = True
+
+    def _next(self) -> None:
+        self._level += 1
+        self._begin()
+        if self._auto is not None:
+            self._auto.begin(self._worlds.episodes, self._one, np.array([self._level]))
+
+    def _switch(self) -> None:
+        """Let the robot drive by itself, by its own behaviour or by dash, or the person again."""
+        if self._auto is not None:
+            self._auto = None
+            return
+        behavior = self._scenario.bodies[self._body].behavior
+        policy = BehaviorPolicy("dash" if behavior is None else BEHAVIORS.name_of(type(behavior)))
+        try:
+            policy.begin(self._worlds.episodes, self._one, np.array([self._level]))
+        except IrsimGymError as error:
+            self._say(str(error))
+        else:
+            self._auto = policy
+
+    def _reload(self) -> None:
+        if self._recorder is not None:
+            self._say("the file is not read again while demonstrations are recorded")
+            return
+        self._level = self._wishes.level
+        self._change(self._scenario.bodies[self._body].name)
+
+    def _choose(self, number: int) -> None:
+        """Begin the level with another robot."""
+        robots = self._scenario.robots
+        self._driver.keyboard.key_id = self._number
+        if self._recorder is not None:
+            self._say("recorded is one robot alone: --robot chooses it")
+        elif number >= len(robots):
+            self._say(f"there is no robot {number}: there are {len(robots)}, from 0 on")
+        else:
+            self._change(self._scenario.bodies[robots[number]].name)
+            self._driver.keyboard.key_id = self._number
+
+    def _change(self, robot: str) -> None:
+        """Read the file again, with a robot that is driven."""
+        before = self._env
+        try:
+            self._read(robot)
+        except IrsimGymError as error:
+            self._say(str(error).splitlines()[0])
+            return
+        before.close()
+        self._auto = None
+        self._begin()
+
+    def _save_figure(self) -> None:
+        import io
+
+        from matplotlib.image import imsave
+
+        path = Path(f"{self._scenario.name}_{self._level}_{self._steps:04d}.png")
+        content = io.BytesIO()
+        imsave(content, self._screen.frame(world_status(self._worlds.episodes, 0)), format="png")
+        write_bytes(path, content.getvalue())
+        self._say(f"saved {path}")
+
+    def _show(self) -> None:
+        keys = self._driver.keyboard
+        picture = self._driver.picture if self._hidden else self._picture(keys.key_lv_max, keys.key_ang_max)
+        self._driver.show(picture)
+
+    def _picture(self, speed: float, turn_rate: float) -> Bytes:
+        """Return what the window shows, with the greatest speeds of the keys [m/s, rad/s]."""
+        from irsim_gym.render.play_screen import Standing
+
+        standing = Standing(
+            level=f"level {self._level}" + ("" if self._wishes.split == "train" else f" ({self._wishes.split})"),
+            robot=self._scenario.bodies[self._body].name,
+            steps=f"step {self._steps} of {self._worlds.task.max_steps}",
+            speeds=self._speeds(speed, turn_rate),
+            paid=f"return {self._return:.2f}",
+            recorded=None if self._recorder is None else self._recorder.n_episodes,
+            paused=self._paused,
+            by_itself=None if self._auto is None else self._auto.name,
+            message=self._message if time.perf_counter() - self._said_at < MESSAGE_S else "",
+        )
+        return self._screen.picture(world_status(self._worlds.episodes, 0), standing)
+
+    def _speeds(self, speed: float, turn_rate: float) -> str:
+        """Return the greatest speeds that keys ask for, as far as the drive can."""
+        names = self._scenario.bodies[self._body].kinematics.command_names
+        fastest = self._worlds.simulation.model.velocity_max[0, self._body]
+        said, turning = f"{min(speed, fastest[0]):g} m/s", min(turn_rate, fastest[len(names) - 1])
+        return said if names == ("x", "y") else f"{said}, {turning:g} rad/s"
+
+    def _say(self, message: str) -> None:
+        """Show a message for a while."""
+        self._message, self._said_at = message, time.perf_counter()
+
+
+def play(wishes: Wishes) -> Played:
+    """Open a window and let a person drive; see ``Player``."""
+    return Player(wishes).run()
+
+
+def _screen(worlds: Worlds, body: int) -> PlayScreen:
+    """Return what shows the one world of an environment to whoever drives a body."""
+    from irsim_gym.render import make_renderer
+    from irsim_gym.render.play_screen import PlayScreen
+
+    simulation, scenario = worlds.simulation, worlds.scenario
+    parts = simulation.model, simulation.state, simulation.sensors
+    renderer = make_renderer("matplotlib", scenario, *parts, learners=[body], explored=simulation.explored)
+    names, several = scenario.bodies[body].kinematics.command_names, len(scenario.robots) > 1
+    return PlayScreen(renderer, names, several=several, follows=scenario.world.plot.viewpoint is not None)
+
+
+def _task_of(scenario: Scenario, task: str | None, robot: str) -> dict[str, Any]:
+    """Return the task in which a robot, by name or number, learns.
+
+    Raises:
+        UnknownNameError: There is no such robot.
+    """
+    names = [scenario.bodies[b].name for b in scenario.robots]
+    if robot.isdecimal() and int(robot) < len(names):
+        robot = names[int(robot)]
+    if robot not in names:
+        known = ", ".join(names) or "none"
+        raise UnknownNameError(f"no robot '{robot}'{suggestion(robot, names)}; there are: {known}")
+    return {**(scenario.task if task is None else {"name": task}), "agents": robot}

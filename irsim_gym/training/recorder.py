@@ -1,0 +1,247 @@
+"""Collects what happens in an environment as demonstrations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+from rich.console import Console
+from rich.progress import Progress
+
+import irsim_gym
+from irsim_gym.arraytypes import Flags
+from irsim_gym.envs.single import WorldEnv
+from irsim_gym.tasks import Outcome
+from irsim_gym.training.demonstrations import (
+    FORMAT,
+    DemonstrationError,
+    Demonstrations,
+    Observations,
+    describe_space,
+    load_demonstrations,
+    save_demonstrations,
+)
+from irsim_gym.training.run import scenario_name
+
+SAME = ("scenario", "parameters", "task", "robot", "observation_space", "action_space", "step_time")
+SUFFIX = ".npz"
+
+
+class Recorder:
+    """Keeps the steps of episodes, and writes them to a file.
+
+    A file that is there already is gone on with, if it is of the same environment.
+
+    Args:
+        env: Where they happen.
+        path: File to write, ``.npz``.
+
+    Raises:
+        DemonstrationError: The file has another suffix, holds something else, or is of another environment.
+    """
+
+    def __init__(self, env: gymnasium.Env[Any, Any], path: Path) -> None:
+        if path.suffix != SUFFIX:
+            raise DemonstrationError(f"demonstrations are {SUFFIX} files, got '{path.name}'")
+        self.path, self.about = path, _about(env)
+        self._earlier = load_demonstrations(path) if path.exists() else None
+        if self._earlier is not None:
+            self._check(self._earlier.about)
+        self._episodes: list[_Episode] = []
+        self._current: _Episode | None = None
+
+    @property
+    def n_episodes(self) -> int:
+        """How many episodes the file will have, with that under way once it has a step."""
+        under_way = self._current is not None and len(self._current.rewards) > 0
+        return len(self._episodes) + under_way + (0 if self._earlier is None else self._earlier.n_episodes)
+
+    def begin(self, observation: Observations, level: int) -> None:
+        """Begin an episode with what is seen first."""
+        self._close()
+        self._current = _Episode(level, [observation])
+
+    def add(
+        self,
+        action: Any,
+        observation: Observations,
+        reward: float,
+        terminated: bool,
+        truncated: bool,
+        outcome: int,
+        *,
+        by_hand: bool = False,
+    ) -> None:
+        """Add a step: what was done, what was seen after it, and what ``step`` returned beside."""
+        assert self._current is not None
+        self._current.add(action, observation, reward, terminated, truncated, outcome, by_hand)
+        if terminated or truncated:
+            self._close()
+
+    def drop(self) -> None:
+        """Forget the episode under way."""
+        self._current = None
+
+    def save(self) -> None:
+        """Write all that there is; an episode under way is cut off here. Nothing is written where there is nothing."""
+        self._close()
+        if self._episodes:
+            save_demonstrations(self.path, self._all())
+
+    def _close(self) -> None:
+        if self._current is not None and self._current.rewards:
+            self._episodes.append(self._current)
+        self._current = None
+
+    def _all(self) -> Demonstrations:
+        parts = [*([] if self._earlier is None else [self._earlier]), _demonstrations(self._episodes, self.about)]
+        names = [name for name in Demonstrations.__dataclass_fields__ if name != "about"]
+        joined = {name: _concatenated([getattr(part, name) for part in parts]) for name in names}
+        return Demonstrations(**joined, about=self.about)
+
+    def _check(self, about: Mapping[str, Any]) -> None:
+        pairs = {key: (about.get(key), self.about[key]) for key in SAME}
+        other = [f"{key} {then!r} (now: {now!r})" for key, (then, now) in pairs.items() if then != now]
+        if other:
+            raise DemonstrationError(
+                f"{self.path} holds demonstrations of another environment: {'; '.join(other)}. Name another file."
+            )
+
+
+def record_demonstrations(
+    scenario: str | Path | Mapping[str, Any],
+    policy: str,
+    path: str | Path,
+    levels: int | Sequence[int] = 20,
+    *,
+    split: str = "train",
+    task: Any = None,
+    console: Console | None = None,
+    **parameters: Any,
+) -> Demonstrations:
+    """Let a policy demonstrate levels, and write them to a file.
+
+    Args:
+        scenario: Shipped name, environment id, path of a scenario file, or plain data.
+        policy: ``dash``, ``rvo``, ``orca``, ``random``, a run's folder or a ``policy.zip``.
+        path: File to write, ``.npz``; one of the same environment is gone on with.
+        levels: How many, from level 0 on, or which.
+        split: ``"train"``, ``"dev"`` or ``"test"``.
+        task: Shipped name or path of a task, or plain data; None for the scenario's own.
+        console: Where a progress bar goes; it stays quiet when that is no terminal.
+        **parameters: Values for the scenario's parameters.
+
+    Returns:
+        All that the file holds now.
+
+    Raises:
+        DemonstrationError: The file cannot be gone on with.
+    """
+    from irsim_gym.training.policies import load_policy  # loads PyTorch, which a person who plays does not need
+
+    named = scenario_name(scenario) if isinstance(scenario, str) else scenario
+    env = irsim_gym.make(named, task=task, **parameters)
+    world, driver = env.unwrapped, load_policy(policy)
+    assert isinstance(world, WorldEnv)
+    recorder = Recorder(env, Path(path))
+    first, screen = np.zeros(1, np.int64), console or Console(stderr=True)
+    chosen = range(levels) if isinstance(levels, int) else levels
+    try:
+        with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
+            for level in bar.track(chosen, description="driving"):
+                observation, _ = env.reset(options={"split": split, "level": int(level)})
+                driver.begin(world.worlds.episodes, first, np.array([level]))
+                recorder.begin(observation, int(level))
+                ended = False
+                while not ended:
+                    action = driver.act(world.worlds.episodes, first)[0]
+                    observation, reward, terminated, truncated, info = env.step(action)
+                    recorder.add(action, observation, float(reward), terminated, truncated, info["outcome"])
+                    ended = terminated or truncated
+    finally:
+        recorder.save()
+        env.close()
+    return load_demonstrations(path)
+
+
+class _Episode:
+    """The steps of one episode."""
+
+    def __init__(self, level: int, observations: list[Observations]) -> None:
+        self.level, self.observations, self.outcome = level, observations, int(Outcome.RUNNING)
+        self.actions: list[Any] = []
+        self.rewards: list[float] = []
+        self.by_hand: list[bool] = []
+        self.terminated = self.truncated = False
+
+    def add(
+        self,
+        action: Any,
+        observation: Observations,
+        reward: float,
+        terminated: bool,
+        truncated: bool,
+        outcome: int,
+        by_hand: bool,
+    ) -> None:
+        self.actions.append(np.array(action))
+        self.observations.append(observation)
+        self.rewards.append(reward)
+        self.by_hand.append(by_hand)
+        self.terminated, self.truncated, self.outcome = terminated, truncated, int(outcome)
+
+    def marked(self, place: int, flag: bool = True) -> Flags:
+        """Return a row of False, with a flag at the first step (0) or at the last one (-1)."""
+        row = np.zeros(len(self.rewards), np.bool_)
+        row[place] = flag
+        return row
+
+
+def _demonstrations(episodes: Sequence[_Episode], about: Mapping[str, Any]) -> Demonstrations:
+    """Return episodes as arrays; one that has not ended is cut off."""
+    discrete = about["action_space"]["kind"] == "Discrete"
+    return Demonstrations(
+        observations=_concatenated([_stacked(one.observations[:-1]) for one in episodes]),
+        actions=np.concatenate([one.actions for one in episodes]).astype(np.int64 if discrete else np.float32),
+        rewards=np.concatenate([one.rewards for one in episodes]).astype(np.float64),
+        terminations=np.concatenate([one.marked(-1, one.terminated) for one in episodes]),
+        truncations=np.concatenate([one.marked(-1, not one.terminated) for one in episodes]),
+        episode_starts=np.concatenate([one.marked(0) for one in episodes]),
+        by_hand=np.concatenate([one.by_hand for one in episodes]).astype(np.bool_),
+        final_observations=_stacked([one.observations[-1] for one in episodes]),
+        levels=np.array([one.level for one in episodes], np.int64),
+        outcomes=np.array([one.outcome for one in episodes], np.int64),
+        about=about,
+    )
+
+
+def _stacked(rows: Sequence[Any]) -> Observations:
+    if isinstance(rows[0], dict):
+        return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    return np.stack(rows)
+
+
+def _concatenated(parts: Sequence[Any]) -> Any:
+    if isinstance(parts[0], dict):
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    return np.concatenate(parts)
+
+
+def _about(env: gymnasium.Env[Any, Any]) -> dict[str, Any]:
+    """Return what an environment is, as plain data."""
+    world = env.unwrapped
+    assert isinstance(world, WorldEnv)
+    worlds = world.worlds
+    return {
+        "format": FORMAT,
+        "scenario": worlds.scenario.name,
+        "parameters": dict(worlds.scenario.parameters),
+        "task": worlds.task.name,
+        "robot": worlds.agent_names[0],
+        "step_time": worlds.scenario.world.step_time,
+        "observation_space": describe_space(world.observation_space),
+        "action_space": describe_space(world.action_space),
+    }
