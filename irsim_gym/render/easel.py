@@ -70,7 +70,7 @@ class Easel:
         self._clipped = plot.viewpoint is None or reader.center(0) is None
         self._explored = np.zeros((1, 1, 1), np.bool_) if explored is None else explored
         self._masks, self.point = Masks(), POINT * layout.enlargement
-        self._images = Images(scenario, model, layout.scale)
+        self._images = Images(scenario, layout.scale)
         followed = [int(body) for body in reader.trails.bodies]
         self.plan = Plan(
             scenario,
@@ -108,7 +108,7 @@ class Easel:
             return pictures
         if layouts[0].scale != self._image_scale:
             self._image_scale = layouts[0].scale
-            self._images = Images(self._scenario, self._model, self._image_scale)
+            self._images = Images(self._scenario, self._image_scale)
         job = _Job(self, pictures, worlds, statuses, layouts)
         frames = np.arange(len(worlds))
         if self._share is None or len(worlds) == 1:

@@ -79,6 +79,7 @@ class Lettering:
             if brush.context.get_clip_rectangle() is not None:
                 self._text.set_clip_box(brush.context.get_clip_rectangle())
             self._text.draw(brush.renderer)
+            self._text.set_clip_box(None)  # strips are drawn on a sheet of their own
             return
         columns, rows = round(PARTS * x), round(PARTS * y)
         key = words, look, columns % PARTS, rows % PARTS

@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Bytes, Ints
 from irsim_gym.render.images import load_image
 from irsim_gym.render.outlines import box
 from irsim_gym.scenario.images import image_file
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import Outline
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
@@ -27,16 +27,15 @@ class Images:
 
     Args:
         scenario: What is simulated.
-        model: Its constants.
         scale: Pixels per metre.
     """
 
-    def __init__(self, scenario: Scenario, model: WorldModel, scale: float) -> None:
+    def __init__(self, scenario: Scenario, scale: float) -> None:
         self.number: dict[int, int] = {}
         made: dict[tuple[str, int, int, float], int] = {}
         parts, rows = [np.zeros((0, 4), np.uint8)], np.zeros((0, 3), np.int64)
         for body, spec in enumerate(scenario.bodies):
-            size = _size(model, body, scale)
+            size = _size(spec.shape.outline(), scale)
             if spec.description is None or size is None:
                 continue
             pixels = load_image(image_file(spec.description, scenario.file))
@@ -51,11 +50,9 @@ class Images:
         self.rows: Ints = rows
 
 
-def _size(model: WorldModel, body: int, scale: float) -> tuple[int, int] | None:
-    """Return length and width of a body's footprint [pixel]; None without one."""
-    segment, disc = int(model.segment_start[body]), int(model.disc_start[body])
-    segments = model.local_segments[0, segment : segment + int(model.segment_count[0, body])]
-    extent = box(segments, model.local_discs[0, disc : disc + int(model.disc_count[0, body])])
+def _size(outline: Outline, scale: float) -> tuple[int, int] | None:
+    """Return length and width of a footprint [pixel], the largest that a level may give it; None without one."""
+    extent = box(outline.segments, outline.discs)
     if extent is None:
         return None
     return max(round((extent[2] - extent[0]) * scale), 1), max(round((extent[3] - extent[1]) * scale), 1)
