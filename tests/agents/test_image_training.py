@@ -111,6 +111,6 @@ def test_pictures_have_hyperparameters_of_their_own(tmp_path: Path) -> None:
 def test_the_shipped_task_observes_one_picture() -> None:
     task = load_task(load_scenario("cluttered_room"), "image_navigation")
     assert [type(term).__name__ for term in task.observations] == ["OccupancyImage"]
-    assert Worlds("cluttered_room", task="image_navigation").observation_space == Box(0, 255, (48, 48, 2), np.uint8)
+    assert Worlds("cluttered_room", task="image_navigation").observation_space == Box(0, 255, (36, 36, 2), np.uint8)
     usual = load_task(load_scenario("cluttered_room"))
     assert (task.rewards, task.endings, task.max_steps) == (usual.rewards, usual.endings, usual.max_steps)
