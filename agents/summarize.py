@@ -49,7 +49,9 @@ def draw(path: Path, title: str, seeds: list[dict[str, Any]], success: str = "su
         axes.plot(seconds, [100 * point["success"] for point in seed["curve"]], lw=1.4, label=seed["run"])
     for mark in (95, 98):
         axes.axhline(mark, color="#d9dee3", lw=1, zorder=0)
-    axes.set(xlabel="training time [s]", ylabel=f"{success} on 1,000 dev levels [%]", ylim=(low, 100.5), xlim=(0, None))
+    levels = seeds[0]["curve"][-1]["levels"]
+    axes.set(xlabel="training time [s]", ylabel=f"{success} on {levels:,} dev levels [%]")
+    axes.set(ylim=(low, 100.5), xlim=(0, None))
     axes.set_title(title, loc="left", fontsize=10)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False, fontsize=8, loc="lower right")
@@ -85,6 +87,8 @@ def main() -> None:
     """Read the runs, and write the results."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenario")
+    parser.add_argument("--name", help="name of the results and policies, in place of the scenario's")
+    parser.add_argument("--low", type=float, default=60.0, help="lowest success on the picture [%%]")
     parser.add_argument("runs", nargs="+", type=Path)
     parser.add_argument("--test", required=True, type=Path, help="folder of `irsim-gym evaluate` with all runs")
     asked = parser.parse_args()
@@ -100,10 +104,11 @@ def main() -> None:
         "seeds": seeds,
         "references": references,
     }
-    (HERE / "results" / f"{asked.scenario}.json").write_text(json.dumps(result, indent=1) + "\n")
-    draw(HERE / "results" / f"{asked.scenario}.png", f"{asked.scenario}: PPO, {len(seeds)} seeds", seeds)
+    name = asked.name or asked.scenario
+    (HERE / "results" / f"{name}.json").write_text(json.dumps(result, indent=1) + "\n")
+    draw(HERE / "results" / f"{name}.png", f"{name}: PPO, {len(seeds)} seeds", seeds, low=asked.low)
     for run in asked.runs:
-        shutil.copyfile(run / "policy.zip", HERE / "policies" / f"{asked.scenario}_{run.name}.zip")
+        shutil.copyfile(run / "policy.zip", HERE / "policies" / f"{name}_{run.name}.zip")
     print("\n".join(rows(seeds, references)))
 
 

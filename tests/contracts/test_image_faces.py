@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ from contract_tools import arrays_in, assert_same, forward_actions
 from gymnasium.spaces import Box, Dict
 from gymnasium.utils import env_checker
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from gymnasium.wrappers import FrameStackObservation, GrayscaleObservation, NormalizeObservation
 from pettingzoo.utils.conversions import parallel_to_aec
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common import env_checker as sb3_env_checker
@@ -106,6 +108,35 @@ def test_the_batch_equals_single_environments(task, mode):
     assert ends > 5
     for kept, copied in results:
         assert_same(kept, copied)
+
+
+@every
+def test_a_copied_environment_goes_on_alike(task):
+    env = WorldEnv(NAME, task, max_steps=30)
+    env.reset(seed=2)
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        env.step(forward_actions(rng, (2,)))
+    twins = [pickle.loads(pickle.dumps(env)), copy.deepcopy(env)]
+    seen = []
+    for _ in range(5):
+        action = forward_actions(rng, (2,))
+        here = env.step(action)
+        for twin in twins:
+            assert_same(twin.step(action), here)
+        seen.append(here[0] if task is ALONE else here[0]["occupancy_image"])
+    assert (seen[0] != seen[-1]).any()
+
+
+def test_wrappers_of_gymnasium():
+    env = FrameStackObservation(WorldEnv(NAME, ALONE), 3)
+    seen, _ = env.reset(seed=1)
+    assert seen.shape == (3, 36, 36, 2)
+    env.step(np.array([1.0, 0.0], np.float32))
+    gray = GrayscaleObservation(WorldEnv(NAME, {**BASE, "observations": [VIEW]}))
+    assert gray.reset(seed=1)[0].shape == (36, 36)
+    normal = NormalizeObservation(WorldEnv(NAME, ALONE))
+    assert normal.reset(seed=1)[0].dtype == np.float32
 
 
 def in_each_world(task: Any, steps: int = 15, **more: Any) -> list[np.ndarray]:
