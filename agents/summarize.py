@@ -106,7 +106,12 @@ def main() -> None:
     }
     name = asked.name or asked.scenario
     (HERE / "results" / f"{name}.json").write_text(json.dumps(result, indent=1) + "\n")
-    draw(HERE / "results" / f"{name}.png", f"{name}: PPO, {len(seeds)} seeds", seeds, low=asked.low)
+    draw(
+        HERE / "results" / f"{name}.png",
+        f"{name}: PPO, {len(seeds)} seed{'s' * (len(seeds) > 1)}",
+        seeds,
+        low=asked.low,
+    )
     for run in asked.runs:
         shutil.copyfile(run / "policy.zip", HERE / "policies" / f"{name}_{run.name}.zip")
     print("\n".join(rows(seeds, references)))

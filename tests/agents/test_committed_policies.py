@@ -35,6 +35,12 @@ def test_a_policy_for_one_robot(scenario: str) -> None:
     assert sum(row.outcome == "success" for row in rows) >= 0.9 * LEVELS
 
 
+def test_a_policy_that_looks_at_pictures() -> None:
+    policy = load_policy(AGENTS / "policies" / "cluttered_room_images_seed_100.zip")
+    rows = evaluate(policy, make_episodes("cluttered_room", task="image_navigation", n_worlds=LEVELS), LEVELS)
+    assert sum(row.outcome == "success" for row in rows) >= 0.85 * LEVELS
+
+
 @pytest.mark.parametrize(("scenario", "n_robots"), [("circle_swap", 4), ("circle_swap", 8), ("random_swap", 8)])
 def test_a_policy_for_a_team(scenario: str, n_robots: int) -> None:
     episodes = make_episodes(scenario, n_worlds=LEVELS, team=True, parameters={"n_robots": n_robots})
