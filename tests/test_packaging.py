@@ -54,7 +54,7 @@ def environment(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_wheel_holds_what_runs(built: Path) -> None:
     (wheel,) = built.glob("*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    for source in (ROOT / "configs").rglob("*.yaml"):
+    for source in (file for suffix in ("yaml", "png") for file in (ROOT / "configs").rglob(f"*.{suffix}")):
         assert f"irsim_gym/configs/{source.relative_to(ROOT / 'configs').as_posix()}" in names
     for source in (ROOT / "agents" / "hyperparameters").glob("*.yaml"):
         assert f"irsim_gym/hyperparameters/{source.name}" in names
