@@ -90,6 +90,13 @@ def crowd(behavior: dict[str, Any], effort: Effort) -> Figures:
     return measure(behavior, effort)
 
 
+def drawing(effort: Effort) -> Figures:
+    """Measure frames with everything on: both renderers, a plain redraw with matplotlib, and IR-SIM if installed."""
+    from drawing import measure
+
+    return measure(effort)
+
+
 CASES: dict[str, Callable[[Effort], Figures]] = {
     "startup": startup,
     "memory": memory,
@@ -100,6 +107,7 @@ CASES: dict[str, Callable[[Effort], Figures]] = {
     "simulator/dense_room": partial(simulator, "dense_room"),
     "environment/cluttered_room": partial(environment, "cluttered_room"),
     "frames/cluttered_room": partial(frames, "cluttered_room"),
+    "frames/everything": drawing,
     "crowd_orca": partial(crowd, {"group_behavior": {"name": "orca"}}),
     "crowd_rvo": partial(crowd, {"behavior": {"name": "rvo"}}),
     "training_share/cluttered_room": training_share,

@@ -35,6 +35,8 @@ def text(found: Found) -> str:
     if PEERS in found:
         parts += ["## Figures beside others", "![agent-steps per second](charts/peers.png)"]
         parts.append(tables.beside_others(PEERS, found[PEERS]))
+    if drawn := found.get(CASES, {}).get("results", {}).get("frames/everything"):
+        parts += ["## Pictures", tables.drawing(drawn)]
     if CASES in found:
         parts += ["## Figures of all cases", "![growth](charts/growth.png)", "![phases](charts/phases.png)"]
         parts.append(tables.cases(CASES, found[CASES]))

@@ -75,6 +75,22 @@ def cases(name: str, result: Mapping[str, Any]) -> str:
     return "\n\n".join(parts)
 
 
+PAINTERS = {
+    "matplotlib": "irsim_gym, `matplotlib`",
+    "raster": 'irsim_gym, `render_backend="raster"`',
+    "naive": "matplotlib, everything drawn anew",
+    "irsim": "IR-SIM",
+}
+
+
+def drawing(figures: Mapping[str, float]) -> str:
+    """Return what a picture with everything on takes, and how many times as long as ours."""
+    times = {name: figures[f"{name}_frame_ms"] for name in PAINTERS if f"{name}_frame_ms" in figures}
+    ours = times.get("matplotlib")
+    rows = [[PAINTERS[name], number(ms), number(None if ours is None else ms / ours)] for name, ms in times.items()]
+    return markdown(["a picture of 600 x 600 with everything on", "ms", "times as long"], rows)
+
+
 def beside_others(name: str, result: Mapping[str, Any]) -> str:
     """Return a result of ``peers.py``: one table, what each does not do, and who could not take part."""
     rows, who = [], result["peers"]

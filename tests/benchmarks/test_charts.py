@@ -142,3 +142,11 @@ def test_the_page_says_who_did_what(found: charts.Found) -> None:
 @pytest.mark.parametrize(("value", "text"), [(None, ""), (0.4346, "0.435"), (999.4, "999"), (28636.4, "28,636")])
 def test_numbers_have_three_digits(value: float | None, text: str) -> None:
     assert tables.number(value) == text
+
+
+def test_pictures_are_compared_with_ours() -> None:
+    figures = {"matplotlib_frame_ms": 2.5, "raster_frame_ms": 0.5, "naive_frame_ms": 100.0, "naive_times_slower": 41.0}
+    rows = tables.drawing(figures).splitlines()[2:]
+    assert [row.split(" | ")[1:] for row in rows] == [["2.5", "1 |"], ["0.5", "0.2 |"], ["100", "40 |"]]
+    cases = {"cases.json": result({"frames/everything": figures})}
+    assert "## Pictures" in charts.text(cases)
