@@ -11,11 +11,11 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
 from irsim_gym.jit import kernel
-from irsim_gym.raster.sheets import add_edge, paint
+from irsim_gym.raster.sheets import note, paint, scan_edge
 
 FARTHEST = 1e6
-FINENESS = 21.0
-"""Corners of a polygon that stands for a circle with a radius of one pixel: it departs by less than 0.01 pixels."""
+FINENESS = 16.0
+"""Corners of a polygon that stands for a circle with a radius of one pixel: it departs by less than 0.02 pixels."""
 MOST_CORNERS = 2000
 
 
@@ -26,6 +26,19 @@ def is_near(points: Floats, first: int, count: int) -> bool:
     for i in range(first, first + count):
         near = near and abs(points[i, 0]) < FARTHEST and abs(points[i, 1]) < FARTHEST
     return near
+
+
+@kernel
+def note_points(sheet: Rays, box: Ints, points: Floats, first: int, count: int, margin: float) -> bool:
+    """Note where edges near some points are going to be added; return False, and note nothing, unless ``is_near``."""
+    if count < 1 or not is_near(points, first, count):
+        return False
+    left, top, right, foot = points[first, 0], points[first, 1], points[first, 0], points[first, 1]
+    for i in range(first + 1, first + count):
+        left, right = min(left, points[i, 0]), max(right, points[i, 0])
+        top, foot = min(top, points[i, 1]), max(foot, points[i, 1])
+    note(sheet, box, left - margin, top - margin, right + margin, foot + margin)
+    return True
 
 
 @kernel
@@ -44,6 +57,7 @@ def add_disc(sheet: Rays, box: Ints, x: float, y: float, radius: float, sign: fl
         return
     if x + radius < box[0] or x - radius > box[2] or y + radius < box[1] or y - radius > box[3]:
         return
+    note(sheet, box, x - radius - 1.0, y - radius - 1.0, x + radius + 1.0, y + radius + 1.0)
     count = int(min(max(FINENESS * np.sqrt(radius), 12.0), MOST_CORNERS))
     turn = 2.0 * np.pi / count
     cosine, sine = np.cos(turn), np.sin(turn) * sign
@@ -51,7 +65,7 @@ def add_disc(sheet: Rays, box: Ints, x: float, y: float, radius: float, sign: fl
     for _ in range(count):
         ax, ay = x + across, y + down
         across, down = across * cosine - down * sine, across * sine + down * cosine
-        add_edge(sheet, box, ax, ay, x + across, y + down)
+        scan_edge(sheet, box, ax, ay, x + across, y + down)
 
 
 @kernel
@@ -65,13 +79,13 @@ def add_polygon(sheet: Rays, box: Ints, points: Floats, first: int, count: int) 
         first: Its first corner.
         count: Number of its corners.
     """
-    if count < 3 or not is_near(points, first, count):
+    if count < 3 or not note_points(sheet, box, points, first, count, 0.0):
         return
     last = first + count - 1
     ax, ay = points[last, 0], points[last, 1]
     for i in range(first, first + count):
         bx, by = points[i, 0], points[i, 1]
-        add_edge(sheet, box, ax, ay, bx, by)
+        scan_edge(sheet, box, ax, ay, bx, by)
         ax, ay = bx, by
 
 
@@ -91,7 +105,7 @@ def add_line(
         closed: It goes back to its first point.
         round_ends: Its ends are round, not cut off.
     """
-    if count < 1 or not width > 0.0 or not is_near(points, first, count):
+    if not (width > 0.0 and note_points(sheet, box, points, first, count, 0.5 * width + 1.0)):
         return
     half, end = 0.5 * width, first + count
     at, ahead = first, _next_other(points, first, end)
@@ -134,8 +148,8 @@ def _next_other(points: Floats, at: int, end: int) -> int:
 @kernel
 def _add_sides(sheet: Rays, box: Ints, ax: float, ay: float, bx: float, by: float, x: float, y: float) -> None:
     """Add both sides of a line from a to b; x, y is half its width along its direction."""
-    add_edge(sheet, box, ax + y, ay - x, bx + y, by - x)
-    add_edge(sheet, box, bx - y, by + x, ax - y, ay + x)
+    scan_edge(sheet, box, ax + y, ay - x, bx + y, by - x)
+    scan_edge(sheet, box, bx - y, by + x, ax - y, ay + x)
 
 
 @kernel
@@ -144,7 +158,7 @@ def _add_end(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, i
     if is_round:
         _add_arc(sheet, box, px, py, y, -x, np.pi)
     else:
-        add_edge(sheet, box, px + y, py - x, px - y, py + x)
+        scan_edge(sheet, box, px + y, py - x, px - y, py + x)
 
 
 @kernel
@@ -165,10 +179,10 @@ def _add_join(
         _add_arc(sheet, box, px, py, -half * by, half * bx, turn)
         ux, uy, vx, vy = half * ay, -half * ax, half * by, -half * bx
     if meets:
-        add_edge(sheet, box, px + ux, py + uy, px, py)
-        add_edge(sheet, box, px, py, px + vx, py + vy)
+        scan_edge(sheet, box, px + ux, py + uy, px, py)
+        scan_edge(sheet, box, px, py, px + vx, py + vy)
     else:
-        add_edge(sheet, box, px + ux, py + uy, px + vx, py + vy)
+        scan_edge(sheet, box, px + ux, py + uy, px + vx, py + vy)
 
 
 @kernel
@@ -178,7 +192,7 @@ def _add_arc(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, a
     cosine, sine = np.cos(angle / count), np.sin(angle / count)
     for _ in range(count):
         next_x, next_y = x * cosine - y * sine, x * sine + y * cosine
-        add_edge(sheet, box, px + x, py + y, px + next_x, py + next_y)
+        scan_edge(sheet, box, px + x, py + y, px + next_x, py + next_y)
         x, y = next_x, next_y
 
 

@@ -11,7 +11,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc, add_polygon, is_near
 from irsim_gym.raster.masks import paint_mask
 from irsim_gym.raster.records import AREA, EDGE
-from irsim_gym.raster.sheets import add_edge, paint
+from irsim_gym.raster.sheets import note, paint, scan_edge
 
 MOST_BEAMS = 100
 """Of more beams than that only every n-th is drawn."""
@@ -65,15 +65,23 @@ def _add_beam(sheet: Rays, box: Ints, points: Floats, i: int, width: float) -> N
     """Add the line from the sensor to a point."""
     if not is_near(points, i, 1):
         return
-    ax, ay, bx, by = points[0, 0], points[0, 1], points[i, 0], points[i, 1]
-    dx, dy = bx - ax, by - ay
+    dx, dy = points[i, 0] - points[0, 0], points[i, 1] - points[0, 1]
     size = np.sqrt(dx * dx + dy * dy)
-    if size > 0.0:
-        dx, dy = 0.5 * width * dx / size, 0.5 * width * dy / size
-        add_edge(sheet, box, ax + dy, ay - dx, bx + dy, by - dx)
-        add_edge(sheet, box, bx + dy, by - dx, bx - dy, by + dx)
-        add_edge(sheet, box, bx - dy, by + dx, ax - dy, ay + dx)
-        add_edge(sheet, box, ax - dy, ay + dx, ax + dy, ay - dx)
+    if not size > 0.0:
+        return
+    across, down = -0.5 * width * dy / size, 0.5 * width * dx / size
+    note(
+        sheet, box, min(points[0, 0], points[i, 0]) - width, min(points[0, 1], points[i, 1]) - width,
+        max(points[0, 0], points[i, 0]) + width, max(points[0, 1], points[i, 1]) + width,
+    )  # fmt: skip
+    x, y = points[0, 0] + across, points[0, 1] + down
+    for corner in range(4):
+        middle = i if corner in (0, 1) else 0
+        if corner in (1, 3):
+            across, down = -across, -down
+        next_x, next_y = points[middle, 0] + across, points[middle, 1] + down
+        scan_edge(sheet, box, x, y, next_x, next_y)
+        x, y = next_x, next_y
 
 
 @kernel

@@ -150,7 +150,7 @@ def paint_fog(
                     for m in range(j - 1, j + 2):
                         near = explored[min(max(k, 0), columns - 1), min(max(m, 0), lines - 1)]
                         covered += 0 if near else 1
-            soft[i, j] = np.float32(covered / 9.0)
+            soft[i, j] = np.float32(0.5 + covered / 18.0 if covered > 0 else 0.0)
     for y in range(box[1], box[3]):
         v = min(max(((view[1] - y - 0.5) / view[2] - frame[1]) / frame[3] - 0.5, 0.0), lines - 1.0)
         for x in range(box[0], box[2]):

@@ -25,11 +25,9 @@ from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
 from irsim_gym.jit import kernel
 
 TILE = 16
-LEAST = np.float32(1.0 / 512.0)
-"""Less coverage than this is not seen."""
+FARTHEST = 1e9
+Ink = tuple[Any, Any, Any, Any]
 NOTHING, HALF, ONE, TWO, WHOLE = np.float32(0.0), np.float32(0.5), np.float32(1.0), np.float32(2.0), np.float32(256.0)
-SLACK = 1e-6
-"""More than abscissae along an edge are rounded by [pixel]."""
 
 
 def new_sheet(height: int, width: int) -> Rays:
@@ -44,62 +42,91 @@ def add_edge(sheet: Rays, box: Ints, ax: float, ay: float, bx: float, by: float)
 
     What lies left of the box counts as its left side does, what lies right of it, above it or below it not at all.
     """
+    note(sheet, box, min(ax, bx), min(ay, by), max(ax, bx), max(ay, by))
+    scan_edge(sheet, box, ax, ay, bx, by)
+
+
+@kernel
+def note(sheet: Rays, box: Ints, left: float, top: float, right: float, foot: float) -> None:
+    """Note where edges are going to be added: within these sides [pixel], which may be wider than need be."""
+    header, width = sheet.shape[0] - 1, sheet.shape[1] * TILE // (TILE + 1)
+    if not (left < box[2] and foot > box[1] and top < box[3]):
+        return
+    first_row, end_row = max(int(max(top, 0.0)), box[1]), min(int(min(foot, float(box[3]))) + 1, box[3])
+    first, end = max(int(max(left, 0.0)), box[0]), min(int(min(max(right, float(box[0])), float(box[2]))) + 2, width)
+    sheet[header, 0] = max(sheet[header, 0], np.float32(header - first_row))
+    sheet[header, 1] = max(sheet[header, 1], np.float32(end_row))
+    sheet[header, 2] = max(sheet[header, 2], np.float32(width - first))
+    sheet[header, 3] = max(sheet[header, 3], np.float32(end))
+
+
+@kernel(inlined=True)
+def scan_edge(sheet: Rays, box: Ints, ax: float, ay: float, bx: float, by: float) -> None:
+    """Add an edge whose place was noted; see ``add_edge``."""
     sign = 1.0
     if ay > by:
         ax, ay, bx, by, sign = bx, by, ax, ay, -1.0
     x_low, y_low, x_high, y_high = float(box[0]), float(box[1]), float(box[2]), float(box[3])
-    if not (by > ay and by > y_low and ay < y_high and min(ax, bx) < x_high):
+    if not (by > ay and by > y_low and ay < y_high and min(ax, bx) < x_high and abs(ax) + abs(bx) < FARTHEST):
         return
     slope = (bx - ax) / (by - ay)
-    from_y, to_y = max(ay, y_low), min(by, y_high)
-    x, end_x = ax + slope * (from_y - ay), ax + slope * (to_y - ay)
-    width = sheet.shape[1] * TILE // (TILE + 1)
-    first, last = int(from_y), min(int(to_y), box[3] - 1)
-    _note(sheet, width, first, last, max(min(x, end_x) - SLACK, x_low), max(min(max(x, end_x), x_high), x_low))
-    for row in range(first, last + 1):
-        tall = min(to_y, float(row + 1)) - max(from_y, float(row))
-        if tall <= 0.0:
-            continue
-        next_x = end_x if row == last else x + slope * tall
-        low, high = min(x, next_x), max(x, next_x)
-        x = next_x
-        column = int(max(low, x_low))
-        if low >= x_low and high <= float(column + 1) and high < x_high:
-            _deposit(sheet, width, row, column, sign * tall, 0.5 * (low + high) - float(column))
-            continue
-        per_column = sign * tall / max(high - low, 1e-300)
-        if high <= x_low:
-            _deposit(sheet, width, row, column, sign * tall, 0.0)
-        elif low < x_low:
-            _deposit(sheet, width, row, column, per_column * (x_low - low), 0.0)
-        place, high = max(low, x_low), min(high, x_high)
-        while place < high:
-            until = min(float(column + 1), high)
-            _deposit(sheet, width, row, column, per_column * (until - place), 0.5 * (place + until) - float(column))
-            place = until
-            column += 1
+    x, end_x = ax, bx
+    if ay < y_low:
+        x, ay = ax + slope * (y_low - ay), y_low
+    if by > y_high:
+        end_x, by = bx - slope * (by - y_high), y_high
+    width, row, last = sheet.shape[1] * TILE // (TILE + 1), int(ay), min(int(by), box[3] - 1)
+    while row < last:
+        foot = float(row + 1)
+        next_x = x + slope * (foot - ay)
+        _cross(sheet, width, row, x, next_x, sign * (foot - ay), x_low, x_high)
+        x, ay, row = next_x, foot, row + 1
+    if by > ay:
+        _cross(sheet, width, row, x, end_x, sign * (by - ay), x_low, x_high)
+
+
+@kernel(inlined=True)
+def _cross(
+    sheet: Rays, width: int, row: int, x: float, end_x: float, height: float, x_low: float, x_high: float
+) -> None:
+    """Add the part of an edge that lies within a row; ``height`` is how much of the row it crosses, with its sign."""
+    low, high = min(x, end_x), max(x, end_x)
+    column = int(max(low, x_low))
+    if low >= x_low and high <= float(column + 1) and high < x_high:
+        _deposit(sheet, width, row, column, height, 0.5 * (low + high) - float(column))
+        return
+    if high <= x_low:
+        _deposit(sheet, width, row, column, height, 0.0)
+        return
+    per_column = height / (high - low) if high > low else 0.0
+    line, carried = sheet[np.uint64(row)], 0.0
+    first, place, high = column, max(low, x_low), min(high, x_high)
+    if not place < high:
+        return
+    if low < x_low:
+        line[np.uint64(column)] += np.float32(per_column * (x_low - low))
+    while place < high:
+        until = min(float(column + 1), high)
+        part = per_column * (until - place)
+        right = part * (0.5 * (place + until) - float(column))
+        line[np.uint64(column)] += np.float32(carried + part - right)
+        place, carried, column = until, right, column + 1
+    line[np.uint64(column)] += np.float32(carried)
+    for tile in range(first // TILE, column // TILE + 1):
+        line[np.uint64(width + tile)] = ONE
 
 
 @kernel(inlined=True)
 def _deposit(sheet: Rays, width: int, row: int, column: int, height: float, share: float) -> None:
     """Add the height that an edge crosses within a pixel, on average ``share`` of its width from its left side."""
-    sheet[row, width + column // TILE] = ONE
-    sheet[row, column] += np.float32(height * (1.0 - share))
-    sheet[row, width + (column + 1) // TILE] = ONE
-    sheet[row, column + 1] += np.float32(height * share)
+    line, right = sheet[np.uint64(row)], height * share
+    line[np.uint64(width + column // TILE)] = ONE
+    line[np.uint64(width + (column + 1) // TILE)] = ONE
+    line[np.uint64(column)] += np.float32(height - right)
+    line[np.uint64(column + 1)] += np.float32(right)
 
 
 @kernel(inlined=True)
-def _note(sheet: Rays, width: int, first: int, last: int, low: float, high: float) -> None:
-    """Note the rows and columns that an edge touches; zeros mean that nothing was touched."""
-    header = sheet.shape[0] - 1
-    sheet[header, 0] = max(sheet[header, 0], np.float32(header - first))
-    sheet[header, 1] = max(sheet[header, 1], np.float32(last + 1))
-    sheet[header, 2] = max(sheet[header, 2], np.float32(width - int(low)))
-    sheet[header, 3] = max(sheet[header, 3], np.float32(min(int(high) + 2, width)))
-
-
-@kernel
 def paint(picture: Bytes, sheet: Rays, box: Ints, colour: Floats, even_odd: bool) -> None:
     """Blend a colour into a picture where a sheet's areas are, and leave the sheet empty.
 
@@ -113,32 +140,46 @@ def paint(picture: Bytes, sheet: Rays, box: Ints, colour: Floats, even_odd: bool
     """
     header, width = sheet.shape[0] - 1, sheet.shape[1] * TILE // (TILE + 1)
     first_row, end_row = header - int(sheet[header, 0]), int(sheet[header, 1])
-    first, end = width - int(sheet[header, 2]), min(int(sheet[header, 3]), width)
+    first_tile, end = (width - int(sheet[header, 2])) // TILE, int(sheet[header, 3])
     sheet[header, 0] = sheet[header, 1] = sheet[header, 2] = sheet[header, 3] = NOTHING
-    opacity = np.float32(min(max(float(colour[picture.shape[2]]), 0.0), 1.0))
+    whole = WHOLE * np.float32(min(max(float(colour[picture.shape[2]]), 0.0), 1.0))
+    last = picture.shape[2]  # a channel that there is not has any value
+    red, green = np.int32(colour[0] + 0.5), np.int32(colour[min(1, last)] + 0.5)
+    ink = red, green, np.int32(colour[min(2, last)] + 0.5), np.int32(colour[min(3, last)] + 0.5)
     for row in range(first_row, end_row):
-        total, tile = NOTHING, first // TILE
+        total, tile, share, sums = NOTHING, first_tile, np.int32(0), sheet[row]
         while tile * TILE < end:
             column = tile * TILE
-            if sheet[row, width + tile] != NOTHING:
-                sheet[row, width + tile] = NOTHING
-                until = min(column + TILE, width)
-                for place in range(column, until):
-                    total += sheet[row, place]
-                    sheet[row, place] = NOTHING
-                    covered = _covered(total, even_odd)
-                    if covered > LEAST and place < box[2]:
-                        _blend(picture, row, place, place + 1, colour, covered * opacity)
+            if sums[width + tile] != NOTHING:
+                sums[width + tile] = NOTHING
+                stop = min(column + TILE, width)
+                total = _sum(sums, column, stop, total, whole, even_odd)
+                share = np.int32(_covered(total, even_odd) * whole + HALF)
+                _blend_shares(picture, row, column, min(stop, box[2]), colour, ink, sums)
+                for place in range(np.uint32(column), np.uint32(stop)):
+                    sums[place] = NOTHING
                 tile += 1
                 continue
-            while tile * TILE < end and sheet[row, width + tile] == NOTHING:
+            while tile * TILE < end and sums[width + tile] == NOTHING:
                 tile += 1
-            covered = _covered(total, even_odd)
-            if covered > LEAST:
-                _blend(picture, row, column, min(tile * TILE, box[2]), colour, covered * opacity)
-        covered = _covered(total, even_odd)
-        if covered > LEAST:
-            _blend(picture, row, tile * TILE, box[2], colour, covered * opacity)
+            if share > 0:
+                _blend(picture, row, column, min(tile * TILE, box[2]), colour, ink, share)
+        if share > 0:
+            _blend(picture, row, tile * TILE, box[2], colour, ink, share)
+
+
+@kernel(inlined=True)
+def _sum(sums: Rays, first: int, end: int, total: Any, whole: Any, even_odd: bool) -> Any:
+    """Turn changes of coverage into shares of 256 parts of a colour, to be rounded off; return the sum of changes."""
+    if even_odd:
+        for place in range(np.uint32(first), np.uint32(end)):
+            total += sums[place]
+            sums[place] = _covered(total, True) * whole + HALF
+    else:
+        for place in range(np.uint32(first), np.uint32(end)):
+            total += sums[place]
+            sums[place] = min(abs(total), ONE) * whole + HALF
+    return total
 
 
 @kernel(inlined=True)
@@ -152,37 +193,52 @@ def _covered(winding: Any, even_odd: bool) -> Any:
 
 
 @kernel(inlined=True)
-def _blend(picture: Bytes, row: int, first: int, end: int, colour: Floats, opacity: Any) -> None:
-    """Blend a colour into the pixels of a row from ``first`` to ``end``."""
-    share = np.int32(opacity * WHOLE + HALF)
-    keep, line = np.int32(256) - share, picture[row]
-    if picture.shape[2] == 4:
-        _blend_four(line, first, end, colour, share, keep)
-        return
-    if picture.shape[2] != 3:
+def _blend(picture: Bytes, row: int, first: int, end: int, colour: Floats, ink: Ink, share: Any) -> None:
+    """Blend ``share`` of 256 parts of a colour into the pixels of a row from ``first`` to ``end``."""
+    keep, line = np.int32(256) - share, picture[np.uint64(row)]
+    if picture.shape[2] not in (3, 4):
         for channel in range(picture.shape[2]):
             value = np.int32(colour[channel] + 0.5) * share + 128
             for column in range(first, end):
                 line[column, channel] = (np.int32(line[column, channel]) * keep + value) >> 8
         return
-    red = np.int32(colour[0] + 0.5) * share + 128
-    green = np.int32(colour[1] + 0.5) * share + 128
-    blue = np.int32(colour[2] + 0.5) * share + 128
-    for column in range(np.uint32(first), np.uint32(end)):  # unsigned: no index counts from the end, and lanes are used
-        line[column, 0] = (np.int32(line[column, 0]) * keep + red) >> 8
-        line[column, 1] = (np.int32(line[column, 1]) * keep + green) >> 8
-        line[column, 2] = (np.int32(line[column, 2]) * keep + blue) >> 8
-
-
-@kernel(inlined=True)
-def _blend_four(line: Bytes, first: int, end: int, colour: Floats, share: Any, keep: Any) -> None:
-    """Blend a colour into pixels with four channels, in lanes."""
-    red = np.int32(colour[0] + 0.5) * share + 128
-    green = np.int32(colour[1] + 0.5) * share + 128
-    blue = np.int32(colour[2] + 0.5) * share + 128
-    fourth = np.int32(colour[3] + 0.5) * share + 128
+    red, green, blue, fourth = ink[0] * share + 128, ink[1] * share + 128, ink[2] * share + 128, ink[3] * share + 128
+    if picture.shape[2] == 3:
+        for column in range(np.uint32(first), np.uint32(end)):  # unsigned: no index counts from the end; lanes are used
+            line[column, 0] = (np.int32(line[column, 0]) * keep + red) >> 8
+            line[column, 1] = (np.int32(line[column, 1]) * keep + green) >> 8
+            line[column, 2] = (np.int32(line[column, 2]) * keep + blue) >> 8
+        return
     for column in range(np.uint32(first), np.uint32(end)):
         line[column, 0] = (np.int32(line[column, 0]) * keep + red) >> 8
         line[column, 1] = (np.int32(line[column, 1]) * keep + green) >> 8
         line[column, 2] = (np.int32(line[column, 2]) * keep + blue) >> 8
         line[column, 3] = (np.int32(line[column, 3]) * keep + fourth) >> 8
+
+
+@kernel(inlined=True)
+def _blend_shares(picture: Bytes, row: int, first: int, end: int, colour: Floats, ink: Ink, shares: Rays) -> None:
+    """Blend a colour into the pixels of a row from ``first`` to ``end``, each with its share of 256 parts."""
+    line = picture[np.uint64(row)]
+    if picture.shape[2] not in (3, 4):
+        for column in range(first, end):
+            share = np.int32(shares[column])
+            for channel in range(picture.shape[2]):
+                value = np.int32(colour[channel] + 0.5) * share + 128
+                line[column, channel] = (np.int32(line[column, channel]) * (256 - share) + value) >> 8
+        return
+    if picture.shape[2] == 3:
+        for column in range(np.uint32(first), np.uint32(end)):
+            share = np.int32(shares[column])
+            keep = np.int32(256) - share
+            line[column, 0] = (np.int32(line[column, 0]) * keep + (ink[0] * share + 128)) >> 8
+            line[column, 1] = (np.int32(line[column, 1]) * keep + (ink[1] * share + 128)) >> 8
+            line[column, 2] = (np.int32(line[column, 2]) * keep + (ink[2] * share + 128)) >> 8
+        return
+    for column in range(np.uint32(first), np.uint32(end)):
+        share = np.int32(shares[column])
+        keep = np.int32(256) - share
+        line[column, 0] = (np.int32(line[column, 0]) * keep + (ink[0] * share + 128)) >> 8
+        line[column, 1] = (np.int32(line[column, 1]) * keep + (ink[1] * share + 128)) >> 8
+        line[column, 2] = (np.int32(line[column, 2]) * keep + (ink[2] * share + 128)) >> 8
+        line[column, 3] = (np.int32(line[column, 3]) * keep + (ink[3] * share + 128)) >> 8
