@@ -271,3 +271,19 @@ def test_gymnasiums_films_run_in_real_time(mode: str, frames: int, fps: float, t
     with imageio.get_reader(film) as reader:
         assert reader.count_frames() in (frames - 1, frames)  # moviepy rounds lengths down: it may lose the last one
         assert reader.get_meta_data()["fps"] == pytest.approx(fps, abs=0.01)
+
+
+def test_an_end_stays_in_the_window_where_the_next_episode_begins_at_once(
+    shown: list[tuple[np.ndarray, float]],
+) -> None:
+    envs = irsim_gym.make_vec(
+        {"world": WORLD, "robot": ROBOT}, 2, render_mode="human", max_steps=2, autoreset_mode="SameStep"
+    )
+    envs.reset(seed=0)
+    for _ in range(4):
+        envs.step(np.stack([AHEAD, AHEAD]))
+    _, first, first_end, second, second_end = (picture for picture, _ in shown)
+    assert np.array_equal(first, second)
+    assert np.array_equal(first_end, second_end)
+    assert not np.array_equal(first, first_end)
+    assert [seconds for _, seconds in shown[1:]] == pytest.approx([0.05] * 4)
