@@ -149,7 +149,8 @@ class Easel:
     def backdrop_key(self, world: int, layout: Layout) -> tuple[Layout, bytes]:
         """Return what the backdrop of a world depends on."""
         state, model = self._state, self._model
-        parts = state.segments[world, self._segment_rows], state.discs[world, self._disc_rows]
+        tables = state.segments[world, self._segment_rows], state.discs[world, self._disc_rows]
+        parts = state.pose[world, self._fixed], *tables  # images turn where outlines do not
         here = model.present[world, self._fixed]
         counts = (table[world % len(table), self._fixed] for table in (model.segment_count, model.disc_count))
         return layout, b"|".join([here.tobytes(), *(part.tobytes() for part in (*counts, *parts))])
