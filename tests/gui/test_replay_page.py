@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from browser import browser
 
+import irsim_gym
 from irsim_gym.training.record import record_html
 
 ROOM = """
@@ -241,6 +242,47 @@ def test_a_click_into_the_plot_goes_there(page: Page) -> None:
     middle = page.run("return (byId('chart').clientWidth / 2 - player.chart.plot.left) / player.chart.plot.width")
     wanted = middle * page.run("return player.episode.duration")
     assert page.moment == page.run(f"return player.episode.momentAt({wanted})")
+
+
+def test_a_moment_looks_like_a_frame(driver: Any, tmp_path: Path) -> None:
+    """On a canvas of 600 x 600 pixels the page shows what matplotlib draws, but for fonts and anti-aliasing."""
+    scenario = {
+        "world": {"height": 10, "width": 10},
+        "robot": [
+            {
+                "kinematics": {"name": "acker", "wheelbase": 1.0},
+                "shape": {"name": "rectangle", "length": 1.6, "width": 0.8},
+                "state": [2, 2, 0.6],
+                "goal": [8, 8, 0],
+                "behavior": {"name": "dash"},
+                "plot": {"show_goal": True, "show_trajectory": True, "show_text": True, "show_trail": True},
+                "sensors": [{"name": "lidar2d", "number": 90, "range_max": 4}],
+            }
+        ],
+        "obstacle": [
+            {"shape": {"name": "polygon", "vertices": [[5, 2], [7, 2], [6.5, 4]]}},
+            {"shape": {"name": "circle", "radius": 0.8}, "state": [3, 6]},
+            {"shape": {"name": "linestring", "vertices": [[6, 6], [6, 9], [9, 9]]}},
+        ],
+    }
+    with irsim_gym.load(scenario, record=True) as world:
+        for _ in range(30):
+            world.step()
+        frame, replay = world.render(), world.save_html(tmp_path / "run.html")
+    open_page(driver, replay, 1300, 900)
+    page = Page(driver)
+    page.run(
+        "byId('world').style.cssText = 'position: fixed; left: 0; top: 0; width: 600px; height: 600px; z-index: 9'"
+    )
+    page.run("player.go(30)")
+    page.settle()
+    shown = page.picture()[:600, :600].astype(int)
+    assert frame.shape == shown.shape
+    off = np.abs(frame.astype(int) - shown).max(axis=2)
+    assert off.mean() < 3.0
+    assert (off > 60).mean() < 0.02
+    assert (np.abs(frame.astype(int) - 255).max(axis=2) > 60).mean() > 0.05  # there is something to see
+    assert page.problems() == []
 
 
 @pytest.mark.parametrize("size", [(1400, 900), (420, 860)])

@@ -217,10 +217,11 @@ function drawLabel(view, body, moment, goals, { names }) {
   write(view, text, column, row, style);
 }
 
-function drawGoalLabel(view, goal) {
-  if (goal.style.goal_label) {
-    write(view, goal.style.goal_label, view.column(goal.x), view.row(goal.y - goal.tolerance), goal.style);
-  }
+/** Write a goal's name below its circle: its flag is above. */
+function drawGoalLabel(view, { x, y, tolerance, style }) {
+  if (!style.goal_label) return;
+  const height = 1.3 * style.label_size * view.point;
+  write(view, style.goal_label, view.column(x), view.row(y - tolerance) + height, style);
 }
 
 function write(view, text, column, row, style) {

@@ -206,7 +206,7 @@ class WorldView {
       this.paths.set(map, path);
     }
     this.metres();
-    this.line(0.35);  // thin walls are seen however small the map is, and boxes have no seams
+    this.line(0.5);  // thin walls are seen however small the map is, and boxes have no seams
     this.context.globalAlpha = map.alpha;
     this.context.fillStyle = this.context.strokeStyle = map.colour;
     this.context.fill(this.paths.get(map));

@@ -1,0 +1,124 @@
+"""What a world by hand keeps of its course: films, pages, sheets, pictures of ways."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import imageio.v3 as iio
+import imageio_ffmpeg
+import numpy as np
+import pytest
+from small_world import world
+
+from irsim_gym import cli
+from irsim_gym.render.packing import unpacked
+from irsim_gym.render.replay_page import read_html
+
+SMALL = {"plot": {"figure_pixels": [240, 200]}}
+
+
+def test_a_page_holds_all_episodes(tmp_path: Path) -> None:
+    here = world(world=SMALL, record=True)
+    for _ in range(4):
+        here.step()
+    here.reset()
+    here.step([1.0, 0.5])
+    here.add("robot", name="late", kinematics={"name": "diff"}, state=[5, 8, 0])
+    here.step()
+    here.remove("robot_1")
+    here.step()
+    page = here.save_html(tmp_path / "run")
+    assert page == tmp_path / "run.html"
+    first, second = read_html(page)["episodes"]
+    assert (first["count"], second["count"]) == (5, 4)
+    assert (first["name"], second["name"]) == ("episode 1: running, 0.4 s", "episode 2: running, 0.3 s")
+    assert [agent["name"] for agent in first["agents"]] == ["robot_0", "robot_1"]
+    distance = unpacked(first["agents"][0]["values"]["goal_distance"], 5).ravel()
+    assert distance[0] == pytest.approx(np.hypot(8, 8), abs=1e-6)
+    assert (np.diff(distance) < 0).all()
+    gone = next(body for body in second["bodies"] if body["name"] == "robot_1")
+    assert np.isnan(unpacked(gone["poses"][0], 4)[:, 0]).tolist() == [False, False, False, True]
+    late = next(body for body in second["bodies"] if body["name"] == "late")
+    assert np.isnan(unpacked(late["poses"][0], 4)[:, 0]).tolist() == [True, True, False, False]
+    here.save_animation(tmp_path / "run.gif")
+    assert len(read_html(here.save_html(tmp_path / "again.html"))["episodes"]) == 2
+
+
+def test_a_sheet_shows_what_was_filmed(tmp_path: Path) -> None:
+    here = world(world=SMALL, record=True)
+    frames = [here.render()]
+    for _ in range(6):
+        here.step()
+        frames.append(here.render())
+    film = here.save_animation(tmp_path / "run.gif")
+    assert len(iio.imread(film)) == 7
+    sheet = iio.imread(here.save_sheet(tmp_path / "sheet", moments=4))[..., :3]
+    assert sheet.shape == (200, 4 * 240, 3)
+    for k, moment in enumerate((0, 2, 4, 6)):
+        assert np.array_equal(sheet[:, 240 * k : 240 * (k + 1)], frames[moment])
+    with pytest.raises(ValueError, match="at least 2 moments, got 1"):
+        here.save_sheet(tmp_path / "sheet", moments=1)
+
+
+def test_a_picture_of_ways(tmp_path: Path) -> None:
+    here = world(world=SMALL, record=True)
+    for _ in range(30):
+        here.step()
+    shown = here.render()
+    text = here.save_strobe(tmp_path / "ways.svg").read_text()
+    assert re.search(r">0\.0( s|\N{EN DASH})", text)
+    picture = iio.imread(here.save_strobe(tmp_path / "ways"))[..., :3]
+    assert picture.shape == (2 * shown.shape[0], 2 * shown.shape[1], 3)
+    assert np.array_equal(here.render(), shown)
+
+
+@pytest.mark.parametrize("what", ["save_html", "save_sheet", "save_strobe", "save_animation"])
+def test_without_record_there_is_nothing(what: str, tmp_path: Path) -> None:
+    here = world(world=SMALL)
+    here.step()
+    with pytest.raises(ValueError, match="record=True"):
+        getattr(here, what)(tmp_path / "run")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_names_that_are_wrong(tmp_path: Path) -> None:
+    here = world(world=SMALL, record=True)
+    with pytest.raises(ValueError, match=r"must end in \.html, got 'run\.mp4'"):
+        here.save_html(tmp_path / "run.mp4")
+    with pytest.raises(ValueError, match=r"must end in \.png"):
+        here.save_sheet(tmp_path / "run.pdf")
+
+
+def test_recording_changes_nothing() -> None:
+    states = []
+    for record in (False, True):
+        here = world(world=SMALL, record=record)
+        for _ in range(20):
+            here.step()
+        state = here.simulation.state
+        states.append(np.concatenate([state.pose.ravel(), state.random.view(np.float64).ravel(), state.twist.ravel()]))
+    assert np.array_equal(states[0].view(np.uint64), states[1].view(np.uint64))
+
+
+def test_run_writes_films_and_pages(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("run.mp4", "run.html"):
+        monkeypatch.setattr(sys, "argv", ["irsim-gym", "run", "empty_goal", "--steps", "9", "--film", name])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        assert not end.value.code
+        assert capsys.readouterr().out.splitlines()[-1] == name
+    assert imageio_ffmpeg.count_frames_and_secs("run.mp4") == (10, pytest.approx(1.0))
+    assert read_html("run.html")["episodes"][0]["count"] == 10
+
+
+def test_progress_is_for_terminals_alone(tmp_path: Path) -> None:
+    program = "import irsim_gym; from irsim_gym.render.video import write_video; import numpy as np\n"
+    program += f"write_video(np.zeros((5, 16, 16, 3), np.uint8), {str(tmp_path / 'a.gif')!r}, 5.0, total=5)"
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert (result.stdout, result.stderr) == ("", "")
