@@ -26,7 +26,9 @@ def grid(frames: Sequence[Bytes], columns: int | None = None) -> Bytes:
     rows = math.ceil(len(frames) / columns)
     height, width = (max(frame.shape[axis] for frame in frames) for axis in (0, 1))
     picture = np.empty((rows * height, columns * width, 3), np.uint8)
-    picture[:] = [int(theme.PAPER[k : k + 2], 16) for k in (1, 3, 5)]
+    if len(frames) < rows * columns or any(frame.shape[:2] != (height, width) for frame in frames):
+        for channel in range(3):  # each by itself, which is ten times as fast
+            picture[..., channel] = int(theme.PAPER[1 + 2 * channel : 3 + 2 * channel], 16)
     for k, frame in enumerate(frames):
         row, column = divmod(k, columns)
         top, left = row * height, column * width
