@@ -222,8 +222,8 @@ class _Gif(_Encoder):
         end = max(round(100 * self._count / self._fps), self._shown_from[-1] + SHORTEST_GIF_FRAME)
         durations = [10 * (after - begin) for begin, after in pairwise([*self._shown_from, end])]
         first, *others = self._images
-        # What Pillow calls optimizing takes half of the time, saves a fifth of the file, and makes frames with and without
-        # an alpha channel, which many readers refuse.
+        # Pillow's optimizing takes half of the time for a fifth of the file, and gives some frames an alpha channel,
+        # which many readers refuse.
         how: dict[str, Any] = {"loop": 0, "disposal": 1, "optimize": False}
         first.save(self._path, save_all=True, append_images=others, duration=durations, **how)
         self._images = []
