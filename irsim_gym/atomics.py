@@ -24,10 +24,10 @@ PAUSES = {
 
 
 def _load(context: Any, address: Any) -> Any:
-    """Return what stands at an address."""
+    """Return what stands at an address, in one order with all writing: who says that it sleeps looks after that."""
 
     def generate(context: Any, build: Any, signature: Any, arguments: Any) -> Any:
-        return build.load_atomic(_pointer(build, arguments[0]), "acquire", 8)
+        return build.load_atomic(_pointer(build, arguments[0]), "seq_cst", 8)
 
     return types.int64(types.int64), generate
 

@@ -68,9 +68,10 @@ class Desk:
         """Do what is laid down, until nothing has come for a while; called by the thread of a slot."""
         serve(self._at, slot, BLOCK)
 
-    def clear(self) -> None:
-        """Take away what nobody has begun."""
+    def give_up(self) -> bool:
+        """Take away what nobody has begun, wait a little for the rest, and return whether all is done."""
         take_away(self._at)
+        return self.wait()
 
     @property
     def failed(self) -> int:

@@ -118,8 +118,9 @@ class Shards:
             while not desk.wait():
                 time.sleep(NAP_S)
         except BaseException:
-            desk.clear()
-            _insist(desk.wait)
+            _insist(desk.give_up)
+            for lane in lanes:
+                lane.attend(desk)  # whoever was to be woken: the desk takes it to be awake
             raise
         programs[0].check(desk.failed)
         self._ended = time.perf_counter()

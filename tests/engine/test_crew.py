@@ -9,6 +9,7 @@ import signal
 import threading
 import time
 from types import FrameType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -129,6 +130,27 @@ def test_an_interrupt_leaves_nothing_under_way(monkeypatch: pytest.MonkeyPatch) 
     for _ in range(20):
         made.run(quick.fused)
     assert quick.seen.tolist() == [20] * N
+
+
+def test_threads_take_part_again_after_an_interrupt_before_they_were_woken(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, visits = Shards(N, 2), Visits()
+    monkeypatch.setattr(shards, "HEAD_START_S", 0.05)  # the thread does the job, and sleeps again
+    made.run(visits.fused)
+    made.run(visits.fused)
+    offer, calls = crew.Desk.offer, list[int]()
+
+    def interrupted(*arguments: Any) -> list[int]:
+        calls.extend(offer(*arguments))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(crew.Desk, "offer", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        made.run(visits.fused)
+    monkeypatch.setattr(crew.Desk, "offer", offer)
+    assert calls == [1]  # it was to be woken
+    visits.slots[:] = 0
+    made.run(visits.fused)
+    assert visits.slots[1].sum() > 0
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")

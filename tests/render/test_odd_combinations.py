@@ -105,6 +105,6 @@ def test_who_has_drawn_much_draws_as_one_who_is_new(backend: str) -> None:
 
 def test_texts_are_whole_after_a_small_figure_was_saved(tmp_path: Path) -> None:
     old, new = (drawn({"figure_pixels": [16, 16]})[0] for _ in range(2))
-    old.save(tmp_path / "first.svg")
+    old.save(tmp_path / "first.png", dots_per_inch=50)
     assert np.array_equal(old.frame(0, "my status"), new.frame(0, "my status"))
     assert not np.array_equal(old.frame(0, "my status"), old.frame(0, "status of mine"))  # it is seen
