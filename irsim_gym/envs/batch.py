@@ -244,10 +244,12 @@ class Batch:
 
     def observation(self) -> Observation:
         """Return a fresh copy of what the agents perceive now."""
-        seen = self.worlds.episodes.view.percepts.each(np.copy)
-        if not self._live.all():
-            seen.overwrite(~self._live, self._seen)
-        return self.worlds.layout.formed(seen)
+        view, layout = self.worlds.episodes.view, self.worlds.layout
+        if self._live.all():
+            return layout.fresh(view)
+        seen = view.percepts.each(np.ndarray.copy)
+        seen.overwrite(~self._live, self._seen)
+        return layout.formed(seen)
 
     def state(self) -> Rays:
         """Return what a centralised critic sees now, fresh, ``(n_worlds, state_size)``."""

@@ -7,6 +7,7 @@ import os
 import pickle
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -256,13 +257,20 @@ def test_slots_of_a_team(mode):
     assert ends > 5
 
 
-@pytest.mark.filterwarnings("ignore:Observation(s)? (space for each agent probably|is not a NumPy):UserWarning")
-@pytest.mark.filterwarnings("ignore:.*connect_four.*:DeprecationWarning")
-@pytest.mark.parametrize("observations", [[IMAGE], ["goal", IMAGE]], ids=["picture", "dict"])
-def test_parallel_environments(observations):
-    from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
+DICTS = pytest.mark.filterwarnings(
+    "ignore:Observation(s)? (space for each agent probably|is not a NumPy):UserWarning"
+)  # PettingZoo's tests would rather see arrays
 
-    scene = crossing(observations=observations)
+
+@pytest.mark.parametrize(
+    "observations", [pytest.param([IMAGE], id="picture"), pytest.param(["goal", IMAGE], id="dict", marks=DICTS)]
+)
+def test_parallel_environments(observations):
+    with warnings.catch_warnings():  # with pytest at hand, PettingZoo's tests import a game in a deprecated way
+        warnings.filterwarnings("ignore", ".*connect_four.*", DeprecationWarning)
+        from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
+
+    scene = crossing(**{**BASE, "observations": observations})
     parallel_api_test(irsim_gym.parallel_env(scene), 12)
     parallel_seed_test(lambda: irsim_gym.parallel_env(scene), 12)
     api_test(parallel_to_aec(irsim_gym.parallel_env(scene)), 12)

@@ -184,11 +184,13 @@ def view_of_all(bounds: Floats, pixels: int) -> View:
 
 @kernel
 def fill(picture: Bytes, colour: Floats) -> None:
-    """Fill a picture with a colour."""
+    """Fill a picture of three channels with a colour."""
+    red, green, blue = int(colour[0]), int(colour[1]), int(colour[2])
     for row in range(picture.shape[0]):
         for column in range(picture.shape[1]):
-            for channel in range(picture.shape[2]):
-                picture[row, column, channel] = int(colour[channel])
+            picture[row, column, 0] = red
+            picture[row, column, 1] = green
+            picture[row, column, 2] = blue
 
 
 @kernel
