@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 RENDER_MODES = ("human", "rgb_array", "rgb_array_list")
 MOST_SHOWN = 16
 """How many worlds a window shows at most: the first ones."""
+MOST_SECONDS = 1.0
+"""How long ``show`` keeps a picture at most [s]: steps may have been many since somebody looked last."""
 ROOM = (1600, 1200)
 """Width and height of a picture of several worlds at most [pixel]."""
 
@@ -91,7 +93,7 @@ class Pictures:
         if self.mode == "rgb_array_list":
             for w in worlds.tolist():
                 self._list(w).clear()
-                self._list(w).append(self.now(w))
+            self._keep(worlds)
         self._stale[worlds] = True
         if self.mode == "human" and at_once:
             self._seconds = self._seconds or self._scenario.world.step_time
@@ -111,11 +113,15 @@ class Pictures:
         due = (state.step[chosen] % world.steps_per_sample == 0) | (over & ~self._over[chosen])
         self._over[chosen] = over
         if self.mode == "rgb_array_list":
-            for w in chosen[due].tolist():
-                self._list(w).append(self.now(w))
+            self._keep(chosen[due])
             return
         self._stale[chosen[due]] = True
         self.refresh()
+
+    def _keep(self, worlds: Ints) -> None:
+        """Add a picture to the lists of these worlds, each in memory of its own."""
+        for w, picture in zip(worlds.tolist(), self.several(worlds.tolist()), strict=True):
+            self._list(w).append(picture.copy() if len(worlds) > 1 else picture)
 
     def note_respawn(self, agents: Flags) -> None:
         """Take in that agents ``(n_worlds, n_agents)`` have come to another place."""
@@ -195,9 +201,10 @@ class Pictures:
         return grid(self.several(chosen, size), in_a_row).view(Picture)
 
     def show(self) -> None:
-        """Show all worlds as they are in a window, whatever the mode, as long as their steps last."""
+        """Show all worlds as they are in a window, whatever the mode; the picture before is given a second at most."""
         self._refuse_without_mode()
         self._stale[:] = self._begun
+        self._seconds = min(self._seconds, MOST_SECONDS)
         self.refresh()
 
     def refresh(self) -> None:
@@ -214,8 +221,8 @@ class Pictures:
             columns, size = self._tile(len(self._panels), None, SCREEN)
             for w, panel in zip(changed, self.several(changed, size), strict=True):
                 self._panels[w] = panel
-            blank = np.full_like(panel, 255)
-            self._screen.show(grid([blank if one is None else one for one in self._panels], columns), self._seconds)
+            panels = [np.full_like(panel, 255) if one is None else one for one in self._panels]
+            self._screen.show(panel if len(panels) == 1 else grid(panels, columns), self._seconds)
             self._seconds = 0.0
         self._stale[:] = False
 

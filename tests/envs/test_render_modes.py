@@ -201,6 +201,10 @@ def test_stable_baselines_gets_pictures_and_windows(shown: list[tuple[np.ndarray
     assert np.array_equal(shown[-1][0], np.hstack(images))
     assert shown[-1][1] == pytest.approx(0.05)
     assert np.array_equal(env.env_method("render", indices=1)[0], images[1])
+    for _ in range(30):  # a second and a half in the world, in which nobody looked
+        env.step(np.stack([AHEAD, -AHEAD]))
+    env.render("human")
+    assert shown[-1][1] == pytest.approx(1.0)
     watched = FACES["sb3"](render_mode="human", seed=0)
     watched.reset()
     before = len(shown)
