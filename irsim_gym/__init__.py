@@ -18,12 +18,14 @@ if TYPE_CHECKING:
     from irsim_gym.envs import sb3
     from irsim_gym.envs.batch import make_batch
     from irsim_gym.envs.parallel import parallel_env
+    from irsim_gym.envs.replays import RecordReplay
     from irsim_gym.live import load
     from irsim_gym.scenario import load_scenario
     from irsim_gym.training.demonstrations import load_demonstrations
     from irsim_gym.training.recorder import record_demonstrations
 
 _LAZY = {
+    "RecordReplay": ("irsim_gym.envs.replays", "RecordReplay"),
     "behavior": ("irsim_gym.behaviors.custom", "behavior"),
     "compile": ("irsim_gym.engine", "compile"),
     "group_behavior": ("irsim_gym.behaviors.custom", "group_behavior"),
@@ -37,6 +39,7 @@ _LAZY = {
 }
 
 __all__ = [
+    "RecordReplay",
     "behavior",
     "compile",
     "errors",

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from irsim_gym.engine.telemetry import telemetry
 from irsim_gym.envs.pictures import world_status
+from irsim_gym.envs.replays import agent_values
 from irsim_gym.evaluation.policy import Policy, by_agent
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.training.policies import load_policy, policy_names
@@ -83,21 +83,7 @@ class Players:
 
     def values(self, world: int) -> list[dict[str, Any]]:
         """Return what is known of each agent now: how it fares, its action, its rewards and how its episode stands."""
-        episodes, simulation = self.episodes, self.episodes.simulation
-        view, begun = episodes.view, bool(simulation.state.step[world])
-        found = []
-        for a, numbers in enumerate(telemetry(simulation, world, simulation.agents)):
-            size = int(episodes.action_sizes[a])
-            found.append(
-                {
-                    **numbers,
-                    "outcome": Outcome(int(view.infos["outcome"][world, a])).name.lower(),
-                    "action": episodes.state.action[world, a, :size].tolist() if begun else None,
-                    "reward": float(view.reward[world, a]),
-                    "terms": dict(zip(episodes.reward_names, view.reward_terms[world, a].tolist(), strict=True)),
-                }
-            )
-        return found
+        return agent_values(self.episodes, world)
 
 
 def players(
