@@ -141,27 +141,46 @@ def paint_fog(
         view: Column and row of the world's origin [pixel], and pixels per metre.
         colour: Colour and opacity.
     """
+    soften(explored, soft)
+    columns, lines = explored.shape[0], explored.shape[1]
+    across, along = 1.0 / (view[2] * frame[2]), 1.0 / (view[2] * frame[3])
+    first = (0.5 - view[0]) * across - frame[0] / frame[2] - 0.5
+    red, green, blue = int(colour[0] + 0.5), int(colour[1] + 0.5), int(colour[2] + 0.5)
+    strength = np.float32(256.0 * colour[3])
+    for y in range(box[1], box[3]):
+        v = min(max((view[1] - y - 0.5) * along - frame[1] / frame[3] - 0.5, 0.0), lines - 1.0)
+        j = min(int(v), max(lines - 2, 0))
+        m, high = min(j + 1, lines - 1), np.float32(v - j)
+        known, low, rise = -1, np.float32(0.0), np.float32(0.0)
+        for x in range(box[0], box[2]):
+            u = min(max(first + x * across, 0.0), columns - 1.0)
+            i = min(int(u), max(columns - 2, 0))
+            if i != known:
+                k, known = min(i + 1, columns - 1), i
+                low = strength * (soft[i, j] + (soft[i, m] - soft[i, j]) * high)
+                rise = strength * (soft[k, j] + (soft[k, m] - soft[k, j]) * high) - low
+            share = int(low + rise * np.float32(u - i) + np.float32(0.5))
+            if share > 0:
+                picture[y, x, 0] = (int(picture[y, x, 0]) * (256 - share) + red * share + 128) >> 8
+                picture[y, x, 1] = (int(picture[y, x, 1]) * (256 - share) + green * share + 128) >> 8
+                picture[y, x, 2] = (int(picture[y, x, 2]) * (256 - share) + blue * share + 128) >> 8
+
+
+@kernel
+def soften(explored: Flags, soft: Rays) -> None:
+    """Write how much each cell is covered: explored ones not at all, others by the share of the nine around them.
+
+    Args:
+        explored: Which cells are, shape ``(n_columns, n_rows)``.
+        soft: Gets 0, or 0.5 to 1, likewise; beyond the border cells are as at it.
+    """
     columns, lines = explored.shape[0], explored.shape[1]
     for i in range(columns):
+        left, right = max(i - 1, 0), min(i + 1, columns - 1)
+        here = (0 if explored[left, 0] else 1) + (0 if explored[i, 0] else 1) + (0 if explored[right, 0] else 1)
+        before = here
         for j in range(lines):
-            covered = 0
-            if not explored[i, j]:
-                for k in range(i - 1, i + 2):
-                    for m in range(j - 1, j + 2):
-                        near = explored[min(max(k, 0), columns - 1), min(max(m, 0), lines - 1)]
-                        covered += 0 if near else 1
-            soft[i, j] = np.float32(0.5 + covered / 18.0 if covered > 0 else 0.0)
-    for y in range(box[1], box[3]):
-        v = min(max(((view[1] - y - 0.5) / view[2] - frame[1]) / frame[3] - 0.5, 0.0), lines - 1.0)
-        for x in range(box[0], box[2]):
-            u = min(max(((x + 0.5 - view[0]) / view[2] - frame[0]) / frame[2] - 0.5, 0.0), columns - 1.0)
-            i, j = min(int(u), max(columns - 2, 0)), min(int(v), max(lines - 2, 0))
-            right, high = u - i, v - j
-            k, m = min(i + 1, columns - 1), min(j + 1, lines - 1)
-            level = (soft[i, j] * (1.0 - right) + soft[k, j] * right) * (1.0 - high)
-            level += (soft[i, m] * (1.0 - right) + soft[k, m] * right) * high
-            share = int(level * colour[3] * 256.0 + 0.5)
-            if share > 0:
-                for channel in range(3):
-                    old = int(picture[y, x, channel])
-                    picture[y, x, channel] = (old * (256 - share) + int(colour[channel] + 0.5) * share + 128) >> 8
+            m = min(j + 1, lines - 1)
+            after = (0 if explored[left, m] else 1) + (0 if explored[i, m] else 1) + (0 if explored[right, m] else 1)
+            soft[i, j] = np.float32(0.0 if explored[i, j] else 0.5 + (before + here + after) / 18.0)
+            before, here = here, after
