@@ -45,18 +45,23 @@ class PynputKeys(KeySource):
 
     def close(self) -> None:
         """End the thread."""
-        if self._listener.is_alive():
-            # Under X pynput's own stop() takes effect with the next key only: its thread waits on the connection that
-            # is told to end. Another connection can end its record at once.
-            connection, context = (getattr(self._listener, name, None) for name in ("_display_stop", "_context"))
-            if connection is not None and context is not None:
-                another = type(connection)()
-                another.record_disable_context(context)
-                another.sync()
-                another.close()
-            else:
-                self._listener.stop()
+        if not self._listener.is_alive():
+            return
+        connection, context = (getattr(self._listener, name, None) for name in ("_display_stop", "_context"))
+        if connection is None or context is None:
+            self._listener.stop()
             self._listener.join(ENDING_S)
+            return
+        # Under X pynput's own stop() takes effect with the next key only: its thread waits on the connection that is
+        # told to end. Another connection can end its record at once, though not before it has quite begun.
+        another = type(connection)()
+        for _ in range(20):
+            another.record_disable_context(context)
+            another.sync()
+            self._listener.join(ENDING_S / 20)
+            if not self._listener.is_alive():
+                break
+        another.close()
 
     def _pressed(self, key: Any, *_: Any) -> None:
         self._take(key, down=True)
