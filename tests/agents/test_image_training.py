@@ -17,8 +17,10 @@ from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import load_task
 from irsim_gym.training.commands import new_settings
+from irsim_gym.training.demonstrations import load_demonstrations
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
 from irsim_gym.training.policies import SavedPolicy, load_policy
+from irsim_gym.training.recorder import record_demonstrations
 from irsim_gym.training.run import Settings
 from irsim_gym.training.train import for_dicts, network, train
 
@@ -114,3 +116,13 @@ def test_the_shipped_task_observes_one_picture() -> None:
     assert Worlds("cluttered_room", task="image_navigation").observation_space == Box(0, 255, (36, 36, 2), np.uint8)
     usual = load_task(load_scenario("cluttered_room"))
     assert (task.rewards, task.endings, task.max_steps) == (usual.rewards, usual.endings, usual.max_steps)
+
+
+def test_demonstrations_hold_pictures(tmp_path: Path) -> None:
+    task = written(tmp_path, BESIDE)
+    found = record_demonstrations("sparse_circles", "dash", tmp_path / "shown.npz", 2, task=task)
+    again = load_demonstrations(tmp_path / "shown.npz")
+    assert isinstance(again.observations, dict)
+    pictures = again.observations["occupancy_image"]
+    assert (pictures.dtype, pictures.shape) == (np.uint8, (len(found), 36, 36, 2))
+    assert (pictures[0] != pictures[-1]).any()
