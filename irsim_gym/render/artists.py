@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
-from dataclasses import replace
+from operator import is_
 
 import numpy as np
 
+from irsim_gym.arraytypes import Floats
 from irsim_gym.render import shapes
 from irsim_gym.render.brush import Brush, tint
 from irsim_gym.render.lettering import Lettering, Type
@@ -21,7 +23,23 @@ RIM, POLE_WIDTH, LATER_RADIUS, FIELD_EDGE = 1.1, 1.3, 2.25, 0.9
 
 
 class Goals:
-    """For each goal the circle of its tolerance, a flag, and dots for the goals after it."""
+    """For each goal the circle of its tolerance, a flag, and dots for the goals after it; goals seldom change."""
+
+    def __init__(self) -> None:
+        self._views: list[GoalView] = []
+        self._scale = (0.0, 0.0)
+        self._ways: tuple[list[Floats], list[list[Floats]], list[Floats]] = [], [], []
+
+    def _shapes(self, brush: Brush, views: Sequence[GoalView]) -> tuple[list[Floats], list[list[Floats]], list[Floats]]:
+        """Return circles, poles and pennants; the last ones again for the same goals at the same scale."""
+        scale = brush.scale, brush.point
+        if scale != self._scale or len(views) != len(self._views) or not all(map(is_, views, self._views)):
+            metre = brush.point / brush.scale
+            feet = [np.array([view.x, view.y]) for view in views]
+            circles = [shapes.disc(view.x, view.y, view.tolerance, brush.scale) for view in views]
+            self._ways = circles, [[POLE * metre + foot] for foot in feet], [PENNANT * metre + foot for foot in feet]
+            self._views, self._scale = list(views), scale
+        return self._ways
 
     def draw(self, brush: Brush, views: Sequence[GoalView]) -> None:
         """Draw these goals: all circles, then dots, then flags."""
@@ -30,16 +48,14 @@ class Goals:
         looks = list(zip(views, colours, strict=True))
         fills = [_faded(colour, 0.30 if view.arrived else 0.14) for view, colour in looks]
         edges = [_faded(colour, 0.9) for colour in colours]
-        circles = [shapes.disc(view.x, view.y, view.tolerance, brush.scale) for view in views]
+        circles, poles, pennants = self._shapes(brush, views)
         brush.areas(circles, fills, edges, [RIM] * len(views))
         for view, colour in looks:
             if len(view.later):
                 brush.dots(view.later, LATER_RADIUS, _faded(colour, 0.45))
         brush.ends("butt", "round")
-        metre = brush.point / brush.scale
-        feet = [np.array([view.x, view.y]) for view in views]
-        brush.bundles([[POLE * metre + foot] for foot in feet], colours, POLE_WIDTH)
-        brush.areas([PENNANT * metre + foot for foot in feet], colours)
+        brush.bundles(poles, colours, POLE_WIDTH)
+        brush.areas(pennants, colours)
 
 
 class Fields:
@@ -69,8 +85,13 @@ class Labels:
         places = brush.to_canvas.transform([(view.x, view.y) for view in views]).tolist()
         for view, (x, y) in zip(views, places, strict=True):
             style = view.style
-            look = Type(style.label_size, style.label_colour, style.label_alpha, align="center", level="bottom")
+            look = _look(style.label_size, style.label_colour, style.label_alpha)
             self._lettering.write(brush, view.text, x, y, look)
+
+
+@functools.lru_cache(maxsize=256)
+def _look(size: float, colour: str, alpha: float) -> Type:
+    return Type(size, colour, alpha, align="center", level="bottom")
 
 
 def clear_of_flags(labels: Sequence[LabelView], goals: Sequence[GoalView], point: float) -> list[LabelView]:
@@ -93,7 +114,7 @@ def clear_of_flags(labels: Sequence[LabelView], goals: Sequence[GoalView], point
     for k in np.flatnonzero((~beside & ~apart).any(axis=1)).tolist():
         view = found[k]
         if view.under is not None:
-            found[k] = replace(view, y=view.under - float(height[k, 0]))
+            found[k] = LabelView(view.x, view.under - float(height[k, 0]), view.text, view.style, view.under)
     return found
 
 

@@ -16,6 +16,7 @@ from matplotlib.transforms import Affine2D
 from irsim_gym.render import shapes, theme
 from irsim_gym.render.brush import CLEAR, Brush, tint
 from irsim_gym.render.image_artists import Images
+from irsim_gym.render.layout import Limits
 from irsim_gym.render.scene import BodyView, MapView
 from irsim_gym.render.styles import BodyStyle
 from irsim_gym.render.washer import Colour
@@ -127,6 +128,22 @@ class MapImage:
         self._image.set(data=cells.T.astype(np.uint8), clim=(0, 1), animated=True)
         self._axes.add_artist(self._image)
         self._shown = view
+
+
+class Touch:
+    """A touch of an outcome's colour over the world.
+
+    Args:
+        bounds: The world's rectangle [m].
+    """
+
+    def __init__(self, bounds: Limits) -> None:
+        x_min, y_min, x_max, y_max = bounds
+        self._corners = np.array([[x_min, y_min], [x_max, y_min], [x_max, y_max], [x_min, y_max]])
+
+    def draw(self, brush: Brush, colours: Sequence[str]) -> None:
+        """Draw it."""
+        brush.areas([self._corners] * len(colours), [tint(colour, 0.07) for colour in colours])
 
 
 class Impacts:

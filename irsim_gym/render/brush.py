@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.backend_bases import RendererBase
-from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.colors import to_rgba
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, BboxBase, IdentityTransform
@@ -35,6 +34,14 @@ def tint(colour: str, alpha: float) -> Colour:
 class Brush:
     """A renderer of matplotlib's, and where the world is on its canvas.
 
+    Args:
+        renderer: The renderer.
+        to_canvas: From metres to the canvas' units.
+        box: Where the world is that is shown.
+        wide_box: The same, wide enough for a wall along the border.
+        keeps_strips: Draw texts once and keep them as pixels.
+        washes: The canvas has pixels, all opaque, which kernels may paint.
+
     Attributes:
         renderer: The renderer.
         context: Its graphics context.
@@ -56,11 +63,12 @@ class Brush:
         wide_box: BboxBase,
         *,
         keeps_strips: bool = False,
+        washes: bool = False,
     ) -> None:
         canvas: Any = renderer
         self.renderer: RendererBase = canvas
         self.to_canvas, self.keeps_strips = to_canvas, keeps_strips
-        self.washer = Washer(renderer, to_canvas) if isinstance(renderer, RendererAgg) else None
+        self.washer = Washer(renderer, to_canvas) if washes else None
         self.box, self.wide_box, self.corner = box, wide_box, (0.0, 0.0)
         self.context: Any = renderer.new_gc()
         self.scale = float(to_canvas.get_matrix()[0, 0])

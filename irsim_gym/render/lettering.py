@@ -15,8 +15,8 @@ from irsim_gym.render import theme
 from irsim_gym.render.brush import Brush
 
 TEXT: dict[str, Any] = {"family": theme.FONT, "parse_math": False, "usetex": False}
-PARTS = 4
-"""A strip is drawn at quarters of a pixel each way, so that a text that moves does not jump."""
+PARTS = 2
+"""A strip is drawn at halves of a pixel each way, so that a text that moves does not jump."""
 REMEMBERED = 2048
 MARGIN = 4
 

@@ -13,7 +13,7 @@ from irsim_gym.render import shapes
 from irsim_gym.render.brush import Brush, tint
 from irsim_gym.render.scene import TrailView
 
-FAINTEST, FADE_STEPS = 0.12, 20
+FAINTEST, FADE_STEPS = 0.12, 16
 THIN, THINNEST_BAND = 1.9, 0.3
 """Width of a path without one of its own, and the least of those with one [point]."""
 APART = 3.0

@@ -12,7 +12,8 @@ from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.render.scene import BodyView, FieldView, ScanView
 
 FULL_TURN = 2.0 * np.pi - 0.01
-ARC_STEP = 0.05
+FLATNESS = 0.4
+"""Eight times how far an arc may be from the lines that stand for it [pixel]."""
 MOST_BEAMS = 100
 CIRCLE_VERTICES: Floats = np.asarray(Path.unit_circle().vertices, np.float64)
 CIRCLE_CODES = Path.unit_circle().codes
@@ -63,6 +64,13 @@ def disc(x: float, y: float, radius: float, scale: float) -> Floats:
     return np.asarray(_circle(count) * radius + np.array([x, y]), np.float64)
 
 
+@functools.lru_cache(maxsize=64)
+def _sector(span: float, count: int) -> Floats:
+    """Return the corners of a sector with its middle ahead and a radius of one."""
+    angles = np.linspace(-0.5, 0.5, count + 1) * span
+    return np.vstack([np.zeros((1, 2)), np.column_stack([np.cos(angles), np.sin(angles)])])
+
+
 @functools.lru_cache(maxsize=16)
 def _circle(count: int) -> Floats:
     angles = np.linspace(0.0, 2.0 * np.pi, count + 1)[:-1]
@@ -73,10 +81,9 @@ def sector(view: FieldView, scale: float) -> Floats:
     """Return the corners of a field of view: a sector, or a disc when it is a full turn wide."""
     if view.span >= FULL_TURN:
         return disc(view.x, view.y, view.radius, scale)
-    angles = view.heading + np.linspace(-0.5, 0.5, max(int(view.span / ARC_STEP), 2) + 1) * view.span
-    corners = np.zeros((len(angles) + 1, 2))
-    corners[1:, 0], corners[1:, 1] = view.radius * np.cos(angles), view.radius * np.sin(angles)
-    return np.asarray(corners + np.array([view.x, view.y]), np.float64)
+    count = math.ceil(view.span * math.sqrt(max(view.radius * scale, 1.0) / FLATNESS)) + 1
+    across, up = view.radius * math.cos(view.heading), view.radius * math.sin(view.heading)
+    return np.asarray(_sector(view.span, count) @ np.array([[across, up], [-up, across]]) + (view.x, view.y))
 
 
 def beams(view: ScanView) -> list[Floats]:

@@ -19,7 +19,7 @@ from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import artists, scan_artists, theme
 from irsim_gym.render.artists import clear_of_flags
 from irsim_gym.render.backdrop import Backdrop
-from irsim_gym.render.body_artists import Bodies, Headings, Impacts, MapImage
+from irsim_gym.render.body_artists import Bodies, Headings, Impacts, MapImage, Touch
 from irsim_gym.render.brush import Brush
 from irsim_gym.render.card import Play, Ticks, add_frame, make_axes
 from irsim_gym.render.files import whole_file
@@ -70,7 +70,8 @@ class Stage:
         self._fields, self._goals, self._trails = artists.Fields(), artists.Goals(), Trails()
         self._headings, self._impacts = Headings(), Impacts()
         self._labels = artists.Labels(lettering)
-        self._outcome = add_frame(axes, layout, linewidth=2.2, animated=True)
+        self._outcome = add_frame(axes, layout, linewidth=2.2, facecolor="none", animated=True)
+        self._touch = Touch(layout.bounds)
         self._head = Head(lettering, layout, titled=titled) if show_title else None
         self._clipped = clipped
         self._whole, self._layout = layout, replace(layout, limits=(0.0, 0.0, 0.0, 0.0))
@@ -87,9 +88,9 @@ class Stage:
         self._look(scene)
         brush = self._brush
         if brush is None:
-            brush = self._brush = self._make_brush(self._canvas.get_renderer())
+            brush = self._brush = self._make_brush(self._canvas.get_renderer(), washes=True)
         fixed, slow, live = self._layers(scene)
-        ground = scene.fixed, len(fixed), scene.map, _tint(scene), self._layout
+        ground = scene.fixed, len(fixed), scene.map, self._layout
         self._backdrop.put(
             scene.world, ground, [layer[2:] for layer in slow], lambda part, views: self._play(brush, part, views)
         )
@@ -109,10 +110,10 @@ class Stage:
         fixed, slow, live = self._layers(scene)
 
         def draw(renderer: RendererBase) -> None:
-            brush = self._make_brush(renderer)
+            brush = self._make_brush(renderer, washes=_is_opaque(renderer))
             x, y = self._figure.transFigure.transform((0.0, 0.0)).tolist()
             brush.corner = x, y
-            self._draw_bodies(brush, fixed, scene.map, _tint(scene))
+            self._draw_bodies(brush, fixed, scene.map)
             for *_, part, views in slow:
                 self._play(brush, part, views)
             self._finish(brush, scene, live)
@@ -153,7 +154,9 @@ class Stage:
         layers += [(order, 0, self._fixed, views) for order, views in by_layer(raised, lambda view: view.style.order)]
         layers.sort(key=lambda layer: layer[:2])
         count = next((k for k, layer in enumerate(layers) if layer[2] not in (self._fog, self._ghosts)), len(layers))
-        return fixed, layers[:count], layers[count:]
+        colour = _tint(scene)
+        touch: list[Layer] = [] if colour is None else [(floor, 0, self._touch, [colour])]
+        return fixed, touch + layers[:count], layers[count:]
 
     def _anew(self, scene: Scene) -> list[Layer]:
         """Return the layers of all that is not fixed."""
@@ -200,28 +203,23 @@ class Stage:
             self._play(brush, part, views)
         colour = _tint(scene)
         if colour is not None:
-            self._outcome.set(facecolor="none", edgecolor=to_rgba(colour, 0.9))
+            self._outcome.set(edgecolor=to_rgba(colour, 0.9))
             self._outcome.draw(brush.renderer)
         if self._head is not None:
             brush.cut(self._figure.bbox)
             self._head.draw(brush, scene)
 
-    def _draw_ground(
-        self, fixed: tuple[BodyView, ...], count: int, map_view: MapView | None, tint: str | None, layout: Layout
-    ) -> None:
+    def _draw_ground(self, fixed: tuple[BodyView, ...], count: int, map_view: MapView | None, layout: Layout) -> None:
         """Draw an empty figure, the map and the first ``count`` fixed bodies on the canvas for frames."""
         self._canvas.draw()
-        brush = self._make_brush(self._canvas.get_renderer())
-        self._draw_bodies(brush, fixed[:count], map_view, tint)
+        brush = self._make_brush(self._canvas.get_renderer(), washes=True)
+        self._draw_bodies(brush, fixed[:count], map_view)
 
-    def _draw_bodies(self, brush: Brush, fixed: Sequence[BodyView], map_view: MapView | None, tint: str | None) -> None:
-        """Draw the map, fixed bodies, and over them a touch of the outcome's colour."""
+    def _draw_bodies(self, brush: Brush, fixed: Sequence[BodyView], map_view: MapView | None) -> None:
+        """Draw the map and fixed bodies."""
         if map_view is not None:
             self._map.draw(brush.renderer, map_view)
         self._play(brush, self._fixed, fixed)
-        if tint is not None:
-            self._outcome.set(facecolor=to_rgba(tint, 0.07), edgecolor="none")
-            self._outcome.draw(brush.renderer)
 
     def _look(self, scene: Scene) -> None:
         """Show the chosen part of the world, or that around the scene's centre."""
@@ -239,19 +237,25 @@ class Stage:
         if self._ticks is not None:
             self._ticks.update(layout)
 
-    def _make_brush(self, renderer: RendererBase) -> Brush:
+    def _make_brush(self, renderer: RendererBase, *, washes: bool = False) -> Brush:
         """Return a brush for a canvas that the figure is being drawn on, which may have a resolution of its own."""
         canvas: Any = renderer
         keeps_strips = isinstance(renderer, RendererAgg) and self._figure.dpi == self._dpi
         to_canvas = Affine2D(self._axes.transData.get_matrix())
         area = Bbox(self._axes.bbox.get_points())
         if not self._clipped:
-            return Brush(renderer, to_canvas, area, area, keeps_strips=keeps_strips)
+            return Brush(renderer, to_canvas, area, area, keeps_strips=keeps_strips, washes=washes)
         x_min, y_min, x_max, y_max = self._layout.bounds
         world = Bbox(to_canvas.transform([(x_min, y_min), (x_max, y_max)]))
         wall = HALF_A_WALL * float(canvas.points_to_pixels(1.0))
         boxes = (Bbox.intersection(world.padded(margin), area) or Bbox.null() for margin in (0.0, wall))
-        return Brush(renderer, to_canvas, *boxes, keeps_strips=keeps_strips)
+        return Brush(renderer, to_canvas, *boxes, keeps_strips=keeps_strips, washes=washes)
+
+
+def _is_opaque(renderer: Any) -> bool:
+    """Return whether a canvas has pixels through which nothing is seen."""
+    pixels = np.asarray(renderer.buffer_rgba()) if hasattr(renderer, "buffer_rgba") else None
+    return pixels is not None and bool((pixels[..., 3] == 255).all())
 
 
 def _tint(scene: Scene) -> str | None:

@@ -33,6 +33,7 @@ class Washer:
         (across, _, x), (_, up, y), _ = to_canvas.get_matrix().tolist()
         self._scale, self._shift = np.array([across, -up]), np.array([x, height - y])
         self._size = width, height
+        self._cuts: dict[int, tuple[BboxBase, Ints]] = {}
 
     def areas(
         self,
@@ -77,6 +78,12 @@ class Washer:
 
     def _cut(self, box: BboxBase) -> Ints:
         """Return a box as the kernels want it: first column and row from above, end column and row."""
+        known = self._cuts.get(id(box))
+        if known is None or known[0] is not box:
+            known = self._cuts[id(box)] = box, self._cut_of(box)
+        return known[1]
+
+    def _cut_of(self, box: BboxBase) -> Ints:
         width, height = self._size
         left, low, right, high = (round(value) for value in np.asarray(box.extents).tolist())
         box_of = max(left, 0), max(height - high, 0), min(right, width), min(height - low, height)
