@@ -17,6 +17,8 @@ FARTHEST = 1e6
 FINENESS = 16.0
 """Corners of a polygon that stands for a circle with a radius of one pixel: it departs by less than 0.02 pixels."""
 MOST_CORNERS = 2000
+SMOOTH = 0.08
+"""A corner is drawn straight where that takes away less than an eighth of this [pixel]."""
 
 
 @kernel
@@ -171,6 +173,10 @@ def _add_join(
     cover, so that it counts once; where a part is shorter (``size``) than that, the inner sides meet in the corner.
     """
     cross, along = ax * by - ay * bx, ax * bx + ay * by
+    if along > 0.0 and half * cross * cross < SMOOTH:
+        scan_edge(sheet, box, px + half * ay, py - half * ax, px + half * by, py - half * bx)
+        scan_edge(sheet, box, px - half * by, py + half * bx, px - half * ay, py + half * ax)
+        return
     turn, meets = abs(np.arctan2(cross, along)), size * (1.0 + along) < half * abs(cross)
     if cross > 0.0:
         _add_arc(sheet, box, px, py, half * ay, -half * ax, turn)

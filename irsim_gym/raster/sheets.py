@@ -32,8 +32,8 @@ NOTHING, HALF, ONE, TWO, WHOLE = np.float32(0.0), np.float32(0.5), np.float32(1.
 
 def new_sheet(height: int, width: int) -> Rays:
     """Return an empty sheet for pictures of this size [pixel]."""
-    columns = max(width, 3) + 1
-    return np.zeros((height + 1, columns + -(-columns // TILE)), np.float32)
+    tiles = width // TILE + 1
+    return np.zeros((height + 1, tiles * (TILE + 1)), np.float32)
 
 
 @kernel
@@ -152,11 +152,10 @@ def paint(picture: Bytes, sheet: Rays, box: Ints, colour: Floats, even_odd: bool
             column = tile * TILE
             if sums[width + tile] != NOTHING:
                 sums[width + tile] = NOTHING
-                stop = min(column + TILE, width)
-                total = _sum(sums, column, stop, total, whole, even_odd)
+                total = _sum(sums, column, total, whole, even_odd)
                 share = np.int32(_covered(total, even_odd) * whole + HALF)
-                _blend_shares(picture, row, column, min(stop, box[2]), colour, ink, sums)
-                for place in range(np.uint32(column), np.uint32(stop)):
+                _blend_shares(picture, row, column, min(column + TILE, box[2]), colour, ink, sums)
+                for place in range(np.uint32(column), np.uint32(column + TILE)):
                     sums[place] = NOTHING
                 tile += 1
                 continue
@@ -169,16 +168,21 @@ def paint(picture: Bytes, sheet: Rays, box: Ints, colour: Floats, even_odd: bool
 
 
 @kernel(inlined=True)
-def _sum(sums: Rays, first: int, end: int, total: Any, whole: Any, even_odd: bool) -> Any:
-    """Turn changes of coverage into shares of 256 parts of a colour, to be rounded off; return the sum of changes."""
-    if even_odd:
-        for place in range(np.uint32(first), np.uint32(end)):
-            total += sums[place]
-            sums[place] = _covered(total, True) * whole + HALF
-    else:
-        for place in range(np.uint32(first), np.uint32(end)):
-            total += sums[place]
-            sums[place] = min(abs(total), ONE) * whole + HALF
+def _sum(sums: Rays, first: int, total: Any, whole: Any, even_odd: bool) -> Any:
+    """Turn a tile's changes of coverage into shares of 256 parts of a colour, to be rounded off; return their sum.
+
+    Four are summed at a time, so that only every fourth has to wait for the sum of those before.
+    """
+    for place in range(np.uint32(first), np.uint32(first + TILE), np.uint32(4)):
+        one, after, third, last = place, place + np.uint32(1), place + np.uint32(2), place + np.uint32(3)
+        two = sums[one] + sums[after]
+        three = two + sums[third]
+        four = three + sums[last]
+        sums[one] = _covered(total + sums[one], even_odd) * whole + HALF
+        sums[after] = _covered(total + two, even_odd) * whole + HALF
+        sums[third] = _covered(total + three, even_odd) * whole + HALF
+        sums[last] = _covered(total + four, even_odd) * whole + HALF
+        total += four
     return total
 
 

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 POINT = 100.0 / 72.0
 HALF_A_WALL = 1.1
 BACKDROP_BYTES = 64 << 20
+REMEMBERED_LOOKS = 64
 Share = Callable[[Callable[[Shard], None], Ints], None]
 """Runs a function on shares of given numbers, perhaps on several threads; ``Shards.run`` of the engine is one."""
 
@@ -88,6 +89,7 @@ class Easel:
         self._head = Head(self._masks, self.point, layout, titled=plot.title is not None) if plot.show_title else None
         self._desks: dict[int, records.Desk] = {}
         self._cards: dict[Layout, Bytes] = {}
+        self._looks: dict[Layout, tuple[Floats, Ints]] = {}
         self._backdrops: dict[tuple[Layout, bytes], Bytes] = {}
         self._fixed = np.unique(self.plan.ground["body"]) if len(self.plan.ground) else np.zeros(0, np.int64)
         self._segment_rows, self._disc_rows = self._fixed_rows()
@@ -169,10 +171,16 @@ class Easel:
 
     def look(self, layouts: Sequence[Layout]) -> records.Look:
         """Return where the worlds are on their pictures."""
-        known = {layout: (look_from(layout), self._boxes(layout)) for layout in dict.fromkeys(layouts)}
+        known = self._looks
+        if len(known) > REMEMBERED_LOOKS:
+            known.clear()
+        for layout in dict.fromkeys(layouts):
+            if layout not in known:
+                known[layout] = look_from(layout), self._boxes(layout)
+        places = [known[layout] for layout in layouts]
         return records.Look(
-            views=np.array([known[layout][0] for layout in layouts]),
-            boxes=np.array([known[layout][1] for layout in layouts]),
+            views=np.array([view for view, _ in places]),
+            boxes=np.array([boxes for _, boxes in places]),
             bounds=self._model.bounds,
             flag=np.array(FLAG) * self.point,
             flagged=self.plan.flagged,
