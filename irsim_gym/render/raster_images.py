@@ -35,7 +35,7 @@ class Images:
         made: dict[tuple[str, int, int, float], int] = {}
         parts, rows = [np.zeros((0, 4), np.uint8)], np.zeros((0, 3), np.int64)
         for body, spec in enumerate(scenario.bodies):
-            size = _size(spec.shape.outline(), scale)
+            size = None if spec.description is None else _size(spec.shape.outline(), scale)
             if spec.description is None or size is None:
                 continue
             pixels = load_image(image_file(spec.description, scenario.file))
