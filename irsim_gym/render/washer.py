@@ -85,7 +85,10 @@ class Washer:
 
     def _cut_of(self, box: BboxBase) -> Ints:
         width, height = self._size
-        left, low, right, high = (round(value) for value in np.asarray(box.extents).tolist())
+        extents = np.asarray(box.extents)
+        if not np.isfinite(extents).all():  # nothing of the world is in view
+            return np.zeros(4, np.int64)
+        left, low, right, high = (round(value) for value in extents.tolist())
         box_of = max(left, 0), max(height - high, 0), min(right, width), min(height - low, height)
         return np.array(box_of, np.int64)
 
