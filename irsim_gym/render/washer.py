@@ -5,6 +5,7 @@ Agg takes 5 ns to blend a colour into one pixel of a canvas that has an opacity;
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -53,7 +54,7 @@ class Washer:
             widths: Widths of their edges [pixel]; 0 for none.
         """
         points, starts = self._packed(ways)
-        fill, edge, wide = _paints(fills), _paints(edges), np.array(widths, np.float64)
+        fill, edge, wide = _paints(tuple(fills)), _paints(tuple(edges)), np.array(widths, np.float64)
         wash_areas(self._picture, self._sheet, self._cut(box), starts, fill, edge, wide, points)
 
     def lines(
@@ -69,7 +70,9 @@ class Washer:
         """
         points, starts = self._packed([way for ways in bundles for way in ways])
         counts = np.cumsum([0, *(len(ways) for ways in bundles)])
-        wash_lines(self._picture, self._sheet, self._cut(box), counts, starts, _paints(colours), float(width), points)
+        wash_lines(
+            self._picture, self._sheet, self._cut(box), counts, starts, _paints(tuple(colours)), float(width), points
+        )
 
     def _packed(self, ways: Sequence[Floats]) -> tuple[Floats, Ints]:
         starts = np.zeros(len(ways) + 1, np.int64)
@@ -93,8 +96,9 @@ class Washer:
         return np.array(box_of, np.int64)
 
 
-def _paints(colours: Sequence[Colour]) -> Floats:
-    """Return colours as the kernels want them on an opaque canvas with four channels, shape ``(n, 5)``."""
+@functools.lru_cache(maxsize=1024)
+def _paints(colours: tuple[Colour, ...]) -> Floats:
+    """Return colours as the kernels want them on an opaque canvas with four channels, shape ``(n, 5)``; to be read."""
     paints = np.full((len(colours), 5), 255.0)
     given = np.array(colours, np.float64).reshape(len(colours), 4)
     paints[:, :3], paints[:, 4] = 255.0 * given[:, :3], given[:, 3]
