@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import time
 from collections.abc import Callable
@@ -82,10 +83,10 @@ class Window:
                 "share its connection to the display. Start processes with 'spawn', or open windows in them alone. "
                 f"{INSTEAD}"
             )
-        self._figure = Figure(
+        self._figure: Any = Figure(
             figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH, facecolor=theme.PAPER
         )
-        self._picture = _Picture(width, height)
+        self._picture: Any = _Picture(width, height)
         self._figure.add_artist(self._picture)
         self._manager: Any = new_manager(self._figure)
         Window._process = os.getpid()
@@ -141,8 +142,10 @@ class Window:
                     raise
             left = until - time.perf_counter()
             if left <= 0.0:
-                return
+                break
             time.sleep(min(left, PAUSE_S))
+        if self._closed:
+            self._release()
 
     def connect(self, name: EventName, callback: Callable[[WindowEvent], None]) -> None:
         """Call a function each time that something is done to the window, while it shows, waits or closes.
@@ -151,13 +154,21 @@ class Window:
             name: What: a key or a mouse button that goes down or up, the mouse that moves or leaves, the wheel.
             callback: Gets where and what.
         """
-        self._canvas.mpl_connect(NAMES[name], lambda event: callback(self._plain(event)))
+        if not self._closed:
+            self._canvas.mpl_connect(NAMES[name], lambda event: callback(self._plain(event)))
 
     def close(self) -> None:
         """Close it. May be called twice."""
         if not self._closed:
             self._closed = True
             self._manager.destroy()
+        self._release()
+
+    def _release(self) -> None:
+        """Free what the toolkit made, here and now: Tk complains when another thread's collection of garbage does."""
+        if self._canvas is not None:
+            self._figure = self._manager = self._canvas = self._picture = None
+            gc.collect()
 
     def _on_close(self, event: object) -> None:
         self._closed = True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import weakref
 
 import matplotlib
 import numpy as np
@@ -96,6 +97,17 @@ def test_a_closed_window_is_gone(window: Window, screen: Screen) -> None:
     window.close()
     assert window.closed
     assert not screen.has_window(TITLE)
+
+
+def test_nothing_of_a_closed_window_is_left_to_other_threads(screen: Screen) -> None:
+    """Tk's objects complain when the collection of garbage in another thread frees them."""
+    closed = [Window(60, 40, TITLE) for _ in range(2)]
+    kept = [weakref.ref(window._canvas) for window in closed]
+    assert all(one() is not None for one in kept)
+    closed[0].close()
+    screen.close_window(TITLE)  # the other one, as a person does
+    closed[1].wait(10.0)
+    assert [one() for one in kept] == [None, None]
 
 
 def test_pyplot_stays_as_it_was(window: Window) -> None:
