@@ -14,8 +14,6 @@ DASHES = np.array([[1.0, 0.0, 1.0, 0.0], [3.7, 1.6, 3.7, 1.6], [6.4, 1.6, 1.0, 1
 """Lengths of dash, gap, dash, gap of each line style, in widths of the line."""
 GAP = 1e-6
 """Segments farther apart than this do not follow each other [m]."""
-TIE = 1e-6
-"""What lies in the middle of two pixels goes to the right and up, whatever was rounded before [pixel]."""
 ALIGNED = 1e-4
 """A line that departs less than this from a row or column of pixels goes along it [pixel]."""
 
@@ -133,7 +131,7 @@ def load_chain(points: Floats, segments: Floats, row: int, end: int, place: Floa
     while True:
         column, line = place[0] * x + place[1] * y + place[2], place[3] * x + place[4] * y + place[5]
         if shift >= 0.0:
-            column, line = np.floor(column + 0.5 + TIE) + shift, np.floor(line + 0.5 - TIE) + shift
+            column, line = np.floor(column + 0.5) + shift, np.floor(line + 0.5) + shift
         points[count, 0], points[count, 1] = column, line
         count += 1
         if count > 1 and (last + 1 == end or not _follows(segments, last, last + 1)):

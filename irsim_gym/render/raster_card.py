@@ -7,7 +7,6 @@ import numpy as np
 from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
 from irsim_gym.raster.areas import paint_line, paint_polygon
 from irsim_gym.raster.masks import paint_mask
-from irsim_gym.raster.ways import TIE
 from irsim_gym.render import theme
 from irsim_gym.render.colours import colour
 from irsim_gym.render.layout import Layout, tick_positions
@@ -38,7 +37,7 @@ class Card:
     def draw(self, picture: Bytes, sheet: Rays, layout: Layout) -> None:
         """Draw it over the whole of a picture, uint8, ``(height, width, 3)``."""
         picture[:] = np.rint(colour(theme.PAPER, 1.0)[:3]).astype(np.uint8)
-        corners = _snapped([layout.column_row(x, y) for x, y in _corners(layout)], 0.8 * self._point)
+        corners = _snapped([_place(layout, x, y) for x, y in _corners(layout)], 0.8 * self._point)
         box = plot_box(layout)
         paint_polygon(picture, sheet, box, corners, 0, 4, False, np.array(colour(theme.CARD, 1.0)))
         rule = np.array(colour(theme.RULE if self._axis else theme.CARD, 1.0))
@@ -80,7 +79,7 @@ class Card:
     ) -> None:
         """Draw a line of the grid, which reaches half its width beyond its ends."""
         width = 0.7 * self._point
-        points = _snapped([layout.column_row(*start), layout.column_row(*end)], width)
+        points = _snapped([_place(layout, *start), _place(layout, *end)], width)
         axis = int(points[0, 0] == points[1, 0])
         order = 1.0 if points[1, axis] > points[0, axis] else -1.0
         points[:, axis] += np.array([-0.5, 0.5]) * order * width
@@ -191,10 +190,17 @@ def _corners(layout: Layout) -> list[tuple[float, float]]:
     return [(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)]
 
 
+def _place(layout: Layout, x: float, y: float) -> tuple[float, float]:
+    """Return column and row of a point [m], rounded as matplotlib's matrix does: many lie in the middle of pixels."""
+    left = layout.limits[0]
+    scale = layout.plot_width / (layout.limits[2] - left)
+    return scale * x + (layout.left - left * scale), layout.column_row(x, y)[1]
+
+
 def _snapped(places: list[tuple[float, float]], width: float) -> Floats:
     """Return points moved so that a line through them fills whole pixels."""
     shift = 0.5 if round(width) % 2 == 1 else 0.0
-    return np.asarray(np.floor(np.clip(places, -1e6, 1e6) + np.array([0.5 + TIE, 0.5 - TIE])) + shift)
+    return np.asarray(np.floor(np.clip(places, -1e6, 1e6) + 0.5) + shift)
 
 
 def _number(value: float) -> str:
