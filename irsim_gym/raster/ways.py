@@ -6,7 +6,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
 from irsim_gym.jit import kernel
-from irsim_gym.raster.areas import FINENESS, MOST_CORNERS, add_disc, add_line, add_polygon
+from irsim_gym.raster.areas import FINENESS, MOST_CORNERS, add_disc, add_line, add_polygon, is_near
 from irsim_gym.raster.sheets import paint
 
 SOLID, DASHED, DASHDOT, DOTTED = 0, 1, 2, 3
@@ -28,6 +28,8 @@ def add_way(
     """
     if style == SOLID:
         add_line(sheet, box, points, 0, count, width, closed, round_ends)
+        return
+    if not is_near(points, 0, count):
         return
     part, left, fresh, ahead = 0, DASHES[style, 0] * width, count, count
     for i in range(count if closed else count - 1):

@@ -133,6 +133,8 @@ def lay_out(
 
 def tick_positions(low: float, high: float, room: float) -> Floats:
     """Return round numbers between low and high [m], at most one per 70 of ``room`` pixels, shape ``(n,)``."""
+    if not low < high:
+        return np.zeros(0)
     wanted = (high - low) / max(min(room / 70.0, 12.0), 1.0)
     magnitude = 10.0 ** np.floor(np.log10(wanted))
     step = next(factor * magnitude for factor in (1.0, 2.0, 5.0, 10.0) if factor * magnitude >= wanted * (1 - 1e-9))

@@ -37,6 +37,9 @@ READABLE: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42}
 HALF_A_WALL = 1.1
 """Half the width of a wall's line [point]: one along the border is drawn whole."""
 
+NOWHERE = Bbox.from_extents(-2.0, -2.0, -1.0, -1.0)
+"""A part of no canvas."""
+
 Layer = tuple[float, int, Any, list[Any]]
 """What is drawn together: layer, rank within the layer, who draws it, and what."""
 
@@ -248,7 +251,7 @@ class Stage:
         x_min, y_min, x_max, y_max = self._layout.bounds
         world = Bbox(to_canvas.transform([(x_min, y_min), (x_max, y_max)]))
         wall = HALF_A_WALL * float(canvas.points_to_pixels(1.0))
-        boxes = (Bbox.intersection(world.padded(margin), area) or Bbox.null() for margin in (0.0, wall))
+        boxes = (Bbox.intersection(world.padded(margin), area) or NOWHERE for margin in (0.0, wall))
         return Brush(renderer, to_canvas, *boxes, keeps_strips=keeps_strips, washes=washes)
 
 

@@ -88,11 +88,10 @@ class Washer:
 
     def _cut_of(self, box: BboxBase) -> Ints:
         width, height = self._size
-        extents = np.asarray(box.extents)
-        if not np.isfinite(extents).all():  # nothing of the world is in view
-            return np.zeros(4, np.int64)
-        left, low, right, high = (round(value) for value in extents.tolist())
-        box_of = max(left, 0), max(height - high, 0), min(right, width), min(height - low, height)
+        # Where nothing of the world is in view the box lies outside.
+        left, low, right, high = (round(value) for value in np.clip(box.extents, -1.0, width + height).tolist())
+        first = min(max(left, 0), width), min(max(height - high, 0), height)
+        box_of = *first, max(min(right, width), first[0]), max(min(height - low, height), first[1])
         return np.array(box_of, np.int64)
 
 

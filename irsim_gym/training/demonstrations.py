@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import io
 import json
+import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -24,6 +26,9 @@ from irsim_gym.evaluation.tables import plain, write_bytes
 
 FORMAT = 1
 OBSERVED = ("observations", "final_observations")
+
+UNREADABLE = (OSError, ValueError, KeyError, TypeError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error)
+"""What reading a file raises that is something else, or broken."""
 
 Array = NDArray[Any]
 Observations = Array | dict[str, Array]
@@ -119,10 +124,10 @@ def load_demonstrations(path: str | Path) -> Demonstrations:
         if about["format"] != FORMAT:
             raise DemonstrationError(f"{path}: format {about['format']}, this version reads {FORMAT}")
         arrays: dict[str, Any] = {name: held[name] for name in ARRAYS}
-        return Demonstrations(**{name: _joined(name, held) for name in OBSERVED}, **arrays, about=about)
+        return _checked(Demonstrations(**{name: _joined(name, held) for name in OBSERVED}, **arrays, about=about))
     except FileNotFoundError:
         raise
-    except (OSError, ValueError, KeyError, TypeError, EOFError) as error:
+    except UNREADABLE as error:
         if isinstance(error, DemonstrationError):
             raise
         raise DemonstrationError(f"{path}: no file of demonstrations ({error})") from None
@@ -157,11 +162,22 @@ def _bound(bound: Array) -> Any:
     return values[0] if len(set(values)) == 1 else values
 
 
+def _checked(found: Demonstrations) -> Demonstrations:
+    """Return demonstrations whose arrays belong together."""
+    for name in (*OBSERVED, *ARRAYS):
+        value, of_episodes = getattr(found, name), name in ("final_observations", "levels", "outcomes")
+        wanted = int(found.ends.sum()) if of_episodes else len(found.rewards)
+        for rows in value.values() if isinstance(value, dict) else (value,):
+            if len(rows) != wanted:
+                raise ValueError(f"its {name} are {len(rows)}, not {wanted}")
+    return found
+
+
 def _joined(name: str, held: Mapping[str, Array]) -> Any:
     """Return an array, or the dict of those that are called ``name/...``."""
     if name in held:
         return held[name]
     parts = {key.removeprefix(f"{name}/"): rows for key, rows in held.items() if key.startswith(f"{name}/")}
     if not parts:
-        raise DemonstrationError(f"it has no {name}")
+        raise ValueError(f"it has no {name}")
     return parts

@@ -135,6 +135,21 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
     assert issubclass(DemonstrationError, IrsimGymError)
 
 
+def test_broken_files_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "whole.npz"
+    irsim_gym.record_demonstrations(SCENARIO, "dash", file, levels=1)
+    content = file.read_bytes()
+    broken = {"cut": content[: len(content) // 2], "changed": content[:400] + bytes(9) + content[409:]}
+    for name, part in broken.items():
+        (tmp_path / name).write_bytes(part)
+    arrays = dict(np.load(file))
+    np.savez(tmp_path / "short.npz", **{**arrays, "actions": arrays["actions"][:3]})
+    np.savez(tmp_path / "many.npz", **{**arrays, "levels": np.zeros(2, np.int64)})
+    for name in (*broken, "short.npz", "many.npz"):
+        with pytest.raises(DemonstrationError, match=f"{name}: no file of demonstrations"):
+            irsim_gym.load_demonstrations(tmp_path / name)
+
+
 def test_spaces_as_plain_data() -> None:
     box = Box(np.array([-1.0, -np.inf]), np.array([1.0, 1.0]), dtype=np.float64)
     told = describe_space(Dict({"box": box, "n": Discrete(3), "bits": MultiBinary(2)}))

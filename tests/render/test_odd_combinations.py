@@ -108,3 +108,23 @@ def test_texts_are_whole_after_a_small_figure_was_saved(tmp_path: Path) -> None:
     old.save(tmp_path / "first.png", dots_per_inch=50)
     assert np.array_equal(old.frame(0, "my status"), new.frame(0, "my status"))
     assert not np.array_equal(old.frame(0, "my status"), old.frame(0, "status of mine"))  # it is seen
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_one_may_look_anywhere_and_as_closely_as_one_likes(backend: str) -> None:
+    scenario = load_scenario(FULL, warn=False)
+    simulation = compile_scenario(scenario)
+    simulation.reset(0)
+    simulation.step()
+    parts = scenario, simulation.model, simulation.state, simulation.sensors
+    renderer = make_renderer(backend, *parts, explored=simulation.explored)
+    for limits in ((100.0, 100.0, 101.0, 101.0), (-1e9, -1e9, -1e9 + 1.0, -1e9 + 1.0), (-3.0, -3.0, 0.0, 0.0)):
+        renderer.look_at(limits)
+        shown = renderer.layout
+        area = renderer.frame()[-shown.bottom - shown.plot_height : -shown.bottom, shown.left :][:, : shown.plot_width]
+        inside = area[6:-6, 6:-6].reshape(-1, 3)
+        assert (inside == inside[0]).all()  # nothing is there, and nothing of the world is drawn at an edge
+    x, y, _ = simulation.state.pose[0, 0]
+    for size in (1e-9, 1e-6, 1e9, 1e300):  # dashes without number, or a world smaller than a pixel
+        renderer.look_at((x, y, x + size, y + size))
+        assert renderer.frame().shape == (200, 240, 3)
