@@ -118,7 +118,8 @@ def load_demonstrations(path: str | Path) -> Demonstrations:
         DemonstrationError: It holds something else.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
+        # Opened here: NumPy would leave a broken file open.
+        with Path(path).open("rb") as content, np.load(content, allow_pickle=False) as file:
             held = {name: file[name] for name in file.files}
         about = json.loads(str(held.pop("about")))
         if about["format"] != FORMAT:
