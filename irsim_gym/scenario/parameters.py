@@ -208,7 +208,9 @@ def _chosen(source: Source, declared: Mapping[str, ParameterSpec | None], given:
     listed = f"; it has\n{known}" if known else "; it has none"
     unknown = [name for name in given if name not in declared]
     if unknown:
-        names = ", ".join(f"'{name}'{suggestion(name, [*declared, *ARGUMENTS])}" for name in unknown)
+        # An argument of another environment's is not its own cure: num_envs is n_envs for Stable-Baselines3.
+        others = {name: [*declared, *(ARGUMENTS - {name})] for name in unknown}
+        names = ", ".join(f"'{name}'{suggestion(name, others[name])}" for name in unknown)
         raise UnknownNameError(f"{source.title} has no parameter {names}{listed}")
     values = {name: spec.convert(given.get(name, spec.default)) for name, spec in specs.items()}
     problems = sorted(
