@@ -152,8 +152,8 @@ def paint(picture: Bytes, sheet: Rays, box: Ints, colour: Floats, even_odd: bool
             column = tile * TILE
             if sums[width + tile] != NOTHING:
                 sums[width + tile] = NOTHING
-                total = _sum(sums, column, total, whole, even_odd)
-                share = np.int32(_covered(total, even_odd) * whole + HALF)
+                total = sum_tile(sums, column, total, whole, even_odd)
+                share = np.int32(within(total, even_odd) * whole + HALF)
                 _blend_shares(picture, row, column, min(column + TILE, box[2]), colour, ink, sums)
                 for place in range(np.uint32(column), np.uint32(column + TILE)):
                     sums[place] = NOTHING
@@ -168,7 +168,7 @@ def paint(picture: Bytes, sheet: Rays, box: Ints, colour: Floats, even_odd: bool
 
 
 @kernel(inlined=True)
-def _sum(sums: Rays, first: int, total: Any, whole: Any, even_odd: bool) -> Any:
+def sum_tile(sums: Rays, first: int, total: Any, whole: Any, even_odd: bool) -> Any:
     """Turn a tile's changes of coverage into shares of 256 parts of a colour, to be rounded off; return their sum.
 
     Four are summed at a time, so that only every fourth has to wait for the sum of those before.
@@ -178,16 +178,16 @@ def _sum(sums: Rays, first: int, total: Any, whole: Any, even_odd: bool) -> Any:
         two = sums[one] + sums[after]
         three = two + sums[third]
         four = three + sums[last]
-        sums[one] = _covered(total + sums[one], even_odd) * whole + HALF
-        sums[after] = _covered(total + two, even_odd) * whole + HALF
-        sums[third] = _covered(total + three, even_odd) * whole + HALF
-        sums[last] = _covered(total + four, even_odd) * whole + HALF
+        sums[one] = within(total + sums[one], even_odd) * whole + HALF
+        sums[after] = within(total + two, even_odd) * whole + HALF
+        sums[third] = within(total + three, even_odd) * whole + HALF
+        sums[last] = within(total + four, even_odd) * whole + HALF
         total += four
     return total
 
 
 @kernel(inlined=True)
-def _covered(winding: Any, even_odd: bool) -> Any:
+def within(winding: Any, even_odd: bool) -> Any:
     """Return how much of a pixel is covered, from how much of it the boundary winds around, counted with sign."""
     size = abs(winding)
     if not even_odd:

@@ -1,21 +1,29 @@
-"""Many areas and lines at once, for canvases of other libraries whose blending is slow."""
+"""Many areas and lines at once, for canvases of other libraries whose blending is slow.
+
+Such a canvas has four bytes for each pixel, which are blended as one word: two channels at a time, with a free byte
+between them for what a product carries over. The results are those of ``sheets.paint``.
+"""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
+from irsim_gym.arraytypes import Floats, Ints, Pixels, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_line, add_polygon, is_near
-from irsim_gym.raster.sheets import paint
+from irsim_gym.raster.sheets import HALF, NOTHING, TILE, WHOLE, sum_tile, within
 
+EVEN, ODD, ROUND, OPAQUE = (np.uint32(word) for word in (0x00FF00FF, 0xFF00FF00, 0x00800080, 0xFF000000))
+BYTE, SEVEN, WHOLE_SHARE = np.uint32(8), np.uint32(7), np.uint32(256)
 STRAIGHT = 1e-4
 """Edges that are nearer than this to a row or a column lie along it [pixel]."""
 
 
 @kernel
 def wash_areas(
-    picture: Bytes,
+    picture: Pixels,
     sheet: Rays,
     box: Ints,
     starts: Ints,
@@ -27,32 +35,31 @@ def wash_areas(
     """Paint polygons, one after another, each with its edge; see ``sheets`` for sheet, box and colours.
 
     Args:
-        picture: uint8, shape ``(height, width, n_channels)``.
+        picture: Four bytes a pixel, shape ``(height, width)``.
         sheet: An empty sheet, left empty.
         box: Part of the picture that may change.
         starts: First corner of each, and the number of all, shape ``(n + 1,)``.
-        fills: Their colours, shape ``(n, n_channels + 1)``.
+        fills: Their colours, each as a word and an opacity, shape ``(n, 2)``.
         edges: Colours of their edges, likewise.
         widths: Widths of their edges [pixel]; 0 for none, shape ``(n,)``.
         points: Corners of all [pixel], shape ``(n_points, 2)``; those of boxes along rows and columns are moved to
             where their edges are sharp.
     """
-    opacity = picture.shape[2]
     for k in range(starts.shape[0] - 1):
         first, count = starts[k], starts[k + 1] - starts[k]
-        has_edge = widths[k] > 0.0 and edges[k, opacity] > 0.0
+        has_edge = widths[k] > 0.0 and edges[k, 1] > 0.0
         sharpen(first, count, widths[k], True, points)
-        if fills[k, opacity] > 0.0:
+        if fills[k, 1] > 0.0:
             add_polygon(sheet, box, points, first, count)
-            paint(picture, sheet, box, fills[k], False)
+            wash(picture, sheet, box, fills[k])
         if has_edge:
             add_line(sheet, box, points, first, count, widths[k], True, True)
-            paint(picture, sheet, box, edges[k], False)
+            wash(picture, sheet, box, edges[k])
 
 
 @kernel
 def wash_lines(
-    picture: Bytes,
+    picture: Pixels,
     sheet: Rays,
     box: Ints,
     bundles: Ints,
@@ -64,12 +71,12 @@ def wash_lines(
     """Paint bundles of lines with cut ends; within a bundle they are not darker where they overlap.
 
     Args:
-        picture: uint8, shape ``(height, width, n_channels)``.
+        picture: Four bytes a pixel, shape ``(height, width)``.
         sheet: An empty sheet, left empty.
         box: Part of the picture that may change.
         bundles: First line of each bundle, and the number of all lines, shape ``(n_bundles + 1,)``.
         starts: First point of each line, and the number of all points, shape ``(n_lines + 1,)``.
-        colours: Colours of the bundles, shape ``(n_bundles, n_channels + 1)``.
+        colours: Colours of the bundles, each as a word and an opacity, shape ``(n_bundles, 2)``.
         width: Width of the lines [pixel].
         points: Points of all lines [pixel], shape ``(n_points, 2)``; those of lines along rows and columns are moved to
             where they are sharp.
@@ -79,7 +86,72 @@ def wash_lines(
             first, count = starts[i], starts[i + 1] - starts[i]
             sharpen(first, count, width, False, points)
             add_line(sheet, box, points, first, count, width, False, False)
-        paint(picture, sheet, box, colours[k], False)
+        wash(picture, sheet, box, colours[k])
+
+
+@kernel(inlined=True)
+def wash(picture: Pixels, sheet: Rays, box: Ints, colour: Floats) -> None:
+    """Blend a colour (a word, an opacity) into a picture where a sheet's areas are, and leave the sheet empty.
+
+    As ``sheets.paint`` does for pictures of single bytes.
+    """
+    header, width = sheet.shape[0] - 1, sheet.shape[1] * TILE // (TILE + 1)
+    first_row, end_row = header - int(sheet[header, 0]), int(sheet[header, 1])
+    first_tile, end = (width - int(sheet[header, 2])) // TILE, int(sheet[header, 3])
+    sheet[header, 0] = sheet[header, 1] = sheet[header, 2] = sheet[header, 3] = NOTHING
+    whole, ink = WHOLE * np.float32(min(max(float(colour[1]), 0.0), 1.0)), np.uint32(colour[0])
+    for row in range(first_row, end_row):
+        total, tile, share, sums, line = NOTHING, first_tile, np.uint32(0), sheet[row], picture[np.uint64(row)]
+        while tile * TILE < end:
+            column = tile * TILE
+            if sums[width + tile] != NOTHING:
+                sums[width + tile] = NOTHING
+                total = sum_tile(sums, column, total, whole, False)
+                share = np.uint32(within(total, False) * whole + HALF)
+                for place in range(np.uint32(column), np.uint32(min(column + TILE, box[2]))):
+                    line[place] = blended(line[place], ink, np.uint32(sums[place]))
+                for place in range(np.uint32(column), np.uint32(column + TILE)):
+                    sums[place] = NOTHING
+                tile += 1
+                continue
+            while tile * TILE < end and sums[width + tile] == NOTHING:
+                tile += 1
+            if share > 0:
+                for place in range(np.uint32(column), np.uint32(min(tile * TILE, box[2]))):
+                    line[place] = blended(line[place], ink, share)
+        if share > 0:
+            for place in range(np.uint32(tile * TILE), np.uint32(max(box[2], tile * TILE))):
+                line[place] = blended(line[place], ink, share)
+
+
+@kernel(inlined=True)
+def blended(pixel: Any, ink: Any, share: Any) -> Any:
+    """Return a pixel with ``share`` of 256 parts of a colour blended into its four bytes."""
+    keep = WHOLE_SHARE - share
+    low = (pixel & EVEN) * keep + (ink & EVEN) * share + ROUND
+    high = ((pixel >> BYTE) & EVEN) * keep + ((ink >> BYTE) & EVEN) * share + ROUND
+    return np.uint32(((low >> BYTE) & EVEN) | (high & ODD))
+
+
+@kernel
+def stamp(picture: Pixels, box: Ints, strip: Pixels, column: int, row: int) -> None:
+    """Put pixels with opacities onto a picture.
+
+    Args:
+        picture: Four bytes a pixel, shape ``(height, width)``.
+        box: Part of the picture that may change.
+        strip: Colours and, as fourth byte in memory, opacity, its lowest row first, shape ``(n_rows, n_columns)``.
+        column: Column of its left edge.
+        row: Row of its lowest one, from above.
+    """
+    shift = np.uint32(24)
+    for k in range(max(row + 1 - box[3], 0), min(row + 1 - box[1], strip.shape[0])):
+        line, given = picture[np.uint64(row - k)], strip[np.uint64(k)]
+        for i in range(max(box[0] - column, 0), min(box[2] - column, strip.shape[1])):
+            opacity = given[np.uint64(i)] >> shift
+            if opacity > 0:
+                place = np.uint64(column + i)
+                line[place] = blended(line[place], given[np.uint64(i)] | OPAQUE, opacity + (opacity >> SEVEN))
 
 
 @kernel

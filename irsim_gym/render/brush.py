@@ -16,7 +16,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, BboxBase, IdentityTransform
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Bytes, Floats
 from irsim_gym.render.washer import Colour, Washer
 
 CLEAR: Colour = (0.0, 0.0, 0.0, 0.0)
@@ -172,6 +172,13 @@ class Brush:
             [None],
             "screen",
         )
+
+    def strip(self, pixels: Bytes, column: int, row: int) -> None:
+        """Put pixels ``(height, width, 4)``, the lowest row first, where their lower left corner belongs."""
+        if self.washer is not None:
+            self.washer.strip(self.context.get_clip_rectangle(), pixels, column, row)
+        else:
+            self.renderer.draw_image(self.context, column, row, pixels)
 
     def dots(self, places: Floats, radius: float, colour: Colour) -> None:
         """Draw discs of one radius [point] at some points [m], shape ``(n, 2)``."""

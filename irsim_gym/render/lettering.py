@@ -86,7 +86,7 @@ class Lettering:
         strip = self._strips[key] if key in self._strips else self._drawn(*key)
         if strip is not None:
             left, low = columns // PARTS + strip.column, rows // PARTS + strip.row
-            brush.renderer.draw_image(brush.context, left, low, strip.pixels)
+            brush.strip(strip.pixels, left, low)
 
     def write_letters(self, brush: Brush, words: str, right: float, y: float, look: Type) -> None:
         """Write words that change with every frame, letter by letter, so that their strips are found again."""

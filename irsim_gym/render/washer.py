@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from matplotlib.transforms import Affine2D, BboxBase
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Pixels
 from irsim_gym.raster.sheets import new_sheet
-from irsim_gym.raster.washes import wash_areas, wash_lines
+from irsim_gym.raster.washes import stamp, wash_areas, wash_lines
 
 Colour = tuple[float, float, float, float]
 
@@ -28,7 +28,7 @@ class Washer:
     """
 
     def __init__(self, renderer: Any, to_canvas: Affine2D) -> None:
-        self._picture: Bytes = np.asarray(renderer.buffer_rgba())
+        self._picture: Pixels = np.asarray(renderer.buffer_rgba()).view(np.uint32)[..., 0]
         height, width = self._picture.shape[:2]
         self._sheet = new_sheet(height, width)
         (across, _, x), (_, up, y), _ = to_canvas.get_matrix().tolist()
@@ -74,10 +74,24 @@ class Washer:
             self._picture, self._sheet, self._cut(box), counts, starts, _paints(tuple(colours)), float(width), points
         )
 
+    def strip(self, box: BboxBase, pixels: Bytes, column: int, row: int) -> None:
+        """Put pixels with opacities on the canvas.
+
+        Args:
+            box: Where on the canvas.
+            pixels: Colours and opacities, the lowest row first, shape ``(height, width, 4)``.
+            column: Where their left edge is.
+            row: Where their lower edge is, from below.
+        """
+        stamp(self._picture, self._cut(box), pixels.view(np.uint32)[..., 0], column, self._size[1] - 1 - row)
+
     def _packed(self, ways: Sequence[Floats]) -> tuple[Floats, Ints]:
         starts = np.zeros(len(ways) + 1, np.int64)
         np.cumsum([len(way) for way in ways], out=starts[1:])
-        return np.concatenate(ways) * self._scale + self._shift, starts
+        points = np.concatenate(ways)
+        points *= self._scale
+        points += self._shift
+        return points, starts
 
     def _cut(self, box: BboxBase) -> Ints:
         """Return a box as the kernels want it: first column and row from above, end column and row."""
@@ -97,8 +111,8 @@ class Washer:
 
 @functools.lru_cache(maxsize=1024)
 def _paints(colours: tuple[Colour, ...]) -> Floats:
-    """Return colours as the kernels want them on an opaque canvas with four channels, shape ``(n, 5)``; to be read."""
-    paints = np.full((len(colours), 5), 255.0)
+    """Return colours as the kernels want them on an opaque canvas with four channels, shape ``(n, 2)``; to be read."""
     given = np.array(colours, np.float64).reshape(len(colours), 4)
-    paints[:, :3], paints[:, 4] = 255.0 * given[:, :3], given[:, 3]
-    return paints
+    inks = np.full((len(colours), 4), 255, np.uint8)
+    inks[:, :3] = 255.0 * given[:, :3] + 0.5
+    return np.column_stack([inks.view(np.uint32)[:, 0].astype(np.float64), given[:, 3]])

@@ -27,7 +27,7 @@ def write(path: Path, data: Any) -> None:
 
 
 def make_results(folder: Path) -> list[str]:
-    point = {"steps": 8, "training_seconds": 2.0, "cpu_seconds": 1.0, "success": 0.5}
+    point = {"steps": 8, "training_seconds": 2.0, "cpu_seconds": 1.0, "levels": 250, "success": 0.5}
     runs = [folder / f"seed_{i}" for i in range(3)]
     for run in runs:
         write(run / "config.json", {"settings": {"algorithm": "ppo"}, "machine": {}})

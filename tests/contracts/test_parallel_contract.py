@@ -198,7 +198,7 @@ def row(batch, w, env, answer):
     assert np.flatnonzero(~view.over[w]).tolist() == list(indices.values())
     assert_same(batch.episodes.team_state(np.array([w]))[0], env.state())
     return (
-        {name: observation_layout(batch.episodes, a).fresh(view.observation[w, a]) for name, a in indices.items()},
+        {name: observation_layout(batch.episodes, a).fresh(view, (w, a)) for name, a in indices.items()},
         {name: view.reward[w, a].item() for name, a in indices.items()},
         {name: view.terminated[w, a].item() for name, a in indices.items()},
         {name: view.truncated[w, a].item() for name, a in indices.items()},
