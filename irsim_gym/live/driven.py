@@ -5,14 +5,14 @@ from __future__ import annotations
 import warnings
 from abc import abstractmethod
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats
 from irsim_gym.controls.driver import Driver
 from irsim_gym.errors import NoKeyboardWarning
-from irsim_gym.live import moves
+from irsim_gym.live import hints, moves
 from irsim_gym.live.population import Population
 from irsim_gym.scenario import Scenario
 
@@ -148,7 +148,7 @@ class Driven(Population):
             return None
         return int(robots[self.key_id])
 
-    def render(self, interval: float = INTERVAL_S) -> Bytes:
+    def render(self, interval: float = INTERVAL_S, **others: Any) -> Bytes:
         """Return a picture of the world, uint8, shape ``(height, width, 3)``; show it where there is a window.
 
         With a window, one picture for each ``sample_time`` is drawn, and what keys ask for is done. What is drawn is
@@ -156,11 +156,15 @@ class Driven(Population):
 
         Args:
             interval: How long to let people look [s]; without a window nothing waits.
+            **others: IR-SIM's other arguments, where they ask for what is so anyway.
 
         Raises:
+            TypeError: One of them asks for something else.
             NoWindowError: With ``render_mode="human"``: there is no display, or no toolkit that works.
             SystemExit: The person quit, and the caller went on.
         """
+        if others:
+            hints.check_rendering(others)
         if self.render_mode != "human":
             return self._camera.frame(self._shown_status())
         if self._left:

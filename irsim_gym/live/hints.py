@@ -158,3 +158,16 @@ def check_arguments(render_mode: str | None, others: Mapping[str, object]) -> tu
         raise TypeError(f"load() takes no {hidden}={others[hidden]!r} where a window is asked for as well")
     rest = {name: value for name, value in others.items() if name not in LOAD}
     return ("human" if wanted else render_mode), rest
+
+
+def check_rendering(others: Mapping[str, object]) -> None:
+    """Let arguments of IR-SIM's ``render`` pass that ask for what is so anyway: everything is drawn, as the file says.
+
+    Raises:
+        TypeError: One of them asks for something else.
+    """
+    for name, value in others.items():
+        if (name, value) not in (("mode", "dynamic"), ("mode", "all"), ("figure_kwargs", None), ("figure_kwargs", {})):
+            raise TypeError(
+                f"render() takes no {name}={value!r}: what is drawn, and how, stands in the sections `plot` of the file"
+            )

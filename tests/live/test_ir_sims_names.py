@@ -226,3 +226,12 @@ def test_without_a_file_the_script_names_it(tmp_path: Path, monkeypatch: pytest.
         irsim_gym.load()
     (tmp_path / "yard.yaml").write_text(FILE)
     assert irsim_gym.load().names == ["one"]
+
+
+def test_render_takes_ir_sims_arguments_where_they_change_nothing() -> None:
+    here = world()
+    assert np.array_equal(here.render(0.05, figure_kwargs={}, mode="dynamic"), here.render())
+    with pytest.raises(TypeError, match=r"no mode='static'.*`plot`"):
+        here.render(mode="static")
+    with pytest.raises(TypeError, match=r"no show_trajectory=True.*`plot`"):
+        here.render(show_trajectory=True)
