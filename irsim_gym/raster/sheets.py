@@ -7,8 +7,9 @@ the row is then how much of each pixel lies within the boundary, as often as the
 sum; see R. Levien, "Inside the fastest font renderer in the world", 2016.)
 
 A sheet is float32 and one row taller than its picture. Its first columns belong to pixels; those after them tell which
-tiles of ``TILE`` columns hold anything, so that the inside of an area need not be summed. The last row says which rows
-and columns were touched. ``new_sheet`` makes one; whoever draws at the same time as others has their own.
+tiles of ``TILE`` columns hold anything, so that the inside of an area need not be summed. The last row, the header,
+says which rows and columns were touched, in ``HEADER`` numbers, and has room for a list of a row's tiles. ``new_sheet``
+makes one; whoever draws at the same time as others has their own.
 
 Places are pixels from the upper left corner of the picture, x to the right and y down; the middle of the first pixel is
 0.5, 0.5. A *box* is int64 ``(4,)``: first column, first row, end column, end row, all within the picture; nothing
@@ -25,6 +26,7 @@ from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
 from irsim_gym.jit import kernel
 
 TILE = 16
+HEADER = 4
 FARTHEST = 1e9
 Ink = tuple[Any, Any, Any, Any]
 NOTHING, HALF, ONE, TWO, WHOLE = np.float32(0.0), np.float32(0.5), np.float32(1.0), np.float32(2.0), np.float32(256.0)
@@ -140,109 +142,124 @@ def paint(picture: Bytes, sheet: Rays, box: Ints, colour: Floats, even_odd: bool
     """
     header, width = sheet.shape[0] - 1, sheet.shape[1] * TILE // (TILE + 1)
     first_row, end_row = header - int(sheet[header, 0]), int(sheet[header, 1])
-    first_tile, end = (width - int(sheet[header, 2])) // TILE, int(sheet[header, 3])
+    first_tile, end_tile = (width - int(sheet[header, 2])) // TILE, (int(sheet[header, 3]) + TILE - 1) // TILE
     sheet[header, 0] = sheet[header, 1] = sheet[header, 2] = sheet[header, 3] = NOTHING
     whole = WHOLE * np.float32(min(max(float(colour[picture.shape[2]]), 0.0), 1.0))
     last = picture.shape[2]  # a channel that there is not has any value
-    red, green = np.int32(colour[0] + 0.5), np.int32(colour[min(1, last)] + 0.5)
-    ink = red, green, np.int32(colour[min(2, last)] + 0.5), np.int32(colour[min(3, last)] + 0.5)
+    red, green = np.uint16(colour[0] + 0.5), np.uint16(colour[min(1, last)] + 0.5)
+    ink = red, green, np.uint16(colour[min(2, last)] + 0.5), np.uint16(colour[min(3, last)] + 0.5)
     for row in range(first_row, end_row):
-        total, tile, share, sums = NOTHING, first_tile, np.int32(0), sheet[row]
-        while tile * TILE < end:
-            column = tile * TILE
-            if sums[width + tile] != NOTHING:
-                sums[width + tile] = NOTHING
-                total = sum_tile(sums, column, total, whole, even_odd)
-                share = np.int32(within(total, even_odd) * whole + HALF)
-                _blend_shares(picture, row, column, min(column + TILE, box[2]), colour, ink, sums)
-                for place in range(np.uint32(column), np.uint32(column + TILE)):
-                    sums[place] = NOTHING
-                tile += 1
-                continue
-            while tile * TILE < end and sums[width + tile] == NOTHING:
-                tile += 1
-            if share > 0:
-                _blend(picture, row, column, min(tile * TILE, box[2]), colour, ink, share)
+        share, sums, painted, total = np.int32(0), sheet[row], box[2], NOTHING
+        end = _list_touched(sums, sheet[header], width, first_tile, end_tile)
+        for number in range(HEADER, end):
+            total = sum_tile(sums, int(sheet[header, number]) * TILE, total, even_odd)
+        for number in range(HEADER, end):  # once the sums of the row are written, they are read many at a time
+            column = int(sheet[header, number]) * TILE
+            if share > 0 and painted < column:
+                _blend(picture, row, painted, min(column, box[2]), colour, ink, share)
+            painted = column + TILE
+            _blend_sums(picture, row, column, min(painted, box[2]), colour, ink, whole, sums)
+            share = np.int32(min(abs(sums[painted - 1]), ONE) * whole + HALF)
+            for place in range(TILE):
+                sums[np.uint64(column) + np.uint64(place)] = NOTHING
         if share > 0:
-            _blend(picture, row, tile * TILE, box[2], colour, ink, share)
+            _blend(picture, row, painted, box[2], colour, ink, share)
+    for number in range(HEADER, HEADER + end_tile - first_tile):
+        sheet[header, number] = NOTHING
 
 
 @kernel(inlined=True)
-def sum_tile(sums: Rays, first: int, total: Any, whole: Any, even_odd: bool) -> Any:
-    """Turn a tile's changes of coverage into shares of 256 parts of a colour, to be rounded off; return their sum.
+def _list_touched(sums: Rays, touched: Rays, width: int, first_tile: int, end_tile: int) -> Any:
+    """Write which tiles of a row hold anything behind the header's numbers; return where the list ends.
 
+    It branches nowhere: which tile holds something cannot be foretold, and a wrong guess costs as much as ten tiles.
+    """
+    count = np.uint64(HEADER)
+    for tile in range(np.uint64(first_tile), np.uint64(end_tile)):
+        flag = np.uint64(width) + tile
+        touched[count] = np.float32(tile)
+        count += np.uint64(sums[flag] != NOTHING)
+        sums[flag] = NOTHING
+    return np.int64(count)
+
+
+@kernel(inlined=True)
+def sum_tile(sums: Rays, first: int, total: Any, even_odd: bool) -> Any:
+    """Turn a tile's changes of coverage into how often the boundary winds around its pixels, counted with sign.
+
+    The sum goes on to the next tile: it is returned. With the even-odd rule what is written is how much is covered.
     Four are summed at a time, so that only every fourth has to wait for the sum of those before.
     """
-    for place in range(np.uint32(first), np.uint32(first + TILE), np.uint32(4)):
-        one, after, third, last = place, place + np.uint32(1), place + np.uint32(2), place + np.uint32(3)
+    for quarter in range(TILE // 4):
+        one = np.uint64(first) + np.uint64(4 * quarter)
+        after, third, last = one + np.uint64(1), one + np.uint64(2), one + np.uint64(3)
         two = sums[one] + sums[after]
         three = two + sums[third]
         four = three + sums[last]
-        sums[one] = within(total + sums[one], even_odd) * whole + HALF
-        sums[after] = within(total + two, even_odd) * whole + HALF
-        sums[third] = within(total + three, even_odd) * whole + HALF
-        sums[last] = within(total + four, even_odd) * whole + HALF
+        sums[one] = total + sums[one]
+        sums[after] = total + two
+        sums[third] = total + three
         total += four
+        sums[last] = total
+    if even_odd:
+        for place in range(first, first + TILE):
+            size = abs(sums[place])
+            rest = size - TWO * np.floor(size / TWO)
+            sums[place] = TWO - rest if rest > ONE else rest
     return total
-
-
-@kernel(inlined=True)
-def within(winding: Any, even_odd: bool) -> Any:
-    """Return how much of a pixel is covered, from how much of it the boundary winds around, counted with sign."""
-    size = abs(winding)
-    if not even_odd:
-        return min(size, ONE)
-    rest = size - TWO * np.floor(size / TWO)
-    return TWO - rest if rest > ONE else rest
 
 
 @kernel(inlined=True)
 def _blend(picture: Bytes, row: int, first: int, end: int, colour: Floats, ink: Ink, share: Any) -> None:
     """Blend ``share`` of 256 parts of a colour into the pixels of a row from ``first`` to ``end``."""
-    keep, line = np.int32(256) - share, picture[np.uint64(row)]
+    keep, line, part = np.uint16(256 - share), picture[np.uint64(row)], np.uint16(share)
     if picture.shape[2] not in (3, 4):
         for channel in range(picture.shape[2]):
-            value = np.int32(colour[channel] + 0.5) * share + 128
+            value = np.int32(colour[channel] + 0.5) * np.int32(share) + 128
             for column in range(first, end):
-                line[column, channel] = (np.int32(line[column, channel]) * keep + value) >> 8
+                line[column, channel] = (np.int32(line[column, channel]) * np.int32(keep) + value) >> 8
         return
-    red, green, blue, fourth = ink[0] * share + 128, ink[1] * share + 128, ink[2] * share + 128, ink[3] * share + 128
+    half = np.uint16(128)
+    red, green = np.uint16(ink[0] * part + half), np.uint16(ink[1] * part + half)
+    blue, fourth = np.uint16(ink[2] * part + half), np.uint16(ink[3] * part + half)
     if picture.shape[2] == 3:
         for column in range(np.uint32(first), np.uint32(end)):  # unsigned: no index counts from the end; lanes are used
-            line[column, 0] = (np.int32(line[column, 0]) * keep + red) >> 8
-            line[column, 1] = (np.int32(line[column, 1]) * keep + green) >> 8
-            line[column, 2] = (np.int32(line[column, 2]) * keep + blue) >> 8
+            line[column, 0] = np.uint16(np.uint16(line[column, 0]) * keep + red) >> 8
+            line[column, 1] = np.uint16(np.uint16(line[column, 1]) * keep + green) >> 8
+            line[column, 2] = np.uint16(np.uint16(line[column, 2]) * keep + blue) >> 8
         return
     for column in range(np.uint32(first), np.uint32(end)):
-        line[column, 0] = (np.int32(line[column, 0]) * keep + red) >> 8
-        line[column, 1] = (np.int32(line[column, 1]) * keep + green) >> 8
-        line[column, 2] = (np.int32(line[column, 2]) * keep + blue) >> 8
-        line[column, 3] = (np.int32(line[column, 3]) * keep + fourth) >> 8
+        line[column, 0] = np.uint16(np.uint16(line[column, 0]) * keep + red) >> 8
+        line[column, 1] = np.uint16(np.uint16(line[column, 1]) * keep + green) >> 8
+        line[column, 2] = np.uint16(np.uint16(line[column, 2]) * keep + blue) >> 8
+        line[column, 3] = np.uint16(np.uint16(line[column, 3]) * keep + fourth) >> 8
 
 
 @kernel(inlined=True)
-def _blend_shares(picture: Bytes, row: int, first: int, end: int, colour: Floats, ink: Ink, shares: Rays) -> None:
-    """Blend a colour into the pixels of a row from ``first`` to ``end``, each with its share of 256 parts."""
-    line = picture[np.uint64(row)]
+def _blend_sums(
+    picture: Bytes, row: int, first: int, end: int, colour: Floats, ink: Ink, whole: Any, sums: Rays
+) -> None:
+    """Blend a colour into the pixels of a row from ``first`` to ``end``, each as far as it lies within the boundary."""
+    line, half = picture[np.uint64(row)], np.uint16(128)
     if picture.shape[2] not in (3, 4):
         for column in range(first, end):
-            share = np.int32(shares[column])
+            part = np.int32(min(abs(sums[column]), ONE) * whole + HALF)
             for channel in range(picture.shape[2]):
-                value = np.int32(colour[channel] + 0.5) * share + 128
-                line[column, channel] = (np.int32(line[column, channel]) * (256 - share) + value) >> 8
+                value = np.int32(colour[channel] + 0.5) * part + 128
+                line[column, channel] = (np.int32(line[column, channel]) * (256 - part) + value) >> 8
         return
     if picture.shape[2] == 3:
         for column in range(np.uint32(first), np.uint32(end)):
-            share = np.int32(shares[column])
-            keep = np.int32(256) - share
-            line[column, 0] = (np.int32(line[column, 0]) * keep + (ink[0] * share + 128)) >> 8
-            line[column, 1] = (np.int32(line[column, 1]) * keep + (ink[1] * share + 128)) >> 8
-            line[column, 2] = (np.int32(line[column, 2]) * keep + (ink[2] * share + 128)) >> 8
+            share = np.uint16(np.int32(min(abs(sums[column]), ONE) * whole + HALF))
+            keep = np.uint16(np.uint16(256) - share)
+            line[column, 0] = np.uint16(np.uint16(line[column, 0]) * keep + np.uint16(ink[0] * share + half)) >> 8
+            line[column, 1] = np.uint16(np.uint16(line[column, 1]) * keep + np.uint16(ink[1] * share + half)) >> 8
+            line[column, 2] = np.uint16(np.uint16(line[column, 2]) * keep + np.uint16(ink[2] * share + half)) >> 8
         return
     for column in range(np.uint32(first), np.uint32(end)):
-        share = np.int32(shares[column])
-        keep = np.int32(256) - share
-        line[column, 0] = (np.int32(line[column, 0]) * keep + (ink[0] * share + 128)) >> 8
-        line[column, 1] = (np.int32(line[column, 1]) * keep + (ink[1] * share + 128)) >> 8
-        line[column, 2] = (np.int32(line[column, 2]) * keep + (ink[2] * share + 128)) >> 8
-        line[column, 3] = (np.int32(line[column, 3]) * keep + (ink[3] * share + 128)) >> 8
+        share = np.uint16(np.int32(min(abs(sums[column]), ONE) * whole + HALF))
+        keep = np.uint16(np.uint16(256) - share)
+        line[column, 0] = np.uint16(np.uint16(line[column, 0]) * keep + np.uint16(ink[0] * share + half)) >> 8
+        line[column, 1] = np.uint16(np.uint16(line[column, 1]) * keep + np.uint16(ink[1] * share + half)) >> 8
+        line[column, 2] = np.uint16(np.uint16(line[column, 2]) * keep + np.uint16(ink[2] * share + half)) >> 8
+        line[column, 3] = np.uint16(np.uint16(line[column, 3]) * keep + np.uint16(ink[3] * share + half)) >> 8

@@ -13,7 +13,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints, Pixels, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_line, add_polygon, is_near
-from irsim_gym.raster.sheets import HALF, NOTHING, TILE, WHOLE, sum_tile, within
+from irsim_gym.raster.sheets import HALF, NOTHING, ONE, TILE, WHOLE, sum_tile
 
 EVEN, ODD, ROUND, OPAQUE = (np.uint32(word) for word in (0x00FF00FF, 0xFF00FF00, 0x00800080, 0xFF000000))
 BYTE, SEVEN, WHOLE_SHARE = np.uint32(8), np.uint32(7), np.uint32(256)
@@ -106,10 +106,11 @@ def wash(picture: Pixels, sheet: Rays, box: Ints, colour: Floats) -> None:
             column = tile * TILE
             if sums[width + tile] != NOTHING:
                 sums[width + tile] = NOTHING
-                total = sum_tile(sums, column, total, whole, False)
-                share = np.uint32(within(total, False) * whole + HALF)
+                total = sum_tile(sums, column, total, False)
+                share = np.uint32(min(abs(total), ONE) * whole + HALF)
                 for place in range(np.uint32(column), np.uint32(min(column + TILE, box[2]))):
-                    line[place] = blended(line[place], ink, np.uint32(sums[place]))
+                    part = np.uint32(min(abs(sums[place]), ONE) * whole + HALF)
+                    line[place] = blended(line[place], ink, part)
                 for place in range(np.uint32(column), np.uint32(column + TILE)):
                     sums[place] = NOTHING
                 tile += 1
