@@ -8,14 +8,13 @@ nothing to do looks at the desk for a moment before it goes to sleep, if jobs ha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.atomics import add, load, relax, store, swap
+from irsim_gym.engine.fused import Crew
 from irsim_gym.jit import kernel
-from irsim_gym.replay import BLOCK, Program, call_all
+from irsim_gym.replay import BLOCK, call_all
 
 LEFT, DONE = 0, 64
 """Places on the desk [byte], in cache lines of their own: pieces that nobody has taken; pieces that are done."""
@@ -41,20 +40,20 @@ class Desk:
         self._words = np.zeros((SLOTS + SLOT * n_slots) // 8 + 8, np.int64)
         start: int = self._words.ctypes.data
         self._at = start + -start % 64
+        self._failed = (self._at - start + FAILED) // 8
         self.serve(0)  # compiled here, not by the first thread: an interrupt should find that in the main one
 
-    def offer(self, programs: Sequence[Program], worlds: Ints, pieces: int, looks: int) -> list[int]:
+    def offer(self, crew: Crew, worlds: Ints, pieces: int, looks: int) -> list[int]:
         """Lay down a job, and return the threads that sleep.
 
         Args:
-            programs: What each slot does, shape ``(n_slots,)``.
+            crew: What each slot does.
             worlds: For which worlds, shape ``(n,)``, contiguous; they are not looked at after the job is done.
             pieces: Into how many pieces they are cut.
             looks: How often threads look for the next job before they sleep.
         """
-        addresses = np.array([program.address for program in programs], np.int64)
-        asleep = lay_down(self._at, addresses, worlds, min(pieces, len(worlds)), programs[0].n_calls, looks)
-        return [slot for slot in range(1, len(programs)) if asleep >> slot & 1]
+        asleep = lay_down(self._at, crew.addresses, worlds, min(pieces, len(worlds)), crew.n_calls, looks)
+        return [slot for slot in range(1, crew.n_slots) if asleep >> slot & 1] if asleep else []
 
     def work(self) -> int:
         """Take pieces until none is left, and return how many worlds that were."""
@@ -76,7 +75,7 @@ class Desk:
     @property
     def failed(self) -> int:
         """The number of the call that failed, from 1; 0 if none did."""
-        return int(self._words[(self._at - self._words.ctypes.data + FAILED) // 8])
+        return int(self._words[self._failed])
 
 
 @kernel

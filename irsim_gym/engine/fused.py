@@ -7,7 +7,7 @@ worlds. Nothing is written twice, and the results are the same to the last bit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,26 @@ def only_kernels(kinds: Iterable[Any]) -> bool:
     return all(vars(kind).get("only_kernels", False) for kind in kinds)
 
 
+class Crew:
+    """What each of several threads does with worlds: programs that differ in their scratch memory.
+
+    Attributes:
+        addresses: Where each slot's calls stand.
+        n_calls: How many these are.
+        n_slots: How many slots there are.
+    """
+
+    def __init__(self, programs: Sequence[Program]) -> None:
+        self._programs = programs
+        self.addresses = np.array([program.address for program in programs], np.int64)
+        self.n_calls, self.n_slots = programs[0].n_calls, len(programs)
+
+    def check(self, failed: int) -> None:
+        """Raise an error if a call has failed; calls are counted from 1."""
+        if failed:
+            self._programs[0].check(failed)
+
+
 class Fused:
     """A function of a shard that is recorded once for each slot, and replayed.
 
@@ -40,6 +60,7 @@ class Fused:
         self.__qualname__ = getattr(function, "__qualname__", type(self).__qualname__)
         self.is_fusable = is_fusable and is_possible()
         self._programs: dict[int, Program | None] = {}
+        self._crew: Crew | None = None
 
     def __call__(self, shard: Shard) -> None:
         """Run the function for the shard's worlds."""
@@ -59,16 +80,22 @@ class Fused:
         if self.is_fusable and slot not in self._programs:
             self._programs[slot] = self._record(slot)
 
-    def programs(self, n_slots: int) -> list[Program]:
-        """Return the program of each slot, recorded now if need be; none where it runs as it is."""
-        for slot in range(n_slots):
-            self.prepare(slot)
-        found = [self._programs.get(slot) for slot in range(n_slots)]
-        return [program for program in found if program is not None] if None not in found else []
+    def crew(self, n_slots: int) -> Crew | None:
+        """Return the programs of all slots, recorded now if need be; None where it runs as it is."""
+        if not self.is_fusable:
+            return None
+        if self._crew is None or self._crew.n_slots != n_slots:
+            for slot in range(n_slots):
+                self.prepare(slot)
+            found = [self._programs.get(slot) for slot in range(n_slots)]
+            programs = [program for program in found if program is not None]
+            self._crew = Crew(programs) if len(programs) == n_slots else None
+        return self._crew
 
     def forget(self) -> None:
         """Record anew the next time: an array or a number has been replaced by another one."""
         self._programs.clear()
+        self._crew = None
 
     def _record(self, slot: int) -> Program | None:
         """Return the program for a slot; None where recording twice does not give the same one.
@@ -86,4 +113,4 @@ class Fused:
         return Program(record(self.function, Shard(worlds, slot)), worlds)
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, "_programs": {}}
+        return {**self.__dict__, "_programs": {}, "_crew": None}

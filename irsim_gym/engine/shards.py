@@ -7,15 +7,14 @@ import threading
 import time
 import weakref
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine.crew import LOOKS, Desk
-from irsim_gym.engine.fused import Fused
-from irsim_gym.replay import Program
+from irsim_gym.engine.fused import Crew, Fused
 from irsim_gym.world.group import Shard
 
 Work = Callable[[Shard], None]
@@ -75,12 +74,14 @@ class Shards:
             return
         name = getattr(function, "__qualname__", type(function).__qualname__)
         count = self._workers(name, len(worlds))
-        if isinstance(function, Fused):
-            programs = function.programs(self.n_slots if count > 1 else 1)
-            if programs and count > 1:
-                self._run_recorded(name, programs, worlds, count)
-                return
-        job = _Job(function, cut(worlds, count * PIECES if count > 1 else 1))
+        if count == 1:
+            self._run_alone(name, function, worlds)
+            return
+        crew = function.crew(self.n_slots) if isinstance(function, Fused) else None
+        if crew is not None:
+            self._run_recorded(name, crew, worlds, count)
+            return
+        job = _Job(function, cut(worlds, count * PIECES))
         lanes = self._threads(count - 1)[: count - 1]
         try:
             for lane in lanes:
@@ -101,12 +102,17 @@ class Shards:
         if n_done:
             self._note(name, taken / n_done)
 
-    def _run_recorded(self, name: str, programs: Sequence[Program], worlds: Ints, count: int) -> None:
+    def _run_alone(self, name: str, function: Work, worlds: Ints) -> None:
+        begin = time.perf_counter()
+        function(Shard(worlds))
+        self._note(name, (time.perf_counter() - begin) / len(worlds))
+
+    def _run_recorded(self, name: str, crew: Crew, worlds: Ints, count: int) -> None:
         """Do recorded work together, without Python; see ``crew``."""
         lanes, desk = self._threads(count - 1), self._ready_desk()
         looks = LOOKS if time.perf_counter() - self._ended < CLOSE_S else 0
         try:
-            asleep = desk.offer(programs, worlds, count * PIECES_OF_RECORDED, looks)
+            asleep = desk.offer(crew, worlds, count * PIECES_OF_RECORDED, looks)
             for slot, lane in enumerate(lanes[: count - 1], start=1):
                 if slot in asleep or lane.desk is not desk:
                     lane.attend(desk)
@@ -122,7 +128,7 @@ class Shards:
             for lane in lanes:
                 lane.attend(desk)  # whoever was to be woken: the desk takes it to be awake
             raise
-        programs[0].check(desk.failed)
+        crew.check(desk.failed)
         self._ended = time.perf_counter()
         if n_done:
             self._note(name, taken / n_done)
