@@ -28,7 +28,7 @@ from irsim_gym.jit import kernel
 TILE = 16
 HEADER = 4
 FARTHEST = 1e9
-Ink = tuple[Any, Any, Any, Any]
+Ink = tuple[Any, Any, Any]
 NOTHING, HALF, ONE, TWO, WHOLE = np.float32(0.0), np.float32(0.5), np.float32(1.0), np.float32(2.0), np.float32(256.0)
 
 
@@ -146,8 +146,7 @@ def paint(picture: Bytes, sheet: Rays, box: Ints, colour: Floats, even_odd: bool
     sheet[header, 0] = sheet[header, 1] = sheet[header, 2] = sheet[header, 3] = NOTHING
     whole = WHOLE * np.float32(min(max(float(colour[picture.shape[2]]), 0.0), 1.0))
     last = picture.shape[2]  # a channel that there is not has any value
-    red, green = np.uint16(colour[0] + 0.5), np.uint16(colour[min(1, last)] + 0.5)
-    ink = red, green, np.uint16(colour[min(2, last)] + 0.5), np.uint16(colour[min(3, last)] + 0.5)
+    ink = np.uint16(colour[0] + 0.5), np.uint16(colour[min(1, last)] + 0.5), np.uint16(colour[min(2, last)] + 0.5)
     for row in range(first_row, end_row):
         share, sums, painted, total = np.int32(0), sheet[row], box[2], NOTHING
         end = _list_touched(sums, sheet[header], width, first_tile, end_tile)
@@ -213,26 +212,22 @@ def sum_tile(sums: Rays, first: int, total: Any, even_odd: bool) -> Any:
 def _blend(picture: Bytes, row: int, first: int, end: int, colour: Floats, ink: Ink, share: Any) -> None:
     """Blend ``share`` of 256 parts of a colour into the pixels of a row from ``first`` to ``end``."""
     keep, line, part = np.uint16(256 - share), picture[np.uint64(row)], np.uint16(share)
-    if picture.shape[2] not in (3, 4):
+    if picture.shape[2] != 3:
         for channel in range(picture.shape[2]):
             value = np.int32(colour[channel] + 0.5) * np.int32(share) + 128
             for column in range(first, end):
                 line[column, channel] = (np.int32(line[column, channel]) * np.int32(keep) + value) >> 8
         return
     half = np.uint16(128)
-    red, green = np.uint16(ink[0] * part + half), np.uint16(ink[1] * part + half)
-    blue, fourth = np.uint16(ink[2] * part + half), np.uint16(ink[3] * part + half)
-    if picture.shape[2] == 3:
-        for column in range(np.uint32(first), np.uint32(end)):  # unsigned: no index counts from the end; lanes are used
-            line[column, 0] = np.uint16(np.uint16(line[column, 0]) * keep + red) >> 8
-            line[column, 1] = np.uint16(np.uint16(line[column, 1]) * keep + green) >> 8
-            line[column, 2] = np.uint16(np.uint16(line[column, 2]) * keep + blue) >> 8
-        return
-    for column in range(np.uint32(first), np.uint32(end)):
+    red, green, blue = (
+        np.uint16(ink[0] * part + half),
+        np.uint16(ink[1] * part + half),
+        np.uint16(ink[2] * part + half),
+    )
+    for column in range(np.uint32(first), np.uint32(end)):  # unsigned: no index counts from the end; lanes are used
         line[column, 0] = np.uint16(np.uint16(line[column, 0]) * keep + red) >> 8
         line[column, 1] = np.uint16(np.uint16(line[column, 1]) * keep + green) >> 8
         line[column, 2] = np.uint16(np.uint16(line[column, 2]) * keep + blue) >> 8
-        line[column, 3] = np.uint16(np.uint16(line[column, 3]) * keep + fourth) >> 8
 
 
 @kernel(inlined=True)
@@ -241,20 +236,12 @@ def _blend_sums(
 ) -> None:
     """Blend a colour into the pixels of a row from ``first`` to ``end``, each as far as it lies within the boundary."""
     line, half = picture[np.uint64(row)], np.uint16(128)
-    if picture.shape[2] not in (3, 4):
+    if picture.shape[2] != 3:
         for column in range(first, end):
             part = np.int32(min(abs(sums[column]), ONE) * whole + HALF)
             for channel in range(picture.shape[2]):
                 value = np.int32(colour[channel] + 0.5) * part + 128
                 line[column, channel] = (np.int32(line[column, channel]) * (256 - part) + value) >> 8
-        return
-    if picture.shape[2] == 3:
-        for column in range(np.uint32(first), np.uint32(end)):
-            share = np.uint16(np.int32(min(abs(sums[column]), ONE) * whole + HALF))
-            keep = np.uint16(np.uint16(256) - share)
-            line[column, 0] = np.uint16(np.uint16(line[column, 0]) * keep + np.uint16(ink[0] * share + half)) >> 8
-            line[column, 1] = np.uint16(np.uint16(line[column, 1]) * keep + np.uint16(ink[1] * share + half)) >> 8
-            line[column, 2] = np.uint16(np.uint16(line[column, 2]) * keep + np.uint16(ink[2] * share + half)) >> 8
         return
     for column in range(np.uint32(first), np.uint32(end)):
         share = np.uint16(np.int32(min(abs(sums[column]), ONE) * whole + HALF))
@@ -262,4 +249,3 @@ def _blend_sums(
         line[column, 0] = np.uint16(np.uint16(line[column, 0]) * keep + np.uint16(ink[0] * share + half)) >> 8
         line[column, 1] = np.uint16(np.uint16(line[column, 1]) * keep + np.uint16(ink[1] * share + half)) >> 8
         line[column, 2] = np.uint16(np.uint16(line[column, 2]) * keep + np.uint16(ink[2] * share + half)) >> 8
-        line[column, 3] = np.uint16(np.uint16(line[column, 3]) * keep + np.uint16(ink[3] * share + half)) >> 8
