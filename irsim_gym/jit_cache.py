@@ -19,6 +19,7 @@ import numba
 import numpy as np
 from numba.core import compiler, serialize
 from numba.core import config as numba_config
+from numba.core.runtime.nrt import rtsys
 
 config: Any = numba_config
 CompileResult: Any = compiler.CompileResult
@@ -34,7 +35,8 @@ def keep_on_disk(dispatcher: Any, form: str) -> None:
     """Give a dispatcher a cache of ours, unless there is no folder or no source file whose changes would be seen."""
     function = dispatcher.py_func
     if function.__closure__ is None and Path(function.__code__.co_filename).is_file() and cache_folder() is not None:
-        dispatcher._cache = KernelCache(function, f"{form} {sorted(dispatcher.targetoptions.items(), key=str)}")
+        options = dispatcher.targetoptions
+        dispatcher._cache = KernelCache(function, f"{form} {sorted(options.items(), key=str)}", options["_nrt"])
 
 
 class KernelCache:
@@ -44,7 +46,8 @@ class KernelCache:
     read, is damaged or does not fit is compiled anew; one that cannot be written is done without.
     """
 
-    def __init__(self, function: Any, options: str) -> None:
+    def __init__(self, function: Any, options: str, allocates: bool) -> None:
+        self._allocates = allocates
         self._name = f"{function.__module__}.{function.__qualname__}".replace("<", "").replace(">", "")
         self._key = "" if _is_own(function) else _fingerprint(function, set())
         self._options = options
@@ -55,8 +58,15 @@ class KernelCache:
         return str(cache_folder() or "")
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Return the compiled code for some types of arguments, None if it has to be compiled."""
-        target.refresh()
+        """Return the compiled code for some types of arguments, None if it has to be compiled.
+
+        Numba would prepare to compile in any case, which takes a third of a warm start: with SciPy installed, it
+        imports that. Kernels of the package need at most memory; others may have types that come with extensions.
+        """
+        if self._key:
+            target.refresh()
+        elif self._allocates:
+            rtsys.initialize(target)
         try:
             content = self._file(signature, target.codegen()).read_bytes()
             if content[:16] != _checksum(content[16:]):

@@ -122,6 +122,32 @@ def test_what_is_on_disk_is_not_compiled_again(tmp_path: Path) -> None:
     assert compilations(tmp_path) == 0
 
 
+def test_kernels_on_disk_run_before_the_compiler_is_ready(tmp_path: Path) -> None:
+    """Numba's preparations take longer than all kernels, and import SciPy where it is installed."""
+    ready = "print('numba.np.arraymath' in sys.modules)"
+    own = f"import sys; from irsim_gym import rng; rng.later_level(1, 2); {ready}"
+    elsewhere = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from mine import half; half(3.0); {ready}"
+    (tmp_path / "mine.py").write_text("from irsim_gym.jit import kernel\n@kernel\ndef half(x):\n    return 0.5 * x\n")
+    for use, later in ((own, "False"), (elsewhere, "True")):
+        seen = [run(["-c", use], NUMBA_CACHE_DIR=str(tmp_path / "cache")).stdout.strip() for _ in range(2)]
+        assert seen == ["True", later]
+
+
+def test_a_kernel_on_disk_may_allocate(tmp_path: Path) -> None:
+    """The least circle around a square with sides of 2 m: sqrt(2) = 1.414."""
+    use = """
+import numpy as np
+from irsim_gym.engine.measures import measure_bodies
+one, none, corners = np.zeros(1, np.int64), np.zeros((1, 1), np.int64), [[-1, -1], [1, -1], [1, 1], [-1, 1]]
+sides = np.array([[[*corners[k - 1], *corners[k]] for k in range(4)]], float)
+radius, centroid = np.zeros((1, 1)), np.zeros((1, 1, 2))
+measure_bodies(one, one, np.ones(1, bool), one, none + 4, sides, one, none, np.zeros((1, 0, 3)), radius, centroid)
+assert abs(radius[0, 0] - 2**0.5) < 1e-9, radius
+"""
+    assert compilations(tmp_path, use) > 0
+    assert compilations(tmp_path, use) == 0
+
+
 def test_a_part_that_is_on_disk_serves_other_kernels(tmp_path: Path) -> None:
     assert compilations(tmp_path, "from irsim_gym import rng; a = rng.later_level(1, 2)") == 2
     other = "from irsim_gym import rng; import numpy as np; print(rng.level_stream(np.uint64(7), 3))"
