@@ -121,12 +121,18 @@ def record(function: Callable[..., None], *arguments: Any) -> Calls:
     """Run a function, and note the kernels that it calls, with their arguments, in place of running them.
 
     It is no context manager: an interrupt between the beginning of one and its body would leave every kernel of this
-    thread dead.
+    thread dead. One may be under way within another one.
     """
     calls: Calls = []
+    before = _calls.get()
     try:
         _calls.set(calls)
         function(*arguments)
     finally:
-        _calls.set(None)
+        _calls.set(before)
     return calls
+
+
+def is_recording() -> bool:
+    """Return whether ``record`` is under way in this thread."""
+    return _calls.get() is not None

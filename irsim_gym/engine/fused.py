@@ -2,7 +2,8 @@
 
 The plain path says what a step is, in Python: phase after phase calls its kernels. Here it is run once while
 ``jit.record`` notes these calls instead of making them; ``replay.Program`` then makes them all at once, for any
-worlds. Nothing is written twice, and the results are the same to the last bit.
+worlds. Nothing is written twice, and the results are the same to the last bit. What is recorded may call other such
+functions, which become a part of it, and have one of them repeated where it failed.
 """
 
 from __future__ import annotations
@@ -12,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.jit import record
-from irsim_gym.replay import NotRecordableError, Program, is_possible
+from irsim_gym.arraytypes import Ints
+from irsim_gym.jit import is_recording, kernel, record
+from irsim_gym.replay import BLOCK, NotRecordableError, Program, call_all, is_possible
 from irsim_gym.world.group import Shard
 
 
@@ -60,17 +62,49 @@ class Fused:
         self.__qualname__ = getattr(function, "__qualname__", type(self).__qualname__)
         self.is_fusable = is_fusable and is_possible()
         self._programs: dict[int, Program | None] = {}
+        self._left: dict[int, Ints] = {}
         self._crew: Crew | None = None
 
     def __call__(self, shard: Shard) -> None:
         """Run the function for the shard's worlds."""
-        if shard.slot not in self._programs:
-            self.prepare(shard.slot)
-        program = self._programs.get(shard.slot) if self.is_fusable else None
+        program = None if is_recording() else self._program(shard.slot)
         if program is None:
             self.function(shard)
         else:
             program.run(shard.worlds)
+
+    def repeat(self, shard: Shard, failed: Ints, tries: int) -> None:
+        """Run the function, and again for those of the shard's worlds where it failed.
+
+        Args:
+            shard: The worlds.
+            failed: Above 0 where the function failed, which writes it, shape ``(n_worlds,)``; some may stay so.
+            tries: How often it is run at most.
+
+        Raises:
+            NotRecordableError: This is about to become a part of something else, but is run as it is.
+        """
+        program = self._program(shard.slot)
+        if program is not None:
+            # The address stays right within another program: whoever forgets this one forgets all of them.
+            left = self._left.setdefault(shard.slot, np.zeros(BLOCK, np.int64))
+            call_until_done(shard.worlds, program.address, program.n_calls, tries, failed, left)
+            return
+        if is_recording():
+            raise NotRecordableError(f"{self.__qualname__} is to be repeated, and cannot be recorded")
+        remaining = shard
+        for _ in range(tries):
+            self.function(remaining)
+            worlds = remaining.worlds[failed[remaining.worlds] > 0]
+            if not len(worlds):
+                break
+            remaining = Shard(worlds, shard.slot)
+
+    def _program(self, slot: int) -> Program | None:
+        """Return what is replayed for a slot, recorded now if need be; None where the function runs as it is."""
+        if slot not in self._programs:
+            self.prepare(slot)
+        return self._programs.get(slot) if self.is_fusable else None
 
     def prepare(self, slot: int) -> None:
         """Record the function for a slot, unless that was done before.
@@ -113,4 +147,33 @@ class Fused:
         return Program(record(self.function, Shard(worlds, slot)), worlds)
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, "_programs": {}, "_crew": None}
+        return {**self.__dict__, "_programs": {}, "_left": {}, "_crew": None}
+
+
+@kernel
+def call_until_done(worlds: Ints, calls: int, n_calls: int, tries: int, failed: Ints, left: Ints) -> None:
+    """Make calls for some worlds, and again for those where they failed.
+
+    Args:
+        worlds: The worlds to treat, shape ``(n,)``.
+        calls: Where the calls stand; they write ``failed``.
+        n_calls: How many they are.
+        tries: How often they are made at most.
+        failed: Above 0 where the calls failed, shape ``(n_worlds,)``.
+        left: Scratch memory, for so many worlds at a time.
+    """
+    for first in range(0, worlds.shape[0], left.shape[0]):
+        count = min(left.shape[0], worlds.shape[0] - first)
+        for i in range(count):
+            left[i] = worlds[first + i]
+        for _ in range(tries):
+            if call_all(calls, n_calls, left.ctypes.data, count, count):
+                raise RuntimeError("a kernel failed")
+            remaining = 0
+            for i in range(count):
+                if failed[left[i]] > 0:
+                    left[remaining] = left[i]
+                    remaining += 1
+            count = remaining
+            if count == 0:
+                break

@@ -8,6 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Words
 from irsim_gym.engine import arrival, buckets, contact, fog, measures, outlines, ways
+from irsim_gym.engine.fused import Fused
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
@@ -22,29 +23,36 @@ LEVEL_TRIES = 100
 Phase = Callable[[Shard], None]
 
 
-def begin(parts: Parts, state: WorldState, shard: Shard, draw: Phase, start: Phase) -> None:
+def begin(state: WorldState, shard: Shard, draw: Fused, start: Phase) -> None:
     """Draw a level for each of the shard's worlds, again where it fails, and begin it.
 
     Args:
-        parts: The compiled scenario.
-        state: Its moment; ``random`` holds the stream of each level.
+        state: The moment; ``random`` holds the stream of each level.
         shard: The worlds.
         draw: ``draw_level`` for some worlds.
         start: ``start_drawn`` for some worlds.
 
     Raises:
-        PlacementError: A body found no place in any of the tries.
+        RuntimeError: A body found no place in any of the tries; ``check_drawn`` says which.
     """
-    remaining = shard
-    for _ in range(LEVEL_TRIES):
-        draw(remaining)
-        worlds = remaining.worlds[state.failed[remaining.worlds] > 0]
-        if not len(worlds):
-            break
-        remaining = Shard(worlds, shard.slot)
-    else:
-        raise PlacementError(_failure(parts.places[state.failed[remaining.worlds[0]] - 1]))
+    draw.repeat(shard, state.failed, LEVEL_TRIES)
+    refuse_failed(shard.worlds, state.failed)
     start(shard)
+
+
+def check_drawn(parts: Parts, state: WorldState, worlds: Ints) -> None:
+    """Raise a PlacementError if a level of the worlds could not be drawn."""
+    failed = state.failed[worlds]
+    if (failed > 0).any():
+        raise PlacementError(_failure(parts.places[failed[failed > 0][0] - 1]))
+
+
+@kernel
+def refuse_failed(worlds: Ints, failed: Ints) -> None:
+    """Fail if something failed in one of the worlds, ``(n,)``, so that what follows is not done."""
+    for i in range(worlds.shape[0]):
+        if failed[worlds[i]] > 0:
+            raise RuntimeError("a level could not be drawn")
 
 
 def start_drawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:

@@ -175,10 +175,22 @@ class Simulation:
         """Call ``function`` with shares of the given worlds (all by default), on threads if there are several."""
         self.shards.run(function, worlds)
 
+    def run_beginning(self, function: Callable[[Shard], None], worlds: Ints | None = None) -> None:
+        """Call a function that begins levels, see ``run``.
+
+        Raises:
+            PlacementError: A level could not be drawn.
+        """
+        try:
+            self.run(function, worlds)
+        except RuntimeError:
+            restart.check_drawn(self.parts, self.state, self.shards.all[0].worlds if worlds is None else worlds)
+            raise
+
     def begin(self, shard: Shard, streams: Words) -> None:
-        """Draw a new level in the shard's worlds from random streams of shape ``(n_worlds,)``."""
+        """Draw a new level in the shard's worlds from random streams ``(n_worlds,)``; for ``run_beginning``."""
         restart.copy_words(shard.worlds, streams, self.state.random)
-        restart.begin(self.parts, self.state, shard, self._draw, self._start)
+        restart.begin(self.state, shard, self._draw, self._start)
 
     def _draw_level(self, shard: Shard) -> None:
         restart.draw_level(self.parts, self.model, self.state, shard)
@@ -222,7 +234,7 @@ class Simulation:
             episode: Which one of the chain of levels that begins with that level.
         """
         streams = self.streams(seed, split, episode)
-        self.run(lambda shard: self.begin(shard, streams))
+        self.run_beginning(lambda shard: self.begin(shard, streams))
 
     def streams(self, seed: int, split: str = "train", episode: int = 0) -> Words:
         """Return the random stream that each world begins an episode with; see ``reset``."""

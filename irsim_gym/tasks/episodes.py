@@ -75,7 +75,9 @@ class Episodes:
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
         every = [self._action, *self._observations, *self._rewards, *self._endings]
         kinds = [type(term.options) for term in every]
+        levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
         self._play, self._begin_books = (simulation.fuse(run, kinds) for run in (self._step, self._open))
+        self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
 
     @property
     def n_worlds(self) -> int:
@@ -153,6 +155,7 @@ class Episodes:
             term.max_steps = max_steps
         self._play.forget()
         self._begin_books.forget()
+        self._begin.forget()
 
     def begin(self, worlds: Ints, levels: Ints, split: str = "train") -> None:
         """Begin a level in some worlds; later ones of these worlds follow from it, within the same split.
@@ -175,7 +178,7 @@ class Episodes:
         self.state.base[worlds] = stream_base(self.simulation.scenario.name, split)
         self.state.first_level[worlds] = levels
         self.state.episode[worlds] = 0
-        self.simulation.run(self._begin, worlds)
+        self.simulation.run_beginning(self._begin, worlds)
 
     def begin_next(self, worlds: Ints) -> None:
         """Begin the next level of each world's chain.
@@ -188,7 +191,7 @@ class Episodes:
         """
         worlds = np.asarray(worlds, np.int64)
         self.state.episode[worlds] += 1
-        self.simulation.run(self._begin, worlds)
+        self.simulation.run_beginning(self._begin, worlds)
 
     def respawn(self, agents: Flags) -> None:
         """Give agents a new start and goal in their running worlds at once, and begin an episode of theirs.
@@ -248,7 +251,7 @@ class Episodes:
             if not are_finite(rows, self.action_sizes, kept):
                 raise ValueError("an action is not finite")
 
-    def _begin(self, shard: Shard) -> None:
+    def _begin_levels(self, shard: Shard) -> None:
         """Draw the levels of the shard's worlds and begin their episodes."""
         simulation, state, worlds = self.simulation, self.state, shard.worlds
         take_levels(worlds, state.base, state.first_level, state.episode, state.level, state.stream)

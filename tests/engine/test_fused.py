@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 
 import irsim_gym as ig
 from irsim_gym import families, jit, replay
+from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Shard, Simulation, compile
 from irsim_gym.engine.fused import Fused, only_kernels
 from irsim_gym.envs.worlds import Worlds
+from irsim_gym.errors import PlacementError
 from irsim_gym.jit import kernel, record
 from irsim_gym.kinematics.differential import Differential
 from irsim_gym.scenario import load_scenario
@@ -63,7 +65,7 @@ def test_every_task_is_recorded_and_stays_the_same(name: str) -> None:
     scenario = load_scenario(name)
     both = [Worlds(scenario, 3, team=True, num_threads=threads) for threads in (1, 2)]
     plain = both[1].episodes
-    for one in (plain._play, plain._begin_books, plain.simulation._draw, plain.simulation._start):
+    for one in (plain._begin, plain._play, plain._begin_books, plain.simulation._draw, plain.simulation._start):
         one.is_fusable = False
     numbers = np.random.default_rng(0)
     episodes = both[0].episodes
@@ -86,7 +88,7 @@ def test_every_task_is_recorded_and_stays_the_same(name: str) -> None:
     scratch = {name for name, values in found[0].items() if values.shape != found[1][name].shape}
     assert not scratch & {*EpisodeState.columns(), *WorldState.columns()}, "a row for each thread"
     assert set(differing(*found)) <= scratch
-    for one in (episodes._play, episodes._begin_books, episodes.simulation._draw, episodes.simulation._start):
+    for one in (episodes._begin, episodes._play, episodes.simulation._draw):
         assert one._programs[0] is not None
 
 
@@ -274,6 +276,94 @@ def test_a_number_that_changes_shows_when_it_is_recorded() -> None:
     made = fused(lambda shard: add(shard.worlds, next(amounts), out))
     assert made._programs == {0: None}
     assert out.tolist() == [4.0, 4.0]
+
+
+@kernel
+def try_once(worlds: Ints, tries: Ints, needed: Ints, failed: Ints) -> None:
+    """Fail until a world has had as many tries as it needs."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        tries[w] += 1
+        failed[w] = 7 if tries[w] < needed[w] else 0
+
+
+class Trials:
+    """Tries worlds until they succeed, ten times at most, and notes those that are through with a second kernel."""
+
+    def __init__(self, is_fusable: bool = True) -> None:
+        self.needed = np.arange(2 * replay.BLOCK + 9) % 12
+        self.tries, self.failed = np.zeros((2, len(self.needed)), np.int64)
+        self.ended = np.zeros(len(self.needed))
+        self.trial = Fused(lambda shard: try_once(shard.worlds, self.tries, self.needed, self.failed), is_fusable)
+        self.fused = Fused(self.both)
+
+    def both(self, shard: Shard) -> None:
+        self.trial.repeat(shard, self.failed, 10)
+        add(shard.worlds, 1.0, self.ended)
+
+
+@pytest.mark.parametrize("is_fusable", [True, False])
+@pytest.mark.parametrize("is_whole", [True, False])
+def test_what_fails_is_repeated_alone(is_fusable: bool, is_whole: bool) -> None:
+    """A part of a recorded function, or by itself; what is run as it is keeps the whole from being recorded."""
+    made = Trials(is_fusable)
+    worlds = np.arange(1, len(made.needed))
+    (made.fused if is_whole else made.both)(Shard(worlds))
+    assert made.tries.tolist() == [0, *np.clip(made.needed[1:], 1, 10)]
+    assert made.failed.tolist() == [7 * (n == 11) for n in made.needed]
+    assert made.ended.tolist() == [0.0] + [1.0] * len(worlds)
+    assert [program is not None for program in made.fused._programs.values()] == [is_fusable] * is_whole
+
+
+def test_recorded_functions_become_a_part_of_others() -> None:
+    out = np.zeros(3)
+    inner = Fused(lambda shard: add(shard.worlds, 1.0, out))
+    outer = Fused(lambda shard: (inner(shard), add(shard.worlds, 2.0, out)))
+    outer(Shard(np.array([0, 2])))
+    assert out.tolist() == [3.0, 0.0, 3.0]
+    program = outer._programs[0]
+    assert program is not None
+    assert program.n_calls == 2
+    assert inner._programs == {}
+
+
+@pytest.mark.parametrize("num_threads", [1, 2])
+def test_a_level_that_cannot_be_drawn_is_told_and_others_go_on(num_threads: int) -> None:
+    robot = {**MINE["robot"][0], "behavior": None, "distribution": {"name": "random", "min_distance": 0}}
+    pillar = {"shape": {"name": "circle", "radius": 0.5}, "state": [5, 5]}
+    worlds = Worlds({**MINE, "robot": [robot], "obstacle": [pillar]}, 6, num_threads=num_threads)
+    worlds.begin(range(6), range(6), [{}] * 6, lambda w: 0)
+    model = worlds.simulation.model
+    model.local_discs[:, 1, 2] = model.reach[:, 1] = 20.0  # the pillar is everywhere
+    with pytest.raises(PlacementError, match="no place found for 'robot_0'"):
+        worlds.begin_next(np.array([1, 4]))
+    model.local_discs[:, 1, 2] = model.reach[:, 1] = 0.5
+    worlds.begin_next(np.array([1, 4]))
+    assert (worlds.episodes.state.episode == [0, 2, 0, 0, 2, 0]).all()
+
+
+def test_levels_that_need_several_draws_are_the_same() -> None:
+    """Nine discs seldom find room where twelve would fit if they were put in order."""
+    robot = {**MINE["robot"][0], "behavior": None, "state": [0.3, 0.3, 0], "goal": [3.7, 0.3, 0]}
+    discs = {"number": 9, "shape": {"name": "circle", "radius": 0.5}}
+    crowded = {"name": "random", "min_distance": 0}
+    data = {
+        "world": {"width": 4, "height": 4},
+        "robot": [robot],
+        "obstacle": [{**discs, "distribution": crowded}],
+    }
+    whole, plain = (Worlds(data, 20) for _ in range(2))
+    draws: list[int] = []
+    draw = plain.simulation._draw
+    draw.function = lambda shard, known=draw.function: (draws.append(len(shard.worlds)), known(shard))
+    plain.episodes._begin.is_fusable = draw.is_fusable = False
+    for worlds in (whole, plain):
+        worlds.begin(range(20), range(20), [{}] * 20, lambda w: 0)
+        worlds.begin_next(np.arange(0, 20, 3))
+    assert draws.count(20) == 1
+    assert len(draws) > 4
+    assert differing(arrays(whole.simulation), arrays(plain.simulation)) == []
+    assert whole.episodes.view.observation.tobytes() == plain.episodes.view.observation.tobytes()
 
 
 def test_threads_are_handed_what_is_recorded_already(monkeypatch: pytest.MonkeyPatch) -> None:
