@@ -47,6 +47,7 @@ class Program:
     Attributes:
         calls: What is called, with the arguments; held here, because the packed words point into the arrays.
         words: All arguments, packed.
+        entries: Addresses of doorway and packed arguments of each call, shape ``(n_calls, 2)``.
     """
 
     def __init__(self, calls: Calls, worlds: Ints) -> None:
@@ -64,15 +65,15 @@ class Program:
         rows = [_packed(called, arguments, worlds) for called, arguments in calls]
         self.words = np.array([word for _, row in rows for word in row], np.int64)
         starts = np.cumsum([0, *(len(row) for _, row in rows)])[:-1]
-        self._entries = np.zeros((len(rows), 2), np.int64)
+        self.entries = np.zeros((len(rows), 2), np.int64)
         self._make_calls: Callable[..., int] = make_calls.compiled  # type: ignore[attr-defined]
         self._doorways = _doorways()
-        self._entries[:, 0] = self._doorways.find([order for order, _ in rows])
-        self._entries[:, 1] = self.words.ctypes.data + self.words.itemsize * starts
+        self.entries[:, 0] = self._doorways.find([order for order, _ in rows])
+        self.entries[:, 1] = self.words.ctypes.data + self.words.itemsize * starts
 
     def run(self, worlds: Ints) -> None:
         """Make all calls for the given worlds, shape ``(n,)``, contiguous."""
-        failed = self._make_calls(self._entries, worlds, BLOCK)
+        failed = self._make_calls(self.entries, worlds, BLOCK)
         if failed:
             self.check(failed)
 
@@ -84,18 +85,16 @@ class Program:
     @property
     def address(self) -> int:
         """Where the calls stand that ``call_all`` makes."""
-        return int(self._entries.ctypes.data)
+        return int(self.entries.ctypes.data)
 
     @property
     def n_calls(self) -> int:
         """How many there are."""
-        return len(self._entries)
+        return len(self.entries)
 
     def equals(self, other: Program) -> bool:
         """Return whether both make the same calls with the same arguments, which stay where they are."""
-        return bool(
-            np.array_equal(self.words, other.words) and np.array_equal(self._entries[:, 0], other._entries[:, 0])
-        )
+        return bool(np.array_equal(self.words, other.words) and np.array_equal(self.entries[:, 0], other.entries[:, 0]))
 
 
 def is_possible() -> bool:

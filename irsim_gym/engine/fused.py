@@ -55,13 +55,16 @@ class Fused:
     Args:
         function: What to run. While it is recorded its kernels do nothing.
         is_fusable: False to run it as it is in any case.
+
+    Attributes:
+        programs: What was recorded, by slot; None where it cannot be.
     """
 
     def __init__(self, function: Callable[[Shard], None], is_fusable: bool = True) -> None:
         self.function = function
         self.__qualname__ = getattr(function, "__qualname__", type(self).__qualname__)
         self.is_fusable = is_fusable and is_possible()
-        self._programs: dict[int, Program | None] = {}
+        self.programs: dict[int, Program | None] = {}
         self._left: dict[int, Ints] = {}
         self._crew: Crew | None = None
 
@@ -102,17 +105,17 @@ class Fused:
 
     def _program(self, slot: int) -> Program | None:
         """Return what is replayed for a slot, recorded now if need be; None where the function runs as it is."""
-        if slot not in self._programs:
+        if slot not in self.programs:
             self.prepare(slot)
-        return self._programs.get(slot) if self.is_fusable else None
+        return self.programs.get(slot) if self.is_fusable else None
 
     def prepare(self, slot: int) -> None:
         """Record the function for a slot, unless that was done before.
 
         Whoever hands it to threads does so beforehand: recording compiles, and is best interrupted in the main thread.
         """
-        if self.is_fusable and slot not in self._programs:
-            self._programs[slot] = self._record(slot)
+        if self.is_fusable and slot not in self.programs:
+            self.programs[slot] = self._record(slot)
 
     def crew(self, n_slots: int) -> Crew | None:
         """Return the programs of all slots, recorded now if need be; None where it runs as it is."""
@@ -121,14 +124,14 @@ class Fused:
         if self._crew is None or self._crew.n_slots != n_slots:
             for slot in range(n_slots):
                 self.prepare(slot)
-            found = [self._programs.get(slot) for slot in range(n_slots)]
+            found = [self.programs.get(slot) for slot in range(n_slots)]
             programs = [program for program in found if program is not None]
             self._crew = Crew(programs) if len(programs) == n_slots else None
         return self._crew
 
     def forget(self) -> None:
         """Record anew the next time: an array or a number has been replaced by another one."""
-        self._programs.clear()
+        self.programs.clear()
         self._crew = None
 
     def _record(self, slot: int) -> Program | None:
@@ -147,7 +150,7 @@ class Fused:
         return Program(record(self.function, Shard(worlds, slot)), worlds)
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, "_programs": {}, "_left": {}, "_crew": None}
+        return {**self.__dict__, "programs": {}, "_left": {}, "_crew": None}
 
 
 @kernel

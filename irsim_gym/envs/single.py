@@ -59,7 +59,6 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         self.observation_space = self.worlds.observation_space
         self.action_space = self.worlds.action_space
         self._shape = self.action_space.shape
-        self._batch = (1, 1, *(self._shape or ()))
         self._going = False
 
     def reset(
@@ -70,7 +69,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         worlds = self.worlds
         worlds.begin([0], [seed], [options or {}], lambda _: int(self.np_random.integers(LEVELS)))
         self._going = True
-        return worlds.observation_of(0), worlds.infos.of(0)
+        return worlds.observation_alone(), worlds.infos.of(0)
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Advance the world by one step.
@@ -85,11 +84,10 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         if rows.shape != self._shape:
             raise ValueError(f"an action must have shape {self._shape}, got {rows.shape}")
         worlds = self.worlds
-        worlds.step(rows.reshape(self._batch))
-        view = worlds.episodes.view
-        terminated, truncated = view.terminated.item(0), view.truncated.item(0)
+        worlds.step_alone(rows)
+        reward, terminated, truncated, info = worlds.infos.alone()
         self._going = not (terminated or truncated)
-        return worlds.observation_of(0), view.reward.item(0), terminated, truncated, worlds.infos.of(0)
+        return worlds.observation_alone(), reward, terminated, truncated, info
 
     def render(self) -> Bytes | list[Bytes] | None:  # type: ignore[override]
         """Return what the render mode asks for.

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Ints
+from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import compile
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.pictures import Pictures
@@ -81,6 +81,7 @@ class Worlds:
         self.begun: Flags = np.zeros(n_worlds, np.bool_)
         self.agent_names = self.episodes.agent_names
         self._splits = ["train"] * n_worlds
+        self._row: Rays | None = None
 
     @property
     def render_mode(self) -> str | None:
@@ -152,6 +153,18 @@ class Worlds:
         self.episodes.step(actions, worlds)
         self.pictures.note_step(worlds)
 
+    def step_alone(self, action: NDArray[Any]) -> None:
+        """Advance the only world with its only agent, as ``step`` does, with less Python around it.
+
+        Args:
+            action: Of the shape of the action space.
+        """
+        alone = self.episodes.alone
+        if alone is None or not alone.run(action):
+            self.episodes.step(action.reshape(1, 1, *action.shape))
+        if self.pictures.trails is not None:
+            self.pictures.note_step(None)
+
     def observation(self) -> Observation:
         """Return a fresh copy of the first agents' observations, ``(n_worlds, ...)`` or a dict of arrays."""
         return self.layout.fresh(self.episodes.view, FIRST_AGENTS)
@@ -161,6 +174,14 @@ class Worlds:
         seen = self.episodes.view
         return seen.observation[w, agent].copy() if self.layout.plain else self.layout.fresh(seen, (w, agent))
 
+    def observation_alone(self) -> Observation:
+        """Return ``observation_of`` the only agent of the only world, which is looked up once."""
+        if not self.layout.plain:
+            return self.observation_of(0)
+        if self._row is None:
+            self._row = self.episodes.view.observation[0, 0]
+        return self._row.copy()
+
     def observations_of(self, worlds: Ints, agent: int = 0) -> Sequence[Observation]:
         """Return ``observation_of`` for several worlds."""
         return self.layout.each(self.episodes.view, worlds, agent)
@@ -168,6 +189,9 @@ class Worlds:
     def info_of(self, w: int, agent: int = 0) -> dict[str, Any]:
         """Return what is known about an agent of a world, as Python numbers: a dict of its own at each call."""
         return self.infos.of(w, agent)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_row": None}
 
     def close(self) -> None:
         """Close the window and free the renderers; everything else is plain memory."""

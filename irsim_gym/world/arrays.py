@@ -59,7 +59,8 @@ class Arrays:
     """Base of the dataclasses whose fields are declared with ``column``.
 
     Attributes:
-        together: Fields of one shape and type that are rows of one array, in this order, so that one copy takes all.
+        together: Groups of fields of one shape and type that are rows of one array, in this order, so that one copy
+            takes all; the groups follow each other in memory, as in a C struct.
     """
 
     together: ClassVar[tuple[tuple[str, ...], ...]] = ()
@@ -81,6 +82,19 @@ class Arrays:
             name: np.zeros(declared.shape(sizes, shared=name not in per_world), declared.dtype)
             for name, declared in cls.columns().items()
         }
-        for names in cls.together:
-            arrays |= zip(names, np.stack([arrays[name] for name in names]), strict=True)
-        return cls(**arrays)
+        return cls(**arrays | cls._side_by_side(arrays))
+
+    @classmethod
+    def _side_by_side(cls, arrays: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the fields of ``together`` in one piece of memory."""
+        groups = [(names, arrays[names[0]]) for names in cls.together]
+        starts, end = [], 0
+        for names, one in groups:
+            starts.append(-(-end // one.itemsize) * one.itemsize)
+            end = starts[-1] + len(names) * one.nbytes
+        room = aligned((end,), np.uint8)
+        placed: dict[str, Any] = {}
+        for (names, one), start in zip(groups, starts, strict=True):
+            block = room[start : start + len(names) * one.nbytes].view(one.dtype)
+            placed |= zip(names, block.reshape(len(names), *one.shape), strict=True)
+        return placed

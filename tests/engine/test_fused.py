@@ -56,8 +56,8 @@ def test_every_scenario_is_recorded_and_stays_the_same(name: str) -> None:
         for _ in range(15):
             simulation.step()
     assert differing(arrays(fused), arrays(plain)) == []
-    assert fused._advance._programs[0] is not None
-    assert plain._advance._programs == {}
+    assert fused._advance.programs[0] is not None
+    assert plain._advance.programs == {}
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
@@ -89,7 +89,7 @@ def test_every_task_is_recorded_and_stays_the_same(name: str) -> None:
     assert not scratch & {*EpisodeState.columns(), *WorldState.columns()}, "a row for each thread"
     assert set(differing(*found)) <= scratch
     for one in (episodes._begin, episodes._play, episodes.simulation._draw):
-        assert one._programs[0] is not None
+        assert one.programs[0] is not None
 
 
 def test_every_shipped_kind_promises_it() -> None:
@@ -267,14 +267,14 @@ def test_what_cannot_be_recorded_runs_as_it_is() -> None:
     made_anew = fused(lambda shard: (add(shard.worlds, 1.0, out), add(shard.worlds, 2.0, np.zeros(2))))
     gives_back = fused(lambda shard: (total(shard.worlds, out), add(shard.worlds, 1.0, out)))
     untold = fused(lambda shard: add(shard.worlds, np.float32(1.0), out))
-    assert [one._programs for one in (made_anew, gives_back, untold)] == [{0: None}] * 3
+    assert [one.programs for one in (made_anew, gives_back, untold)] == [{0: None}] * 3
     assert out.tolist() == [3.0, 3.0]
 
 
 def test_a_number_that_changes_shows_when_it_is_recorded() -> None:
     out, amounts = np.zeros(2), iter([1.0, 2.0, 4.0])
     made = fused(lambda shard: add(shard.worlds, next(amounts), out))
-    assert made._programs == {0: None}
+    assert made.programs == {0: None}
     assert out.tolist() == [4.0, 4.0]
 
 
@@ -312,7 +312,7 @@ def test_what_fails_is_repeated_alone(is_fusable: bool, is_whole: bool) -> None:
     assert made.tries.tolist() == [0, *np.clip(made.needed[1:], 1, 10)]
     assert made.failed.tolist() == [7 * (n == 11) for n in made.needed]
     assert made.ended.tolist() == [0.0] + [1.0] * len(worlds)
-    assert [program is not None for program in made.fused._programs.values()] == [is_fusable] * is_whole
+    assert [program is not None for program in made.fused.programs.values()] == [is_fusable] * is_whole
 
 
 def test_recorded_functions_become_a_part_of_others() -> None:
@@ -321,10 +321,10 @@ def test_recorded_functions_become_a_part_of_others() -> None:
     outer = Fused(lambda shard: (inner(shard), add(shard.worlds, 2.0, out)))
     outer(Shard(np.array([0, 2])))
     assert out.tolist() == [3.0, 0.0, 3.0]
-    program = outer._programs[0]
+    program = outer.programs[0]
     assert program is not None
     assert program.n_calls == 2
-    assert inner._programs == {}
+    assert inner.programs == {}
 
 
 @pytest.mark.parametrize("num_threads", [1, 2])
@@ -379,5 +379,5 @@ def test_threads_are_handed_what_is_recorded_already(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(Fused, "_record", noted)
     for _ in range(5):
         simulation.step()
-    assert set(simulation._advance._programs) == {0, 1, 2}
+    assert set(simulation._advance.programs) == {0, 1, 2}
     assert set(seen) == {threading.main_thread()}

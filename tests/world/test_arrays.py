@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import struct
 from typing import Literal
 
 import numpy as np
 import pytest
 
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.world.group import records
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -41,6 +43,21 @@ def test_shared_axes_have_one_row_unless_asked_for() -> None:
     assert shared.local_segments.shape == (1, 5, 4)
     assert own.local_segments.shape == (3, 5, 4)
     assert own.present.shape == (3, 2)
+
+
+def test_arrays_that_belong_together_lie_in_memory_as_a_c_struct_does() -> None:
+    """Groups are rows of one block; every group begins where its type may, right behind the one before."""
+    sizes = {"world": 3, "agent": 1, "action": 2, "ending": 1, "reward": 2, "feature": 5}
+    state = EpisodeState.allocate(sizes)
+    layout, first = "@", state.reward
+    for names in EpisodeState.together:
+        for name in names:
+            array = getattr(state, name)
+            layout += f"0{array.dtype.char}"
+            assert array.ctypes.data - first.ctypes.data == struct.calcsize(layout), name
+            layout += f"{array.size}{array.dtype.char}"
+            assert array.base is first.base
+            assert not array.any()
 
 
 @kind
