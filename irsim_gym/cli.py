@@ -68,30 +68,32 @@ def check(
 
     Below a file that is fine stand its parameters, and notes on values that are allowed but seldom meant. The exit
     status is 1 if a file cannot be used; notes leave it at 0. So do reasons why only one robot can learn, not all
-    together, unless --team asks for that.
+    together, unless --team asks for that, and why nobody can in a file without a section task.
     """
     from irsim_gym.scenario import load_scenario
     from irsim_gym.scenario.notes import notes
     from irsim_gym.scenario.parameters import describe_parameters
-    from irsim_gym.tasks import load_task
-    from irsim_gym.training.commands import begin_level, refused_as_team
+    from irsim_gym.training.commands import begin_level, fitting_task, refused_as_team
 
     failed, parameters = False, read_parameters(given)
     for file in files:
         try:
             scenario = load_scenario(file, parameters, warn=False)
-            task = load_task(scenario, team=team) if scenario.robots else None
-            refused = None if team else refused_as_team(scenario)
+            task, unfit = fitting_task(scenario, team=team)
+            refused = None if team or unfit else refused_as_team(scenario)
             begin_level(scenario)
         except (IrsimGymError, OSError) as error:
             print(error, file=sys.stderr)
             failed = True
             continue
         robots = len(scenario.robots)
-        learned = f"task '{task.name}'" if task is not None else "no robot to learn"
+        learned = f"task '{task.name}'" if task is not None else f"no robot {'that can' if robots else 'to'} learn"
         obstacles = len(scenario.bodies) - robots
-        extent = "fine" if refused is None else "fine for one learner"
+        extent = "fine to run" if unfit else "fine" if refused is None else "fine for one learner"
         print(f"{file}: {extent} (robots: {robots}, obstacles: {obstacles}, {learned})")
+        if unfit is not None:
+            print("  but no environment, unless a task is given that fits, with")
+            print("\n".join(f"  {line}" for line in str(unfit).splitlines()))
         if refused is not None:
             print("  but where all robots learn together it is refused (with --team the exit status is 1), with")
             print("\n".join(f"  {line}" for line in str(refused).splitlines()))

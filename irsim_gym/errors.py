@@ -113,7 +113,18 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     return f" (did you mean '{near}'?)" if near is not None else ""
 
 
-def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that a misspelt one most likely stands for; None when none is near."""
-    near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
+    """Return the known name that a misspelt one most likely stands for; None when none is near.
+
+    The same words in another order come first: ``max_range`` stands for ``range_max``.
+
+    Args:
+        name: What was written.
+        known: What there is.
+        cutoff: How alike they have to be, from 0 to 1.
+    """
+    known = list(known)
+    words = sorted(name.lower().split("_"))
+    same = [one for one in known if sorted(one.lower().split("_")) == words]
+    near = same or difflib.get_close_matches(name, known, n=1, cutoff=cutoff)
     return near[0] if near else None

@@ -6,7 +6,6 @@ values after aliases are expanded, anchors that contain themselves and duplicate
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -14,6 +13,7 @@ from typing import Any
 import yaml
 
 from irsim_gym.scenario.messages import show
+from irsim_gym.scenario.syntax import explain
 
 Place = tuple[str | int, ...]
 
@@ -22,7 +22,6 @@ MAX_VALUES = 100_000
 
 _TAG = "tag:yaml.org,2002:"
 _SCALARS = {_TAG + name for name in ("null", "bool", "int", "float", "str")}
-_QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
@@ -71,28 +70,13 @@ def compose(text: str) -> Document:
     try:
         root = _Composer(text).document()
     except yaml.MarkedYAMLError as error:
-        raise Fatal(*_syntax(error, text)) from None
+        raise Fatal(*explain(error, text)) from None
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1 if isinstance(error.position, int) else 0
         raise Fatal(line, "not YAML: it holds a character that is not text") from None
     document = Document()
     document.data = _Expansion(document).value(root, (), root.line)
     return document
-
-
-def _syntax(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
-    """Return line and message of a syntax error, in words for the person who wrote the file."""
-    mark = error.context_mark or error.problem_mark
-    rows = text.splitlines()
-    line = min(mark.line + 1, len(rows)) if mark is not None else 0
-    row = rows[line - 1] if 0 < line <= len(rows) else ""
-    if "\t" in row[: len(row) - len(row.lstrip())]:
-        return line, "tabs cannot indent YAML: use spaces"
-    parts = [part for part in (error.context, error.problem) if part]
-    last = error.problem_mark.line + 1 if error.problem_mark is not None else line
-    is_parameter = "${" in _QUOTED.sub("", "\n".join(rows[max(line - 1, 0) : last]))
-    hint = '; within { } or [ ], text with ${...} in it has to be quoted: "${name}"' if is_parameter else ""
-    return line, f"not valid YAML: {', '.join(parts) or 'syntax error'}{hint}"
 
 
 class _Composer:

@@ -10,8 +10,8 @@ from irsim_gym.errors import ScenarioError
 from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of
 from irsim_gym.scenario.entries import read_entry
 from irsim_gym.scenario.messages import choices
-from irsim_gym.scenario.shorthand import ROLES, RawEntry, split_sections
-from irsim_gym.scenario.source import read_mapping
+from irsim_gym.scenario.shorthand import RawEntry, split_sections
+from irsim_gym.scenario.source import ROLES, read_mapping
 from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenario
 from irsim_gym.scenario.validation import Report
 

@@ -11,7 +11,7 @@ from irsim_gym.families import BEHAVIORS, FOOTPRINTS, GROUP_BEHAVIORS, KINEMATIC
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.images import image_problem
 from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, CONTACT_SENSOR, show
-from irsim_gym.scenario.options import defaults
+from irsim_gym.scenario.options import defaults, option_fields
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import RawEntry, depth, share
 from irsim_gym.scenario.source import Place
@@ -22,7 +22,6 @@ from irsim_gym.scenario.validation import (
     build,
     build_named,
     check_keys,
-    option_fields,
     read_color,
     read_field,
 )

@@ -12,13 +12,14 @@ from irsim_gym.scenario import library, notes
 from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of, with_map
 from irsim_gym.scenario.entries import read_entry
 from irsim_gym.scenario.map_cells import read_cells, read_map
-from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, show, unknown_key
+from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, show
 from irsim_gym.scenario.parameters import fill_in
 from irsim_gym.scenario.plot_spec import ObjectPlot
-from irsim_gym.scenario.shorthand import ROLES, SECTIONS, WRAPPER, split_entries, split_sections
-from irsim_gym.scenario.source import Place, Source, read_file, read_mapping
+from irsim_gym.scenario.shorthand import split_entries, split_sections
+from irsim_gym.scenario.source import ROLES, SECTIONS, WRAPPER, Place, Source, read_file, read_mapping
 from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, GuiSpec, PlacementSpec, Scenario, WorldSpec
 from irsim_gym.scenario.validation import BAD, Report, build
+from irsim_gym.scenario.whereabouts import unknown_key
 
 
 def load_scenario(
@@ -103,7 +104,8 @@ def _world(data: Any, place: Place, source: Source, report: Report) -> WorldSpec
     if isinstance(data, Mapping) and data.get("obstacle_map") is not None:
         made = read_map(data["obstacle_map"], (*place, "obstacle_map"), report)
         data = {**data, "obstacle_map": None if made is BAD else made}
-    return build(WorldSpec, data, place, report, contact=CONTACT_KEYS["world"])
+    own = isinstance(data, Mapping) and "obstacle_map" in data  # what a misspelt key holds is not read as a map
+    return build(WorldSpec, data, place, report, skip=() if own else ["obstacle_map"], contact=CONTACT_KEYS["world"])
 
 
 def _check_viewpoint(world: WorldSpec | None, bodies: tuple[BodySpec, ...], place: Place, report: Report) -> None:

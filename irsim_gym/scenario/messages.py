@@ -60,11 +60,6 @@ def choices(names: Iterable[str]) -> str:
     return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} or {quoted[-1]}" if quoted else "nothing"
 
 
-def unknown_key(key: str, known: Iterable[str]) -> str:
-    """Return the message for a key that nobody reads."""
-    return f"unknown key{suggestion(key, known)}"
-
-
 def describe(hint: Any) -> str:
     """Return what a type allows, in words: ``a list of 3 numbers``."""
     origin, args = get_origin(hint), get_args(hint)

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator
 
 from irsim_gym.errors import Problem, ScenarioWarning
 from irsim_gym.families import KINEMATICS
-from irsim_gym.scenario.shorthand import ROLES, split_entries
-from irsim_gym.scenario.source import Place
+from irsim_gym.scenario.shorthand import split_entries
+from irsim_gym.scenario.source import ROLES, Place
 from irsim_gym.scenario.spec import BodySpec, Scenario
 from irsim_gym.scenario.validation import Report, read_numbers
 

@@ -8,6 +8,7 @@ from typing import Any, TypeVar, cast, dataclass_transform
 
 from pydantic import ConfigDict, Field
 from pydantic.dataclasses import dataclass as pydantic_dataclass
+from pydantic.fields import FieldInfo
 
 OPTIONS_CONFIG = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
 
@@ -51,6 +52,11 @@ def kind(cls: type[T]) -> type[T]:
 def defaults(cls: type[T]) -> T:
     """Return a kind with all its options at their defaults (type checkers do not see those of ``option``)."""
     return cls()
+
+
+def option_fields(cls: type[Any]) -> dict[str, FieldInfo]:
+    """Return the options of a kind or spec by their names in YAML."""
+    return dict(cls.__pydantic_fields__)
 
 
 def unordered_ranges(options: Any, *names: str, least: float = -math.inf) -> Iterator[tuple[str, str]]:

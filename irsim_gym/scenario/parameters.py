@@ -14,8 +14,7 @@ from irsim_gym.errors import Problem, ScenarioError, UnknownNameError, suggestio
 from irsim_gym.scenario.expressions import evaluate, names_in
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.scenario.shorthand import WRAPPER
-from irsim_gym.scenario.source import Place, Source
+from irsim_gym.scenario.source import WRAPPER, Place, Source
 from irsim_gym.scenario.validation import BAD, Report, build, read_numbers
 
 SECTION = "parameters"

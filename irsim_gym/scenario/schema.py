@@ -10,7 +10,7 @@ from irsim_gym import families
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.parameters import SECTION, ParameterSpec
 from irsim_gym.scenario.plot_spec import ObjectPlot
-from irsim_gym.scenario.shorthand import ROLES, WRAPPER
+from irsim_gym.scenario.source import ROLES, WRAPPER
 from irsim_gym.scenario.spec import BodyOptions, GuiSpec, WorldSpec
 
 Schema = dict[str, Any]

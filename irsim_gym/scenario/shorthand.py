@@ -7,12 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from irsim_gym.scenario.messages import show
-from irsim_gym.scenario.source import Place
+from irsim_gym.scenario.source import WRAPPER, Place
 from irsim_gym.scenario.validation import Report, read_numbers
 
-WRAPPER = "irsim"
-ROLES = ("robot", "obstacle")
-SECTIONS = ("world", *ROLES, "gui", "plot", "task", "custom", "parameters")
 VECTORS = frozenset({"state", "velocity", "vel_min", "vel_max", "acce", "angle_range"})
 SCALARS = frozenset({"goal_threshold", "fov", "fov_radius", "group", "state_dim", "vel_dim", "static", "unobstructed"})
 
@@ -85,7 +82,8 @@ def share(key: str, value: Any, count: int, place: Place, report: Report) -> Sha
         return _share_sensors(value, count, place)
     if key in VECTORS or key in SCALARS:
         value = read_numbers(value)
-    if not isinstance(value, list):
+    is_vector = key in VECTORS and isinstance(value, list) and not any(isinstance(item, list) for item in value)
+    if not isinstance(value, list) or is_vector:
         return Shared(((place, value),))
     if key in SCALARS:
         if len(value) == count:

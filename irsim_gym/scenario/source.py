@@ -15,6 +15,10 @@ from irsim_gym.scenario.composer import MAX_DEPTH, MAX_VALUES, Fatal, compose
 
 Place = tuple[str | int, ...]
 
+WRAPPER = "irsim"
+ROLES = ("robot", "obstacle")
+SECTIONS = ("world", *ROLES, "gui", "plot", "task", "custom", "parameters")
+
 MAX_BYTES = 2 * 1024 * 1024
 LONGEST_KEY = 60
 

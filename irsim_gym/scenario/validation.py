@@ -15,9 +15,10 @@ from irsim_gym.errors import Problem, UnknownNameError, nearest
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.colors import as_text, color_problem
 from irsim_gym.scenario.expressions import evaluate
-from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, choices, describe, show, translate, unknown_key
-from irsim_gym.scenario.options import OPTIONS_CONFIG
+from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, choices, describe, show, translate
+from irsim_gym.scenario.options import OPTIONS_CONFIG, option_fields
 from irsim_gym.scenario.source import Place, Source
+from irsim_gym.scenario.whereabouts import elsewhere, unknown_key
 
 MAX_PROBLEMS = 200
 
@@ -65,11 +66,6 @@ class Report:
         return len(self.problems) > MAX_PROBLEMS
 
 
-def option_fields(cls: type[Any]) -> dict[str, FieldInfo]:
-    """Return the options of a kind or spec by their names in YAML."""
-    return dict(cls.__pydantic_fields__)
-
-
 def frozen(value: Any) -> Any:
     """Return plain data with tuples in place of lists."""
     return tuple(frozen(item) for item in value) if isinstance(value, list | tuple) else value
@@ -106,7 +102,10 @@ def build(
     """
     data = {} if data is None else data
     if not isinstance(data, Mapping):
-        report.add(place, f"must be a mapping of options, got {show(data)}")
+        hint = (
+            " (leave the '-' out)" if isinstance(data, list) and any(isinstance(one, Mapping) for one in data) else ""
+        )
+        report.add(place, f"must be a mapping of options, got {show(data)}{hint}")
         return None
     fields, ignored = option_fields(cls), set(skip)
     spelt = check_keys(data, [*fields, *ignored], place, report, contact)
@@ -143,7 +142,8 @@ def check_keys(
 ) -> dict[str, str]:
     """Tell the keys that nobody reads; return by known key the misspelt one that stands for it.
 
-    What a misspelt key holds is read as well, so that its mistakes are told at once.
+    What a misspelt key holds is read as well, so that its mistakes are told at once; not that of a key which is right
+    elsewhere.
     """
     known, foreign = list(known), set(contact)
     spelt: dict[str, str] = {}
@@ -152,7 +152,7 @@ def check_keys(
             report.add((*place, key), CONTACT_MESSAGE)
         elif key not in known and not report.is_full:
             report.add((*place, key), unknown_key(key, known))
-            near = nearest(key, known)
+            near = None if elsewhere(key, known) else nearest(key, known)
             if near is not None and near not in data:
                 spelt.setdefault(near, key)
     return spelt

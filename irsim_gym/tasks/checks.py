@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.scenario.validation import Report
 from irsim_gym.tasks.audit import Terms, ending_for
 from irsim_gym.tasks.layers import Merged
+
+OTHERWISE = "; task: {agents: NAME} lets another robot learn, and irsim_gym.load runs a file without learning"
 
 
 def choose_agents(scenario: Scenario, given: str | Sequence[str], team: bool, merged: Merged) -> tuple[int, ...]:
@@ -71,17 +74,20 @@ def check_fit(
 ) -> list[tuple[Place, Any]]:
     """Tell what the learners lack, and return the observations, with substitutes for sensors that are missing."""
     bodies = [scenario.bodies[b] for b in agents]
-    for b, body in zip(agents, bodies, strict=True):
-        for message in _body_problems(body, scenario.placements[body.entry], b):
-            merged.outside.append((scenario.source.title, Problem(body.line, body.name, message)))
-    goalless = [b for b in agents if not _has_goal(scenario, b)]
+    problems = [
+        Problem(body.line, body.name, message)
+        for b, body in zip(agents, bodies, strict=True)
+        for message in _body_problems(body, scenario.placements[body.entry], b)
+    ]
     needing = [term for item in terms.values() for _, term in item if term.needs_goal]
-    if goalless and needing:
+    if needing:
         users = ", ".join(f"'{_term_name(term)}'" for term in needing)
-        for b in goalless:
-            body = scenario.bodies[b]
-            message = f"has no goal, and the task '{task}' needs one (for {users})"
-            merged.outside.append((scenario.source.title, Problem(body.line, body.name, message)))
+        message = f"has no goal, and the task '{task}' needs one (for {users})"
+        goalless = [body for b, body in zip(agents, bodies, strict=True) if not _has_goal(scenario, b)]
+        problems += [Problem(body.line, body.name, message) for body in goalless]
+    for i, problem in enumerate(problems):
+        told = problem if i else replace(problem, message=problem.message + OTHERWISE)
+        merged.outside.append((scenario.source.title, told))
     given = [type(item) for _, item in terms["observations"]]
     fitting = []
     for place, item in terms["observations"]:

@@ -16,7 +16,7 @@ from irsim_gym.evaluation.tables import print_table
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.spec import Scenario
-from irsim_gym.tasks import load_task
+from irsim_gym.tasks import Task, load_task
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.tasks.term import IsImage
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
@@ -302,6 +302,22 @@ def refused_as_team(scenario: Scenario) -> ScenarioError | None:
     except ScenarioError as error:
         return error
     return None
+
+
+def fitting_task(scenario: Scenario, *, team: bool) -> tuple[Task | None, ScenarioError | None]:
+    """Return a scenario's task, or why nobody can learn though the file asks for nothing; neither without a robot.
+
+    Raises:
+        ScenarioError: The task that the file gives, or ``team``, cannot be met.
+    """
+    if not scenario.robots:
+        return None, None
+    try:
+        return load_task(scenario, team=team), None
+    except ScenarioError as error:
+        if scenario.task or team:
+            raise
+        return None, error
 
 
 def begin_level(scenario: Scenario, level: int = 0, split: str = "train", task: str | None = None) -> Simulation:

@@ -81,6 +81,20 @@ def test_check_tells_what_a_team_would_be_refused_for(
     assert f"{file}: fine (robots: 2" in capsys.readouterr().out
 
 
+def test_check_takes_a_file_that_is_made_to_be_run_but_not_one_whose_task_does_not_fit(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "aimless.yaml"
+    file.write_text("robot: {kinematics: {name: diff}}\n")
+    assert run(monkeypatch, "check", file) == 0
+    said = capsys.readouterr().out
+    assert f"{file}: fine to run (robots: 1, obstacles: 0, no robot that can learn)" in said
+    assert f"{file}:1   robot_0: has no goal" in said
+    assert run(monkeypatch, "check", "--team", file) == 1
+    file.write_text("robot: {kinematics: {name: diff}}\ntask: {max_steps: 5}\n")
+    assert run(monkeypatch, "check", file) == 1
+
+
 def test_schema_is_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(monkeypatch, "schema") == 0
     assert "world" in json.loads(capsys.readouterr().out)["properties"]

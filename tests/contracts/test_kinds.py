@@ -14,7 +14,7 @@ import pytest
 import irsim_gym as ig
 from irsim_gym import families
 from irsim_gym.engine import Shard
-from irsim_gym.scenario.validation import option_fields
+from irsim_gym.scenario.options import option_fields
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 

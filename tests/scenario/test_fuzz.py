@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 
 from irsim_gym.errors import ScenarioError
 from irsim_gym.scenario import Scenario, load_scenario
+from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
-from irsim_gym.scenario.shorthand import SECTIONS
-from irsim_gym.scenario.source import read_file
+from irsim_gym.scenario.source import SECTIONS, read_file
 from irsim_gym.scenario.spec import BodyOptions, WorldSpec
-from irsim_gym.scenario.validation import option_fields
 
 OPTIONS = (
     "radius center vertices random_shape length width wheelbase range_low range_high number angle_range offset noise"

@@ -153,7 +153,10 @@ def test_lines_stay_right(problems: Callable[[str], list[str]]) -> None:
         ),
         (
             "parameters: {n: {default: 4, text: x}}\nworld: {width: $n}",
-            ["1 parameters.n.meaning: is required", "1 parameters.n.text: unknown key"],
+            [
+                "1 parameters.n.meaning: is required",
+                "1 parameters.n.text: unknown key; known: choices, default, max, meaning, min, unit",
+            ],
         ),
         (
             "parameters: {n: {default: 4, max: 3, meaning: x}}\nworld: {width: $n}",
@@ -208,7 +211,7 @@ def test_mistakes_in_a_file(text: str, said: list[str], problems: Callable[[str]
             "robot:\n  vel_max: [1, $v]\n  vel_min: [a, 0]",
             [
                 "2 robot.vel_max[1]: no parameter named 'v': there is no section 'parameters'",
-                "3 robot.vel_min[0]: must be a list of numbers, got 'a'",
+                "3 robot.vel_min[0]: must be a number, got 'a'",
             ],
         ),
         (

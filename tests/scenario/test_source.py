@@ -33,7 +33,7 @@ UNREADABLE = {
     "two documents": (b"world: {}\n---\nworld: {}\n", "2 one document per file: a second '---' begins here"),
     "indentation": (
         b"world:\n  width: 3\n   height: 4\n",
-        "3 not valid YAML: mapping values are not allowed in this context",
+        "3 not valid YAML: indented deeper than line 2, whose key has a value already",
     ),
     "NUL": (b"world:\n  name: \x00\n", "2 not YAML: it holds a character that is not text"),
     "control character": (b"world:\n  name: a\x07b\n", "2 not YAML: it holds a character that is not text"),

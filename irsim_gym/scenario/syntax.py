@@ -1,0 +1,71 @@
+"""What is wrong with text that is no YAML, in words for the person who wrote it."""
+
+from __future__ import annotations
+
+import re
+
+import yaml
+
+_QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
+_WORDS = {
+    "block sequence entries are not allowed": "the first '-' of a list stands on a line of its own, below the key",
+    "found unexpected end of stream": "the quotation mark that opens here is never closed",
+    "found character that cannot start": "text that begins with this character has to be quoted",
+}
+
+
+def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
+    """Return line and message of a syntax error."""
+    opened, found = error.context_mark, error.problem_mark
+    rows = text.splitlines()
+    first, last = (min(mark.line + 1, len(rows)) if mark is not None else 0 for mark in (opened, found))
+    context, problem = error.context or "", error.problem or "syntax error"
+    line = last if "block" in context or not first else first
+    for number in (first, last):
+        row = rows[number - 1] if number else ""
+        if "\t" in row[: len(row) - len(row.lstrip())]:
+            return number, "tabs cannot indent YAML: use spaces"
+    for beginning, words in _WORDS.items():
+        if problem.startswith(beginning):
+            return line, f"not valid YAML: {words}"
+    if found is not None and problem.startswith("mapping values are not allowed"):
+        return last, f"not valid YAML: {_colon(rows, last, found.column)}"
+    if opened is not None and found is not None and "flow" in context:
+        return first, f"not valid YAML: {_unclosed(context, last)}{_parameter_hint(rows[first - 1 : last])}"
+    if opened is not None and found is not None and "block" in context:
+        row = rows[found.line] if found.line < len(rows) else ""
+        return last, f"not valid YAML: {_misfit(row, found.column, opened.column, first)}"
+    return line, f"not valid YAML: {', '.join(part for part in (context, problem) if part)}"
+
+
+def _colon(rows: list[str], line: int, column: int) -> str:
+    """Return what is wrong where a ':' stands that no key can have."""
+    row = rows[line - 1]
+    above = [number for number in range(1, line) if rows[number - 1].partition("#")[0].strip()]
+    if ": " in row[:column] or not above:
+        return "a second ':' in one line: text that holds ': ' has to be quoted"
+    before = rows[above[-1] - 1].partition("#")[0]
+    if not re.search(r":(\s|$)", before):
+        return f"line {above[-1]}, above this one, is no 'key: value' with a space behind the ':'"
+    return f"indented deeper than line {above[-1]}, whose key has a value already"
+
+
+def _unclosed(context: str, last: int) -> str:
+    bracket = "{" if "mapping" in context else "["
+    return f"the '{bracket}' that opens here is not closed, or a comma is missing, before line {last}"
+
+
+def _misfit(row: str, column: int, expected: int, first: int) -> str:
+    """Return what is wrong where a block does not go on: indentation, or something behind a value."""
+    if row[:column].strip():
+        rest = row[column:].strip()[:20]
+        return f"'{rest}' does not belong behind what stands before it: one mark too many, or two lines in one"
+    found = len(row) - len(row.lstrip())
+    if found == expected:
+        return f"this line does not go on what begins in line {first}: either all of its parts begin with '-', or none"
+    return f"indented by {found}, but by {expected} in line {first}: what belongs together begins in the same column"
+
+
+def _parameter_hint(rows: list[str]) -> str:
+    is_parameter = "${" in _QUOTED.sub("", "\n".join(rows))
+    return '; within { } or [ ], text with ${...} in it has to be quoted: "${name}"' if is_parameter else ""

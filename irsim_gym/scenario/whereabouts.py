@@ -1,0 +1,79 @@
+"""What to say of a key that nobody reads: the nearest name, where else it would be right, or what there is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from irsim_gym import families
+from irsim_gym.errors import nearest
+from irsim_gym.registry import Registry
+from irsim_gym.scenario.options import option_fields
+from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure, WorldPlot
+from irsim_gym.scenario.source import SECTIONS
+from irsim_gym.scenario.spec import BodyOptions, KeyboardSpec, MouseSpec, WorldSpec
+
+MOST_NAMES, MOST_PLACES = 24, 3
+SURE = 0.85
+"""How alike a key and a known one have to be to leave no doubt about what is meant."""
+
+_SPECS: dict[str, type[Any]] = {
+    "world": WorldSpec,
+    "world.plot": WorldPlot,
+    "world.plot.saved_figure": SavedFigure,
+    "robot and obstacle": BodyOptions,
+    "plot": ObjectPlot,
+    "gui.keyboard": KeyboardSpec,
+    "gui.mouse": MouseSpec,
+}
+_KINDS: dict[str, Registry] = {
+    "kinematics": families.KINEMATICS,
+    "shape": families.FOOTPRINTS,
+    "behavior": families.BEHAVIORS,
+    "group_behavior": families.GROUP_BEHAVIORS,
+    "distribution": families.PLACEMENTS,
+    "sensors": families.SENSORS,
+    "obstacle_map": families.MAPS,
+    "action": families.ACTIONS,
+    "observations": families.OBSERVATIONS,
+    "rewards": families.REWARDS,
+    "endings": families.ENDINGS,
+}
+
+
+def unknown_key(key: str, known: Iterable[str]) -> str:
+    """Return the message for a key that nobody reads where it stands."""
+    known = list(known)
+    near, others = nearest(key, known), elsewhere(key, known)
+    hints = [f"did you mean '{near}'?"] if near is not None else []
+    hints += [f"'{key}' is a key of {others}"] if others else []
+    if ":" in key:
+        hints = ["a ':' needs a space behind it"]
+    if hints:
+        return f"unknown key ({' '.join(hints)})"
+    if len(known) > MOST_NAMES:
+        return "unknown key; `irsim-gym options` lists the keys of all sections"
+    return f"unknown key; known: {', '.join(sorted(known))}" if known else "unknown key; there is none here"
+
+
+def elsewhere(key: str, known: Iterable[str]) -> str:
+    """Return where in a file a key would be right, as it is called there; nothing for one that is hardly misspelt."""
+    if nearest(key, known, SURE) is not None:
+        return ""
+    found = list(dict.fromkeys(_owners(key)))
+    return ", ".join([*found[:MOST_PLACES], "..."] if len(found) > MOST_PLACES else found)
+
+
+def _owners(key: str) -> Iterator[str]:
+    if key in SECTIONS and key != "plot":
+        yield "the file itself"
+    for name, spec in _SPECS.items():
+        if key in option_fields(spec):
+            yield name
+    for entry in families.SECTIONS:
+        if key in option_fields(entry.kind):
+            yield entry.name
+    for family, registry in _KINDS.items():
+        kinds = [entry.name for entry in registry if key in option_fields(entry.kind)]
+        if kinds:
+            yield f"{family} {kinds[0]}" if len(kinds) == 1 < len(registry.names()) else family
