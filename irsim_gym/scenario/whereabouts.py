@@ -67,6 +67,7 @@ def elsewhere(key: str, known: Iterable[str]) -> str:
 def _owners(key: str) -> Iterator[str]:
     if key in SECTIONS and key != "plot":
         yield "the file itself"
+        return
     for name, spec in _SPECS.items():
         if key in option_fields(spec):
             yield name
