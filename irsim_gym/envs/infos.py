@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from itertools import chain
 from typing import Any
@@ -21,7 +21,8 @@ FLAGS = ("is_success", "deadlocked")
 DERIVED = ("_together", "_flat", "_flat_terms", "_row")
 """What points into arrays, and is found again in a copy."""
 Told = tuple[float, bool, bool, dict[str, Any]]
-MASKED = tuple((key, f"_{key}") for key in (*NUMBERS, *COUNTS, *FLAGS))
+KEYS = (*NUMBERS, *COUNTS, *FLAGS)
+MASKED = tuple(chain(*((key, f"_{key}") for key in KEYS)))
 
 
 class Infos:
@@ -40,7 +41,7 @@ class Infos:
         self._columns = [[view.infos[key] for key in keys] for keys in (NUMBERS, COUNTS, FLAGS)]
         self._terms, self._reward, self._ends = view.reward_terms, view.reward, [view.terminated, view.truncated]
         self._names = episodes.reward_names
-        self._masked_names = tuple((name, f"_{name}") for name in self._names)
+        self._masked_names = tuple(chain(*((name, f"_{name}") for name in self._names)))
         self._n_worlds, self._n_agents = episodes.n_worlds, episodes.n_agents
         self._find_blocks()
 
@@ -95,21 +96,17 @@ class Infos:
             chosen: Worlds that have an info, shape ``(n_worlds,)``; the others get zeros. None for all.
         """
         parts = [*(block[:, :, 0] for block in self._blocks()), self._terms[:, 0].T]
-        n_masks = len(MASKED) + len(self._names) + 1
+        masks = np.empty((len(KEYS) + len(self._names) + 1, self._n_worlds), np.bool_)
         if chosen is None:
             *blocks, terms = [np.array(part, order="C") for part in parts]
-            masks = np.ones((n_masks, self._n_worlds), np.bool_)
+            masks[:] = True
         else:
-            *blocks, terms = [_spread(part, np.flatnonzero(chosen)) for part in parts]
-            masks = np.repeat(chosen[None], n_masks, axis=0)
-        infos: dict[str, Any] = {}
-        mask = iter(masks)
-        for (key, masked), values in zip(MASKED, (row for block in blocks for row in block), strict=True):
-            infos[key], infos[masked] = values, next(mask)
-        inner = infos["reward_terms"] = {}
-        for (name, masked), values in zip(self._masked_names, terms, strict=True):
-            inner[name], inner[masked] = values, next(mask)
-        infos["_reward_terms"] = next(mask)
+            rows = chosen.nonzero()[0]
+            *blocks, terms = [_spread(part, rows) for part in parts]
+            masks[:] = chosen
+        infos: dict[str, Any] = _interleaved(MASKED, chain(*blocks), masks)
+        infos["reward_terms"] = _interleaved(self._masked_names, terms, masks[len(KEYS) :])
+        infos["_reward_terms"] = masks[-1]
         return infos
 
     def _blocks(self) -> list[NDArray[Any]]:
@@ -190,5 +187,10 @@ def _row_reader(columns: Sequence[NDArray[Any]]) -> Callable[[], tuple[Any, ...]
 def _spread(part: NDArray[Any], chosen: Ints) -> NDArray[Any]:
     """Return a fresh copy with zeros in all columns but the chosen ones."""
     copy = np.zeros(part.shape, part.dtype)
-    copy[:, chosen] = part[:, chosen]
+    copy[:, chosen] = part.take(chosen, axis=1) if part.flags.c_contiguous else part[:, chosen]  # the faster one
     return copy
+
+
+def _interleaved(keys: Sequence[str], rows: Iterable[Any], masks: Iterable[Any]) -> dict[str, Any]:
+    """Return a dict of rows, each followed by its mask; ``keys`` has both names."""
+    return dict(zip(keys, chain.from_iterable(zip(rows, masks)), strict=False))  # noqa: B905

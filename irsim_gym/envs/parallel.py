@@ -270,4 +270,6 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         return {name: self._layouts[name].fresh(seen, (0, self._indices[name])) for name in names}
 
     def _infos(self, names: list[str]) -> dict[str, dict[str, Any]]:
-        return {name: self.worlds.infos.of(0, self._indices[name]) for name in names}
+        infos = self.worlds.infos
+        rows = infos.rows(np.array([self._indices[name] for name in names], np.int64))
+        return {name: infos.told(*row) for name, row in zip(names, rows, strict=True)}

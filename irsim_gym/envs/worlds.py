@@ -159,8 +159,8 @@ class Worlds:
         Args:
             action: Of the shape of the action space.
         """
-        alone = self.episodes.alone
-        if alone is None or not alone.run(action):
+        direct = self.episodes.direct
+        if direct is None or not direct.run(action):
             self.episodes.step(action.reshape(1, 1, *action.shape))
         if self.pictures.trails is not None:
             self.pictures.note_step(None)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
-from irsim_gym.engine.alone import Alone
+from irsim_gym.engine.direct import Direct
 from irsim_gym.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.rng import stream_base
 from irsim_gym.tasks import account, actions, team_state
@@ -42,8 +42,8 @@ class Episodes:
         action_sizes: Components of each agent's actions, shape ``(n_agents,)``; its surplus ones are not looked at.
         feature_mask: Columns of the observation that mean something to an agent, shape ``(n_agents, n_features)``; the
             others are 0.
-        alone: Plays a step of the only agent of the only world with less Python around it; None where there are more
-            worlds or agents, or where actions are choices.
+        direct: Plays a step of all worlds with less Python around it; None where threads share them, or where actions
+            are choices.
     """
 
     def __init__(self, simulation: Simulation, task: Task) -> None:
@@ -81,8 +81,9 @@ class Episodes:
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
         self._play, self._begin_books = (simulation.fuse(run, kinds) for run in (self._step, self._open))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
-        is_alone = self.n_worlds == self.n_agents == 1 and not self.n_discrete
-        self.alone = Alone(self._play, simulation.shards.all[0].worlds, self.state.given) if is_alone else None
+        shards, is_direct = simulation.shards, simulation.shards.n_slots == 1 and not self.n_discrete
+        everything = self._play, shards.all[0].worlds, self.action_sizes, self.state.given
+        self.direct = Direct(*everything) if is_direct else None
 
     @property
     def n_worlds(self) -> int:
@@ -235,6 +236,9 @@ class Episodes:
         Raises:
             ValueError: An action has the wrong shape or type, is not finite or is no choice; nothing has moved then.
         """
+        direct = self.direct if worlds is None else None
+        if direct is not None and given.shape == self._given.shape and direct.run(given.reshape(-1)):
+            return
         self._take(given, worlds)
         self.simulation.run(self._play, worlds)
 
