@@ -21,7 +21,7 @@ from timing import seconds, summed_up
 from irsim_gym.engine import arrival, buckets, contact, limits, outlines, step
 from irsim_gym.engine.fused import Fused
 from irsim_gym.envs.worlds import Worlds
-from irsim_gym.tasks import account
+from irsim_gym.tasks import account, actions
 
 
 class Stopwatch:
@@ -75,7 +75,7 @@ def places(worlds: Worlds) -> list[tuple[str, Any, str]]:
     parts, found = worlds.simulation.parts, worlds.episodes
     wrapped: list[tuple[str, Any, str]] = [
         ("begin anew", found, "begin_next"),
-        ("act", found, "_take"),
+        ("act", actions, "take"),
         ("act", found, "_act"),
         ("arrival", arrival, "renew"),
         ("limits", limits, "apply"),
@@ -156,6 +156,7 @@ def use_plain_path(worlds: Worlds) -> None:
         for fused in vars(owner).values():
             if isinstance(fused, Fused):
                 fused.is_fusable = False
+                fused.forget()
 
 
 def s2_task(behavior: str) -> dict[str, Any]:

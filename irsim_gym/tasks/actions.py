@@ -94,6 +94,31 @@ ACTIONS.register("velocity", VelocityAction)
 ACTIONS.register("discrete", DiscreteAction)
 
 
+def take(given: NDArray[Any], worlds: Ints, n_choices: int, sizes: Ints, kept: NDArray[Any]) -> None:
+    """Check actions, and copy them.
+
+    Args:
+        given: Actions as ``Episodes.step`` takes them.
+        worlds: The worlds to treat; other rows are not looked at.
+        n_choices: Number of choices, 0 for continuous actions.
+        sizes: Components of each agent's actions, ``(n_agents,)``.
+        kept: Written, of the shape that ``given`` must have.
+
+    Raises:
+        ValueError: An action has the wrong shape or type, is not finite or is no choice.
+    """
+    if given.shape != kept.shape:
+        raise ValueError(f"actions must have shape {kept.shape}, got {given.shape}")
+    if given.dtype.kind not in ("iu" if n_choices else "fiu"):
+        wanted = "whole numbers" if n_choices else "numbers"
+        raise ValueError(f"actions must be {wanted}, got an array of {given.dtype}")
+    kept[...] = given
+    if n_choices and not all_within(worlds, n_choices, kept):
+        raise ValueError(f"an action is not a choice from 0 to {n_choices - 1}")
+    if not n_choices and not all_finite.compiled(worlds, sizes, kept):  # type: ignore[attr-defined]
+        raise ValueError("an action is not finite")
+
+
 @kernel
 def all_finite(worlds: Ints, sizes: Ints, given: Floats) -> bool:
     """Return whether the actions ``(n_worlds, n_agents, n_components)`` of all given worlds are finite.

@@ -239,26 +239,9 @@ class Episodes:
         direct = self.direct if worlds is None else None
         if direct is not None and given.shape == self._given.shape and direct.run(given.reshape(-1)):
             return
-        self._take(given, worlds)
-        self.simulation.run(self._play, worlds)
-
-    def _take(self, given: NDArray[Any], worlds: Ints | None) -> None:
-        """Check the actions, and copy them."""
-        kept = self._given
-        n_choices = self.n_discrete if kept.ndim == 2 else 0
-        if given.shape != kept.shape:
-            raise ValueError(f"actions must have shape {kept.shape}, got {given.shape}")
-        if given.dtype.kind not in ("iu" if n_choices else "fiu"):
-            wanted = "whole numbers" if n_choices else "numbers"
-            raise ValueError(f"actions must be {wanted}, got an array of {given.dtype}")
-        kept[...] = given
         rows = self.simulation.shards.all[0].worlds if worlds is None else worlds
-        if n_choices and not actions.all_within(rows, n_choices, kept):
-            raise ValueError(f"an action is not a choice from 0 to {n_choices - 1}")
-        if not n_choices:
-            are_finite = actions.all_finite.compiled  # type: ignore[attr-defined]
-            if not are_finite(rows, self.action_sizes, kept):
-                raise ValueError("an action is not finite")
+        actions.take(given, rows, self.n_discrete, self.action_sizes, self._given)
+        self.simulation.run(self._play, worlds)
 
     def _begin_levels(self, shard: Shard) -> None:
         """Draw the levels of the shard's worlds and begin their episodes."""
