@@ -11,7 +11,7 @@ from typing import Any
 import gymnasium
 from wrapt import register_post_import_hook
 
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.scenario.library import scenario_names
 
 NAMESPACE = "irsim_gym"
@@ -112,7 +112,16 @@ def scenario_behind(name: Any) -> Any:
         spec = gymnasium.registry.get(name.removeprefix(f"{NAMESPACE}:"))
         if spec is not None and "scenario" in spec.kwargs:
             return spec.kwargs["scenario"]
+        _refuse_unknown_id(name)
     return name
+
+
+def _refuse_unknown_id(name: str) -> None:
+    """Raise an UnknownNameError for what is written as an id of ours, but is none."""
+    if re.fullmatch(rf"({NAMESPACE}:)?{NAMESPACE}/[^/.]+", name) and not Path(name).exists():
+        known = [one for one in gymnasium.registry if one.startswith(f"{NAMESPACE}/")]
+        near = suggestion(name.removeprefix(f"{NAMESPACE}:"), known)
+        raise UnknownNameError(f"no environment '{name}'{near or '; `irsim-gym list` shows what is shipped'}")
 
 
 def _resolve(scenario: str | Path | Mapping[str, Any], kwargs: dict[str, Any]) -> tuple[str, dict[str, Any]]:
@@ -121,4 +130,5 @@ def _resolve(scenario: str | Path | Mapping[str, Any], kwargs: dict[str, Any]) -
         for one in (scenario.removeprefix(f"{NAMESPACE}:"), env_id(scenario)):
             if one in gymnasium.registry and (one != env_id(scenario) or scenario in scenario_names()):
                 return one, kwargs
+        _refuse_unknown_id(scenario)
     return ANY, {**kwargs, "scenario": str(scenario) if isinstance(scenario, Path) else scenario}

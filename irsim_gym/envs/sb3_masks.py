@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
 from irsim_gym.arraytypes import Flags
 
@@ -60,6 +60,19 @@ def acted_of(reward: Any) -> Flags:
             "around it have to compute with the rewards that they get (rewards * 2, not numpy.array(rewards) * 2)"
         )
     return acted
+
+
+def is_monitored(env: VecEnv) -> bool:
+    """Return whether a ``VecMonitor`` around ``env`` steps it right now."""
+    frame = sys._getframe(1)
+    for _ in range(CALLERS):
+        caller = frame.f_locals.get("self")
+        if isinstance(caller, VecMonitor) and caller.unwrapped is env:
+            return True
+        if frame.f_back is None:
+            break
+        frame = frame.f_back
+    return False
 
 
 def learner_buffer(env: VecEnv) -> Any | None:

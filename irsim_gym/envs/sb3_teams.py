@@ -26,7 +26,7 @@ from irsim_gym.envs.sb3_buffers import (
     MaskedReplayBuffer,
     MaskedRolloutBuffer,
 )
-from irsim_gym.envs.sb3_masks import SlotRewards, learner_buffer, slot_rewards
+from irsim_gym.envs.sb3_masks import SlotRewards, is_monitored, learner_buffer, slot_rewards
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.errors import WaitingRobotsWarning
@@ -123,8 +123,9 @@ class TeamVecEnv(NativeVecEnv):
       episodes under way are then cut (``TimeLimit.truncated``) and are in no statistics, as they have no outcome.
 
     Stable-Baselines3 counts idle slots as steps; ``idle_share`` says how many they are. An algorithm that learns from
-    idle slots, as it was made without ``buffers_for``, is warned of once (``errors.WaitingRobotsWarning``). What a loop
-    of one's own does with them is not checked: it reads ``acted``, or ``idle`` in the infos.
+    idle slots, as it was made without ``buffers_for``, is warned of once (``errors.WaitingRobotsWarning``), and so is a
+    ``VecMonitor`` around the environment, which counts them. What a loop of one's own does with them is not checked: it
+    reads ``acted``, or ``idle`` in the infos.
 
     Attributes:
         batch: The worlds.
@@ -133,6 +134,7 @@ class TeamVecEnv(NativeVecEnv):
     """
 
     _buffer_is_known = False
+    _monitor_is_known = False
 
     def __init__(self, batch: Batch) -> None:
         self.batch = batch
@@ -226,6 +228,17 @@ class TeamVecEnv(NativeVecEnv):
                 stacklevel=3,
             )
 
+    def _look_for_a_monitor(self) -> None:
+        """Warn if a VecMonitor is about to count waiting as an episode."""
+        self._monitor_is_known = True
+        if is_monitored(self):
+            warnings.warn(
+                "VecMonitor counts the waiting of robots as steps, and as episodes of reward 0, so its means are "
+                "wrong: leave it out, as the infos of this environment hold 'episode' already",
+                WaitingRobotsWarning,
+                stacklevel=3,
+            )
+
     def _tell(self, step: BatchStep, ended: Ints, infos: list[dict[str, Any]]) -> None:
         """Fill in the infos of slots whose own episodes have ended."""
         worlds, agents = np.divmod(ended, self.n_agents)
@@ -248,6 +261,8 @@ class TeamVecEnv(NativeVecEnv):
 
     def _tell_idle(self, step: BatchStep, restarted: Ints, infos: list[dict[str, Any]]) -> None:
         """Fill in the infos of idle slots whose world has restarted."""
+        if len(restarted) and not self._monitor_is_known:
+            self._look_for_a_monitor()
         for slot in restarted.tolist():
             infos[slot]["terminal_observation"] = self._one(step.final_observation, slot)
             infos[slot]["TimeLimit.truncated"] = False

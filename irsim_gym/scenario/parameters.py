@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from irsim_gym.errors import Problem, ScenarioError, UnknownNameError, suggestion
+from irsim_gym.errors import Problem, ScenarioError, UnknownNameError, nearest, suggestion
 from irsim_gym.scenario.expressions import evaluate, names_in
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.options import kind, option
@@ -29,6 +29,24 @@ ARGUMENTS = frozenset(
     )
 )
 """Names that stand for something else where environments are made."""
+
+_TAKEN_BY = {
+    "num_envs": "make_vec",
+    "n_envs": "sb3.make_vec_env",
+    "n_worlds": "make_batch and sb3.make_multi_agent_vec_env",
+    "num_threads": "make_vec, make_batch and those of sb3",
+    "seed": "reset, and of those of sb3",
+    "level": "reset, as options={'level': ...}",
+    "split": "reset, as options={'split': ...}",
+    "max_cycles": "parallel_env",
+    "padded": "parallel_env",
+    "respawn": "make_batch",
+    "mode": "sb3.make_multi_agent_vec_env",
+    "world_steps": "make_batch and sb3.make_multi_agent_vec_env",
+    "max_episode_steps": "make",
+    "record": "load",
+}
+"""Of what else a name is an argument, for somebody who gives it to another function."""
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 _WITHIN = re.compile(r"\$\{[ ]*([A-Za-z_][A-Za-z0-9_]*)[ ]*\}", re.ASCII)
@@ -200,6 +218,14 @@ def _declaration(name: str, data: Any, place: Place, report: Report) -> Paramete
     return None
 
 
+def _meant(name: str, declared: Iterable[str]) -> str:
+    """Return what somebody may have meant by a name that is no parameter."""
+    near = nearest(name, [*declared, *(ARGUMENTS - {name})])
+    hints = [f"an argument of {_TAKEN_BY[name]}"] if name in _TAKEN_BY else []
+    hints += [f"did you mean '{near}'?"] if near is not None else []
+    return f" ({'; '.join(hints)})" if hints else ""
+
+
 def _chosen(source: Source, declared: Mapping[str, ParameterSpec | None], given: Mapping[str, Any]) -> dict[str, Value]:
     """Return the value of each parameter that is declared rightly."""
     specs = {name: spec for name, spec in declared.items() if spec is not None}
@@ -207,9 +233,7 @@ def _chosen(source: Source, declared: Mapping[str, ParameterSpec | None], given:
     listed = f"; it has\n{known}" if known else "; it has none"
     unknown = [name for name in given if name not in declared]
     if unknown:
-        # An argument of another environment's is not its own cure: num_envs is n_envs for Stable-Baselines3.
-        others = {name: [*declared, *(ARGUMENTS - {name})] for name in unknown}
-        names = ", ".join(f"'{name}'{suggestion(name, others[name])}" for name in unknown)
+        names = ", ".join(f"'{name}'{_meant(name, declared)}" for name in unknown)
         raise UnknownNameError(f"{source.title} has no parameter {names}{listed}")
     values = {name: spec.convert(given.get(name, spec.default)) for name, spec in specs.items()}
     problems = sorted(

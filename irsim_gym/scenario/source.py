@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.errors import Problem, ScenarioError
+from irsim_gym.errors import Problem, ScenarioError, suggestion
 from irsim_gym.scenario.composer import MAX_DEPTH, MAX_VALUES, Fatal, compose
 
 Place = tuple[str | int, ...]
@@ -109,12 +109,20 @@ def _bytes(path: Path, name: str) -> bytes:
             raise ScenarioError(name, [Problem(0, "", f"too large: {size}, at most {MAX_BYTES / 1e6:.1f} MB")])
         return path.read_bytes()
     except FileNotFoundError:
-        raise MissingFileError(name, [Problem(0, "", "no such file")]) from None
+        raise MissingFileError(name, [Problem(0, "", f"no such file{_neighbor(path)}")]) from None
     except (OSError, ValueError) as error:
         if isinstance(error, ScenarioError):
             raise
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise ScenarioError(name, [Problem(0, "", f"cannot be read: {reason}")]) from None
+
+
+def _neighbor(path: Path) -> str:
+    """Return the file beside a missing one that is called most like it, as a question."""
+    folder = path.parent
+    if not folder.is_dir():
+        return f": there is no folder {folder}"
+    return suggestion(path.name, [file.name for file in folder.iterdir() if file.suffix == path.suffix])
 
 
 def read_mapping(data: Mapping[str, Any]) -> Source:

@@ -10,7 +10,7 @@ from sb3_contrib import RecurrentPPO
 from stable_baselines3 import A2C, PPO, SAC
 from stable_baselines3.common.callbacks import EvalCallback
 from stable_baselines3.common.evaluation import evaluate_policy
-from stable_baselines3.common.vec_env import VecNormalize
+from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 from team_tools import KNOWN, LIMIT
 
 from irsim_gym import sb3
@@ -51,6 +51,19 @@ def test_an_algorithm_with_plain_buffers_is_told_once(algorithm, buffer, wrapped
     assert f"{buffer} keeps their rows" in str(found[0].message)
     assert "buffers_for" in str(found[0].message)
     assert env.idle_share > 0.0
+
+
+def test_a_monitor_that_would_count_waiting_is_told_once():
+    env = team()
+    with pytest.warns(UserWarning, match="already wrapped"):
+        monitored = VecNormalize(VecMonitor(env))
+    monitored.reset()
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        for _ in range(3 * LIMIT):
+            monitored.step(np.zeros((3, 2), np.float32))
+    (found,) = [warning for warning in told if warning.category is WaitingRobotsWarning]
+    assert "VecMonitor counts the waiting" in str(found.message)
 
 
 def test_nobody_waits_in_the_other_mode():

@@ -89,6 +89,15 @@ def test_what_nobody_knows_is_an_error_with_the_list(make: Any, file: str) -> No
         make(file, n_robots=10)
 
 
+def test_an_argument_of_another_function_is_told_with_its_owner(file: str) -> None:
+    with pytest.raises(
+        UnknownNameError, match=r"no parameter 'num_envs' \(an argument of make_vec; did you mean 'n_envs'"
+    ):
+        make_vec_env(file, num_envs=2)
+    with pytest.raises(UnknownNameError, match=r"no parameter 'seed' \(an argument of reset, and of those of sb3\)"):
+        irsim_gym.make(file, seed=2)
+
+
 def test_a_loaded_scenario_has_its_parameters_already(file: str) -> None:
     scenario = irsim_gym.load_scenario(file, {"n_robots": 3})
     assert len(Worlds(scenario).scenario.bodies) == 3

@@ -7,7 +7,7 @@ import pytest
 
 import irsim_gym
 from irsim_gym.envs.registration import env_id, register_shipped
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.errors import IrsimGymError, UnknownNameError
 
 WORLD = """
 world: {width: 6, height: 6, step_time: 0.1}
@@ -47,6 +47,24 @@ def test_two_files_with_one_id(folder):
     (folder / "one.yml").write_text(WORLD)
     with pytest.raises(IrsimGymError, match=r"mine/one-v0.*taken"):
         irsim_gym.register_scenarios(folder, namespace="mine")
+
+
+@pytest.mark.parametrize("make", [irsim_gym.make, irsim_gym.make_vec, irsim_gym.parallel_env, irsim_gym.make_batch])
+def test_an_id_that_is_none_is_no_file(make):
+    with pytest.raises(
+        UnknownNameError, match=r"no environment 'irsim_gym/corridr-v0' \(did you mean 'irsim_gym/corri"
+    ):
+        make("irsim_gym/corridr-v0")
+    with pytest.raises(UnknownNameError, match=r"no environment 'irsim_gym:irsim_gym/qqqqqqq'; `irsim-gym list` shows"):
+        make("irsim_gym:irsim_gym/qqqqqqq")
+
+
+def test_a_file_that_is_missing_is_told_with_its_neighbor(folder):
+    (folder / "my_world.yaml").write_text("robot: {}\n")
+    with pytest.raises(FileNotFoundError, match=r"no such file \(did you mean 'my_world.yaml'\?\)"):
+        irsim_gym.make(folder / "myworld.yaml")
+    with pytest.raises(FileNotFoundError, match=r"no such file: there is no folder .*nowhere"):
+        irsim_gym.make(folder / "nowhere" / "my_world.yaml")
 
 
 def test_no_folder(tmp_path):
