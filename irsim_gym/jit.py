@@ -12,10 +12,14 @@ import numpy as np
 from numba.core import config as numba_config
 
 from irsim_gym.jit_cache import keep_on_disk
+from irsim_gym.jit_doors import Doors
 from irsim_gym.jit_inner import InnerCompiler
 from irsim_gym.jit_watch import compilation
 
 config: Any = numba_config
+
+ONE_WAY = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""No entries from Python and from C, which are a third of the work of compiling."""
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -76,25 +80,19 @@ class Kernel:
         return self._dispatcher("compiled")
 
     @functools.cached_property
-    def native(self) -> Any:
-        """Numba's dispatcher for calls by address: it takes no Python objects, which is a third less to compile."""
-        return self._dispatcher("native", no_cpython_wrapper=True)
+    def doors(self) -> Doors:
+        """Entries for calls by address."""
+        compilation()
+        return Doors(self._function, {**ONE_WAY, **self._options})
 
     @functools.cached_property
     def inner(self) -> Any:
         """Numba's dispatcher for calls from other kernels."""
-        return self._dispatcher("inner", no_cpython_wrapper=True, pipeline_class=InnerCompiler)
-
-    def overload(self, signature: tuple[Any, ...]) -> Any:
-        """Return Numba's result of compiling for these types, with no entry from Python unless there is one already."""
-        dispatcher = self.compiled if signature in self.compiled.overloads else self.native
-        if signature not in dispatcher.overloads:
-            dispatcher.compile(signature)
-        return dispatcher.overloads[signature]
+        return self._dispatcher("inner", **ONE_WAY, pipeline_class=InnerCompiler)
 
     def _dispatcher(self, form: str, **options: Any) -> Any:
         compilation()
-        given: Any = {"no_cfunc_wrapper": True, **self._options, **options}
+        given: Any = {**self._options, "no_cfunc_wrapper": True, **options}
         dispatcher = numba.njit(**given)(self._function)
         keep_on_disk(dispatcher, form)
         return dispatcher

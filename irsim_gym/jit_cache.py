@@ -10,6 +10,7 @@ import shutil
 import sys
 import tempfile
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -32,25 +33,70 @@ SETTINGS = ("OPT", "BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE", "DEBUGINFO_
 
 
 def keep_on_disk(dispatcher: Any, form: str) -> None:
-    """Give a dispatcher a cache of ours, unless there is no folder or no source file whose changes would be seen."""
-    function = dispatcher.py_func
+    """Give a dispatcher a cache of ours, unless nothing can be kept."""
+    options, files = dispatcher.targetoptions, files_of(dispatcher.py_func, dispatcher.targetoptions, form)
+    if files is not None:
+        dispatcher._cache = KernelCache(files, options["_nrt"])
+
+
+def files_of(function: Any, options: Mapping[str, Any], form: str) -> Files | None:
+    """Return a function's files; None without a folder, or without a source file whose changes would be seen."""
     if function.__closure__ is None and Path(function.__code__.co_filename).is_file() and cache_folder() is not None:
-        options = dispatcher.targetoptions
-        dispatcher._cache = KernelCache(function, f"{form} {sorted(options.items(), key=str)}", options["_nrt"])
+        return Files(function, f"{form} {sorted(options.items(), key=str)}")
+    return None
+
+
+class Files:
+    """What is on disk of a function: one file for each signature and processor, replaced as a whole, with a checksum.
+
+    A file that cannot be read or is damaged is not there; one that cannot be written is done without.
+
+    Attributes:
+        is_own: Whether the function is in the package.
+    """
+
+    def __init__(self, function: Any, options: str) -> None:
+        self.is_own = _is_own(function)
+        self._name = f"{function.__module__}.{function.__qualname__}".replace("<", "").replace(">", "")
+        self._key = "" if self.is_own else _fingerprint(function, set())
+        self._options = options
+
+    def file(self, signature: Any, codegen: Any) -> Path:
+        """Return the file for a signature, on this processor and with these settings."""
+        settings = [str(getattr(config, name, None)) for name in SETTINGS]
+        key = [*map(str, signature), *map(str, codegen.magic_tuple()), *settings, self._options, self._key]
+        digest = hashlib.blake2b("\n".join(key).encode(), digest_size=10).hexdigest()
+        return (cache_folder() or Path()) / f"{self._name}-{digest}.nbc"
+
+    @staticmethod
+    def read(file: Path) -> bytes | None:
+        """Return the content of a file, None if it is not there."""
+        try:
+            content = file.read_bytes()
+        except OSError:
+            return None
+        return content[16:] if content[:16] == _checksum(content[16:]) else None
+
+    @staticmethod
+    def write(file: Path, content: bytes) -> None:
+        """Write a file, if there is room."""
+        passing = file.with_suffix(f".{os.getpid()}")
+        try:
+            passing.write_bytes(_checksum(content) + content)
+            passing.replace(file)
+        except OSError:
+            passing.unlink(missing_ok=True)
 
 
 class KernelCache:
     """Numba's interface of a cache, in place of its own, whose index mixes up signatures saved at the same time.
 
-    One file for each kernel, signature and processor, replaced as a whole, with a checksum. A file that cannot be
-    read, is damaged or does not fit is compiled anew; one that cannot be written is done without.
+    What does not fit is compiled anew.
     """
 
-    def __init__(self, function: Any, options: str, allocates: bool) -> None:
+    def __init__(self, files: Files, allocates: bool) -> None:
+        self._files = files
         self._allocates = allocates
-        self._name = f"{function.__module__}.{function.__qualname__}".replace("<", "").replace(">", "")
-        self._key = "" if _is_own(function) else _fingerprint(function, set())
-        self._options = options
 
     @property
     def cache_path(self) -> str:
@@ -63,31 +109,24 @@ class KernelCache:
         Numba would prepare to compile in any case, which takes a third of a warm start: with SciPy installed, it
         imports that. Kernels of the package need at most memory; others may have types that come with extensions.
         """
-        if self._key:
+        if not self._files.is_own:
             target.refresh()
         elif self._allocates:
             rtsys.initialize(target)
+        content = self._files.read(self._files.file(signature, target.codegen()))
+        if content is None:
+            return None
         try:
-            content = self._file(signature, target.codegen()).read_bytes()
-            if content[:16] != _checksum(content[16:]):
-                return None
-            compiled = CompileResult._rebuild(target, *pickle.loads(content[16:]))
+            compiled = CompileResult._rebuild(target, *pickle.loads(content))
         except (OSError, pickle.UnpicklingError, ImportError, AttributeError):
             return None
         return compiled if tuple(compiled.signature.args) == tuple(signature) else None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
-        """Write compiled code, if it can be kept and there is room."""
-        if compiled.library.has_dynamic_globals:
-            return
-        content: bytes = serialize.dumps(compiled._reduce())  # type: ignore[no-untyped-call]
-        file = self._file(signature, compiled.codegen)
-        passing = file.with_suffix(f".{os.getpid()}")
-        try:
-            passing.write_bytes(_checksum(content) + content)
-            passing.replace(file)
-        except OSError:
-            passing.unlink(missing_ok=True)
+        """Write compiled code, if it can be kept."""
+        if not compiled.library.has_dynamic_globals:
+            content: bytes = serialize.dumps(compiled._reduce())  # type: ignore[no-untyped-call]
+            self._files.write(self._files.file(signature, compiled.codegen), content)
 
     def enable(self) -> None:
         """Part of the interface: this cache is always on."""
@@ -97,12 +136,6 @@ class KernelCache:
 
     def flush(self) -> None:
         """Part of the interface: files are never stale."""
-
-    def _file(self, signature: Any, codegen: Any) -> Path:
-        settings = [str(getattr(config, name, None)) for name in SETTINGS]
-        key = [*map(str, signature), *map(str, codegen.magic_tuple()), *settings, self._options, self._key]
-        digest = hashlib.blake2b("\n".join(key).encode(), digest_size=10).hexdigest()
-        return (cache_folder() or Path()) / f"{self._name}-{digest}.nbc"
 
 
 def _checksum(content: bytes) -> bytes:

@@ -2,38 +2,37 @@
 
 Calling a kernel from Python costs some 50 ns for each array among its arguments, which have to be recognised, unpacked
 and counted. Here all that is done once: every argument is taken apart into the machine words that the compiled function
-expects (Numba's calling convention), and for each order of integers and floats there is a small function, the
-*doorway*, that loads the words and makes the call. A loop over doorways is then a whole step.
-
-The kernels are the very same compiled functions, so their results are too, to the last bit.
+expects (Numba's calling convention), and the kernel is compiled with a *doorway*, which loads the words that it needs
+(``jit_doors``). A loop over doorways is then a whole step.
 """
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Sequence
-from functools import cache
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from llvmlite import binding, ir
+from llvmlite import ir
 from numba import types
+from numba.core.typing import typeof
 from numba.extending import intrinsic
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.atomics import load
 from irsim_gym.jit import Calls, Kernel, config, kernel
+from irsim_gym.jit_doors import COUNT, WHERE
 
 BLOCK = 128
 """Worlds that go through all calls before the next ones do: few enough to stay in the processor's cache."""
 
-WORD, FLOAT, BYTE, STATUS = ir.IntType(64), ir.DoubleType(), ir.IntType(8), ir.IntType(32)
-KINDS = {"q": WORD, "d": FLOAT, "b": BYTE, "w": WORD, "n": WORD}
+WORD, STATUS = ir.IntType(64), ir.IntType(32)
+typed: Any = typeof.typeof
 OK, OK_NONE = 0, -2
 """What a function of Numba's returns where nothing was raised, with and without a value."""
 
 Words = list[tuple[str, int]]
-WORLDS: Words = [("q", 0), ("q", 0), ("n", 0), ("q", 8), ("w", 0), ("n", 0), ("q", 8)]
+WORLDS: Words = [("q", 0), ("q", 0), (COUNT, 0), ("q", 8), (WHERE, 0), (COUNT, 0), ("q", 8)]
 """The worlds to treat: address and number are filled in when the call is made."""
 
 
@@ -67,8 +66,7 @@ class Program:
         starts = np.cumsum([0, *(len(row) for _, row in rows)])[:-1]
         self.entries = np.zeros((len(rows), 2), np.int64)
         self._make_calls: Callable[..., int] = make_calls.compiled  # type: ignore[attr-defined]
-        self._doorways = _doorways()
-        self.entries[:, 0] = self._doorways.find([order for order, _ in rows])
+        self.entries[:, 0] = [door for door, _ in rows]
         self.entries[:, 1] = self.words.ctypes.data + self.words.itemsize * starts
 
     def run(self, worlds: Ints) -> None:
@@ -102,17 +100,16 @@ def is_possible() -> bool:
     return not config.DISABLE_JIT and not config.BOUNDSCHECK
 
 
-def _packed(called: Kernel, arguments: tuple[Any, ...], worlds: Ints) -> tuple[str, list[int]]:
-    """Return the order of a call's words, and the words, that of the function itself first."""
-    given = tuple(called.native.typeof_pyval(value) for value in arguments)
-    overload = called.overload(given)
-    if overload.signature.return_type != types.none:
-        raise NotRecordableError(f"{called.__name__} gives something back")
+def _packed(called: Kernel, arguments: tuple[Any, ...], worlds: Ints) -> tuple[int, list[int]]:
+    """Return the address of a call's doorway, and its words."""
+    given = tuple(typed(value, typeof.Purpose.argument) for value in arguments)
     words: Words = []
     for kind, value in zip(given, arguments, strict=True):
         words += WORLDS if value is worlds else _words(kind, value)
-    address = overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name)
-    return "".join(order for order, _ in words), [address, *(word for _, word in words)]
+    door = called.doors.find(given, "".join(mark for mark, _ in words))
+    if not door:
+        raise NotRecordableError(f"{called.__name__} gives something back")
+    return door, [word for _, word in words]
 
 
 def _words(kind: Any, value: Any) -> Words:
@@ -134,63 +131,6 @@ def _words(kind: Any, value: Any) -> Words:
     if kind == types.none:
         return [("q", 0)]
     raise NotRecordableError(f"an argument of type {kind}")
-
-
-class Doorways:
-    """Compiled functions, each of which loads words in one order and makes the call; one for all with that order.
-
-    The arguments of a doorway are the address of the words, that of the worlds, and their number; it returns Numba's
-    status. They are written as text, because LLVM's objects in Python take four times as long.
-    """
-
-    def __init__(self) -> None:
-        self._addresses: dict[str, int] = {}
-        self._engines: list[Any] = []
-
-    def find(self, orders: Sequence[str]) -> list[int]:
-        """Return the address of the doorway for each order; those that are missing are compiled, together."""
-        missing = [order for order in dict.fromkeys(orders) if order not in self._addresses]
-        if missing:
-            text = "\n".join(_doorway(f"doorway_{n}", order) for n, order in enumerate(missing))
-            machine = binding.Target.from_default_triple().create_target_machine(opt=1)
-            engine = binding.create_mcjit_compiler(binding.parse_assembly(text), machine)
-            engine.finalize_object()
-            self._engines.append(engine)
-            self._addresses |= {order: engine.get_function_address(f"doorway_{n}") for n, order in enumerate(missing)}
-        return [self._addresses[order] for order in orders]
-
-
-@cache
-def _doorways() -> Doorways:
-    return Doorways()
-
-
-def _doorway(name: str, order: str) -> str:
-    """Return a doorway in LLVM's language."""
-    kinds = [KINDS[one] for one in order]
-    pointer, target = WORD.as_pointer(), ir.FunctionType(STATUS, [WORD, WORD, *kinds]).as_pointer()
-    lines = [f"define i32 @{name}({pointer} %words, i64 %where, i64 %count) {{", *map(_slot, ("value", "error"))]
-    given = ["i64 %value", "i64 %error"]
-    for k, one in enumerate(f"q{order}"):
-        if one in "wn":
-            given.append("i64 %where" if one == "w" else "i64 %count")
-            continue
-        lines.append(f"%at{k} = getelementptr i64, {pointer} %words, i64 {k}")
-        lines.append(f"%word{k} = load i64, {pointer} %at{k}")
-        if one == "d":
-            lines.append(f"%float{k} = bitcast i64 %word{k} to double")
-        elif one == "b":
-            lines.append(f"%byte{k} = trunc i64 %word{k} to i8")
-        given.append({"q": f"i64 %word{k}", "d": f"double %float{k}", "b": f"i8 %byte{k}"}[one])
-    given.remove("i64 %word0")
-    lines.append(f"%function = inttoptr i64 %word0 to {target}")
-    lines.append(f"%status = call i32 %function({', '.join(given)})")
-    return "\n".join([*lines, "ret i32 %status", "}"])
-
-
-def _slot(name: str) -> str:
-    """Return the lines that make room on the stack and take its address."""
-    return f"%{name}_slot = alloca i64\n%{name} = ptrtoint {WORD.as_pointer()} %{name}_slot to i64"
 
 
 def _enter(context: Any, entry: Any, words: Any, where: Any, count: Any) -> Any:
