@@ -272,4 +272,4 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
     def _infos(self, names: list[str]) -> dict[str, dict[str, Any]]:
         infos = self.worlds.infos
         rows = infos.rows(np.array([self._indices[name] for name in names], np.int64))
-        return {name: infos.told(*row) for name, row in zip(names, rows, strict=True)}
+        return {name: infos.told(row) for name, row in zip(names, rows, strict=True)}

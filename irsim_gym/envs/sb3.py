@@ -145,7 +145,7 @@ class WorldVecEnv(NativeVecEnv):
         cut = (view.truncated[:, 0].take(ended) > view.terminated[:, 0].take(ended)).tolist()
         rows = zip(ended.tolist(), worlds.infos.rows(ended), worlds.observations_of(ended), cut, strict=True)
         for w, row, observation, truncated in rows:
-            info = infos[w] = told(*row)
+            info = infos[w] = told(row)
             info["terminal_observation"] = observation
             info["TimeLimit.truncated"] = truncated
             info["episode"] = {"r": round(self._returns.item(w), 6), "l": info["steps"], "t": elapsed}

@@ -16,12 +16,12 @@ class EpisodeState(Arrays):
     """The moment of every episode, beside the moment of the world; agents are counted within a world."""
 
     together: ClassVar[tuple[tuple[str, ...], ...]] = (
-        ("reward",),
-        ("terminated", "truncated"),
         ("path_length", "min_clearance", "goal_distance", "stalled"),
         ("outcome", "hit", "hit_kind", "steps", "level"),
         ("success", "deadlocked"),
         ("reward_term",),
+        ("reward",),
+        ("terminated", "truncated"),
     )
 
     base: Words = column("world", np.uint64, "", "key of the split that the world draws its levels from")

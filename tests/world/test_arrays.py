@@ -49,7 +49,7 @@ def test_arrays_that_belong_together_lie_in_memory_as_a_c_struct_does() -> None:
     """Groups are rows of one block; every group begins where its type may, right behind the one before."""
     sizes = {"world": 3, "agent": 1, "action": 2, "ending": 1, "reward": 2, "feature": 5}
     state = EpisodeState.allocate(sizes)
-    layout, first = "@", state.reward
+    layout, first = "@", getattr(state, EpisodeState.together[0][0])
     for names in EpisodeState.together:
         for name in names:
             array = getattr(state, name)
