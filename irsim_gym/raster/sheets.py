@@ -8,8 +8,9 @@ sum; see R. Levien, "Inside the fastest font renderer in the world", 2016.)
 
 A sheet is float32 and one row taller than its picture. Its first columns belong to pixels; those after them tell which
 tiles of ``TILE`` columns hold anything, so that the inside of an area need not be summed. The last row, the header,
-says which rows and columns were touched, in ``HEADER`` numbers, and has room for a list of a row's tiles. ``new_sheet``
-makes one; whoever draws at the same time as others has their own.
+says which rows and columns were touched, in ``HEADER`` numbers. ``new_sheet`` makes one; whoever draws at the same
+time as others has their own. ``cover`` is the one walk over a sheet that there is: with the kernels that blend a colour
+into a row it paints pictures of any number of channels here, and canvases of other libraries in ``washes``.
 
 Places are pixels from the upper left corner of the picture, x to the right and y down; the middle of the first pixel is
 0.5, 0.5. A *box* is int64 ``(4,)``: first column, first row, end column, end row, all within the picture; nothing
@@ -25,10 +26,14 @@ import numpy as np
 from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
 from irsim_gym.jit import kernel
 
-TILE = 16
+TILE_BITS = 4
+TILE = 1 << TILE_BITS
 HEADER = 4
+Ink = tuple[Floats, Any, Any, Any]
+MIDDLE = np.uint16(128)
 FARTHEST = 1e9
-Ink = tuple[Any, Any, Any]
+SLACK = 1e-3
+"""Where an edge crosses a row may be rounded to a place beside its ends, by less than this [pixel]."""
 NOTHING, HALF, ONE, TWO, WHOLE = np.float32(0.0), np.float32(0.5), np.float32(1.0), np.float32(2.0), np.float32(256.0)
 
 
@@ -55,6 +60,7 @@ def note(sheet: Rays, box: Ints, left: float, top: float, right: float, foot: fl
     if not (left < box[2] and foot > box[1] and top < box[3]):
         return
     first_row, end_row = max(int(max(top, 0.0)), box[1]), min(int(min(foot, float(box[3]))) + 1, box[3])
+    left -= SLACK
     first, end = max(int(max(left, 0.0)), box[0]), min(int(min(max(right, float(box[0])), float(box[2]))) + 2, width)
     sheet[header, 0] = max(sheet[header, 0], np.float32(header - first_row))
     sheet[header, 1] = max(sheet[header, 1], np.float32(end_row))
@@ -98,7 +104,8 @@ def _cross(
         _deposit(sheet, width, row, column, height, 0.5 * (low + high) - float(column))
         return
     if high <= x_low:
-        _deposit(sheet, width, row, column, height, 0.0)
+        sheet[np.uint64(row), np.uint64(column)] += np.float32(height)
+        sheet[np.uint64(row), np.uint64(width + column // TILE)] = ONE
         return
     per_column = height / (high - low) if high > low else 0.0
     line, carried = sheet[np.uint64(row)], 0.0
@@ -140,46 +147,88 @@ def paint(picture: Bytes, sheet: Rays, box: Ints, colour: Floats, even_odd: bool
         even_odd: A place lies within an area if the boundary winds around it an odd number of times; else if it
             does not wind around it zero times.
     """
+    last = picture.shape[2]  # a channel that there is not has any value
+    red, green, blue = colour[0] + 0.5, colour[min(1, last)] + 0.5, colour[min(2, last)] + 0.5
+    ink = colour, np.uint16(red), np.uint16(green), np.uint16(blue)
+    cover(picture, sheet, box, even_odd, float(colour[last]), ink, blend_channels, fill_channels)
+
+
+@kernel(inlined=True)
+def cover(
+    picture: Any, sheet: Rays, box: Ints, even_odd: bool, opacity: float, ink: Any, blend: Any, fill: Any
+) -> None:
+    """Walk over the rows of a picture in which a sheet has areas, blend something in, and leave the sheet empty.
+
+    Args:
+        picture: Its first axis are rows, its second one columns.
+        sheet: Areas.
+        box: Which part of the picture may change.
+        even_odd: See ``paint``.
+        opacity: How much of what is blended in is seen [0, 1].
+        ink: What is blended in.
+        blend: Kernel that blends it into the columns of a row between two numbers, the first one that of a tile, by the
+            row's sums; it gets what is left of the row from there on.
+        fill: Kernel that blends it into them with one share of 256 parts.
+    """
+    first_row, end_row, first_tile, end_tile = sum_rows(sheet, even_odd)
+    width, whole = sheet.shape[1] * TILE // (TILE + 1), WHOLE * np.float32(min(max(opacity, 0.0), 1.0))
+    for row in range(first_row, end_row):
+        share, painted = np.int32(0), box[2]
+        sums, line = sheet[np.uint64(row)], picture[np.uint64(row)]
+        for number in range(np.uint64(width + first_tile), np.uint64(width + end_tile)):
+            tile = int(sums[number]) - 1
+            if tile < 0:
+                break
+            column = tile << TILE_BITS
+            if share > 0 and painted < column:
+                fill(line, painted, min(column, box[2]), ink, share)
+            painted = column + TILE
+            blend(line, column, min(painted, box[2]), ink, whole, sums)
+            share = np.int32(min(abs(sums[np.uint64(painted - 1)]), ONE) * whole + HALF)
+            sums[number] = NOTHING
+            for place in range(np.uint64(TILE)):
+                sums[np.uint64(column) + place] = NOTHING
+        if share > 0:
+            fill(line, painted, box[2], ink, share)
+
+
+@kernel
+def sum_rows(sheet: Rays, even_odd: bool) -> tuple[int, int, int, int]:
+    """Turn the changes of coverage in a sheet into how often the boundary winds around each pixel, counted with sign.
+
+    With the even-odd rule it is how much is covered. Only tiles that hold anything are written. In each row their
+    numbers, counted from 1, stand one after the other from the first column of flags on, then a 0 where there is room.
+
+    Returns:
+        First and end row, first and end tile of what is written; the header is empty again.
+    """
     header, width = sheet.shape[0] - 1, sheet.shape[1] * TILE // (TILE + 1)
     first_row, end_row = header - int(sheet[header, 0]), int(sheet[header, 1])
     first_tile, end_tile = (width - int(sheet[header, 2])) // TILE, (int(sheet[header, 3]) + TILE - 1) // TILE
     sheet[header, 0] = sheet[header, 1] = sheet[header, 2] = sheet[header, 3] = NOTHING
-    whole = WHOLE * np.float32(min(max(float(colour[picture.shape[2]]), 0.0), 1.0))
-    last = picture.shape[2]  # a channel that there is not has any value
-    ink = np.uint16(colour[0] + 0.5), np.uint16(colour[min(1, last)] + 0.5), np.uint16(colour[min(2, last)] + 0.5)
     for row in range(first_row, end_row):
-        share, sums, painted, total = np.int32(0), sheet[row], box[2], NOTHING
-        end = _list_touched(sums, sheet[header], width, first_tile, end_tile)
-        for number in range(HEADER, end):
-            total = sum_tile(sums, int(sheet[header, number]) * TILE, total, even_odd)
-        for number in range(HEADER, end):  # once the sums of the row are written, they are read many at a time
-            column = int(sheet[header, number]) * TILE
-            if share > 0 and painted < column:
-                _blend(picture, row, painted, min(column, box[2]), colour, ink, share)
-            painted = column + TILE
-            _blend_sums(picture, row, column, min(painted, box[2]), colour, ink, whole, sums)
-            share = np.int32(min(abs(sums[painted - 1]), ONE) * whole + HALF)
-            for place in range(TILE):
-                sums[np.uint64(column) + np.uint64(place)] = NOTHING
-        if share > 0:
-            _blend(picture, row, painted, box[2], colour, ink, share)
-    for number in range(HEADER, HEADER + end_tile - first_tile):
-        sheet[header, number] = NOTHING
+        sums, total = sheet[np.uint64(row)], NOTHING
+        end = _list_touched(sums, np.uint64(width), np.uint64(first_tile), np.uint64(end_tile))
+        for number in range(np.uint64(width + first_tile), end):
+            total = sum_tile(sums, (int(sums[number]) - 1) << TILE_BITS, total, even_odd)
+    return first_row, end_row, first_tile, end_tile
 
 
 @kernel(inlined=True)
-def _list_touched(sums: Rays, touched: Rays, width: int, first_tile: int, end_tile: int) -> Any:
-    """Write which tiles of a row hold anything behind the header's numbers; return where the list ends.
+def _list_touched(sums: Rays, width: Any, first_tile: Any, end_tile: Any) -> Any:
+    """Write which tiles of a row hold anything, counted from 1, in the place of its flags; return where they end.
 
     It branches nowhere: which tile holds something cannot be foretold, and a wrong guess costs as much as ten tiles.
     """
-    count = np.uint64(HEADER)
-    for tile in range(np.uint64(first_tile), np.uint64(end_tile)):
-        flag = np.uint64(width) + tile
-        touched[count] = np.float32(tile)
-        count += np.uint64(sums[flag] != NOTHING)
-        sums[flag] = NOTHING
-    return np.int64(count)
+    place = width + first_tile
+    for tile in range(first_tile, end_tile):
+        is_touched = sums[width + tile] != NOTHING
+        sums[width + tile] = NOTHING
+        sums[place] = np.float32(tile + np.uint64(1))
+        place += np.uint64(is_touched)
+    if place < width + end_tile:
+        sums[place] = NOTHING
+    return place
 
 
 @kernel(inlined=True)
@@ -209,43 +258,37 @@ def sum_tile(sums: Rays, first: int, total: Any, even_odd: bool) -> Any:
 
 
 @kernel(inlined=True)
-def _blend(picture: Bytes, row: int, first: int, end: int, colour: Floats, ink: Ink, share: Any) -> None:
-    """Blend ``share`` of 256 parts of a colour into the pixels of a row from ``first`` to ``end``."""
-    keep, line, part = np.uint16(256 - share), picture[np.uint64(row)], np.uint16(share)
-    if picture.shape[2] != 3:
-        for channel in range(picture.shape[2]):
+def fill_channels(line: Bytes, first: int, end: int, ink: Ink, share: Any) -> None:
+    """Blend a colour into the pixels of a row."""
+    colour, red, green, blue = ink
+    if line.shape[1] != 3:
+        for channel in range(line.shape[1]):
             value = np.int32(colour[channel] + 0.5) * np.int32(share) + 128
-            for column in range(first, end):
-                line[column, channel] = (np.int32(line[column, channel]) * np.int32(keep) + value) >> 8
+            for place in range(first, end):
+                line[place, channel] = (np.int32(line[place, channel]) * np.int32(256 - share) + value) >> 8
         return
-    half = np.uint16(128)
-    red, green, blue = (
-        np.uint16(ink[0] * part + half),
-        np.uint16(ink[1] * part + half),
-        np.uint16(ink[2] * part + half),
-    )
-    for column in range(np.uint32(first), np.uint32(end)):  # unsigned: no index counts from the end; lanes are used
-        line[column, 0] = np.uint16(np.uint16(line[column, 0]) * keep + red) >> 8
-        line[column, 1] = np.uint16(np.uint16(line[column, 1]) * keep + green) >> 8
-        line[column, 2] = np.uint16(np.uint16(line[column, 2]) * keep + blue) >> 8
+    keep, part = np.uint16(256 - share), np.uint16(share)
+    red, green, blue = np.uint16(red * part + MIDDLE), np.uint16(green * part + MIDDLE), np.uint16(blue * part + MIDDLE)
+    for place in range(np.uint32(first), np.uint32(max(end, first))):  # unsigned: no index counts from the end
+        line[place, 0] = np.uint16(np.uint16(line[place, 0]) * keep + red) >> 8
+        line[place, 1] = np.uint16(np.uint16(line[place, 1]) * keep + green) >> 8
+        line[place, 2] = np.uint16(np.uint16(line[place, 2]) * keep + blue) >> 8
 
 
 @kernel(inlined=True)
-def _blend_sums(
-    picture: Bytes, row: int, first: int, end: int, colour: Floats, ink: Ink, whole: Any, sums: Rays
-) -> None:
-    """Blend a colour into the pixels of a row from ``first`` to ``end``, each as far as it lies within the boundary."""
-    line, half = picture[np.uint64(row)], np.uint16(128)
-    if picture.shape[2] != 3:
-        for column in range(first, end):
-            part = np.int32(min(abs(sums[column]), ONE) * whole + HALF)
-            for channel in range(picture.shape[2]):
-                value = np.int32(colour[channel] + 0.5) * part + 128
-                line[column, channel] = (np.int32(line[column, channel]) * (256 - part) + value) >> 8
+def blend_channels(line: Bytes, first: int, end: int, ink: Ink, whole: Any, sums: Rays) -> None:
+    """Blend a colour into the pixels of a row, each as far as it lies within the boundary."""
+    colour, red, green, blue = ink
+    if line.shape[1] != 3:
+        for place in range(first, end):
+            share = np.int32(min(abs(sums[place]), ONE) * whole + HALF)
+            for channel in range(line.shape[1]):
+                value = np.int32(colour[channel] + 0.5) * share + 128
+                line[place, channel] = (np.int32(line[place, channel]) * (256 - share) + value) >> 8
         return
-    for column in range(np.uint32(first), np.uint32(end)):
-        share = np.uint16(np.int32(min(abs(sums[column]), ONE) * whole + HALF))
-        keep = np.uint16(np.uint16(256) - share)
-        line[column, 0] = np.uint16(np.uint16(line[column, 0]) * keep + np.uint16(ink[0] * share + half)) >> 8
-        line[column, 1] = np.uint16(np.uint16(line[column, 1]) * keep + np.uint16(ink[1] * share + half)) >> 8
-        line[column, 2] = np.uint16(np.uint16(line[column, 2]) * keep + np.uint16(ink[2] * share + half)) >> 8
+    for place in range(np.uint32(first), np.uint32(max(end, first))):  # 16-bit lanes: twice as many at a time
+        part = np.uint16(np.int32(min(abs(sums[place]), ONE) * whole + HALF))
+        keep = np.uint16(np.uint16(256) - part)
+        line[place, 0] = np.uint16(np.uint16(line[place, 0]) * keep + np.uint16(red * part + MIDDLE)) >> 8
+        line[place, 1] = np.uint16(np.uint16(line[place, 1]) * keep + np.uint16(green * part + MIDDLE)) >> 8
+        line[place, 2] = np.uint16(np.uint16(line[place, 2]) * keep + np.uint16(blue * part + MIDDLE)) >> 8

@@ -13,7 +13,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints, Pixels, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_line, add_polygon, is_near
-from irsim_gym.raster.sheets import HALF, NOTHING, ONE, TILE, WHOLE, sum_tile
+from irsim_gym.raster.sheets import HALF, ONE, cover
 
 EVEN, ODD, ROUND, OPAQUE = (np.uint32(word) for word in (0x00FF00FF, 0xFF00FF00, 0x00800080, 0xFF000000))
 BYTE, SEVEN, WHOLE_SHARE = np.uint32(8), np.uint32(7), np.uint32(256)
@@ -95,34 +95,23 @@ def wash(picture: Pixels, sheet: Rays, box: Ints, colour: Floats) -> None:
 
     As ``sheets.paint`` does for pictures of single bytes.
     """
-    header, width = sheet.shape[0] - 1, sheet.shape[1] * TILE // (TILE + 1)
-    first_row, end_row = header - int(sheet[header, 0]), int(sheet[header, 1])
-    first_tile, end = (width - int(sheet[header, 2])) // TILE, int(sheet[header, 3])
-    sheet[header, 0] = sheet[header, 1] = sheet[header, 2] = sheet[header, 3] = NOTHING
-    whole, ink = WHOLE * np.float32(min(max(float(colour[1]), 0.0), 1.0)), np.uint32(colour[0])
-    for row in range(first_row, end_row):
-        total, tile, share, sums, line = NOTHING, first_tile, np.uint32(0), sheet[row], picture[np.uint64(row)]
-        while tile * TILE < end:
-            column = tile * TILE
-            if sums[width + tile] != NOTHING:
-                sums[width + tile] = NOTHING
-                total = sum_tile(sums, column, total, False)
-                share = np.uint32(min(abs(total), ONE) * whole + HALF)
-                for place in range(np.uint32(column), np.uint32(min(column + TILE, box[2]))):
-                    part = np.uint32(min(abs(sums[place]), ONE) * whole + HALF)
-                    line[place] = blended(line[place], ink, part)
-                for place in range(np.uint32(column), np.uint32(column + TILE)):
-                    sums[place] = NOTHING
-                tile += 1
-                continue
-            while tile * TILE < end and sums[width + tile] == NOTHING:
-                tile += 1
-            if share > 0:
-                for place in range(np.uint32(column), np.uint32(min(tile * TILE, box[2]))):
-                    line[place] = blended(line[place], ink, share)
-        if share > 0:
-            for place in range(np.uint32(tile * TILE), np.uint32(max(box[2], tile * TILE))):
-                line[place] = blended(line[place], ink, share)
+    cover(picture, sheet, box, False, float(colour[1]), np.uint32(colour[0]), blend_words, fill_words)
+
+
+@kernel(inlined=True)
+def fill_words(line: Pixels, first: int, end: int, ink: Any, share: Any) -> None:
+    """Blend a colour into the pixels of a row."""
+    part = np.uint32(share)
+    for place in range(np.uint32(first), np.uint32(max(end, first))):
+        line[place] = blended(line[place], ink, part)
+
+
+@kernel(inlined=True)
+def blend_words(line: Pixels, first: int, end: int, ink: Any, whole: Any, sums: Rays) -> None:
+    """Blend a colour into the pixels of a row, each as far as it lies within the boundary."""
+    for place in range(np.uint32(first), np.uint32(max(end, first))):
+        share = np.uint32(min(abs(sums[place]), ONE) * whole + HALF)
+        line[place] = blended(line[place], ink, share)
 
 
 @kernel(inlined=True)
