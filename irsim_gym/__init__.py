@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from irsim_gym.envs.replays import RecordReplay
     from irsim_gym.live import load
     from irsim_gym.scenario import load_scenario
+    from irsim_gym.training.comparison import evaluate
     from irsim_gym.training.demonstrations import load_demonstrations
     from irsim_gym.training.recorder import record_demonstrations
 
@@ -28,6 +29,7 @@ _LAZY = {
     "RecordReplay": ("irsim_gym.envs.replays", "RecordReplay"),
     "behavior": ("irsim_gym.behaviors.custom", "behavior"),
     "compile": ("irsim_gym.engine", "compile"),
+    "evaluate": ("irsim_gym.training.comparison", "evaluate"),
     "group_behavior": ("irsim_gym.behaviors.custom", "group_behavior"),
     "load": ("irsim_gym.live", "load"),
     "load_demonstrations": ("irsim_gym.training.demonstrations", "load_demonstrations"),
@@ -43,6 +45,7 @@ __all__ = [
     "behavior",
     "compile",
     "errors",
+    "evaluate",
     "group_behavior",
     "load",
     "load_demonstrations",

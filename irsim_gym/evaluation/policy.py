@@ -35,9 +35,9 @@ class ObservationPolicy:
     """A policy that sees an agent's own observation alone; the agents of a team share it.
 
     Args:
-        function: Turns flat observations, float32 ``(n, n_features)``, into actions ``(n, action_dim)`` or ``(n,)``;
-            it gets a row for each agent of each world. Where there are pictures it gets what the environments give,
-            stacked: a dict of arrays, or the one picture, uint8 ``(n, height, width, n_channels)``.
+        function: Turns observations, float32 ``(n, n_features)``, into actions ``(n, action_dim)`` or ``(n,)``; it gets
+            a row for each agent of each world. It gets what the environments give, stacked: where they give a dict a
+            dict of arrays, for a lone picture uint8 ``(n, height, width, n_channels)``.
     """
 
     def __init__(self, function: Callable[[Any], Actions]) -> None:
@@ -49,8 +49,7 @@ class ObservationPolicy:
     def act(self, episodes: Episodes, worlds: Ints) -> Actions:
         """Return the actions of worlds."""
         seen = percepts(episodes, worlds)
-        given = observation_layout(episodes).formed(seen) if seen.images else seen.observation
-        return by_world(self.function(given), episodes)
+        return by_world(self.function(observation_layout(episodes).formed(seen)), episodes)
 
 
 def percepts(episodes: Episodes, worlds: Ints) -> Percepts:

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 from irsim_gym.evaluation.metrics import EpisodeRow, Rate, Summary, summarize
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Policy
@@ -18,7 +19,7 @@ from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN
 from irsim_gym.evaluation.tables import percent, summary_table, table_text, write_episodes, write_json, write_text
 from irsim_gym.tasks import Episodes
-from irsim_gym.training.policies import load_policy, policy_names
+from irsim_gym.training.policies import Source, load_policy, policy_names
 from irsim_gym.training.run import machine
 from irsim_gym.training.ways import Atlas
 from irsim_gym.training.worlds import conditions, make_episodes
@@ -50,14 +51,17 @@ class Evaluation:
         title = f"{self.scenario}: {self.summaries[0].episodes:,} {self.split} levels"
         return [summary_table(self.summaries, title)]
 
+    def __str__(self) -> str:
+        return "\n".join(map(table_text, self.tables))
+
 
 def evaluate_policies(
-    scenario: str,
-    sources: Sequence[str | Path],
+    scenario: ScenarioSource,
+    sources: Sequence[Source],
     *,
     levels: int = 1000,
     split: str = "test",
-    task: str | None = None,
+    task: TaskSource = None,
     n_worlds: int = WORLDS,
     references: bool = True,
     names: Sequence[str] | None = None,
@@ -68,11 +72,11 @@ def evaluate_policies(
     """Evaluate policies and write ``episodes.csv``, ``summary.json``, ``table.txt``, ``ways.png`` and ``ways.pdf``.
 
     Args:
-        scenario: Shipped name, environment id, or path of a scenario file.
+        scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
         sources: Policies as ``load_policy`` takes them.
         levels: How many levels of the split, from 0.
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        task: Shipped name or path of a task; None for the scenario's own.
+        task: Shipped name, path or plain data of a task; None for the scenario's own.
         n_worlds: Worlds stepped together; the results do not depend on it.
         references: Add the reference policies.
         names: Names of the policies in the results; None to take them from the sources.
@@ -105,7 +109,7 @@ def rate_text(share: Rate) -> str:
 
 
 def named_policies(
-    sources: Sequence[str | Path], names: Sequence[str] | None, references: Sequence[str]
+    sources: Sequence[Source], names: Sequence[str] | None, references: Sequence[str]
 ) -> dict[str, Policy]:
     """Load policies and, behind them, those reference policies that are not among them."""
     labels = policy_names(sources) if names is None else names

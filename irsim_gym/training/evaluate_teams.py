@@ -10,6 +10,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.reference_policies import TEAM_SHOWN
@@ -19,6 +20,7 @@ from irsim_gym.evaluation.team_tables import compared_table, team_table, write_a
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.evaluate import WORLDS, drive_policies, named_policies, rate_text
+from irsim_gym.training.policies import Source
 from irsim_gym.training.run import machine
 from irsim_gym.training.ways import Atlas
 from irsim_gym.training.worlds import make_episodes, team_conditions
@@ -49,14 +51,17 @@ class TeamEvaluation:
         compared = compared_table(self.summaries)
         return [team_table(self.summaries, title), *([] if compared is None else [compared])]
 
+    def __str__(self) -> str:
+        return "\n".join(map(table_text, self.tables))
+
 
 def evaluate_team_policies(
-    scenario: str,
-    sources: Sequence[str | Path],
+    scenario: ScenarioSource,
+    sources: Sequence[Source],
     *,
     levels: int = 1000,
     split: str = "test",
-    task: str | None = None,
+    task: TaskSource = None,
     n_worlds: int = WORLDS,
     references: bool = True,
     names: Sequence[str] | None = None,
@@ -69,11 +74,11 @@ def evaluate_team_policies(
     A reference policy that cannot drive all robots is left out, and said to be, unless it is among the sources.
 
     Args:
-        scenario: Shipped name, environment id, or path of a scenario file.
+        scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
         sources: Policies as ``load_policy`` takes them; all robots share each of them.
         levels: How many levels of the split, from 0.
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        task: Shipped name or path of a task; None for the scenario's own.
+        task: Shipped name, path or plain data of a task; None for the scenario's own.
         n_worlds: Worlds stepped together; the results do not depend on it.
         references: Add the reference policies.
         names: Names of the policies in the results; None to take them from the sources.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ import numpy as np
 from gymnasium import Space
 from gymnasium.spaces import Dict, Discrete
 from numpy.typing import NDArray
-from stable_baselines3 import PPO, SAC
+from stable_baselines3 import A2C, DQN, PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.preprocessing import is_image_space, is_image_space_channels_first
 from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
@@ -22,14 +22,21 @@ from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.policy import Policy, by_world, percepts
+from irsim_gym.evaluation.policy import ObservationPolicy, Policy, by_world, percepts
 from irsim_gym.evaluation.reference_policies import REFERENCES, reference_policy
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint import NORMALIZATION, POLICY, newest_checkpoint
 from irsim_gym.training.run import Run
 
+Source = str | Path | BaseAlgorithm | Policy | Callable[[Any], Any]
+"""What a policy can be given as: see ``load_policy``."""
+
 CHUNK = 64
 """Rows of one pass through the network: always as many, since sums may be rounded otherwise in another size."""
+
+
+OFF_POLICY: dict[str, type[BaseAlgorithm]] = {"sac": SAC, "td3": TD3, "dqn": DQN}
+"""Algorithms by the part of Stable-Baselines3 in which the classes of their policies are."""
 
 
 class SavedPolicy:
@@ -123,14 +130,23 @@ def _slots(episodes: Episodes, worlds: Ints) -> Ints:
     return (worlds[:, None] * episodes.n_agents + agents).ravel()
 
 
-def load_policy(source: str | Path) -> Policy:
-    """Load what drives: a reference policy by name, a file ``policy.zip``, or a run's folder.
+def load_policy(source: Source) -> Policy:
+    """Return what drives.
 
-    A run that is not finished gives its newest checkpoint.
+    Args:
+        source: The name of a reference policy, a file ``policy.zip``, a run's folder (its newest checkpoint if it is
+            not finished), a model of Stable-Baselines3, a function of observations as ``ObservationPolicy`` takes it,
+            or a ``Policy``.
 
     Raises:
         IrsimGymError: There is no such policy.
     """
+    if isinstance(source, Policy):
+        return source
+    if isinstance(source, BaseAlgorithm):
+        return SavedPolicy(source, _frozen(source.get_vec_normalize_env()))
+    if not isinstance(source, str | Path):
+        return ObservationPolicy(source)
     if str(source) in REFERENCES:
         return reference_policy(str(source))
     path = Path(source)
@@ -143,9 +159,9 @@ def load_policy(source: str | Path) -> Policy:
     return SavedPolicy(model, _normalization(path.parent / NORMALIZATION))
 
 
-def policy_names(sources: Sequence[str | Path]) -> list[str]:
-    """Return short names, all different: the run's for its folder or ``policy.zip``, else the file's."""
-    names = [_short_name(Path(source)) for source in sources]
+def policy_names(sources: Sequence[Source]) -> list[str]:
+    """Return short names, all different: the run's for its folder or ``policy.zip``, else that of file or function."""
+    names = [_short_name(Path(one)) if isinstance(one, str | Path) else _called(one) for one in sources]
     return [name if names.count(name) == 1 else f"{name}-{names[:i].count(name) + 1}" for i, name in enumerate(names)]
 
 
@@ -153,6 +169,11 @@ def _short_name(path: Path) -> str:
     if path.name == POLICY and path.parent.name:
         path = path.parent
     return path.stem if path.suffix == ".zip" else path.name
+
+
+def _called(source: Any) -> str:
+    """Return the name of a function, or of the class of a model or policy, without capitals."""
+    return str(getattr(source, "__name__", type(source).__name__.lower()))
 
 
 def _algorithm(path: Path) -> type[BaseAlgorithm]:
@@ -165,7 +186,8 @@ def _algorithm(path: Path) -> type[BaseAlgorithm]:
     module = str(data["policy_class"].get("__module__", ""))
     if "recurrent" in module:
         return _recurrent(path)
-    return SAC if ".sac." in module else PPO
+    off_policy = next((algorithm for name, algorithm in OFF_POLICY.items() if f".{name}." in module), None)
+    return off_policy or (PPO if "clip_range" in data else A2C)
 
 
 def _recurrent(path: Path) -> type[BaseAlgorithm]:
@@ -182,3 +204,12 @@ def _normalization(path: Path) -> VecNormalize | None:
     loaded: VecNormalize = pickle.loads(path.read_bytes())
     loaded.training = False
     return loaded
+
+
+def _frozen(normalization: VecNormalize | None) -> VecNormalize | None:
+    """Return a copy of a model's normalisation that learns no more, without its environment."""
+    if normalization is None:
+        return None
+    copied: VecNormalize = pickle.loads(pickle.dumps(normalization))
+    copied.training = False
+    return copied

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.envs.worlds import Worlds
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.run import scenario_name
 
 
 def make_episodes(
-    scenario: str,
+    scenario: ScenarioSource,
     *,
-    task: str | None = None,
+    task: TaskSource = None,
     n_worlds: int = 1,
     num_threads: int = 1,
     parameters: Mapping[str, Any] | None = None,
@@ -24,14 +24,14 @@ def make_episodes(
     """Make worlds in which a task is done.
 
     Args:
-        scenario: Shipped name, environment id, or path of a scenario file.
-        task: Shipped name or path of a task; None for the scenario's own.
+        scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
+        task: Shipped name, path or plain data of a task; None for the scenario's own.
         n_worlds: Number of worlds.
         num_threads: Threads that share them.
         parameters: Values for the scenario's parameters.
         team: All robots are agents, unless the task names some; else there has to be one.
     """
-    name = scenario_name(scenario)
+    name = scenario_name(scenario) if isinstance(scenario, str) else scenario
     return Worlds(name, n_worlds, task=task, num_threads=num_threads, parameters=parameters, team=team).episodes
 
 

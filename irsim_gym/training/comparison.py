@@ -1,0 +1,67 @@
+"""Policies of any kind on the same levels: the evaluation as one function."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource
+from irsim_gym.training.evaluate import WORLDS, Evaluation, evaluate_policies
+from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
+from irsim_gym.training.policies import Source
+
+
+def evaluate(
+    scenario: ScenarioSource,
+    policies: Source | Sequence[Source] | Mapping[str, Source],
+    *,
+    levels: int = 1000,
+    split: str = "test",
+    task: TaskSource = None,
+    team: bool = False,
+    references: bool = True,
+    n_worlds: int = WORLDS,
+    folder: str | Path | None = None,
+    parameters: Mapping[str, Any] | None = None,
+) -> Evaluation | TeamEvaluation:
+    """Let policies drive the same levels, each once, and return rates, times and path lengths; print it to read them.
+
+    A policy is a function, a model of Stable-Baselines3, a ``policy.zip``, the folder of a run, a name such as
+    ``"dash"``, or an ``irsim_gym.evaluation.policy.Policy``, if it has a memory. A function gets what the environment
+    observes, stacked for n robots (float32 ``(n, n_features)``, or a dict of such arrays), and returns the actions of
+    ``env.step``, ``(n, action_dim)`` or ``(n,)``.
+
+    Args:
+        scenario: Shipped name, id, path of a YAML file, plain data or a loaded scenario.
+        policies: One, several, or several by the names that they get in the results.
+        levels: How many levels of the split, from 0.
+        split: ``"test"``, which no training meets, ``"dev"`` or ``"train"``.
+        task: Shipped name, path or plain data of a task; None for the scenario's own.
+        team: All robots are driven by the policy, each by what it observes itself.
+        references: Add the reference policies.
+        n_worlds: Worlds stepped together; the results do not depend on it.
+        folder: Where tables, rows and pictures go; None writes none.
+        parameters: Values for the scenario's parameters.
+    """
+    names = list(policies) if isinstance(policies, Mapping) else None
+    sources: Sequence[Source]
+    if isinstance(policies, Mapping):
+        sources = list(policies.values())
+    elif isinstance(policies, Sequence) and not isinstance(policies, str):
+        sources = policies
+    else:
+        sources = [policies]
+    evaluated = evaluate_team_policies if team else evaluate_policies
+    return evaluated(
+        scenario,
+        sources,
+        levels=levels,
+        split=split,
+        task=task,
+        n_worlds=n_worlds,
+        references=references,
+        names=names,
+        folder=None if folder is None else Path(folder),
+        parameters=parameters,
+    )
