@@ -73,7 +73,7 @@ def check(
     from irsim_gym.scenario import load_scenario
     from irsim_gym.scenario.notes import notes
     from irsim_gym.scenario.parameters import describe_parameters
-    from irsim_gym.training.commands import begin_level, fitting_task, refused_as_team
+    from irsim_gym.training.look import begin_level, fitting_task, refused_as_team
 
     failed, parameters = False, read_parameters(given)
     for file in files:
@@ -330,7 +330,7 @@ def draw(
     modules: Imports = None,
 ) -> None:
     """Draw the start of a level."""
-    from irsim_gym.training.commands import draw_level
+    from irsim_gym.training.look import draw_level
 
     print(draw_level(scenario, level, split, task, out, read_parameters(given), backend))
 

@@ -10,14 +10,11 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from irsim_gym.engine import Simulation, compile
-from irsim_gym.errors import IrsimGymError, ScenarioError
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import print_table
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
-from irsim_gym.scenario.spec import Scenario
-from irsim_gym.tasks import Task, load_task
-from irsim_gym.tasks.levels import check_split
+from irsim_gym.tasks import load_task
 from irsim_gym.tasks.term import IsImage
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
@@ -258,81 +255,3 @@ def run_record(
     else:
         path = out or Path(f"runs/{kind}.png")
         print(record_sheet(scenario, policies, levels, path, strobe=kind == "strobe", **chosen))
-
-
-def draw_level(
-    scenario: str,
-    level: int,
-    split: str,
-    task: str | None,
-    out: Path | None,
-    parameters: Parameters = None,
-    backend: str = "matplotlib",
-) -> Path:
-    """Draw the start of a level into a file and return it; nobody has to learn in it.
-
-    Raises:
-        IrsimGymError: The file is to have another ending than ``.png``, ``.pdf`` or ``.svg``.
-    """
-    from irsim_gym.render import Renderer, make_renderer
-    from irsim_gym.render.sheet import save_sheet
-
-    if out is not None and out.suffix not in (".png", ".pdf", ".svg"):
-        raise IrsimGymError(f"pictures are .png, .pdf or .svg files, got '{out}'")
-    simulation = begin_level(load_scenario(scenario_name(scenario), parameters), level, split, task)
-    path = out or Path(f"{simulation.scenario.name}.png")
-    parts = simulation.model, simulation.state, simulation.sensors
-    chosen: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored}
-    if path.suffix == ".png":
-        renderer = make_renderer(backend, simulation.scenario, *parts, **chosen)
-        save_sheet(renderer.frame(0), path)
-        renderer.close()
-    else:
-        figure = Renderer(simulation.scenario, *parts, **chosen)
-        figure.save(path)
-        figure.close()
-    return path
-
-
-def refused_as_team(scenario: Scenario) -> ScenarioError | None:
-    """Return why the robots of a scenario cannot learn together; None where they can, or where there is but one."""
-    try:
-        if len(scenario.robots) > 1:
-            load_task(scenario, team=True)
-    except ScenarioError as error:
-        return error
-    return None
-
-
-def fitting_task(scenario: Scenario, *, team: bool) -> tuple[Task | None, ScenarioError | None]:
-    """Return a scenario's task, or why nobody can learn though the file asks for nothing; neither without a robot.
-
-    Raises:
-        ScenarioError: The task that the file gives, or ``team``, cannot be met.
-    """
-    if not scenario.robots:
-        return None, None
-    try:
-        return load_task(scenario, team=team), None
-    except ScenarioError as error:
-        if scenario.task or team:
-            raise
-        return None, error
-
-
-def begin_level(scenario: Scenario, level: int = 0, split: str = "train", task: str | None = None) -> Simulation:
-    """Return one world at the start of a level, with the learners of its task; with none where nobody can learn.
-
-    Raises:
-        IrsimGymError: The level cannot be drawn, or the named task does not fit.
-    """
-    try:
-        agents = load_task(scenario, task).agents
-    except ScenarioError:
-        if task is not None:
-            raise
-        agents = ()
-    check_split(split)
-    simulation = compile(scenario, agents=agents)
-    simulation.reset(seed=level, split=split)
-    return simulation

@@ -42,6 +42,16 @@ def test_making_with_a_render_mode_loads_no_renderer():
     assert done.stdout.split() == ["False", "False"]
 
 
+def test_checking_a_file_waits_for_no_learning_library():
+    script = (
+        "import sys; from irsim_gym import cli;"
+        "cli.app(['check', 'empty_goal'], standalone_mode=False);"
+        "print('torch' in sys.modules, 'stable_baselines3' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.split()[-2:] == ["False", "False"]
+
+
 def test_public_names():
     for name in irsim_gym.__all__:
         assert getattr(irsim_gym, name) is not None
