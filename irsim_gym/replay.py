@@ -9,12 +9,16 @@ expects (Numba's calling convention), and the kernel is compiled with a *doorway
 from __future__ import annotations
 
 import struct
+import warnings
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
+from numba import __version__ as version
 from numba import types
+from numba.core.errors import NumbaError
 from numba.core.typing import typeof
 from numba.extending import intrinsic
 
@@ -106,10 +110,32 @@ def _packed(called: Kernel, arguments: tuple[Any, ...], worlds: Ints) -> tuple[i
     words: Words = []
     for kind, value in zip(given, arguments, strict=True):
         words += WORLDS if value is worlds else _words(kind, value)
-    door = called.doors.find(given, "".join(mark for mark, _ in words))
+    door = _door(called, given, "".join(mark for mark, _ in words))
     if not door:
         raise NotRecordableError(f"{called.__name__} gives something back")
     return door, [word for _, word in words]
+
+
+def _door(called: Kernel, given: tuple[Any, ...], order: str) -> int:
+    """Return the address of a doorway; another version of Numba may not give any, and steps have to go on then."""
+    try:
+        return called.doors.find(given, order)
+    except NumbaError:
+        raise  # in the kernel, which cannot be compiled at all
+    except Exception as error:
+        _warn(type(error).__name__)
+        raise NotRecordableError(f"no doorway for {called.__name__}") from error
+
+
+@cache
+def _warn(why: str) -> None:
+    """Say once why steps take long."""
+    warnings.warn(
+        f"steps call one kernel after the other, which is several times slower for few worlds: with numba {version} "
+        f"they could not be recorded ({why}); irsim_gym knows numba 0.62 to 0.68",
+        RuntimeWarning,
+        stacklevel=2,
+    )
 
 
 def _words(kind: Any, value: Any) -> Words:

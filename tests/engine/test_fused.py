@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 import irsim_gym as ig
-from irsim_gym import families, jit, replay
+from irsim_gym import families, jit, jit_doors, replay
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Shard, Simulation, compile
 from irsim_gym.engine.fused import Fused, only_kernels
@@ -381,3 +381,24 @@ def test_threads_are_handed_what_is_recorded_already(monkeypatch: pytest.MonkeyP
         simulation.step()
     assert set(simulation._advance.programs) == {0, 1, 2}
     assert set(seen) == {threading.main_thread()}
+
+
+def test_a_version_of_numba_that_gives_no_doorways_is_told_once_and_steps_go_on(monkeypatch) -> None:
+    def played() -> Worlds:
+        worlds = Worlds("sparse_circles", 2)
+        worlds.begin([0, 1], [3, 4], [{}] * 2, int)
+        worlds.step(np.ones((2, 1, 2)))
+        return worlds
+
+    def fail(*_: object) -> int:
+        raise AttributeError("something that has another name now")
+
+    usual = played()
+    replay._warn.cache_clear()
+    monkeypatch.setattr(jit_doors.Doors, "find", fail)
+    with pytest.warns(RuntimeWarning, match="could not be recorded .AttributeError.") as told:
+        worlds = played()
+    replay._warn.cache_clear()
+    assert len(told) == 1
+    assert worlds.episodes._play.programs == {0: None}
+    np.testing.assert_array_equal(worlds.episodes.view.observation, usual.episodes.view.observation)
