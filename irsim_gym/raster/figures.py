@@ -293,15 +293,37 @@ def _thin(points: Floats, count: int, view: Floats) -> int:
 
 @kernel
 def paint_goal(
-    picture: Bytes, sheet: Rays, box: Ints, item: Any, goal: Floats, threshold: float, arrived: bool, view: Floats
+    picture: Bytes,
+    sheet: Rays,
+    box: Ints,
+    points: Floats,
+    item: Any,
+    goal: Floats,
+    threshold: float,
+    arrived: bool,
+    turned: bool,
+    view: Floats,
 ) -> None:
-    """Paint the circle of a goal's tolerance; it is fuller once the goal is reached."""
+    """Paint the circle of a goal's tolerance; it is fuller once the goal is reached.
+
+    Where the goal's heading counts (``turned``), an arrow points there: its shaft goes to the circle and is at least
+    ``x`` long, its head is ``other_width`` long; ``half`` is half the head's width, ``foot`` half the shaft's.
+    """
     x, y, radius = view[0] + view[2] * goal[0], view[1] - view[2] * goal[1], view[2] * threshold
     add_disc(sheet, box, x, y, radius, 1.0)
     paint(picture, sheet, box, item.colours[OTHER] if arrived else item.colours[AREA], False)
     add_disc(sheet, box, x, y, radius + 0.5 * item.width, 1.0)
     add_disc(sheet, box, x, y, radius - 0.5 * item.width, -1.0)
     paint(picture, sheet, box, item.colours[EDGE], False)
+    if turned and not np.isnan(goal[2]):
+        across, down = np.cos(goal[2]), -np.sin(goal[2])
+        neck = max(radius, item.x)
+        for i in range(7):
+            ahead = 0.0 if i in (0, 6) else neck + item.other_width if i == 3 else neck
+            aside = (0.0 if i == 3 else item.half if i in (2, 4) else item.foot) * (1.0 if i < 3 else -1.0)
+            points[i, 0], points[i, 1] = x + ahead * across - aside * down, y + ahead * down + aside * across
+        add_polygon(sheet, box, points, 0, 7)
+        paint(picture, sheet, box, item.colours[EDGE], False)
 
 
 @kernel

@@ -58,6 +58,7 @@ from irsim_gym.raster.records import (
 )
 from irsim_gym.raster.sheets import paint
 from irsim_gym.raster.ways import paint_outline
+from irsim_gym.world.model import STATE
 
 ROBOT = 0
 LABEL_GAP = 0.08
@@ -266,7 +267,8 @@ def _draw_goal(
     b, goal = item.body, state.goal[w, item.body]
     threshold = model.goal_threshold[w % model.goal_threshold.shape[0], b]
     if item.kind == GOAL_CIRCLE:
-        paint_goal(picture, desk.sheet, box, item, goal, threshold, state.arrived[w, b], view)
+        turned = model.arrive_mode[b] == STATE
+        paint_goal(picture, desk.sheet, box, desk.points, item, goal, threshold, state.arrived[w, b], turned, view)
     else:
         for i in range(state.waypoint[w, b] + 1, model.waypoint_count[w, b]):
             x, y = model.waypoints[w, b, i, 0], model.waypoints[w, b, i, 1]

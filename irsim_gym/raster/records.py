@@ -99,6 +99,7 @@ class Model(NamedTuple):
     drive: Ints
     has_goal: Flags
     goal_threshold: Floats
+    arrive_mode: Ints
     segment_start: Ints
     segment_count: Ints
     local_segments: Floats

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Sequence
 from operator import is_
 
@@ -22,22 +23,37 @@ PENNANT = np.array([(0.0, 10.0), (6.25, 7.75), (0.0, 5.5)])
 RIM, POLE_WIDTH, LATER_RADIUS, FIELD_EDGE = 1.1, 1.3, 2.25, 0.9
 
 
+GoalWays = tuple[list[Floats], list[Floats], list[list[Floats]], list[Floats]]
+
+
+def turned(goal: GoalView) -> bool:
+    """Return whether a goal asks for a heading."""
+    return not math.isnan(goal.heading)
+
+
 class Goals:
-    """For each goal the circle of its tolerance, a flag, and dots for the goals after it; goals seldom change."""
+    """For each goal the circle of its tolerance, a flag, and dots for the goals after it; goals seldom change.
+
+    Where a heading counts as well, an arrow points there.
+    """
 
     def __init__(self) -> None:
         self._views: list[GoalView] = []
         self._scale = (0.0, 0.0)
-        self._ways: tuple[list[Floats], list[list[Floats]], list[Floats]] = [], [], []
+        self._ways: GoalWays = [], [], [], []
 
-    def _shapes(self, brush: Brush, views: Sequence[GoalView]) -> tuple[list[Floats], list[list[Floats]], list[Floats]]:
-        """Return circles, poles and pennants; the last ones again for the same goals at the same scale."""
+    def _shapes(self, brush: Brush, views: Sequence[GoalView]) -> GoalWays:
+        """Return circles, arrows, poles and pennants; the last ones again for the same goals at the same scale."""
         scale = brush.scale, brush.point
         if scale != self._scale or len(views) != len(self._views) or not all(map(is_, views, self._views)):
             metre = brush.point / brush.scale
             feet = [np.array([view.x, view.y]) for view in views]
             circles = [shapes.disc(view.x, view.y, view.tolerance, brush.scale) for view in views]
-            self._ways = circles, [[POLE * metre + foot] for foot in feet], [PENNANT * metre + foot for foot in feet]
+            arrows = [
+                shapes.goal_arrow(view.x, view.y, view.tolerance, view.heading, metre) for view in views if turned(view)
+            ]
+            poles, pennants = [[POLE * metre + foot] for foot in feet], [PENNANT * metre + foot for foot in feet]
+            self._ways = circles, arrows, poles, pennants
             self._views, self._scale = list(views), scale
         return self._ways
 
@@ -48,8 +64,10 @@ class Goals:
         looks = list(zip(views, colours, strict=True))
         fills = [_faded(colour, 0.30 if view.arrived else 0.14) for view, colour in looks]
         edges = [_faded(colour, 0.9) for colour in colours]
-        circles, poles, pennants = self._shapes(brush, views)
+        circles, arrows, poles, pennants = self._shapes(brush, views)
         brush.areas(circles, fills, edges, [RIM] * len(views))
+        if arrows:
+            brush.areas(arrows, [edge for view, edge in zip(views, edges, strict=True) if turned(view)])
         for view, colour in looks:
             if len(view.later):
                 brush.dots(view.later, LATER_RADIUS, _faded(colour, 0.45))

@@ -195,7 +195,14 @@ class Plan:
         for body in shown:
             style = self._styles[body]
             look = [colour(style.goal_colour, share * style.goal_alpha) for share in (0.14, 0.9, 0.30)]
-            item = self._item(records.GOAL_CIRCLE, body, colours=look, width=1.1, box=records.PLOT)
+            arrow = dict(
+                zip(
+                    ("x", "other_width", "half", "foot"),
+                    theme.GOAL_ARROW * np.array([point, 1.0, point, point]),
+                    strict=True,
+                )
+            )
+            item = self._item(records.GOAL_CIRCLE, body, colours=look, width=1.1, box=records.PLOT, **arrow)
             yield (style.goal_order, GOALS, 0, float(body)), item
             look = [CLEAR, *(colour(style.goal_colour, share * style.goal_alpha) for share in (1.0, 0.45))]
             item = self._item(records.GOAL_MARKS, body, colours=look, row=flag, every=dot, box=records.PLOT)

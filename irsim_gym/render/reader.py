@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
@@ -24,7 +25,7 @@ from irsim_gym.render.styles import BodyStyle, body_style, field_of_view
 from irsim_gym.render.track_reader import TrackReader
 from irsim_gym.scenario.plot_spec import trailing
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import ROBOT, WorldModel
+from irsim_gym.world.model import ROBOT, STATE, WorldModel
 from irsim_gym.world.state import WorldState
 from irsim_gym.world.trails import Trails
 
@@ -146,11 +147,12 @@ class SceneReader:
     def _goal(self, world: int, body: int) -> GoalView:
         model, state = self._model, self._state
         x, y, heading = state.goal[world, body].tolist()
+        counts = model.arrive_mode[body] == STATE
         later = slice(int(state.waypoint[world, body]) + 1, int(model.waypoint_count[world, body]))
         return GoalView(
             x=x,
             y=y,
-            heading=heading,
+            heading=heading if counts else math.nan,
             tolerance=float(model.goal_threshold[world % len(model.goal_threshold), body]),
             later=model.waypoints[world, body, later, :2].copy(),
             arrived=bool(state.arrived[world, body]),

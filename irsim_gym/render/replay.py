@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -197,6 +198,7 @@ class Recording:
             "x": round(view.x, 3),
             "y": round(view.y, 3),
             "tolerance": round(view.tolerance, 3),
+            "heading": None if math.isnan(view.heading) else round(view.heading, 3),
             "later": np.round(view.later, 3).tolist(),
             "arrived": view.arrived,
             "style": self._styles.number(view.style),

@@ -58,7 +58,7 @@ class GoalView:
     Attributes:
         x: Abscissa of the next goal [m].
         y: Its ordinate [m].
-        heading: Its heading [rad]; NaN for any.
+        heading: The heading that counts as arrived [rad]; NaN for any.
         tolerance: Distance at which it counts as reached [m].
         later: The goals after it [m], shape ``(n, 2)``.
         arrived: The body has reached it.

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.path import Path
 
 from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.render import theme
 from irsim_gym.render.scene import BodyView, FieldView, ScanView
 
 FULL_TURN = 2.0 * np.pi - 0.01
@@ -62,6 +63,23 @@ def disc(x: float, y: float, radius: float, scale: float) -> Floats:
     """Return the corners of a polygon that cannot be told from a disc, where ``scale`` pixels are a metre."""
     count = 16 * math.ceil(min(0.45 * math.sqrt(radius * scale), 16.0))
     return np.asarray(_circle(count) * radius + np.array([x, y]), np.float64)
+
+
+def goal_arrow(x: float, y: float, radius: float, heading: float, metre: float) -> Floats:
+    """Return the corners of the arrow that shows where a body has to head at its goal [m].
+
+    Args:
+        x: The goal.
+        y: The goal.
+        radius: Radius of its circle.
+        heading: Direction [rad].
+        metre: Metres in a point of type.
+    """
+    least, head, wide, thin = (size * metre for size in theme.GOAL_ARROW)
+    neck = max(radius, least)
+    corners = [(0.0, thin), (neck, thin), (neck, wide), (neck + head, 0.0), (neck, -wide), (neck, -thin), (0.0, -thin)]
+    cosine, sine = math.cos(heading), math.sin(heading)
+    return np.asarray(np.array(corners) @ np.array([[cosine, sine], [-sine, cosine]]) + np.array([x, y]), np.float64)
 
 
 @functools.lru_cache(maxsize=64)

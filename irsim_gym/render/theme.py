@@ -24,6 +24,9 @@ FIELD_EDGE = "#0072B2"
 MAP = "#334155"
 FOG = "#C3CAD3"
 HEADING = "#FFFFFF"
+GOAL_ARROW = (7.0, 6.0, 3.0, 0.55)
+"""Of the arrow at a goal whose heading counts: its shaft's least length, its head's length and half its width, and half
+the shaft's width [point]. The shaft ends at the circle."""
 IMPACT = "#DC2626"
 
 OUTCOMES = {

@@ -82,6 +82,13 @@ def goal(moment: Moment) -> Mask:
     return moment.disc(*GOAL, TOLERANCE + 0.08)
 
 
+def goal_arrow(moment: Moment) -> Mask:
+    """From the goal to the lower right."""
+    forth = (moment.x - GOAL[0]) * np.cos(-0.67) + (moment.y - GOAL[1]) * np.sin(-0.67)
+    aside = (moment.y - GOAL[1]) * np.cos(-0.67) - (moment.x - GOAL[0]) * np.sin(-0.67)
+    return np.asarray((forth > -0.06) & (forth < TOLERANCE + 0.3) & (np.abs(aside) < 0.15))
+
+
 def box(moment: Moment) -> Mask:
     return moment.disc(*BOX, 0.55)
 
@@ -197,6 +204,12 @@ CASES = (
     Case(robot(text_alpha=0.3), label, TEXT_ON),
     Case(robot(text_zorder=0), body, {**TEXT_ON, **robot(text_position=[0, -0.2])}, shows={START[:2]: GREEN}),
     Case(robot(text_position=[0.4, 0.6]), lambda m: m.box(1.0, 1.6, 2.3, 2.4), TEXT_ON),
+    Case(
+        {"robot.goal": [3.0, 3.1, -0.67]},
+        goal_arrow,
+        {**GOAL_ON, "robot.arrive_mode": "state", "robot.goal": [3.0, 3.1]},
+        name="goal_heading",
+    ),
     Case(robot(show_goal_text=True), goal_label, {**GOAL_ON, **robot(text_size=26)}),
     Case(robot(show_arrow=True), body, shows={(1.45, 1.32): WHITE}),
     Case(robot(arrow_color="blue"), ahead, ARROW_ON, shows={(1.8, 1.47): BLUE}),

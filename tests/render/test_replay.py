@@ -58,7 +58,7 @@ def test_a_body_keeps_its_outline_and_has_a_pose_at_each_moment() -> None:
     assert box["poses"][0]["values"] == [7000, 3000]
     assert box["fixed"]
     assert (data["count"], unpacked(data["time"], 3).ravel().round(6).tolist()) == (3, [0.0, 0.1, 0.2])
-    assert [goal["x"] for _, goals in data["goals"] for goal in goals] == [8.0]
+    assert [(goal["x"], goal["heading"]) for _, goals in data["goals"] for goal in goals] == [(8.0, None)]
 
 
 def test_a_body_of_another_outline_is_another_body() -> None:

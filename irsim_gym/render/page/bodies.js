@@ -163,7 +163,7 @@ function drawField(view, body, moment) {
   context.stroke();
 }
 
-function drawGoal(view, { x, y, tolerance, arrived, later, style }) {
+function drawGoal(view, { x, y, tolerance, heading, arrived, later, style }) {
   const { context, point, scale } = view;
   const colour = (share) => tinted(style.goal_colour, share * style.goal_alpha);
   const dot = (column, row, radius) => {
@@ -179,6 +179,7 @@ function drawGoal(view, { x, y, tolerance, arrived, later, style }) {
   context.lineWidth = 1.1 * point;
   context.strokeStyle = colour(0.9);
   context.stroke();
+  if (heading !== null) drawGoalArrow(view, column, row, tolerance * scale, heading, colour(0.9));
   context.fillStyle = colour(0.45);
   for (const [a, b] of later) {
     dot(view.column(a), view.row(b), 2.25 * point);
@@ -192,6 +193,18 @@ function drawGoal(view, { x, y, tolerance, arrived, later, style }) {
   context.stroke();
   context.beginPath();
   for (const [a, b] of [[0, 10], [6.25, 7.75], [0, 5.5]]) context.lineTo(column + a * point, row - b * point);
+  context.fill();
+}
+
+/** Point to where a body has to head at its goal; the shaft of the arrow ends at the goal's circle. */
+function drawGoalArrow({ context, point }, column, row, radius, heading, colour) {
+  const [across, down] = [Math.cos(heading), -Math.sin(heading)];
+  const [neck, head, wide, thin] = [Math.max(radius, 7 * point), 6 * point, 3 * point, 0.55 * point];
+  context.beginPath();
+  for (const [a, b] of [[0, thin], [neck, thin], [neck, wide], [neck + head, 0], [neck, -wide], [neck, -thin], [0, -thin]]) {
+    context.lineTo(column + a * across - b * down, row + a * down + b * across);
+  }
+  context.fillStyle = colour;
   context.fill();
 }
 
