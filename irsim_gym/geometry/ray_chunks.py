@@ -21,8 +21,8 @@ from irsim_gym.jit import kernel
 CHUNK = 64
 """Primitives that are looked at together."""
 
-BLOCK = 32
-"""Beams that are cast together; tables of beams have a multiple of it."""
+BLOCK = 64
+"""Beams whose depths and directions lie side by side in one table, see ``lay_beams``; there is a multiple of it."""
 
 LANES = 8
 """Numbers in float64 that are worked on at once."""
@@ -32,8 +32,12 @@ ONE, TWO, THREE, FOUR = np.uint64(1), np.uint64(2), np.uint64(3), np.uint64(4)
 FIVE, SIX, SEVEN, EIGHT = np.uint64(5), np.uint64(6), np.uint64(7), np.uint64(8)
 """Unsigned, so that an index needs no test for negative numbers, which would keep the loop from running in lanes."""
 
-ALIGN = 16
-"""Spans begin at a multiple of it."""
+RUN = 16
+"""Beams that are cast together; spans begin at a multiple of it."""
+
+LENGTH = np.uint64(RUN)
+AHEAD, ASIDE, AWAY = np.uint64(BLOCK), np.uint64(2 * BLOCK), 3 * BLOCK
+"""Where the directions of a block begin, after its depths, and where the next block does."""
 
 SLACK = 3e-7
 """Segments are widened at both ends by up to three times this angle [rad] at the farther end, so that no beam slips
@@ -42,8 +46,8 @@ between two that share a vertex."""
 MARGIN = 0.008
 """What is added to both ends of an angle of sight [rad]: the error of ``rough_angle``, and room for the slack."""
 
-HALF_TURN = 3.1415
-"""A little less than pi: what comes near the direction of -pi is cast against all beams."""
+HALF_TURN, TURN = 3.1415, 6.2831853
+"""A little less than pi [rad], beyond which a direction is taken for one at the other end; and a full turn."""
 
 
 @kernel(inlined=True)
@@ -175,7 +179,7 @@ def rough_angle(x: np.float32, y: np.float32) -> np.float32:
 
 @kernel(contract=True, inlined=True)
 def span_segments(count: int, n_beams: int, first: np.float32, density: np.float32, slopes: Rays, spans: Spans) -> None:
-    """Write for each segment the first of the beams that may meet it, and in how many blocks they lie.
+    """Write for each segment the first of the beams that may meet it, and in how many runs they lie.
 
     Args:
         count: Number of segments.
@@ -183,48 +187,48 @@ def span_segments(count: int, n_beams: int, first: np.float32, density: np.float
         first: Direction of the first beam [rad].
         density: Beams per rad; 0 where the beams are not evenly spread, so that all are cast.
         slopes: From ``prepare_segments``.
-        spans: Written: first beams in the second CHUNK, numbers of blocks in the third; lanes are filled up, so what
+        spans: Written: first beams in the second CHUNK, numbers of runs in the third; lanes are filled up, so what
             follows the last segment means nothing.
     """
-    for j in range((count + ALIGN - 1) // ALIGN * ALIGN):
+    for j in range((count + RUN - 1) // RUN * RUN):
         ax, ay, bx, by = slopes[j + 5 * CHUNK], slopes[j + 6 * CHUNK], slopes[j + 7 * CHUNK], slopes[j + 8 * CHUNK]
         a, b = rough_angle(ax, ay), rough_angle(bx, by)
         turns_left = ax * by - ay * bx > np.float32(0.0)
         low, high = (a if turns_left else b), (b if turns_left else a)
-        low = low if low <= high else np.float32(-9.0)
-        begin, blocks = span(low, high, n_beams, first, density)
-        spans[j + CHUNK], spans[j + 2 * CHUNK] = begin, blocks
+        begin, runs = span(low, high, n_beams, first, density)
+        spans[j + CHUNK], spans[j + 2 * CHUNK] = begin, runs
 
 
 @kernel(contract=True, inlined=True)
 def span_discs(count: int, n_beams: int, first: np.float32, density: np.float32, slopes: Rays, spans: Spans) -> None:
-    """Write for each disc the first of the beams that may meet it, and in how many blocks they lie."""
-    for j in range((count + ALIGN - 1) // ALIGN * ALIGN):
+    """Write for each disc the first of the beams that may meet it, and in how many runs they lie."""
+    for j in range((count + RUN - 1) // RUN * RUN):
         middle, half = rough_angle(slopes[j], slopes[j + CHUNK]), slopes[j + 4 * CHUNK]
-        begin, blocks = span(middle - half, middle + half, n_beams, first, density)
-        spans[j + CHUNK], spans[j + 2 * CHUNK] = begin, blocks
+        begin, runs = span(middle - half, middle + half, n_beams, first, density)
+        spans[j + CHUNK], spans[j + 2 * CHUNK] = begin, runs
 
 
 @kernel(contract=True, inlined=True)
 def span(
     low: np.float32, high: np.float32, n_beams: int, first: np.float32, density: np.float32
 ) -> tuple[np.int32, np.int32]:
-    """Return the first beam between two directions and the number of blocks; all beams where they lie across -pi."""
-    zero, one, last = np.float32(0.0), np.float32(1.0), np.float32(n_beams - 1)
+    """Return the first beam between two directions and the number of runs; after the last run comes the first one.
+
+    All runs where the beams are not evenly spread.
+    """
+    zero, one, turn, half_turn = np.float32(0.0), np.float32(1.0), np.float32(TURN), np.float32(HALF_TURN)
+    share, whole = np.float32(1.0 / RUN), np.float32(n_beams)
     low, high = low - np.float32(MARGIN), high + np.float32(MARGIN)
-    is_part = (low >= np.float32(-HALF_TURN)) & (high <= np.float32(HALF_TURN)) & (density > zero)
-    begin, end = (low - first) * density, (high - first) * density
-    missed = (end < zero) | (begin > last)
-    begin = begin if begin > zero else zero
-    end = end + one if end + one < last else last
-    place = np.floor(begin * np.float32(1.0 / ALIGN)) * np.float32(ALIGN)
-    blocks = np.floor((end - place) * np.float32(1.0 / BLOCK)) + one
-    most = np.float32(n_beams) - blocks * np.float32(BLOCK)
-    place = place if place < most else most
-    blocks = zero if missed else blocks
-    place = zero if missed | (not is_part) else place
-    blocks = blocks if is_part else np.float32(n_beams) * np.float32(1.0 / BLOCK)
-    return np.int32(place), np.int32(blocks)
+    is_across = (low > high) | (low < -half_turn) | (high > half_turn)
+    low, high = low + turn if low < -half_turn else low, high - turn if high > half_turn else high
+    begin, end = (low - first) * density, (high - first) * density + one
+    begin, end = begin if begin > zero else zero, end if end < whole - one else whole - one
+    begin, end = begin if begin < whole else whole, end if end > -one else -one
+    place, end = np.floor(begin * share), end + whole if is_across else end
+    runs, most = np.floor(end * share) - place + one, whole * share
+    is_part = (density > zero) & (runs < most)
+    place = place * np.float32(RUN) if is_part & (place < most) else zero
+    return np.int32(place), np.int32(runs if is_part else most)
 
 
 @kernel(inlined=True)
@@ -237,42 +241,70 @@ def list_kept(count: int, spans: Spans) -> int:
     return int(n)
 
 
+@kernel(inlined=True)
+def lay_beams(beams_x: Rays, beams_y: Rays, rays: Rays) -> None:
+    """Write beams where they are cast.
+
+    Distances in one table that are known beforehand let the compiler see that depths and directions do not overlap.
+
+    Args:
+        beams_x: Unit directions in the sensor frame, shape ``(n_beams,)``, a multiple of BLOCK.
+        beams_y: As ``beams_x``.
+        rays: Written, block after block: inverse depths, which stay as they are, and both parts of the directions,
+            BLOCK numbers each, shape ``(3 * n_beams,)``.
+    """
+    for j in range(beams_x.shape[0]):
+        at = j + 2 * BLOCK * (j // BLOCK)
+        rays[at + BLOCK], rays[at + 2 * BLOCK] = beams_x[j], beams_y[j]
+
+
+@kernel(inlined=True)
+def clear_depths(rays: Rays) -> None:
+    """Begin with beams that meet nothing."""
+    for begin in range(0, rays.shape[0], AWAY):
+        depths = rays[begin : begin + BLOCK]
+        for i in range(BLOCK):
+            depths[i] = np.float32(0.0)
+
+
 @kernel(contract=True, inlined=True)
-def raise_by_segments(n: int, slopes: Rays, spans: Spans, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
-    """Raise ``inverse`` [1/m] where beams meet the listed segments, from either side."""
-    zero = np.float32(0.0)
+def raise_by_segments(n: int, slopes: Rays, spans: Spans, rays: Rays) -> None:
+    """Raise the inverse depths in ``rays`` [1/m] where beams meet the listed segments, from either side."""
+    zero, n_beams = np.float32(0.0), np.uint64(rays.shape[0] // 3)
     for m in range(np.uint64(n)):
         s = np.uint64(spans[m + ROW * THREE])
         normal_x, normal_y = slopes[s], slopes[s + ROW]
         place_x, place_y = slopes[s + ROW * TWO], slopes[s + ROW * THREE]
         slack, p = slopes[s + ROW * FOUR], np.uint64(spans[s + ROW])
         for _ in range(spans[s + ROW * TWO]):
-            for i in range(np.uint64(BLOCK)):
-                x, y = beams_x[p + i], beams_y[p + i]
+            at = p + TWO * AHEAD * (p // AHEAD)
+            for i in range(LENGTH):
+                x, y = rays[at + AHEAD + i], rays[at + ASIDE + i]
                 depth = normal_x * x + normal_y * y
                 place = place_x * x + place_y * y
                 depth = depth if depth + slack >= np.abs(place) else zero
-                depth = depth if depth > inverse[p + i] else inverse[p + i]
-                inverse[p + i] = depth if depth > zero else zero
-            p += np.uint64(BLOCK)
+                depth = depth if depth > rays[at + i] else rays[at + i]
+                rays[at + i] = depth if depth > zero else zero
+            p = p + LENGTH if p + LENGTH < n_beams else np.uint64(0)
 
 
 @kernel(contract=True, inlined=True)
-def raise_by_discs(n: int, slopes: Rays, spans: Spans, beams_x: Rays, beams_y: Rays, inverse: Rays) -> None:
-    """Raise ``inverse`` [1/m] where beams meet the listed discs, seen from outside."""
-    zero = np.float32(0.0)
+def raise_by_discs(n: int, slopes: Rays, spans: Spans, rays: Rays) -> None:
+    """Raise the inverse depths in ``rays`` [1/m] where beams meet the listed discs, seen from outside."""
+    zero, n_beams = np.float32(0.0), np.uint64(rays.shape[0] // 3)
     for m in range(np.uint64(n)):
         s = np.uint64(spans[m + ROW * THREE])
         cx, cy, radius2, scale = slopes[s], slopes[s + ROW], slopes[s + ROW * TWO], slopes[s + ROW * THREE]
         p = np.uint64(spans[s + ROW])
         for _ in range(spans[s + ROW * TWO]):
-            for i in range(np.uint64(BLOCK)):
-                x, y = beams_x[p + i], beams_y[p + i]
+            at = p + TWO * AHEAD * (p // AHEAD)
+            for i in range(LENGTH):
+                x, y = rays[at + AHEAD + i], rays[at + ASIDE + i]
                 ahead, aside = cx * x + cy * y, cx * y - cy * x
                 room = radius2 - aside * aside
                 depth = (ahead + np.sqrt(room if room > zero else zero)) * scale
                 inner = room if room < ahead else ahead
                 depth = depth if inner >= zero else zero
-                depth = depth if depth > inverse[p + i] else inverse[p + i]
-                inverse[p + i] = depth if depth > zero else zero
-            p += np.uint64(BLOCK)
+                depth = depth if depth > rays[at + i] else rays[at + i]
+                rays[at + i] = depth if depth > zero else zero
+            p = p + LENGTH if p + LENGTH < n_beams else np.uint64(0)

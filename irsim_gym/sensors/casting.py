@@ -10,7 +10,11 @@ from irsim_gym.arraytypes import Flags, Floats, Ints, Rays, Spans
 from irsim_gym.geometry.angles import turned
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.ray_chunks import (
+    AWAY,
+    BLOCK,
     CHUNK,
+    clear_depths,
+    lay_beams,
     list_kept,
     prepare_discs,
     prepare_segments,
@@ -21,6 +25,9 @@ from irsim_gym.geometry.ray_chunks import (
 )
 from irsim_gym.geometry.rays import inverse_depth_disc, inverse_depth_segment
 from irsim_gym.jit import kernel
+
+BOWS, ARCS = 9 * CHUNK, 4 * CHUNK
+"""Where the discs of a chunk begin in ``slopes`` and ``spans``, after the segments."""
 
 
 @kernel
@@ -105,6 +112,7 @@ def cast_bodies(
     near: Floats,
     slopes: Rays,
     spans: Spans,
+    rays: Rays,
     inverse: Rays,
     ranges: Rays,
 ) -> None:
@@ -112,10 +120,10 @@ def cast_bodies(
 
     The beams of member k in world w are row ``w * n_members + k`` of ``beams_x`` and ``beams_y``, or their only row;
     ``fan`` holds the direction of the first one [rad] and their number per rad, 0 where they are not evenly spread.
-    ``near``, ``slopes`` and ``spans`` are scratch, see ``geometry/ray_chunks.py``.
+    ``near``, ``slopes``, ``spans``, ``rays`` and ``inverse`` are scratch, see ``geometry/ray_chunks.py``.
     """
     sides, limits, rounds = near[: 4 * CHUNK], near[4 * CHUNK : 5 * CHUNK], near[5 * CHUNK :]
-    first, density = np.float32(fan[0]), np.float32(fan[1])
+    first, density, laid = np.float32(fan[0]), np.float32(fan[1]), -1
     for i in range(worlds.shape[0]):
         w = worlds[i]
         reaches, rows, rings = reach[min(w, reach.shape[0] - 1)], segments[w], discs[w]
@@ -127,9 +135,12 @@ def cast_bodies(
         for k in range(members.shape[0]):
             own, far, row = members[k], params[k].range_max, w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
             x, y, cosine, sine = mount(here[own], direction[w, own], params[k].offset)
-            beams = first, density, slopes, spans, beams_x[row], beams_y[row], inverse
-            for j in range(inverse.shape[0]):
-                inverse[j] = np.float32(0.0)
+            scratch = slopes, spans, rays, inverse
+            beams = x, y, cosine, sine, far, first, density, beams_x[row], beams_y[row], *scratch
+            if row != laid:
+                lay_beams(beams_x[row], beams_y[row], rays)
+                laid = row
+            clear_depths(rays)
             n_sides, n_rounds = 0, 0
             for b in range(there.shape[0]):
                 dx, dy, within = here[b, 0] - x, here[b, 1] - y, far + reaches[b]
@@ -138,7 +149,7 @@ def cast_bodies(
                     continue
                 for d in range(disc_start[b], disc_start[b] + n_discs[b]):
                     if n_rounds == CHUNK:
-                        n_rounds = cast_rounds(n_rounds, cosine, sine, rounds, *beams)
+                        n_sides = n_rounds = cast_chunk(n_sides, n_rounds, sides, limits, rounds, *beams)
                     rounds[n_rounds], rounds[n_rounds + CHUNK] = rings[d, 0] - x, rings[d, 1] - y
                     rounds[n_rounds + 2 * CHUNK] = rings[d, 2]
                     n_rounds += 1
@@ -149,75 +160,65 @@ def cast_bodies(
                     limit = np.inf
                 for s in range(start, end):
                     if n_sides == CHUNK:
-                        n_sides = cast_sides(n_sides, x, y, cosine, sine, far, sides, limits, *beams)
+                        n_sides = n_rounds = cast_chunk(n_sides, n_rounds, sides, limits, rounds, *beams)
                     for c in range(4):
                         sides[4 * n_sides + c] = rows[s, c]
                     limits[n_sides] = limit
                     n_sides += 1
-            if n_rounds > 0:
-                cast_rounds(n_rounds, cosine, sine, rounds, *beams)
-            if n_sides > 0:
-                cast_sides(n_sides, x, y, cosine, sine, far, sides, limits, *beams)
-            write_ranges(inverse, params[k].range_min, far, ranges[w, k])
+            cast_chunk(n_sides, n_rounds, sides, limits, rounds, *beams)
+            write_ranges(rays, params[k].range_min, far, ranges[w, k])
 
 
 @kernel(inlined=True)
-def cast_sides(
-    count: int,
+def cast_chunk(
+    n_sides: int,
+    n_rounds: int,
+    sides: Floats,
+    limits: Floats,
+    rounds: Floats,
     x: float,
     y: float,
     cosine: float,
     sine: float,
     far: float,
-    rows: Floats,
-    limits: Floats,
     first: np.float32,
     density: np.float32,
-    slopes: Rays,
-    spans: Spans,
     beams_x: Rays,
     beams_y: Rays,
+    slopes: Rays,
+    spans: Spans,
+    rays: Rays,
     inverse: Rays,
 ) -> int:
-    """Cast against a chunk of segments, which may be seen edge-on; return 0, the number that is left."""
-    n_edges = prepare_segments(count, x, y, cosine, sine, far, rows, limits, slopes, spans)
-    span_segments(count, inverse.shape[0], first, density, slopes, spans)
-    raise_by_segments(list_kept(count, spans), slopes, spans, beams_x, beams_y, inverse)
-    if n_edges > 0:
-        for j in range(count):
+    """Cast against segments, which may be seen edge-on, and discs, which may hold the sensor; return 0, what is left.
+
+    All are made ready before the first is cast: how many beams may meet it is what the processor has to wait for.
+    """
+    bows, arcs, n_beams = slopes[BOWS:], spans[ARCS:], inverse.shape[0]
+    whole_lanes = (n_rounds + 7) // 8 * 8
+    for j in range(n_rounds, whole_lanes):
+        rounds[j], rounds[j + 2 * CHUNK] = 1.0, 0.0
+    n_edges = prepare_segments(n_sides, x, y, cosine, sine, far, sides, limits, slopes, spans)
+    n_around = prepare_discs(whole_lanes, cosine, sine, rounds, bows, arcs)
+    span_segments(n_sides, n_beams, first, density, slopes, spans)
+    span_discs(n_rounds, n_beams, first, density, bows, arcs)
+    raise_by_segments(list_kept(n_sides, spans), slopes, spans, rays)
+    raise_by_discs(list_kept(n_rounds, arcs), bows, arcs, rays)
+    if n_edges + n_around > 0:
+        for i in range(inverse.shape[0]):
+            inverse[i] = np.float32(0.0)
+        for j in range(n_sides):
             if spans[j] < 0:
                 ax, ay = slopes[j + 5 * CHUNK], slopes[j + 6 * CHUNK]
                 bx, by = slopes[j + 7 * CHUNK], slopes[j + 8 * CHUNK]
                 inverse_depth_segment(ax, ay, bx, by, beams_x, beams_y, inverse)
-    return 0
-
-
-@kernel(inlined=True)
-def cast_rounds(
-    count: int,
-    cosine: float,
-    sine: float,
-    near: Floats,
-    first: np.float32,
-    density: np.float32,
-    slopes: Rays,
-    spans: Spans,
-    beams_x: Rays,
-    beams_y: Rays,
-    inverse: Rays,
-) -> int:
-    """Cast against a chunk of discs, which may hold the sensor; return 0, the number that is left."""
-    whole_lanes = (count + 7) // 8 * 8
-    for j in range(count, whole_lanes):
-        near[j], near[j + 2 * CHUNK] = 1.0, 0.0
-    n_around = prepare_discs(whole_lanes, cosine, sine, near, slopes, spans)
-    span_discs(count, inverse.shape[0], first, density, slopes, spans)
-    raise_by_discs(list_kept(count, spans), slopes, spans, beams_x, beams_y, inverse)
-    if n_around > 0:
-        for j in range(count):
-            if spans[j] < 0:
-                radius = np.float32(near[j + 2 * CHUNK])
-                inverse_depth_disc(slopes[j], slopes[j + CHUNK], radius, beams_x, beams_y, inverse)
+        for j in range(n_rounds):
+            if arcs[j] < 0:
+                radius = np.float32(rounds[j + 2 * CHUNK])
+                inverse_depth_disc(bows[j], bows[j + CHUNK], radius, beams_x, beams_y, inverse)
+        for i in range(inverse.shape[0]):
+            at = i // BLOCK * AWAY + i % BLOCK
+            rays[at] = max(rays[at], inverse[i])
     return 0
 
 
@@ -242,11 +243,13 @@ def mount_pose(pose: Floats, offset: Floats) -> tuple[float, float, float]:
 
 
 @kernel(inlined=True)
-def write_ranges(inverse: Rays, range_min: float, range_max: float, ranges: Rays) -> None:
+def write_ranges(rays: Rays, range_min: float, range_max: float, ranges: Rays) -> None:
     """Turn inverse depths into ranges; a beam that meets nothing in range reports range_max."""
     shortest, farthest = np.float32(range_min), np.float32(range_max)
     least = np.float32(1.0) / farthest
-    for i in range(ranges.shape[0]):
-        depth = np.float32(1.0) / max(inverse[i], least)
-        depth = farthest if inverse[i] <= least else depth
-        ranges[i] = shortest if depth < shortest else depth
+    for b in range(rays.shape[0] // AWAY):
+        depths, row = rays[AWAY * b : AWAY * b + BLOCK], ranges[BLOCK * b : BLOCK * b + BLOCK]
+        for i in range(row.shape[0]):
+            depth = np.float32(1.0) / max(depths[i], least)
+            depth = farthest if depths[i] <= least else depth
+            row[i] = shortest if depth < shortest else depth

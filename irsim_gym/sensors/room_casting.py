@@ -12,9 +12,9 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays, Spans
 from irsim_gym.geometry.polygons import contains_point
-from irsim_gym.geometry.ray_chunks import CHUNK
+from irsim_gym.geometry.ray_chunks import CHUNK, clear_depths, lay_beams
 from irsim_gym.jit import kernel
-from irsim_gym.sensors.casting import cast_rounds, cast_sides, mount, write_ranges
+from irsim_gym.sensors.casting import cast_chunk, mount, write_ranges
 from irsim_gym.world.model import WorldModel
 
 DISCS, OWNERS, AREAS = 0, CHUNK, 2 * CHUNK
@@ -50,13 +50,14 @@ def cast_room(
     near: Floats,
     slopes: Rays,
     spans: Spans,
+    rays: Rays,
     inverse: Rays,
     listed: Ints,
     ranges: Rays,
 ) -> None:
     """Write the ranges of all members in all given worlds, as ``cast_bodies`` does for any world."""
     limits, rounds = near[4 * CHUNK : 5 * CHUNK], near[5 * CHUNK :]
-    first, density = np.float32(fan[0]), np.float32(fan[1])
+    first, density, laid = np.float32(fan[0]), np.float32(fan[1]), -1
     is_noted, is_shared = False, segment_count.shape[0] == 1 and disc_count.shape[0] == 1
     n_rings, n_areas = 0, 0
     for i in range(worlds.shape[0]):
@@ -72,7 +73,8 @@ def cast_room(
         for k in range(members.shape[0]):
             own, far, row = members[k], params[k].range_max, w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
             x, y, cosine, sine = mount(here[own], direction[w, own], params[k].offset)
-            beams = first, density, slopes, spans, beams_x[row], beams_y[row], inverse
+            scratch = slopes, spans, rays, inverse
+            beams = x, y, cosine, sine, far, first, density, beams_x[row], beams_y[row], *scratch
             if not is_noted:
                 n_rings, n_areas = note_rows(
                     there, unobstructed, solid, segment_start, n_segments, disc_start, n_discs, limits, listed
@@ -86,19 +88,18 @@ def cast_room(
                 is_near = dx * dx + dy * dy <= reaches[b] * reaches[b] and b != own
                 if is_near and contains_point(rows, start, count, x, y):
                     limits[start : start + count], is_noted = np.inf, False
-            for j in range(inverse.shape[0]):
-                inverse[j] = np.float32(0.0)
             n_rounds = 0
             for m in range(n_rings):
                 d = listed[DISCS + m]
                 dx, dy, within = rings[d, 0] - x, rings[d, 1] - y, far + rings[d, 2]
                 rounds[n_rounds], rounds[n_rounds + CHUNK], rounds[n_rounds + 2 * CHUNK] = dx, dy, rings[d, 2]
-                n_rounds += listed[OWNERS + m] != own and dx * dx + dy * dy <= within * within
-            if n_rounds > 0:
-                cast_rounds(n_rounds, cosine, sine, rounds, *beams)
-            if rows.shape[0] > 0:
-                cast_sides(rows.shape[0], x, y, cosine, sine, far, rows.reshape(-1), limits, *beams)
-            write_ranges(inverse, params[k].range_min, far, ranges[w, k])
+                n_rounds += (listed[OWNERS + m] != own) & (dx * dx + dy * dy <= within * within)
+            if row != laid:
+                lay_beams(beams_x[row], beams_y[row], rays)
+                laid = row
+            clear_depths(rays)
+            cast_chunk(rows.shape[0], n_rounds, rows.reshape(-1), limits, rounds, *beams)
+            write_ranges(rays, params[k].range_min, far, ranges[w, k])
 
 
 @kernel

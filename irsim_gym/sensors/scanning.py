@@ -71,8 +71,9 @@ def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: i
         "cast_params": group.params,
         "fan": np.array([angles[0], 0.0 if is_noisy or spread == 0.0 else (len(angles) - 1) / spread]),
         "near": np.zeros((n_slots, 8 * CHUNK)),
-        "slopes": np.zeros((n_slots, 9 * CHUNK), np.float32),
-        "spans": np.zeros((n_slots, 4 * CHUNK), np.int32),
+        "slopes": aligned((n_slots, 14 * CHUNK), np.float32),
+        "spans": aligned((n_slots, 8 * CHUNK), np.int32),
+        "rays": aligned((n_slots, 3 * padded), np.float32),
         "inverse": np.zeros((n_slots, padded), np.float32),
         "listed": np.zeros((n_slots, 3 * CHUNK), np.int64),
         "ranges": np.tile(far[None, :, None], (n_worlds, 1, len(angles))),
@@ -149,6 +150,7 @@ def cast(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
         table["near"][slot],
         table["slopes"][slot],
         table["spans"][slot],
+        table["rays"][slot],
         table["inverse"][slot],
     )
     if is_small(model):

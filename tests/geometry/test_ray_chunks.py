@@ -9,8 +9,8 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
-from irsim_gym.geometry.ray_chunks import CHUNK, prepare_segments, rough_angle
-from irsim_gym.sensors.casting import cast_rounds, cast_sides
+from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK, clear_depths, lay_beams, prepare_segments, rough_angle, span
+from irsim_gym.sensors.casting import cast_chunk
 from tests.geometry.ray_rooms import N_BEAMS, beams, random_room, steady, textbook
 from tests.geometry.shapes import closed
 
@@ -28,22 +28,25 @@ def cast(
     plain: bool = False,
 ) -> NDArray[np.float64]:
     """Return ranges of a sensor at the origin, inf where nothing is met; both sides of segments are seen."""
-    x, y = np.cos(angles).astype(np.float32), np.sin(angles).astype(np.float32)
+    laid = np.concatenate([angles, np.zeros(-len(angles) % BLOCK)])
+    x, y = np.cos(laid).astype(np.float32), np.sin(laid).astype(np.float32)
     density = (len(angles) - 1) / (angles[-1] - angles[0]) if narrow else 0.0
-    sides: Any = cast_sides.py_func if plain else cast_sides  # type: ignore[attr-defined]
-    rounds: Any = cast_rounds.py_func if plain else cast_rounds  # type: ignore[attr-defined]
-    inverse, turn = np.zeros(len(angles), np.float32), (np.cos(heading), np.sin(heading))
-    scratch = np.zeros(9 * CHUNK, np.float32), np.zeros(4 * CHUNK, np.int32)
-    beams_of_it = np.float32(angles[0]), np.float32(density), *scratch, x, y, inverse
-    table = np.asarray(segments, np.float64).reshape(-1, 4)
-    for rows in np.array_split(table, -(-len(table) // CHUNK)) if len(table) else []:
-        assert sides(len(rows), 0.0, 0.0, *turn, far, rows.ravel(), np.full(CHUNK, np.inf), *beams_of_it) == 0
-    table = np.asarray(discs, np.float64).reshape(-1, 3)
-    if len(table):
-        near = np.zeros((3, CHUNK))
-        near[:, : len(table)] = table.T
-        assert rounds(len(table), *turn, near.ravel(), *beams_of_it) == 0
-    return np.divide(1.0, inverse, out=np.full(len(angles), np.inf), where=inverse > 0.0, dtype=np.float64)
+    kernels: Any = (cast_chunk, lay_beams, clear_depths)
+    chunk, lay, clear = (kernel.py_func if plain else kernel for kernel in kernels)
+    rays, inverse = np.full(3 * len(laid), np.nan, np.float32), np.full(len(laid), np.nan, np.float32)
+    scratch = np.zeros(14 * CHUNK, np.float32), np.zeros(8 * CHUNK, np.int32)
+    beams_of_it = np.float32(angles[0]), np.float32(density), x, y, *scratch, rays, inverse
+    lay(x, y, rays)
+    clear(rays)
+    table, near = np.asarray(segments, np.float64).reshape(-1, 4), np.zeros((3, CHUNK))
+    rounds = np.asarray(discs, np.float64).reshape(-1, 3)
+    near[:, : len(rounds)] = rounds.T
+    limits, eye = np.full(CHUNK, np.inf), (0.0, 0.0, np.cos(heading), np.sin(heading), far)
+    for k, rows in enumerate(np.array_split(table, max(-(-len(table) // CHUNK), 1))):
+        n_rounds = len(rounds) if k == 0 else 0
+        assert chunk(len(rows), n_rounds, rows.ravel(), limits, near.ravel(), *eye, *beams_of_it) == 0
+    found = rays.reshape(-1, 3, BLOCK)[:, 0].ravel()[: len(angles)]
+    return np.divide(1.0, found, out=np.full(len(angles), np.inf), where=found > 0.0, dtype=np.float64)
 
 
 def test_rooms_against_a_textbook() -> None:
@@ -152,3 +155,24 @@ def test_rough_angles_are_near_enough() -> None:
     for angle in np.linspace(-np.pi, np.pi, 721)[1:-1]:
         found = rough_angle(np.float32(3.0 * np.cos(angle)), np.float32(3.0 * np.sin(angle)))
         assert found == pytest.approx(angle, abs=0.0065)
+
+
+@pytest.mark.parametrize("sweep", [0.5, 2.0, 2.0 * np.pi])
+def test_a_span_holds_the_beams_between_two_directions_and_few_more(sweep: float) -> None:
+    """Also across the direction behind, where the beams of a full turn are at both ends of the fan."""
+    n, rng = 2 * BLOCK, np.random.default_rng(36)
+    angles = np.linspace(-0.5 * sweep, 0.5 * sweep, n)
+    fan = n, np.float32(angles[0]), np.float32((n - 1) / sweep)
+    n_across = 0
+    for _ in range(300):
+        low, width = rng.uniform(-np.pi, np.pi), rng.uniform(0.0, 3.0)
+        high = low + width if low + width < np.pi else low + width - 2.0 * np.pi
+        begin, runs = span(np.float32(low), np.float32(high), *fan)
+        cast_to = (begin + np.arange(16 * runs)) % n
+        between = np.flatnonzero((angles - low) % (2.0 * np.pi) <= width)
+        assert begin % 16 == 0
+        assert runs <= n // 16
+        assert np.isin(between, cast_to).all()
+        n_across += high < low and runs < n // 16
+        assert 16 * runs <= len(between) + 36
+    assert n_across > 20
