@@ -12,15 +12,19 @@ from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
 from irsim_gym.jit import kernel
+from irsim_gym.paths.queries import has_free_path, standing_bodies
 from irsim_gym.rng import uniform
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import WorldModel
+from irsim_gym.world.model import KEEP_GOAL, WorldModel
 from irsim_gym.world.state import WorldState
 
 TRIES = 10
 """Draws by a body's own distribution, before any free place will do."""
 
 SCATTER_TRIES = 1000
+
+WAYS_SOUGHT = 50
+"""Free places from which a way to the goal is sought, before one without will do."""
 
 
 def vanish(bodies: Ints, gone: Flags, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -51,7 +55,8 @@ def respawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bo
     """Draw new starts and goals for bodies in running worlds, clear of what is there, and let them begin at rest.
 
     Each is placed by the distribution of its entry, as at the beginning of a level; one whose place is taken every
-    time comes to a place drawn from the whole world. Then all sensors of these worlds read anew.
+    time comes to a place drawn from the whole world, from which there is a way to its goals if one can be found. Then
+    all sensors of these worlds read anew.
 
     Args:
         parts: The compiled scenario.
@@ -137,25 +142,53 @@ def _check(
 
 
 def _scatter(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints) -> None:
-    """Put the bodies of one world anywhere in its rectangle where they touch nothing."""
+    """Put the bodies of one world anywhere in its rectangle where they touch nothing, if possible with a way."""
     w = int(shard.worlds[0])
     x0, y0, x1, y1 = model.bounds.tolist()
-    gap = np.zeros((len(state.random), 1))
     for b in bodies.tolist():
-        own = np.array([b])
+        free, sought = None, WAYS_SOUGHT if _needs_way(parts, b) else 0
         for _ in range(SCATTER_TRIES):
-            state.pose[w, b] = [
-                uniform(state.random, w, low, high) for low, high in ((x0, x1), (y0, y1), (-np.pi, np.pi))
-            ]
-            outlines.place(own, model, state, shard)
-            buckets.refresh(own, model, state, shard)
-            gap[w] = 1e-9
-            contact.clearance(own, gap, model, state, shard, gap)
-            if gap[w, 0] > 0.0:
-                state.placed[w, b] = True
+            bounds = (x0, x1), (y0, y1), (-np.pi, np.pi)
+            pose = [uniform(state.random, w, low, high) for low, high in bounds]
+            if not _is_free(model, state, shard, b, pose):
+                continue
+            free = pose
+            if sought == 0 or _has_way(model, state, w, b):
                 break
-        else:
+            sought -= 1
+        if free is None:
             raise PlacementError(f"no room for {parts.places[b]} to begin anew: the world is too full")
+        _is_free(model, state, shard, b, free)
+        state.placed[w, b] = True
+
+
+def _is_free(model: WorldModel, state: WorldState, shard: Shard, b: int, pose: list[float]) -> bool:
+    """Let a body of one world stand at a pose, and return whether it touches nothing there."""
+    w, own = int(shard.worlds[0]), np.array([b])
+    state.pose[w, b] = pose
+    outlines.place(own, model, state, shard)
+    buckets.refresh(own, model, state, shard)
+    gap = np.zeros((len(state.random), 1))
+    gap[w] = 1e-9
+    contact.clearance(own, gap, model, state, shard, gap)
+    return bool(gap[w, 0] > 0.0)
+
+
+def _needs_way(parts: Parts, b: int) -> bool:
+    """Return whether no level begins without a way for a body."""
+    promised = [group for group in parts.placements if group.options[0].ensures_way]
+    return b in parts.ways.agents or any(b in group.members for group in promised)
+
+
+def _has_way(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
+    """Return whether a disc around a body has a way from where it stands through all of its goals."""
+    if not model.has_goal[b] or model.goal_renewal[b] != KEEP_GOAL:
+        return True
+    goals = model.waypoints[w, b, : model.waypoint_count[w, b]]
+    reach, blocks = float(model.reach[w % len(model.reach), b]), standing_bodies(model, w)
+    blocks[b] = False
+    ends = zip([state.pose[w, b], *goals], goals, strict=False)
+    return all(has_free_path(model, state, w, reach, start, goal, blocks=blocks) for start, goal in ends)
 
 
 @kernel

@@ -8,7 +8,7 @@ from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import way_is_free
 from irsim_gym.paths.grid import BLOCKED, mark_blocked
-from irsim_gym.paths.pulling import path_length, pull
+from irsim_gym.paths.pulling import pull
 from irsim_gym.paths.reachability import gate
 from irsim_gym.paths.spread import PARENT, clear_field, offer_gates, spread
 
@@ -92,37 +92,6 @@ def shortest_path(
         return 0
     count = trace(target, columns, origin_x, origin_y, cell, goal_x, goal_y, queue, path)
     return pull(*outlines, radius, path, count)
-
-
-@kernel
-def shortest_path_length(
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
-    blocks: Flags,
-    cells: CellMap | None,
-    radius: float,
-    start_x: float,
-    start_y: float,
-    goal_x: float,
-    goal_y: float,
-    origin_x: float,
-    origin_y: float,
-    cell: float,
-    blocked: Bytes,
-    field: Floats,
-    queue: Ints,
-    path: Floats,
-) -> float:
-    """Return the length [m] of what ``shortest_path`` finds, inf for none; arguments as there."""
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
-    ends = (start_x, start_y, goal_x, goal_y, origin_x, origin_y)
-    count = shortest_path(*outlines, radius, *ends, cell, blocked, field, queue, path)
-    return path_length(path, count) if count > 0 else np.inf
 
 
 @kernel

@@ -44,11 +44,6 @@ def scenario_names() -> tuple[str, ...]:
     return tuple(names("scenarios"))
 
 
-def task_names() -> tuple[str, ...]:
-    """Return the names of the shipped tasks."""
-    return tuple(names("tasks"))
-
-
 def find(name: str | Path, section: str = "scenarios") -> Path:
     """Return the file behind a shipped name or a path.
 

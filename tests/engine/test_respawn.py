@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 
 from irsim_gym.engine import Simulation, compile
 from irsim_gym.scenario import load_scenario
@@ -39,6 +40,24 @@ def test_who_came_to_any_free_place_stays_there_when_others_of_its_entry_begin_a
     simulation.place(np.array([2]))
     respawn(simulation, [[False, True, False]])
     assert simulation.state.pose[0, 0].tolist() == pose.tolist()
+
+
+@pytest.mark.parametrize("reachable", [False, True])
+def test_who_comes_to_any_free_place_has_a_way_to_its_goal(reachable: bool) -> None:
+    left = {"name": "random", "range_low": [2, 4, 0], "range_high": [2, 6, 0], "reachable": True}
+    spot = {"distribution": left} if reachable else {"state": [2, 5], "goal": [3, 8]}
+    taken = {"kinematics": {"name": "omni"}, "shape": {"name": "rectangle", "length": 1, "width": 4}, "state": [8, 2]}
+    wall = {"shape": {"name": "linestring", "vertices": [[5, -1], [5, 11]]}}
+    stone = {"distribution": {"name": "random", "range_low": [7, 8, 0]}}  # levels differ, so ways are looked after
+    scenario = load_scenario({"robot": [{**DISC, **spot}, taken], "obstacle": [wall, stone]}, warn=False)
+    simulation = compile(scenario, n_worlds=12, agents=[0, 1])
+    simulation.reset()
+    simulation.state.pose[:, 1] = [2, 5, 0]
+    simulation.place(np.array([1]))
+    respawn(simulation, [[True, False]] * 12)
+    x, y = simulation.state.pose[:, 0, 0], simulation.state.pose[:, 0, 1]
+    assert ((x != 2.0) | (np.abs(y - 5.0) > 2.0)).all(), "nobody came to the place that is taken"
+    assert (x < 5.0).all(), "from the other side of the wall there is no way"
 
 
 def test_worlds_draw_nothing_for_bodies_that_begin_anew_in_others() -> None:
