@@ -102,17 +102,23 @@ class Head:
         self._masks, self._layout, self._titled = masks, layout, titled
         self._name_size, self._size = NAME_SIZE * point, STATUS_SIZE * point
         self._middle = 21.0 * layout.enlargement
-        self._known: dict[tuple[str, str, str], tuple[Placed, Placed]] = {}
+        self._known: dict[tuple[str, str, float], tuple[Placed, Placed, float]] = {}
 
     def place(self, title: str, status: str, time: float) -> tuple[Placed, Placed]:
-        """Return the words in the colour of ink, and those in the colour of the status."""
-        key = (title, status, f"{time:.1f} s")
+        """Return the words in the colour of ink, and those in the colour of the status.
+
+        Nearly every frame has a time of its own; the other words stand where they stood beside one of its width.
+        """
+        words = f"{time:.1f} s"
+        width = 0.0 if self._titled else self._width(words)
+        key = title, status, width
         found = self._known.get(key)
         if found is None:
             if len(self._known) >= REMEMBERED_HEADS:
                 self._known.clear()
-            found = self._known[key] = (self._title(title), []) if self._titled else self._line(*key)
-        return found
+            found = self._known[key] = (self._title(title), [], np.nan) if self._titled else self._line(*key)
+        ink, coloured, right = found
+        return (ink if np.isnan(right) else ink + self._letters(words, right - width)), coloured
 
     def _title(self, title: str) -> Placed:
         margin, width = MARGIN * self._layout.enlargement, self._layout.width
@@ -121,19 +127,20 @@ class Head:
         middle = self._layout.left + 0.5 * self._layout.plot_width
         return self._name(words, min(max(middle, margin + half), width - margin - half) - half)
 
-    def _line(self, title: str, status: str, time: str) -> tuple[Placed, Placed]:
+    def _line(self, title: str, status: str, time_width: float) -> tuple[Placed, Placed, float]:
+        """Return the name, the status, and where the time ends; NaN where there is no room for it."""
         layout, gap, margin = self._layout, GAP * self._layout.enlargement, MARGIN * self._layout.enlargement
         left, right = float(layout.left), float(layout.left + layout.plot_width)
         status = f"{DOT} {status.replace('_', ' ')}"
-        time_room = max(self._width(time) + gap, TIME_ROOM * layout.enlargement)
+        time_room = max(time_width + gap, TIME_ROOM * layout.enlargement)
         room = max(self._width(f"{DOT} {LONGEST_STATUS}"), self._width(status)) + time_room
         if self._masks.word(title, self._name_size, bold=True).width + gap + room > right - left:
             left, right = margin, layout.width - margin
+        end = right
         if room > right - left:
-            time, time_room = "", 0.0
+            time_room, end = 0.0, np.nan
         name = self._name(self._shortened(title, right - left - room - gap), left)
-        ink = name + self._letters(time, right - self._width(time))
-        return ink, self._letters(status, right - time_room - self._width(status))
+        return name, self._letters(status, right - time_room - self._width(status)), end
 
     def _name(self, words: str, column: float) -> Placed:
         if not words:
@@ -143,11 +150,11 @@ class Head:
 
     def _letters(self, text: str, column: float) -> Placed:
         """Place a text letter by letter: it changes from frame to frame, its letters do not."""
-        placed = []
+        placed, line = [], self._masks.word("lp", self._size)
+        row = round(self._middle + 0.5 * line.height - line.foot)
         for letter in text:
             word = self._masks.word(letter, self._size)
-            line = self._masks.word("lp", self._size)
-            placed.append((word.mask, round(column), round(self._middle + 0.5 * line.height - line.foot)))
+            placed.append((word.mask, round(column), row))
             column += word.advance
         return placed
 
