@@ -103,13 +103,13 @@ class Labels:
         places = brush.to_canvas.transform([(view.x, view.y) for view in views]).tolist()
         for view, (x, y) in zip(views, places, strict=True):
             style = view.style
-            look = _look(style.label_size, style.label_colour, style.label_alpha)
+            look = _look(style.label_size, style.label_colour, style.label_alpha, style.label_halo)
             self._lettering.write(brush, view.text, x, y, look)
 
 
 @functools.lru_cache(maxsize=256)
-def _look(size: float, colour: str, alpha: float) -> Type:
-    return Type(size, colour, alpha, align="center", level="bottom")
+def _look(size: float, colour: str, alpha: float, halo: str) -> Type:
+    return Type(size, colour, alpha, align="center", level="bottom", halo=halo)
 
 
 def clear_of_flags(labels: Sequence[LabelView], goals: Sequence[GoalView], point: float) -> list[LabelView]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.figure import Figure
+from matplotlib.patheffects import Stroke
 from matplotlib.text import Text
 
 from irsim_gym.arraytypes import Bytes
@@ -19,6 +20,8 @@ PARTS = 2
 """A strip is drawn at halves of a pixel each way, so that a text that moves does not jump."""
 REMEMBERED = 2048
 MARGIN = 4
+HALO = 3.0
+"""Width of the line that makes a halo: half of it is seen beside a letter [point]."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,7 @@ class Type:
         weight: ``normal`` or ``bold``.
         align: ``left``, ``center`` or ``right``.
         level: ``bottom`` or ``center``.
+        halo: Colour of a rim around the letters, for words over anything; none if empty.
     """
 
     size: float
@@ -40,6 +44,7 @@ class Type:
     weight: str = "normal"
     align: str = "left"
     level: str = "center"
+    halo: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +83,7 @@ class Lettering:
             self._set(words, x, y, look)
             if brush.context.get_clip_rectangle() is not None:
                 self._text.set_clip_box(brush.context.get_clip_rectangle())
-            self._text.draw(brush.renderer)
+            self._paint(brush.renderer, look)
             self._text.set_clip_box(None)  # strips are drawn on a sheet of their own
             return
         columns, rows = round(PARTS * x), round(PARTS * y)
@@ -122,6 +127,14 @@ class Lettering:
         self._text.set(position=(x, y), text=words, color=look.colour, alpha=look.alpha, fontsize=look.size)
         self._text.set(weight=look.weight, ha=look.align, va=look.level)
 
+    def _paint(self, renderer: Any, look: Type) -> None:
+        """Draw the text that is set; its halo apart and before it, so that a file holds the letters as letters."""
+        if look.halo:
+            self._text.set_path_effects([Stroke(linewidth=HALO, foreground=look.halo)])
+            self._text.draw(renderer)
+            self._text.set_path_effects([])
+        self._text.draw(renderer)
+
     def _drawn(self, words: str, look: Type, column_part: int, row_part: int) -> Strip | None:
         """Return a new strip, with the text's place some parts of a pixel from a corner; None if nothing is seen."""
         _make_room(self._strips)
@@ -136,7 +149,7 @@ class Lettering:
         left, low = MARGIN - int(np.floor(box.x0)), MARGIN - int(np.floor(box.y0))
         self._text.set_position((left + column_part / PARTS, low + row_part / PARTS))
         sheet.clear()
-        self._text.draw(sheet)
+        self._paint(sheet, look)
         pixels = np.asarray(sheet.buffer_rgba())
         rows, columns = np.nonzero(pixels[..., 3])
         if not len(rows):

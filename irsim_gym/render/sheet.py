@@ -183,7 +183,8 @@ def _time_labels(told: Sequence[tuple[BodyView, float]], room: float) -> Iterato
         while stay + 1 < len(told) and np.hypot(*np.subtract(told[stay + 1][0].anchor, view.anchor)) < room:
             stay += 1
         words = f"{begin:.1f} s" if stay == k else f"{begin:.1f}\N{EN DASH}{told[stay][1]:.1f} s"
-        style = replace(view.style, label_size=7.0, label_colour=theme.INK, label_alpha=1.0, label_order=TOP)
+        look = replace(view.style, label_size=7.0, label_colour=theme.INK, label_halo=theme.CARD)
+        style = replace(look, label_alpha=1.0, label_order=TOP)
         tops = [line[:, 1].max() for line in view.lines] + [y + radius for _, y, radius in view.discs.tolist()]
         yield LabelView(view.anchor[0], max(tops, default=view.anchor[1]) + 0.05, words, style)
         k = stay + 1

@@ -62,6 +62,7 @@ class BodyStyle:
         label: Text beside it; empty for none.
         goal_label: Text beside its goal; empty for none.
         label_colour: Colour of those texts.
+        label_halo: Colour of a rim around their letters; none if empty.
         label_size: Their size.
         label_alpha: Their opacity.
         label_offset: Where the text stands, from the body's origin [m]; None for above the body.
@@ -106,6 +107,7 @@ class BodyStyle:
     label: str = ""
     goal_label: str = ""
     label_colour: str = theme.INK
+    label_halo: str = ""
     label_size: float = 8.0
     label_alpha: float = 1.0
     label_offset: tuple[float, float] | None = None

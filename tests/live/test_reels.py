@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from small_world import world
 
-from irsim_gym import cli
+from irsim_gym import cli, load
 from irsim_gym.render.packing import unpacked
 from irsim_gym.render.replay_page import read_html
 
@@ -73,6 +73,18 @@ def test_a_picture_of_ways(tmp_path: Path) -> None:
     picture = iio.imread(here.save_strobe(tmp_path / "ways"))[..., :3]
     assert picture.shape == (2 * shown.shape[0], 2 * shown.shape[1], 3)
     assert np.array_equal(here.render(), shown)
+
+
+def test_times_can_be_read_over_something_dark(tmp_path: Path) -> None:
+    robot = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "state": [1, 2, 0]}
+    dark = {"shape": {"name": "rectangle", "length": 4, "width": 4}, "state": [2, 2, 0], "color": "black"}
+    plot = {"figure_pixels": [200, 200], "no_axis": True, "show_title": False}
+    data = {"world": {"width": 4, "height": 4, "plot": plot, "collision_mode": "unobstructed"}}
+    here = load({**data, "robot": robot, "obstacle": dark}, record=True)
+    for _ in range(10):
+        here.step([1.0, 0.0])
+    above_the_way = iio.imread(here.save_strobe(tmp_path / "dark.png"))[150:180, 60:300, :3]
+    assert (above_the_way.min(axis=2) > 240).sum() > 200, "a rim of light around dark letters"
 
 
 @pytest.mark.parametrize("what", ["save_html", "save_sheet", "save_strobe", "save_animation"])
