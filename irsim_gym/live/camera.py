@@ -163,8 +163,25 @@ class Camera:
             self._renderer, self._told = None, 0
 
 
+def target(path: str | Path | None, name: str) -> Path:
+    """Return the file that is meant: by default one of this name.
+
+    Raises:
+        ValueError: It is a folder.
+    """
+    chosen = Path(name if path is None else path)
+    if path is not None and chosen.is_dir():
+        inside = chosen / name
+        raise ValueError(
+            f"'{path}' is a folder: name a file, such as '{inside}' in it or '{chosen.name or name}.png' beside it"
+        )
+    return chosen
+
+
 def _with_suffix(path: Path, known: tuple[str, ...], default: str) -> Path:
     """Return the path with a suffix; a point in a name such as ``run-0.5`` begins none."""
+    if not path.stem.strip(" .") or path.name.lower() in known:
+        raise ValueError(f"a file needs a name before its suffix, such as 'world.{default}', got '{path.name}'")
     if path.suffix.lower() in known:
         return path
     if path.suffix and not path.suffix[1:].isdigit():

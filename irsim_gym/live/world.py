@@ -14,7 +14,7 @@ from irsim_gym.engine import compile
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.live import hints, moves
 from irsim_gym.live.actions import Actions, Reference, pair_actions
-from irsim_gym.live.camera import Camera
+from irsim_gym.live.camera import Camera, target
 from irsim_gym.live.driven import ENDING_S, Driven
 from irsim_gym.live.goals import Goals
 from irsim_gym.live.roster import Roster
@@ -287,7 +287,7 @@ class World(Driven):
         Raises:
             ValueError: Another suffix.
         """
-        return self._camera.save_figure(Path(self.name if path is None else path), self._shown_status())
+        return self._camera.save_figure(target(path, self.name), self._shown_status())
 
     def save_animation(self, path: str | Path | None = None, fps: float | None = None) -> Path:
         """Write the frames kept so far to a film, let go of them, and return its path.
@@ -300,7 +300,7 @@ class World(Driven):
             ValueError: Another suffix, or no frames: a world keeps them when it is loaded with ``record=True``.
         """
         rate = 1.0 / (self.scenario.world.steps_per_sample * self.step_time) if fps is None else fps
-        film = self._camera.save_film(Path(self.name if path is None else path), rate)
+        film = self._camera.save_film(target(path, self.name), rate)
         self._unsaved = False
         return film
 
@@ -313,7 +313,7 @@ class World(Driven):
         Raises:
             ValueError: Another suffix, or nothing was kept: a world keeps it when it is loaded with ``record=True``.
         """
-        return self._camera.save_html(Path(self.name if path is None else path))
+        return self._camera.save_html(target(path, self.name))
 
     def save_sheet(self, path: str | Path | None = None, moments: int = 12) -> Path:
         """Write one picture with moments, evenly spaced, of what ``save_animation`` writes or wrote; return its path.
@@ -325,7 +325,7 @@ class World(Driven):
         Raises:
             ValueError: Another suffix, nothing was kept, or fewer than two moments.
         """
-        return self._camera.save_sheet(Path(f"{self.name}-sheet" if path is None else path), moments)
+        return self._camera.save_sheet(target(path, f"{self.name}-sheet"), moments)
 
     def save_strobe(self, path: str | Path | None = None) -> Path:
         """Write one picture with the ways of the robots in this episode, coloured by time; return its path.
@@ -336,7 +336,7 @@ class World(Driven):
         Raises:
             ValueError: Another suffix, or nothing was kept.
         """
-        return self._camera.save_strobe(Path(f"{self.name}-strobe" if path is None else path))
+        return self._camera.save_strobe(target(path, f"{self.name}-strobe"))
 
 
 def load(

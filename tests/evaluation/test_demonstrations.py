@@ -121,9 +121,13 @@ def test_an_interruption_loses_nothing(tmp_path: Path, monkeypatch: pytest.Monke
 
 def test_other_files_are_refused(tmp_path: Path) -> None:
     (tmp_path / "text.npz").write_text("no arrays")
+    (tmp_path / "empty.npz").write_text("")
     np.savez(tmp_path / "arrays.npz", actions=np.zeros(3))
     for name in ("text.npz", "arrays.npz"):
         with pytest.raises(DemonstrationError, match="no file of demonstrations"):
+            irsim_gym.load_demonstrations(tmp_path / name)
+    for name, what in (("text.npz", "it is no whole .npz archive"), ("empty.npz", "it is empty")):
+        with pytest.raises(DemonstrationError, match=f"{what}.*begins a new one where there is none"):
             irsim_gym.load_demonstrations(tmp_path / name)
     np.savez(tmp_path / "newer.npz", about=np.array('{"format": 99}'))
     with pytest.raises(DemonstrationError, match="format 99, this version reads 1"):

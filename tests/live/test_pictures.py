@@ -46,6 +46,16 @@ def test_figures(tmp_path: Path) -> None:
         here.save_figure(tmp_path / "four.doc")
 
 
+@pytest.mark.parametrize("name", [" ", "", "..", ".png", " .svg"])
+def test_a_file_needs_a_name(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match=r"a file needs a name before its suffix|is a folder: name a file"):
+        world(world=SMALL).save_figure(name)
+    with pytest.raises(ValueError, match=f"'{tmp_path}' is a folder: name a file, such as '{tmp_path}/"):
+        world(world=SMALL).save_figure(tmp_path / ".")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_saved_figure_is_what_a_frame_shows(tmp_path: Path) -> None:
     here = world(world={"plot": {**SMALL["plot"], "saved_figure": {"bbox_inches": "standard"}}})
     for _ in range(3):
