@@ -14,6 +14,7 @@ from numba.core import config as numba_config
 from irsim_gym.jit_cache import keep_on_disk
 from irsim_gym.jit_doors import Doors
 from irsim_gym.jit_inner import InnerCompiler
+from irsim_gym.jit_passes import EntryCompiler
 from irsim_gym.jit_watch import compilation
 
 config: Any = numba_config
@@ -77,7 +78,7 @@ class Kernel:
     @functools.cached_property
     def compiled(self) -> Any:
         """Numba's dispatcher for calls from Python, which are never recorded; its attributes are the kernel's too."""
-        return self._dispatcher("compiled")
+        return self._dispatcher("compiled", pipeline_class=EntryCompiler)
 
     @functools.cached_property
     def doors(self) -> Doors:

@@ -20,6 +20,7 @@ from numba.core import codegen, compiler, registry, types
 from numba.core.compiler_lock import global_compiler_lock
 
 from irsim_gym.jit_cache import files_of
+from irsim_gym.jit_passes import pipelines
 
 Library: Any = codegen.JITCodeLibrary
 Compiler: Any = compiler.Compiler
@@ -101,6 +102,10 @@ class DoorCompiler(Compiler):  # type: ignore[misc]
     def __init__(self, order: str, name: str, typing: Any, context: Any, library: Any, *rest: Any) -> None:
         super().__init__(typing, context, library or DoorLibrary(context.codegen(), name, order), *rest)
 
+    def define_pipelines(self) -> list[Any]:
+        """Return the passes, by Numba's name for them."""
+        return pipelines(self.state)
+
 
 class DoorLibrary(Library):  # type: ignore[misc]
     """Code with a doorway as its only entry.
@@ -118,12 +123,12 @@ class DoorLibrary(Library):  # type: ignore[misc]
     def add_ir_module(self, ir_module: Any) -> None:
         """Add the kernel, and its doorway."""
         super().add_ir_module(ir_module)
-        kernel = next(one for one in self._final_module.functions if not one.is_declaration)
-        given = [str(one.type) for one in kernel.arguments]
+        kernel = next(one for one in ir_module.functions if not one.is_declaration)
+        given = ["ptr" if one.type.is_pointer else str(one.type) for one in kernel.args]
         self._final_module.link_in(binding.parse_assembly(doorway(self.name, kernel.name, given, self._order)))
-        kernel = self._final_module.get_function(kernel.name)
-        kernel.linkage = "internal"
-        kernel.add_function_attribute("alwaysinline")
+        inside = self._final_module.get_function(kernel.name)
+        inside.linkage = "internal"
+        inside.add_function_attribute("alwaysinline")
 
     def _finalize_final_module(self) -> None:
         """Load the code, as Numba does, and see whether it reads an environment, where Python objects are kept."""

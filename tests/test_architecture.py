@@ -24,10 +24,11 @@ ALLOWED: dict[str, set[str]] = {
     "registry": set(),
     "families": set(),
     "arraytypes": set(),
-    "jit": {"numba", "jit_cache", "jit_doors", "jit_inner", "jit_watch"},
+    "jit": {"numba", "jit_cache", "jit_doors", "jit_inner", "jit_passes", "jit_watch"},
     "jit_cache": {"numba", "llvmlite"},
-    "jit_doors": {"numba", "llvmlite", "jit_cache"},
-    "jit_inner": {"numba"},
+    "jit_doors": {"numba", "llvmlite", "jit_cache", "jit_passes"},
+    "jit_inner": {"numba", "jit_passes"},
+    "jit_passes": {"numba"},
     "jit_watch": {"numba"},
     "atomics": {"numba", "llvmlite"},
     "replay": {"numba", "llvmlite", "jit", "jit_doors", "atomics"},
@@ -321,6 +322,20 @@ def test_numba_is_used_through_kernel_alone() -> None:
                     problems.append(f"{module.place}:{node.lineno} uses {dotted(node)}")
             if isinstance(node, ast.keyword) and node.arg == "parallel":
                 problems.append(f"{module.place}:{node.value.lineno} passes parallel=")
+    report(problems)
+
+
+def test_kernels_need_no_more_of_numbas_passes() -> None:
+    """What ``jit_passes`` leaves out is for these; where it is wanted, the pass has to come back."""
+    needs = (ast.Lambda, ast.FunctionDef, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp, ast.With)
+    problems = []
+    for module in modules():
+        for function in filter(is_kernel, functions(module)):
+            for node in (inner for statement in function.body for inner in ast.walk(statement)):
+                is_told = isinstance(node, ast.Raise) and any(isinstance(one, ast.JoinedStr) for one in ast.walk(node))
+                is_asked = isinstance(node, ast.Attribute) and node.attr in {"ndim", "literally", "literal_unroll"}
+                if isinstance(node, needs) or is_told or is_asked:
+                    problems.append(f"{module.place}:{node.lineno} {type(node).__name__} in a kernel")
     report(problems)
 
 

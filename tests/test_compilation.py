@@ -17,8 +17,8 @@ from irsim_gym.jit import Kernel, config
 # Kernels that may allocate, for they run once per level and not in a step.
 ALLOCATE = {"measure_bodies"}
 # Compiled for more than one kind of argument: with and without grids for ways; arrays of several types; numbers that
-# are known beforehand; columns of a wider array.
-SEVERAL = {"draw_members", "overwrite", "is_spaced", "root", "join", "goal_gap", "cast_seen"}
+# are known beforehand; columns of a wider array; addresses from an array and from memory.
+SEVERAL = {"draw_members", "overwrite", "is_spaced", "root", "join", "goal_gap", "cast_seen", "call_all"}
 
 FACES = """
 import gc, json, sys

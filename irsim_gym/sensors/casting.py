@@ -31,21 +31,20 @@ BOWS, ARCS = 9 * CHUNK, 4 * CHUNK
 
 
 @kernel
-def cast_outline(
-    x: float,
-    y: float,
-    cosine: float,
-    sine: float,
-    segments: Floats,
-    discs: Floats,
-    beams_x: Rays,
-    beams_y: Rays,
-    inverse: Rays,
+def cast_segments(
+    x: float, y: float, cosine: float, sine: float, segments: Floats, beams_x: Rays, beams_y: Rays, inverse: Rays
 ) -> None:
-    """Cast the beams of a sensor at (x, y) against all rows of an outline, from both sides."""
+    """Cast the beams of a sensor at (x, y) against the segments of an outline, from both sides."""
     for s in range(segments.shape[0]):
         ax, ay, bx, by = segments[s, 0] - x, segments[s, 1] - y, segments[s, 2] - x, segments[s, 3] - y
         cast_segment(ax, ay, bx, by, cosine, sine, beams_x, beams_y, inverse)
+
+
+@kernel
+def cast_discs(
+    x: float, y: float, cosine: float, sine: float, discs: Floats, beams_x: Rays, beams_y: Rays, inverse: Rays
+) -> None:
+    """Cast the beams of a sensor at (x, y) against the discs of an outline, from both sides."""
     for d in range(discs.shape[0]):
         cast_disc(discs[d, 0] - x, discs[d, 1] - y, discs[d, 2], cosine, sine, beams_x, beams_y, inverse)
 

@@ -12,7 +12,7 @@ from irsim_gym.geometry.cell_rays import N_FLOATS, N_INTEGERS
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK
 from irsim_gym.sensors import hits, noise
-from irsim_gym.sensors.casting import cast_bodies, cast_outline
+from irsim_gym.sensors.casting import cast_bodies, cast_discs, cast_segments
 from irsim_gym.sensors.cell_scan import scan_cells
 from irsim_gym.sensors.room_casting import cast_room, is_small
 from irsim_gym.world.arrays import aligned
@@ -88,12 +88,18 @@ def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: i
 
 
 def own_extent(group: Group, k: int, outline: Outline) -> Rays:
-    """Return the distance [m] from member k's sensor to its own outline along each beam, shape ``(n_beams,)``."""
+    """Return the distance [m] from member k's sensor to its own outline along each beam, shape ``(n_beams,)``.
+
+    What most outlines do not have is not compiled for them: discs, or segments.
+    """
     x, y, turn = group.options[k].offset
     beams_x, beams_y = group.arrays["beams_x"][0], group.arrays["beams_y"][0]
     inverse = np.zeros_like(beams_x)
     if inside(outline, x, y):
-        cast_outline(x, y, np.cos(turn), np.sin(turn), outline.segments, outline.discs, beams_x, beams_y, inverse)
+        if len(outline.segments):
+            cast_segments(x, y, np.cos(turn), np.sin(turn), outline.segments, beams_x, beams_y, inverse)
+        if len(outline.discs):
+            cast_discs(x, y, np.cos(turn), np.sin(turn), outline.discs, beams_x, beams_y, inverse)
     extent: Rays = np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0.0)
     return extent[: len(group.arrays["angles"])]
 
