@@ -33,22 +33,22 @@ def vanish(bodies: Ints, gone: Flags, model: WorldModel, state: WorldState, shar
     Args:
         bodies: The bodies in question, shape ``(n,)``.
         gone: Which of them go, shape ``(n_worlds, n)``.
-        model: The constants; ``present`` is rewritten.
+        model: The constants; ``present`` and ``altered`` are rewritten.
         state: The moment.
         shard: The worlds to treat.
     """
-    remove(shard.worlds, bodies, gone, model.present)
+    remove(shard.worlds, bodies, gone, model.present, model.altered)
     buckets.refresh(bodies, model, state, shard)
 
 
 @kernel
-def remove(worlds: Ints, bodies: Ints, gone: Flags, present: Flags) -> None:
-    """Mark bodies as absent."""
+def remove(worlds: Ints, bodies: Ints, gone: Flags, present: Flags, altered: Flags) -> None:
+    """Mark bodies as absent, and worlds in which any is."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(bodies.shape[0]):
             if gone[w, k]:
-                present[w, bodies[k]] = False
+                present[w, bodies[k]], altered[w] = False, True
 
 
 def respawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints, chosen: Flags) -> None:
@@ -104,6 +104,7 @@ def respawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bo
 def _find_places(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints, chosen: Flags) -> None:
     """Write poses, outlines and goals of the chosen bodies."""
     failed = np.zeros(len(state.random), np.int64)
+    model.altered[shard.worlds] |= chosen[shard.worlds].any(axis=1)
     moved = bodies[chosen[shard.worlds].any(axis=0)]
     groups = [group for group in parts.placements if np.isin(group.members, moved).any()]
     remaining = shard

@@ -102,6 +102,14 @@ def _failure(place: str) -> str:
 
 
 @kernel
+def note_streams(worlds: Ints, streams: Words, random: Words, level_stream: Words, altered: Flags) -> None:
+    """Begin the random streams that levels are drawn from, and keep them; arrays ``(n_worlds,)``."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        random[w], level_stream[w], altered[w] = streams[w], streams[w], False
+
+
+@kernel
 def copy_words(worlds: Ints, source: Words, target: Words) -> None:
     """Copy the numbers of some worlds, shape ``(n_worlds,)``."""
     for i in range(worlds.shape[0]):

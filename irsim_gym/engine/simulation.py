@@ -189,7 +189,7 @@ class Simulation:
 
     def begin(self, shard: Shard, streams: Words) -> None:
         """Draw a new level in the shard's worlds from random streams ``(n_worlds,)``; for ``run_beginning``."""
-        restart.copy_words(shard.worlds, streams, self.state.random)
+        restart.note_streams(shard.worlds, streams, self.state.random, self.model.level_stream, self.model.altered)
         restart.begin(self.state, shard, self._draw, self._start)
 
     def _draw_level(self, shard: Shard) -> None:
@@ -246,7 +246,13 @@ class Simulation:
 
     def reset_to_start(self) -> None:
         """Begin the level that each world has once more; the same commands give the same episode."""
-        self.run(lambda shard: restart.begin_again(self.parts, self.model, self.state, shard))
+        self.run_beginning(self._begin_again)
+
+    def _begin_again(self, shard: Shard) -> None:
+        altered = self.model.altered[shard.worlds]
+        if altered.any():  # who vanished or began anew is back only when the level is drawn once more
+            self.begin(Shard(shard.worlds[altered], shard.slot), self.model.level_stream.copy())
+        restart.begin_again(self.parts, self.model, self.state, Shard(shard.worlds[~altered], shard.slot))
 
     def step(self, commands: Sequence[float] | Floats | None = None, bodies: Ints | None = None) -> None:
         """Advance all worlds by one step.

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.errors import Problem, UnknownNameError, suggestion
-from irsim_gym.families import ENDINGS, OBSERVATIONS, REWARDS
+from irsim_gym.families import ENDINGS, OBSERVATIONS, REWARDS, SENSORS
+from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.scenario.validation import Report
@@ -139,10 +140,13 @@ def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Rep
     scanners = [[sensor for sensor in body.sensors if sensor.reading == "ranges"] for body in bodies]
     without = [body.name for body, found in zip(bodies, scanners, strict=True) if not found]
     if not without:
-        if len({(type(found[0]), found[0].group_key()) for found in scanners}) > 1:
-            report.add(
-                place, "learners of one task need range sensors of one kind with the same beams, all noisy or none"
-            )
+        first = scanners[0][0]
+        for body, (found, *_) in zip(bodies, scanners, strict=True):
+            if (type(found), found.group_key()) != (type(first), first.group_key()):
+                both = f"{bodies[0].name} has {_described(first)}, {body.name} has {_described(found)}"
+                rule = "learners of one task need range sensors of one kind with the same beams, all noisy or none"
+                report.add(place, f"{rule}: {both}; task: {{agents: [NAME, ...]}} says who learns")
+                break
         return item
     if not item.without_sensor:
         report.add(
@@ -159,6 +163,14 @@ def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Rep
         report.add((*place, "without_sensor"), f"'{item.without_sensor}' needs a range sensor itself")
         return item
     return substitute
+
+
+def _described(sensor: Any) -> str:
+    """Return what range sensors of learners have to have in common, in words."""
+    name = SENSORS.name_of(type(sensor))
+    keys = ("number", "angle_range", "noise", "has_velocity")
+    shared = [f"{key}: {show(getattr(sensor, key))}" for key in keys if hasattr(sensor, key)]
+    return f"{{{', '.join([f'name: {name}', *shared])}}}"
 
 
 def check_terms(terms: Terms, report: Report) -> None:

@@ -65,6 +65,8 @@ class WorldModel(Arrays):
     bucket_frame: Floats = column("6", np.float64, "m", "buckets: x, y, side, columns, rows (0: none), greatest reach")
     bucketed: Flags = column("body", np.bool_, "", "small enough to be found through the buckets")
     present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
+    level_stream: Words = column("world", np.uint64, "", "random stream that the level was drawn from")
+    altered: Flags = column("world", np.bool_, "", "bodies have vanished or begun anew since the level was drawn")
     level_random: Words = column("world", np.uint64, "", "state of the random stream when the level was drawn")
     initial_steering: Floats = column("body", np.float64, "rad", "steering angle at the start")
     initial_velocity: Floats = column("body 3", np.float64, "m/s or rad/s", "velocity at the start")

@@ -60,6 +60,23 @@ def test_who_comes_to_any_free_place_has_a_way_to_its_goal(reachable: bool) -> N
     assert (x < 5.0).all(), "from the other side of the wall there is no way"
 
 
+def test_the_level_begins_again_with_those_who_vanished_and_the_goals_that_it_had() -> None:
+    robots = {**DISC, "number": 3, "distribution": {"name": "random", "min_goal_distance": 2}}
+    simulation, untouched = begun([robots], 3), begun([robots], 3)
+    flags = np.array([[True, False, False], [False, True, False], [False, False, False]])
+    simulation.run(lambda shard: simulation.vanish(shard, simulation.agents, flags), np.array([0]))
+    respawn(simulation, flags[[2, 1, 2]].tolist())
+    simulation.step(np.zeros((3, 3, 2)))
+    assert (simulation.state.goal[1] != untouched.state.goal[1]).any()
+    assert not simulation.model.present[0, 0]
+    for _ in range(2):
+        simulation.reset_to_start()
+        for name in ("pose", "goal", "random", "time"):
+            np.testing.assert_array_equal(getattr(simulation.state, name), getattr(untouched.state, name), name)
+        np.testing.assert_array_equal(simulation.model.present, untouched.model.present)
+        assert not simulation.model.altered.any()
+
+
 def test_worlds_draw_nothing_for_bodies_that_begin_anew_in_others() -> None:
     ring = {**DISC, "number": 3, "distribution": {"name": "circle", "radius": 3, "turn": True}}
     robots = [ring, {**DISC, "state": [5, 5, 0]}]

@@ -194,9 +194,10 @@ def test_without_a_range_sensor_navigation_observes_bodies() -> None:
 
 def test_learners_need_the_same_beams() -> None:
     other = {**ROBOT, "sensors": [{"name": "lidar2d", "number": 90}]}
-    assert messages(scenario([ROBOT, other], task={"agents": "all"}))[0].endswith(
-        "with the same beams, all noisy or none"
-    )
+    (told, *_) = messages(scenario([ROBOT, other], task={"agents": "all"}))
+    assert "with the same beams, all noisy or none: robot_0 has {name: lidar2d, number: " in told
+    assert "robot_1 has {name: lidar2d, number: 90, angle_range: 3.14159, noise: false, has_velocity: false}" in told
+    assert told.endswith("task: {agents: [NAME, ...]} says who learns")
 
 
 # --- the layout of the parts
