@@ -6,29 +6,30 @@ import os
 import threading
 import time
 import weakref
-from collections import deque
-from collections.abc import Callable
-from itertools import pairwise
 
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.engine.crew import LOOKS, Desk
+from irsim_gym.engine.crew import Desk, looks_in
 from irsim_gym.engine.fused import Crew, Fused
+from irsim_gym.engine.job import Job, Work, cut, insist
+from irsim_gym.engine.pace import Pace
 from irsim_gym.world.group import Shard
-
-Work = Callable[[Shard], None]
 
 WORTH_S = 150e-6
 """A thread is worth while from this much work on [s]: waking it costs some 10 us, many times that on a busy machine."""
-CLOSE_S = 3e-4
-"""A thread looks for its next job before it sleeps where the last two came closer to each other [s]."""
-PIECES, PIECES_OF_RECORDED = 4, 8
+WORTH_AWAKE_S = 8e-6
+"""The same for recorded work where threads are awake and look for it [s]."""
+PIECE_S = 12e-6
+"""How long a piece of recorded work should take at least [s]; the calls in it cost some 2 us."""
+CLOSE_S, BRIEF_S = 3e-4, 5e-5
+"""How long a thread looks for its next job before it sleeps [s]: where jobs follow each other so closely, or not."""
+IN_A_ROW = 8
+"""After so many jobs that follow each other closely threads are woken for little work, as they will stay awake."""
+PIECES = 4
 """Pieces for each thread; who is free takes the next one, so that nobody waits for a thread that gets no processor."""
 NAP_S = 5e-5
 """How long one sleeps who has looked long enough whether others are still at recorded work [s]."""
-LOOK_S = 1e-3
-"""How often one who waits looks by itself whether others are still at work [s]."""
 HEAD_START_S = 0.0
 """How long the caller lets the threads begin before it takes a piece itself [s]; for tests of what threads do."""
 
@@ -50,11 +51,11 @@ class Shards:
             raise ValueError(f"num_threads must be >= 1, got {num_threads}")
         self.n_slots = min(num_threads, n_worlds)
         self.all = [Shard(np.arange(n_worlds, dtype=np.int64))]
-        self._seconds: dict[str, float] = {}
+        self._paces: dict[str, Pace] = {}
         self._lanes: list[_Lane] = []
         self._owner = 0
         self._desk: Desk | None = None
-        self._ended = 0.0
+        self._ended, self._in_a_row = 0.0, 0
 
     def run(self, function: Work, worlds: Ints | None = None) -> None:
         """Call ``function`` for shares of the given worlds (all by default).
@@ -70,27 +71,47 @@ class Shards:
 
     def _run(self, function: Work, worlds: Ints) -> None:
         """Do the work together, if it is worth that."""
-        if not len(worlds):
+        n_worlds = len(worlds)
+        if not n_worlds:
             return
         name = getattr(function, "__qualname__", type(function).__qualname__)
-        count = self._workers(name, len(worlds))
-        if count == 1:
-            self._run_alone(name, function, worlds)
-            return
+        pace = self._paces.get(name) or self._paces.setdefault(name, Pace())
+        self._in_a_row = self._in_a_row + 1 if time.perf_counter() - self._ended < CLOSE_S else 0
+        few = pace.workers(n_worlds, self.n_slots, min(WORTH_AWAKE_S, WORTH_S))
+        if few == 1 or not pace.is_worth_a_try() or not self._run_together(pace, function, worlds, few):
+            _run_alone(pace, function, worlds)
+        self._ended = time.perf_counter()
+
+    def _run_together(self, pace: Pace, function: Work, worlds: Ints, few: int) -> bool:
+        """Do the work together if it is worth that; return whether it is done.
+
+        Args:
+            pace: What is known about the work.
+            function: What to run.
+            worlds: For which worlds.
+            few: How many may take part if they are awake.
+        """
+        many = pace.workers(len(worlds), self.n_slots, WORTH_S)
+        wanted = few if self._in_a_row >= IN_A_ROW else many
+        if wanted < 2 and not self._lanes:
+            return False
         crew = function.crew(self.n_slots) if isinstance(function, Fused) else None
         if crew is not None:
-            self._run_recorded(name, crew, worlds, count)
-            return
-        job = _Job(function, cut(worlds, count * PIECES))
-        lanes = self._threads(count - 1)[: count - 1]
+            return self._share_recorded(pace, crew, worlds, few, wanted)
+        return many > 1 and self._share(pace, function, worlds, many)
+
+    def _share(self, pace: Pace, function: Work, worlds: Ints, count: int) -> bool:
+        """Do work that goes through Python together; return True."""
+        job, lanes = Job(function, cut(worlds, count * PIECES)), self._threads(count - 1)[: count - 1]
+        begin = time.perf_counter()
         try:
             for lane in lanes:
                 lane.give(job)
             if lanes and HEAD_START_S:
                 time.sleep(HEAD_START_S)
-            begin = time.perf_counter()
+            start = time.perf_counter()
             n_done = job.work(0)
-            taken = time.perf_counter() - begin
+            taken = time.perf_counter() - start
             job.wait()
         except BaseException:
             job.cancel()
@@ -99,56 +120,51 @@ class Shards:
             for lane in lanes:
                 lane.forget()
         job.check()
-        if n_done:
-            self._note(name, taken / n_done)
+        pace.note_shared(time.perf_counter() - begin, len(worlds))
+        pace.note(taken, n_done)
+        return True
 
-    def _run_alone(self, name: str, function: Work, worlds: Ints) -> None:
+    def _share_recorded(self, pace: Pace, crew: Crew, worlds: Ints, few: int, wanted: int) -> bool:
+        """Do recorded work together, without Python, see ``crew``; return False where nobody is there for it.
+
+        Args:
+            pace: What is known about the work.
+            crew: What each slot does.
+            worlds: For which worlds.
+            few: Among how many it is shared if they are awake.
+            wanted: How many are worth being woken.
+        """
+        lanes, desk = self._threads(wanted - 1), self._ready_desk()
+        least, total = int(PIECE_S / pace.least_s) if pace.least_s else 1, len(self.all[0].worlds)
+        looks = looks_in(CLOSE_S if self._in_a_row else BRIEF_S)
         begin = time.perf_counter()
-        function(Shard(worlds))
-        self._note(name, (time.perf_counter() - begin) / len(worlds))
-
-    def _run_recorded(self, name: str, crew: Crew, worlds: Ints, count: int) -> None:
-        """Do recorded work together, without Python; see ``crew``."""
-        lanes, desk = self._threads(count - 1), self._ready_desk()
-        looks = LOOKS if time.perf_counter() - self._ended < CLOSE_S else 0
         try:
-            asleep = desk.offer(crew, worlds, count * PIECES_OF_RECORDED, looks)
-            for slot, lane in enumerate(lanes[: count - 1], start=1):
-                if slot in asleep or lane.desk is not desk:
-                    lane.attend(desk)
+            asleep = desk.offer(crew, worlds, total, few, wanted, least, looks)
+            if asleep is None:
+                return False
+            for slot in asleep:
+                lanes[slot - 1].attend(desk)
             if HEAD_START_S:
                 time.sleep(HEAD_START_S)
-            begin = time.perf_counter()
+            start = time.perf_counter()
             n_done = desk.work()
-            taken = time.perf_counter() - begin
+            taken = time.perf_counter() - start
             while not desk.wait():
                 time.sleep(NAP_S)
         except BaseException:
-            _insist(desk.give_up)
+            insist(desk.give_up)
             for lane in lanes:
                 lane.attend(desk)  # whoever was to be woken: the desk takes it to be awake
             raise
         crew.check(desk.failed)
-        self._ended = time.perf_counter()
-        if n_done:
-            self._note(name, taken / n_done)
+        pace.note_shared(time.perf_counter() - begin, len(worlds))
+        pace.note(taken, n_done)
+        return True
 
     def _ready_desk(self) -> Desk:
         if self._desk is None:
             self._desk = Desk(self.n_slots)
         return self._desk
-
-    def _workers(self, name: str, n_worlds: int) -> int:
-        """Return how many do the work: each share is worth a thread."""
-        expected, count = self._seconds.get(name, 0.0) * n_worlds, min(self.n_slots, n_worlds)
-        while count > 1 and expected < count * WORTH_S:
-            count -= 1
-        return count
-
-    def _note(self, name: str, seconds: float) -> None:
-        """Keep the least time per world; the first time is none, as functions are compiled in it."""
-        known = self._seconds.get(name)
-        self._seconds[name] = 0.0 if known is None else seconds if known == 0.0 else min(known, seconds)
 
     def _threads(self, count: int) -> list[_Lane]:
         if self._owner != os.getpid():
@@ -163,83 +179,10 @@ class Shards:
         return {**self.__dict__, "_lanes": [], "_owner": 0, "_desk": None}
 
 
-def cut(worlds: Ints, count: int) -> list[Ints]:
-    """Return even pieces of the given worlds, none of them empty."""
-    bounds = [len(worlds) * k // count for k in range(count + 1)]
-    return [worlds[a:b] for a, b in pairwise(bounds) if a < b]
-
-
-def _insist(is_over: Callable[[], bool]) -> None:
-    """Return when something is over, however often this is interrupted."""
-    while True:
-        try:
-            if is_over():
-                return
-        except KeyboardInterrupt:
-            continue
-
-
-class _Job:
-    """A function and the pieces that are left; threads and the caller take one after another."""
-
-    def __init__(self, function: Work, pieces: list[Ints]) -> None:
-        self._function = function
-        self._left = deque(enumerate(pieces))
-        self._errors: list[tuple[int, BaseException]] = []
-        self._at_work = 0
-        self._lock = threading.Lock()
-        self._done = threading.Lock()
-        self._done.acquire()
-
-    def work(self, slot: int) -> int:
-        """Take pieces until none is left, and return how many worlds that were."""
-        n_done = 0
-        while self._left:
-            try:
-                number, worlds = self._left.popleft()
-            except IndexError:  # another one was faster
-                break
-            try:
-                self._function(Shard(worlds, slot))
-            except BaseException as error:
-                if slot == 0 and not isinstance(error, Exception):
-                    raise  # an interrupt of the caller
-                self._errors.append((number, error))
-            n_done += len(worlds)
-        return n_done
-
-    def help(self, slot: int) -> None:
-        """Do as ``work`` does, beside the caller, who waits for the end."""
-        with self._lock:
-            if not self._left:
-                return
-            self._at_work += 1
-        try:
-            self.work(slot)
-        finally:
-            with self._lock:
-                self._at_work -= 1
-                if self._done.locked():
-                    self._done.release()
-
-    def wait(self) -> None:
-        """Return when nobody is at work; a condition of ``threading`` does not stand being interrupted."""
-        while self._at_work:
-            self._done.acquire(timeout=LOOK_S)
-
-    def cancel(self) -> None:
-        """Return when nobody is at work, however often this is interrupted; what nobody has taken is left undone."""
-        self._left.clear()
-        _insist(self._is_over)
-
-    def _is_over(self) -> bool:
-        self.wait()
-        return True
-
-    def check(self) -> None:
-        """Raise the error of the first piece that failed."""
-        if self._errors:
-            raise min(self._errors, key=lambda one: one[0])[1]
+def _run_alone(pace: Pace, function: Work, worlds: Ints) -> None:
+    begin = time.perf_counter()
+    function(Shard(worlds))
+    pace.note(time.perf_counter() - begin, len(worlds))
 
 
 class _Lane:
@@ -252,13 +195,13 @@ class _Lane:
     def __init__(self, slot: int) -> None:
         self.desk: Desk | None = None
         self._slot = slot
-        self._job: _Job | None = None
+        self._job: Job | None = None
         self._is_dismissed = False
         self._given = threading.Lock()
         self._given.acquire()
         threading.Thread(target=self._serve, name="irsim_gym", daemon=True).start()
 
-    def give(self, job: _Job) -> None:
+    def give(self, job: Job) -> None:
         """Let the thread help with a job, as soon as it gets a processor."""
         self._job = job
         self._wake()

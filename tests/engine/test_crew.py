@@ -197,4 +197,6 @@ def test_a_thread_looks_for_work_only_where_jobs_follow_each_other(monkeypatch: 
     for pause in (0.0, 0.0, 0.15, 0.0):
         time.sleep(pause)
         made.run(visits.fused)
-    assert looks == [0, crew.LOOKS, 0, crew.LOOKS]
+    often, seldom = crew.looks_in(0.1), crew.looks_in(shards.BRIEF_S)
+    assert looks == [seldom, often, seldom, often]
+    assert often > 100 * seldom

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 from irsim_gym.engine import shards
+from irsim_gym.engine.pace import Pace
 from irsim_gym.engine.shards import Shards
 from irsim_gym.world.group import Shard
 
@@ -64,7 +65,8 @@ def test_little_work_stays_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_least_time_so_far_says_how_many_work(worth: float, workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shards, "WORTH_S", worth)
     made = Shards(N, 3)
-    made._seconds["Work"] = 0.003  # 0.021 s for all worlds
+    made._paces["Work"] = Pace()
+    made._paces["Work"].least_s = 0.003  # 0.021 s for all worlds
     made.run(type("Work", (Visits,), {})())
     assert len(made._lanes) == workers - 1
 
