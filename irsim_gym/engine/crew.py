@@ -234,7 +234,7 @@ def find_piece(desk: int, slot: int, n_slots: int) -> int:
         if load(owner + OWN) > 0:
             left = add(owner + OWN, -1)
             if left > 0:
-                return load(owner + LAST) - left
+                return int(load(owner + LAST) - left)
     return 0
 
 

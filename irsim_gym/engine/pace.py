@@ -54,7 +54,8 @@ class Pace:
         return max(1, min(most, int(self.least_s * n_worlds / worth_s)))
 
     def is_worth_a_try(self) -> bool:
-        """Return whether the next job may be shared, which it then should be; counts the jobs that may not."""
+        """Return whether the next job may be shared; asked once for each, as those that may not are counted."""
         if self._rest:
             self._rest -= 1
-        return not self._rest
+            return False
+        return True

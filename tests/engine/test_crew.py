@@ -200,3 +200,60 @@ def test_a_thread_looks_for_work_only_where_jobs_follow_each_other(monkeypatch: 
     often, seldom = crew.looks_in(0.1), crew.looks_in(shards.BRIEF_S)
     assert looks == [seldom, often, seldom, often]
     assert often > 100 * seldom
+
+
+@pytest.mark.parametrize(
+    ("n", "least", "most", "bounds"),
+    [(100, 8, 16, [0, 50, 75, 88, 100]), (100, 8, 2, [0, 50, 100]), (5, 8, 16, [0, 5]), (4, 1, 16, [0, 2, 3, 4])],
+)
+def test_pieces_get_smaller(n: int, least: int, most: int, bounds: list[int]) -> None:
+    written = np.zeros(20, np.int64)
+    assert crew.portion(0, n, least, most, 0, written) == len(bounds) - 1
+    assert written[: len(bounds)].tolist() == bounds
+    assert crew.portion(n, n, least, most, 3, written) == 3
+
+
+def test_the_worlds_of_a_slot_are_found_by_halving() -> None:
+    worlds = np.array([2, 3, 3, 7, 20])
+    assert [crew.find_first(worlds, 0, w) for w in (0, 2, 3, 4, 20, 21)] == [0, 0, 1, 3, 4, 5]
+    assert crew.find_first(worlds, 4, 3) == 4
+    assert crew.find_first(worlds[::-1].copy(), 2, 10) in (2, 3, 4, 5)
+
+
+def test_everybody_begins_with_worlds_of_his_own() -> None:
+    """Of 30 worlds each of three slots has ten; of the last slot's, four are listed, in pieces of 2, 1 and 1."""
+    visits, desk = Visits(n_slots=3), crew.Desk(3)
+    team = visits.fused.crew(3)
+    assert team is not None
+    assert desk.offer(team, np.array([1, 12, 14, 22, 24, 27, 29]), 30, 3, 3, 1, 0) == [1, 2]
+    found = [crew.find_piece(desk._at, slot, 3) for slot in (2, 1, 1, 1, 1, 1)]
+    assert found == [3, 1, 2, 4, 5, 0]
+    assert desk._bounds[:7].tolist() == [0, 1, 2, 3, 5, 6, 7]
+
+
+def test_little_work_is_shared_with_those_who_are_awake(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, visits = Shards(N, 2), Visits()
+    monkeypatch.setattr(shards, "HEAD_START_S", 0.02)
+    monkeypatch.setattr(shards, "CLOSE_S", 0.2)
+    monkeypatch.setattr(shards, "IN_A_ROW", 10**9)
+
+    def by_the_thread(worth_s: float) -> bool:
+        monkeypatch.setattr(shards, "WORTH_S", worth_s)
+        monkeypatch.setattr(shards, "WORTH_AWAKE_S", 0.0)
+        visits.slots[:] = 0
+        made.run(visits.fused)
+        return bool(visits.slots[1].any())
+
+    assert [by_the_thread(worth_s) for worth_s in (10.0, 10.0, 0.0, 10.0)] == [False, False, True, True]
+    time.sleep(1.0)  # the thread has gone to sleep
+    assert [by_the_thread(10.0), by_the_thread(10.0)] == [False, False]
+    monkeypatch.setattr(shards, "IN_A_ROW", 0)
+    assert by_the_thread(10.0), "jobs follow each other: it will stay awake"
+    assert visits.seen.tolist() == [7] * N
+
+
+def test_worlds_in_any_order_are_treated_once() -> None:
+    made, visits, numbers = Shards(N, 3), Visits(), np.random.default_rng(0)
+    for _ in range(200):
+        made.run(visits.fused, numbers.permutation(N))
+    assert visits.seen.tolist() == [200] * N
