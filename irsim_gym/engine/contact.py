@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
 from irsim_gym.engine.cell_contact import find_cell_contacts, measure_cell_clearance
 from irsim_gym.engine.crowd import find_near_contacts, measure_near_clearance
@@ -12,6 +14,9 @@ from irsim_gym.world.model import ROBOT, STOP, UNOBSTRUCTED, WorldModel
 from irsim_gym.world.state import WorldState
 
 NOBODY = -1
+
+SURE = 1e-6
+"""What is known of the room around a disc is taken for this much less [m]; rounding is far smaller."""
 
 OutlineTables = tuple[Flags, Flags, Flags, Floats, Ints, Ints, Floats, Ints, Ints, Floats]
 
@@ -27,7 +32,7 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
     """Write ``model.static_partner``: contacts between bodies that never move, once per level."""
     forget_contacts(shard.worlds, state.hit)
     _find_pairs(bodies, model, state, shard)
-    note_partners(shard.worlds, state.hit, model.static_partner)
+    note_partners(shard.worlds, state.hit, model.static_partner, state.room)
 
 
 def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -39,7 +44,7 @@ def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
             shard.worlds, bodies, model.movable, *outline, state.pose, *buckets, state.collided, state.hit
         )
     else:
-        find_contacts(shard.worlds, bodies, model.movable, *outline, state.pose, state.collided, state.hit)
+        find_contacts(shard.worlds, bodies, model.movable, *outline, state.pose, state.room, state.collided, state.hit)
     if (cells := model.cells) is not None:
         touch_cells(bodies, cells, model, state, shard)
 
@@ -89,12 +94,13 @@ def forget_contacts(worlds: Ints, hit: Ints) -> None:
 
 
 @kernel
-def note_partners(worlds: Ints, hit: Ints, static_partner: Ints) -> None:
-    """Keep the contacts that last through the level."""
+def note_partners(worlds: Ints, hit: Ints, static_partner: Ints, room: Floats) -> None:
+    """Keep the contacts that last through the level, and forget how much room there was in the one before."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for b in range(hit.shape[1]):
             static_partner[w, b] = hit[w, b]
+            room[w, b, 2] = 0.0
 
 
 @kernel
@@ -123,12 +129,14 @@ def find_contacts(
     disc_count: Ints,
     discs: Floats,
     pose: Floats,
+    room: Floats,
     collided: Flags,
     hit: Ints,
 ) -> None:
     """Test each of ``bodies`` against every other body; pairs of listed bodies that can move alike are met once.
 
-    Closed sets: touching counts. Bodies marked unobstructed touch nobody.
+    Closed sets: touching counts. Bodies marked unobstructed touch nobody. Discs that ``room`` shows to be clear of
+    everything are not tested.
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
@@ -149,6 +157,8 @@ def find_contacts(
                 continue
             x, y, own, moves, d = here[b, 0], here[b, 1], reaches[b], movable[b], disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
+            if is_disc and room_left(rounds[d], room[w, b]) > 0.0:
+                continue
             for q in range(there.shape[0]):
                 dx, dy, near = here[q, 0] - x, here[q, 1] - y, own + reaches[q]
                 if dx * dx + dy * dy > near * near * (1.0 + 1e-12) or q == b or unobstructed[q] or not there[q]:
@@ -167,6 +177,18 @@ def find_contacts(
                     hit[w, q] = b if hit[w, q] < 0 else min(hit[w, q], b)
 
 
+@kernel(inlined=True)
+def room_left(disc: Floats, room: Floats) -> float:
+    """Return the distance [m] within which a disc (x, y, radius) surely meets nothing; not above 0 if none is known.
+
+    Args:
+        disc: Where it is now.
+        room: Where it was, and up to where [m] nothing was from its edge, while the others stand still.
+    """
+    dx, dy = disc[0] - room[0], disc[1] - room[1]
+    return float(room[2] - SURE - np.sqrt(dx * dx + dy * dy))
+
+
 @kernel
 def stop_bodies(worlds: Ints, movers: Ints, collision_mode: Ints, role: Ints, collided: Flags, stopped: Flags) -> None:
     """Hold collided bodies in place as the collision mode says."""
@@ -180,7 +202,13 @@ def stop_bodies(worlds: Ints, movers: Ints, collision_mode: Ints, role: Ints, co
 
 
 def clearance(
-    bodies: Ints, limit: Floats, model: WorldModel, state: WorldState, shard: Shard, distance: Floats
+    bodies: Ints,
+    limit: Floats,
+    model: WorldModel,
+    state: WorldState,
+    shard: Shard,
+    distance: Floats,
+    only_mover: int = NOBODY,
 ) -> None:
     """Write the surface distance of ``bodies`` to the nearest other body.
 
@@ -191,6 +219,7 @@ def clearance(
         state: The moment.
         shard: The worlds to treat.
         distance: Written, [m], shape ``(n_worlds, n_bodies)``; ``limit`` where nothing else is present.
+        only_mover: The one body that moves: how much room is around it is kept for later steps.
 
     Where there are buckets they have to be up to date.
     """
@@ -199,7 +228,7 @@ def clearance(
         buckets = (model.bucket_frame, state.bucket_first, state.bucket_next, state.nearby)
         measure_near_clearance(shard.worlds, bodies, limit, *outline, state.pose, *buckets, distance)
     else:
-        measure_clearance(shard.worlds, bodies, limit, *outline, state.pose, distance)
+        measure_clearance(shard.worlds, bodies, only_mover, limit, *outline, state.pose, state.room, distance)
     if (cells := model.cells) is not None:
         measure_cell_clearance(
             shard.worlds,
@@ -230,6 +259,7 @@ def fill(worlds: Ints, value: float, distance: Floats) -> None:
 def measure_clearance(
     worlds: Ints,
     bodies: Ints,
+    only_mover: int,
     limit: Floats,
     present: Flags,
     unobstructed: Flags,
@@ -242,9 +272,13 @@ def measure_clearance(
     disc_count: Ints,
     discs: Floats,
     pose: Floats,
+    room: Floats,
     distance: Floats,
 ) -> None:
-    """Write exact surface distances, passing over bodies that cannot be the nearest."""
+    """Write exact surface distances, passing over bodies that cannot be the nearest.
+
+    That of a disc that is the only body that moves is noted in ``room``: until it has moved as far it touches nothing.
+    """
     for i in range(worlds.shape[0]):
         w = worlds[i]
         reaches, rows, rounds, here, there = (
@@ -273,3 +307,5 @@ def measure_clearance(
                     whole = segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b]
                     best = min(best, outline_distance(rows, *whole, rows, *other, best))
             distance[w, k] = best
+            if is_disc and b == only_mover:
+                room[w, b, 0], room[w, b, 1], room[w, b, 2] = rounds[d, 0], rounds[d, 1], best

@@ -223,7 +223,9 @@ class Simulation:
         if not isinstance(limit, np.ndarray):
             contact.fill(shard.worlds, float(limit), distance)
             limit = distance
-        contact.clearance(bodies, limit, self.model, self.state, shard, distance)
+        movers = self.parts.movers
+        only_mover = int(movers[0]) if len(movers) == 1 else contact.NOBODY
+        contact.clearance(bodies, limit, self.model, self.state, shard, distance, only_mover)
 
     def reset(self, seed: int = 0, split: str = "train", episode: int = 0) -> None:
         """Begin an episode in all worlds.

@@ -38,6 +38,9 @@ class WorldState(Arrays):
     collided: Flags = column("world body", np.bool_, "", "touches another body")
     stopped: Flags = column("world body", np.bool_, "", "held in place by a collision")
     hit: Ints = column("world body", np.int64, "", "the body it touches (lowest id), -1 for none")
+    room: Floats = column(
+        "world body 3", np.float64, "m", "where a disc was, and how far around it nothing was; 0 where nobody knows"
+    )
     bucket: Ints = column("world body", np.int64, "", "the bucket that the body is in, -1 for none")
     bucket_first: Ints = column("world bucket", np.int64, "", "first body of each bucket, -1 for none")
     bucket_next: Ints = column("world body", np.int64, "", "next body of the same bucket, -1 for none")
