@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.render import theme
+from irsim_gym.render import fonts, theme
 from irsim_gym.render.layout import LEFT, REFERENCE_SIDE
 from irsim_gym.render.tiles import grid
 from irsim_gym.render.video import write_video
@@ -98,7 +98,8 @@ def caption_strip(caption: str, width: int, frame_width: float | None = None) ->
     figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi, facecolor=theme.PAPER)
     canvas: Any = FigureCanvasAgg(figure)
     left = LEFT * enlargement / width
-    look: dict[str, Any] = {"family": theme.FONT, "fontsize": CAPTION_SIZE, "weight": "bold", "color": theme.INK}
+    caption, face = fonts.families(caption, bold=True)
+    look: dict[str, Any] = {**face, "fontsize": CAPTION_SIZE, "color": theme.INK}
     figure.text(left, 0.40, caption, va="center", parse_math=False, usetex=False, **look)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()

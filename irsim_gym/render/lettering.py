@@ -12,7 +12,7 @@ from matplotlib.patheffects import Stroke
 from matplotlib.text import Text
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.render import theme
+from irsim_gym.render import fonts, theme
 from irsim_gym.render.brush import Brush
 
 TEXT: dict[str, Any] = {"family": theme.FONT, "parse_math": False, "usetex": False}
@@ -124,8 +124,9 @@ class Lettering:
         return self._widths[key]
 
     def _set(self, words: str, x: float, y: float, look: Type) -> None:
-        self._text.set(position=(x, y), text=words, color=look.colour, alpha=look.alpha, fontsize=look.size)
-        self._text.set(weight=look.weight, ha=look.align, va=look.level)
+        words, face = fonts.families(words, bold=look.weight == "bold")
+        self._text.set(**face, position=(x, y), text=words, color=look.colour, alpha=look.alpha, fontsize=look.size)
+        self._text.set(ha=look.align, va=look.level)
 
     def _paint(self, renderer: Any, look: Type) -> None:
         """Draw the text that is set; its halo apart and before it, so that a file holds the letters as letters."""

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw, ImageFont, features
 
 from irsim_gym.arraytypes import Bytes, Ints, Rays
-from irsim_gym.errors import IrsimGymError
 from irsim_gym.raster.sheets import new_sheet
+from irsim_gym.render import fonts
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Masks:
         self.levels: Bytes = np.zeros(0, np.uint8)
         self.rows: Ints = np.zeros((0, 5), np.int64)
         self._words: dict[tuple[str, float, bool], Word] = {}
-        self._fonts: dict[tuple[float, bool], ImageFont.FreeTypeFont] = {}
+        self._fonts: dict[tuple[Path, float, ImageFont.Layout], ImageFont.FreeTypeFont] = {}
 
     def add(self, mask: Bytes, left: int, top: int) -> int:
         """Add a mask ``(height, width)`` whose upper left corner is at ``left``, ``top``; return its number."""
@@ -76,33 +76,33 @@ class Masks:
         return known
 
     def _make(self, text: str, size: float, bold: bool) -> Word:
-        font = self._font(size, bold)
-        _, low_top, _, low_foot = font.getbbox("lp", anchor="ls")
-        left, top, right, foot = (round(value) for value in font.getbbox(text, anchor="ls"))
+        own = fonts.usual(bold=bold)
+        _, low_top, _, low_foot = self._font(own, size).getbbox("lp", anchor="ls")
+        written = ImageFont.Layout.RAQM if _runs_left(text) and features.check("raqm") else ImageFont.Layout.BASIC
+        placed, advance = list[tuple[float, str, ImageFont.FreeTypeFont]](), 0.0
+        for part, file in fonts.runs(text, bold=bold) or (("", own),):
+            font = self._font(file, size, written)
+            placed.append((advance, part, font))
+            advance += float(font.getlength(part))
+        boxes = [np.add(font.getbbox(part, anchor="ls"), (x, 0, x, 0)) for x, part, font in placed]
+        left, top = (round(value) for value in np.min(boxes, axis=0)[:2].tolist())
+        right, foot = (round(value) for value in np.max(boxes, axis=0)[2:].tolist())
         image = Image.new("L", (max(right - left, 1), max(foot - top, 1)))
-        ImageDraw.Draw(image).text((-left, -top), text, fill=255, font=font, anchor="ls")
+        for x, part, font in placed:
+            ImageDraw.Draw(image).text((x - left, -top), part, fill=255, font=font, anchor="ls")
         mask = self.add(np.asarray(image), left, top)
         lowest = max(float(low_foot), float(foot))
-        advance = float(font.getlength(text))
         return Word(mask, float(right), advance, max(-float(low_top), -float(top)) + lowest, lowest)
 
-    def _font(self, size: float, bold: bool) -> ImageFont.FreeTypeFont:
-        key = (size, bold)
+    def _font(
+        self, file: Path, size: float, layout: ImageFont.Layout = ImageFont.Layout.BASIC
+    ) -> ImageFont.FreeTypeFont:
+        key = file, size, layout
         if key not in self._fonts:
-            file = font_file("DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf")
-            self._fonts[key] = ImageFont.truetype(str(file), size, layout_engine=ImageFont.Layout.BASIC)
+            self._fonts[key] = ImageFont.truetype(str(file), size, layout_engine=layout)
         return self._fonts[key]
 
 
-def font_file(name: str) -> Path:
-    """Return a font that comes with matplotlib, which need not be loaded for that.
-
-    Raises:
-        IrsimGymError: It is not there.
-    """
-    found = find_spec("matplotlib")
-    for folder in (found.submodule_search_locations or ()) if found is not None else ():
-        file = Path(folder) / "mpl-data" / "fonts" / "ttf" / name
-        if file.is_file():
-            return file
-    raise IrsimGymError(f"no font {name!r}: it comes with matplotlib, which is not installed as a folder of files")
+def _runs_left(text: str) -> bool:
+    """Return whether a text has letters of a script that runs from right to left, and joins them."""
+    return not text.isascii() and any(unicodedata.bidirectional(letter) in ("R", "AL") for letter in text)

@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from PIL import Image, ImageDraw
 
 from irsim_gym.arraytypes import Floats, Rays
-from irsim_gym.render import theme
+from irsim_gym.render import fonts, theme
 from irsim_gym.render.files import whole_file
 from irsim_gym.render.scene import BodyView, MapView
 from irsim_gym.render.stage import READABLE
@@ -148,8 +148,8 @@ def draw_ways(
     size = columns * (wide + 0.45) + 0.2, rows * (wide * share + 0.95) + 0.95
     figure = Figure(figsize=size, facecolor=theme.PAPER, layout="constrained")
     FigureCanvasAgg(figure)
-    ink: dict[str, Any] = {"family": theme.FONT, "color": theme.INK}
-    figure.suptitle(title, x=0.02, ha="left", fontsize=11, weight="bold", **ink)
+    title, face = fonts.families(title, bold=True)
+    figure.suptitle(title, x=0.02, ha="left", fontsize=11, color=theme.INK, **face)
     for k, panel in enumerate(panels):
         axes = figure.add_subplot(rows, columns, k + 1)
         _draw_panel(axes, panel, density)
@@ -180,7 +180,8 @@ def _draw_panel(axes: Axes, panel: Panel, density: Density) -> None:
     beyond = BEYOND * max(x_max - x_min, y_max - y_min)
     axes.set(xlim=(x_min - beyond, x_max + beyond), ylim=(y_min - beyond, y_max + beyond), aspect="equal")
     axes.add_patch(Rectangle((x_min, y_min), x_max - x_min, y_max - y_min, fill=False, ec=theme.RULE, lw=0.8))
-    axes.set_title(panel.title, loc="left", fontsize=9, weight="bold", color=theme.INK, family=theme.FONT, pad=15)
+    title, face = fonts.families(panel.title, bold=True)
+    axes.set_title(title, loc="left", fontsize=9, color=theme.INK, pad=15, **face)
     axes.text(0.0, 1.012, panel.success, transform=axes.transAxes, fontsize=8, color=theme.INK, family=theme.FONT)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
