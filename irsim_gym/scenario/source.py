@@ -122,7 +122,7 @@ def _neighbor(path: Path) -> str:
     folder = path.parent
     if not folder.is_dir():
         return f": there is no folder {folder}"
-    return suggestion(path.name, [file.name for file in folder.iterdir() if file.suffix == path.suffix])
+    return suggestion(path.name, [file.name for file in folder.iterdir() if file.suffix in (".yaml", ".yml")])
 
 
 def read_mapping(data: Mapping[str, Any]) -> Source:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
@@ -65,7 +65,12 @@ def records(options: Sequence[Any]) -> Any:
     sub-arrays and an absent number (None) as NaN; text and ragged values do not. The array always has at
     least the field ``index``.
     """
-    rows = [_numbers(item) for item in options]
+    hints = {kind: get_type_hints(kind) for kind in {type(item) for item in options}}
+    read: dict[int, dict[str, NDArray[Any]]] = {}  # a crowd shares one instance
+    for item in options:
+        if id(item) not in read:
+            read[id(item)] = _numbers(item, hints[type(item)])
+    rows = [read[id(item)] for item in options]
     fields: list[Any] = [("index", np.int64)]
     for name, value in rows[0].items() if rows else ():
         fields.append((name, value.dtype, value.shape) if value.ndim else (name, value.dtype))
@@ -77,8 +82,7 @@ def records(options: Sequence[Any]) -> Any:
     return table
 
 
-def _numbers(item: Any) -> dict[str, NDArray[Any]]:
-    hints = get_type_hints(type(item))
+def _numbers(item: Any, hints: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
     names = [declared.name for declared in dataclasses.fields(item)]
     found = {name: _as_number(getattr(item, name), hints[name]) for name in names}
     return {name: value for name, value in found.items() if value is not None}
