@@ -65,8 +65,8 @@ def compile(
     Raises:
         ScenarioError: A robot's given start lies in an obstacle.
     """
-    if n_worlds < 1:
-        raise ValueError(f"n_worlds must be >= 1, got {n_worlds}")
+    if isinstance(n_worlds, bool) or not isinstance(n_worlds, int | np.integer) or n_worlds < 1:
+        raise ValueError(f"n_worlds must be a whole number >= 1, got {n_worlds!r}")
     outlines = [body.shape.outline() for body in scenario.bodies]
     boxes = np.zeros((0, 4), np.int64) if scenario.occupied is None else find_boxes(scenario.occupied)
     sizes = {

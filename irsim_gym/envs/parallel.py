@@ -230,6 +230,8 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
 
     def _taken(self, actions: Mapping[str, Any]) -> NDArray[Any]:
         """Return the actions as the batch of one takes them; those of agents who are not there are 0."""
+        if not isinstance(actions, Mapping):
+            raise TypeError(f"actions are a dict with one for each agent by its name, got {type(actions).__name__}")
         for name in actions:
             if name not in self.agents:
                 self._of(self.action_spaces, name)

@@ -27,6 +27,11 @@ class BodyNames(Moment):
                 object.__getattribute__(self, name)  # tells what went wrong in a property
             raise AttributeError(hints.missing("a body", name, hints.BODY, dir(self)), name=name, obj=self)
 
+        def __setattr__(self, name: str, value: Any) -> None:
+            if not name.startswith("_"):
+                raise AttributeError(hints.unsettable(name, dir(self)), name=name, obj=self)
+            object.__setattr__(self, name, value)
+
     @property
     def arrive(self) -> bool:
         """IR-SIM's name for ``arrived``."""

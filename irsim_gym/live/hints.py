@@ -119,6 +119,16 @@ LOAD: dict[str, tuple[tuple[object, ...], str]] = {
 """For each argument of IR-SIM's that is not one here: values that ask for what is so anyway, and what to do else."""
 
 
+def unsettable(name: str, known: Iterable[str]) -> str:
+    """Return what to do in place of ``body.name = value``."""
+    setter = f"set_{name}"
+    if setter in known:
+        return f"a body's {name} cannot be assigned: use {setter}(...)"
+    if name in known:
+        return f"a body's {name} cannot be assigned; set_state, set_velocity and set_goal change a body"
+    return missing("a body", name, BODY, known)
+
+
 def missing(what: str, name: str, elsewhere: Mapping[str, str], known: Iterable[str]) -> str:
     """Return what is wrong with a name that is not here, with what to use in its place.
 

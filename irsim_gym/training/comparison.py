@@ -43,7 +43,13 @@ def evaluate(
         n_worlds: Worlds stepped together; the results do not depend on it.
         folder: Where tables, rows and pictures go; None writes none.
         parameters: Values for the scenario's parameters.
+
+    Raises:
+        ValueError: There is no level to drive.
+        IrsimGymError: There is no such policy, or it does not fit the task.
     """
+    if levels < 1:
+        raise ValueError(f"levels must be >= 1, got {levels}")
     names = list(policies) if isinstance(policies, Mapping) else None
     sources: Sequence[Source]
     if isinstance(policies, Mapping):

@@ -21,7 +21,7 @@ from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.errors import IrsimGymError, suggestion
 from irsim_gym.evaluation.policy import ObservationPolicy, Policy, by_world, percepts
 from irsim_gym.evaluation.reference_policies import REFERENCES, reference_policy
 from irsim_gym.tasks import Episodes
@@ -145,8 +145,10 @@ def load_policy(source: Source) -> Policy:
         return source
     if isinstance(source, BaseAlgorithm):
         return SavedPolicy(source, _frozen(source.get_vec_normalize_env()))
-    if not isinstance(source, str | Path):
+    if callable(source):
         return ObservationPolicy(source)
+    if not isinstance(source, str | Path):
+        raise TypeError(f"a policy is a function, a model, a file or a name, got {type(source).__name__}")
     if str(source) in REFERENCES:
         return reference_policy(str(source))
     path = Path(source)
@@ -154,7 +156,10 @@ def load_policy(source: Source) -> Policy:
         newest = newest_checkpoint(Run(path).checkpoints)
         path = path / POLICY if (path / POLICY).is_file() or newest is None else newest / POLICY
     if not path.is_file():
-        raise IrsimGymError(f"no policy at {source}; give a .zip, a run's folder, or one of {', '.join(REFERENCES)}")
+        near = suggestion(str(source), REFERENCES)
+        raise IrsimGymError(
+            f"no policy at {source}{near}; give a .zip, a run's folder, or one of {', '.join(REFERENCES)}"
+        )
     model = _algorithm(path).load(path, device="cpu")
     return SavedPolicy(model, _normalization(path.parent / NORMALIZATION))
 

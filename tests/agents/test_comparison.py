@@ -11,6 +11,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
 import irsim_gym
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.policies import SavedPolicy, load_policy, policy_names
 
 PLAIN = "empty_goal"
@@ -97,6 +98,15 @@ def test_a_models_normalisation_comes_along_and_learns_nothing() -> None:
     np.testing.assert_array_equal(env.obs_rms.mean, before)
     assert policy.normalization is not None
     assert not policy.normalization.training
+
+
+def test_what_is_no_policy_is_told() -> None:
+    with pytest.raises(IrsimGymError, match=r"no policy at dsh \(did you mean 'dash'\?\); give a .zip"):
+        irsim_gym.evaluate(PLAIN, "dsh")
+    with pytest.raises(TypeError, match="a policy is a function, a model, a file or a name, got int"):
+        load_policy(5)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="levels must be >= 1, got 0"):
+        irsim_gym.evaluate(PLAIN, "dash", levels=0)
 
 
 def test_names_of_what_has_no_file() -> None:

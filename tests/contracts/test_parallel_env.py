@@ -18,6 +18,15 @@ from irsim_gym.errors import UnknownNameError
 from irsim_gym.tasks import HitKind, Outcome
 
 
+def test_a_list_of_actions_is_refused_in_words():
+    env = irsim_gym.parallel_env("circle_swap", n_robots=2)
+    env.reset(seed=0)
+    with pytest.raises(TypeError, match="actions are a dict with one for each agent by its name, got list"):
+        env.step([[0, 0], [0, 0]])
+    with pytest.raises(ValueError, match=r"n_worlds must be a whole number >= 1, got 2\.5"):
+        irsim_gym.make_vec("empty_goal", 2.5)
+
+
 def test_each_ends_in_its_own_way():
     """The script of ``four_ends``: arrival, collision, time limit, and an arrival in the very last step."""
     env = irsim_gym.parallel_env(four_ends())

@@ -17,6 +17,18 @@ FILE = "robot: {name: one}\n"
 CELLS = [[0, 100, 0], [0, 0, 0]]  # columns from the left, rows from the bottom
 
 
+def test_a_body_is_changed_by_its_methods_alone() -> None:
+    world = irsim_gym.load({"robot": {"kinematics": {"name": "diff"}}})
+    for name, said in {
+        "state": r"state cannot be assigned: use set_state\(",
+        "goal": r"goal cannot be assigned: use set_goal\(",
+        "collided": "collided cannot be assigned; set_state, set_velocity and set_goal change a body",
+        "stat": r"a body has no 'stat' \(did you mean 'state'\?\)",
+    }.items():
+        with pytest.raises(AttributeError, match=said):
+            setattr(world.robot, name, [1, 1, 0])
+
+
 def test_names_of_a_body() -> None:
     near = {**SCENARIO["robot"][0], "goal": [1.05, 1, 0], "goal_threshold": 0.3, "vel_max": [1.5, 2], "acce": [30, 40]}
     here = world(robot=[{**near, "color": "red", "fov": 1.0, "fov_radius": 5.0, "angle_range": [0, "2*pi"]}, DIFF])
