@@ -13,7 +13,7 @@ from numba.core import config as numba_config
 
 from irsim_gym.jit_cache import keep_on_disk
 from irsim_gym.jit_doors import Doors
-from irsim_gym.jit_inner import InnerCompiler
+from irsim_gym.jit_inner import InnerCompiler, InnerLibrary
 from irsim_gym.jit_passes import EntryCompiler
 from irsim_gym.jit_watch import compilation
 
@@ -95,7 +95,7 @@ class Kernel:
         compilation()
         given: Any = {**self._options, "no_cfunc_wrapper": True, **options}
         dispatcher = numba.njit(**given)(self._function)
-        keep_on_disk(dispatcher, form)
+        keep_on_disk(dispatcher, form, InnerLibrary.restore if form == "inner" else None)
         return dispatcher
 
     @property

@@ -10,7 +10,7 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -32,11 +32,17 @@ WITHOUT_KERNELS = {"scenario", "envs", "evaluation", "training", "render", "live
 SETTINGS = ("OPT", "BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE", "DEBUGINFO_DEFAULT")
 
 
-def keep_on_disk(dispatcher: Any, form: str) -> None:
-    """Give a dispatcher a cache of ours, unless nothing can be kept."""
+def keep_on_disk(dispatcher: Any, form: str, restore: Callable[[Any, Any], Any] | None = None) -> None:
+    """Give a dispatcher a cache of ours, unless nothing can be kept.
+
+    Args:
+        dispatcher: Numba's.
+        form: What distinguishes its code from that of other dispatchers with the same function.
+        restore: Makes Numba's library from what was kept of it, given Numba's machine; None to let Numba do so.
+    """
     options, files = dispatcher.targetoptions, files_of(dispatcher.py_func, dispatcher.targetoptions, form)
     if files is not None:
-        dispatcher._cache = KernelCache(files, options["_nrt"])
+        dispatcher._cache = KernelCache(files, options["_nrt"], restore)
 
 
 def files_of(function: Any, options: Mapping[str, Any], form: str) -> Files | None:
@@ -88,15 +94,35 @@ class Files:
             passing.unlink(missing_ok=True)
 
 
+class Restoring:
+    """Numba's target while compiled code is put together: the same, but for the kind of library."""
+
+    def __init__(self, target: Any, restore: Callable[[Any, Any], Any]) -> None:
+        self._target = target
+        self._restore = restore
+
+    def codegen(self) -> Restoring:
+        """Return what makes a library from what was kept of it."""
+        return self
+
+    def unserialize_library(self, kept: Any) -> Any:
+        """Make the library."""
+        return self._restore(self._target.codegen(), kept)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._target, name)
+
+
 class KernelCache:
     """Numba's interface of a cache, in place of its own, whose index mixes up signatures saved at the same time.
 
     What does not fit is compiled anew.
     """
 
-    def __init__(self, files: Files, allocates: bool) -> None:
+    def __init__(self, files: Files, allocates: bool, restore: Callable[[Any, Any], Any] | None) -> None:
         self._files = files
         self._allocates = allocates
+        self._restore = restore
 
     @property
     def cache_path(self) -> str:
@@ -117,10 +143,12 @@ class KernelCache:
         if content is None:
             return None
         try:
-            compiled = CompileResult._rebuild(target, *pickle.loads(content))
+            kept = pickle.loads(content)
+            compiled = CompileResult._rebuild(Restoring(target, self._restore) if self._restore else target, *kept)
         except (OSError, pickle.UnpicklingError, ImportError, AttributeError):
             return None
-        return compiled if tuple(compiled.signature.args) == tuple(signature) else None
+        fits = tuple(compiled.signature.args) == tuple(signature)
+        return compiled._replace(target_context=target) if fits else None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
         """Write compiled code, if it can be kept."""

@@ -69,14 +69,18 @@ class Doors:
         if files is None:
             return self._compile(signature, order, f"door_{next(_numbers)}")[0]
         file = files.file(signature, machine)
-        name = f"door_{hashlib.blake2b(str(file).encode(), digest_size=10).hexdigest()}"
+        # The whole name, as kernels with the same types have the same digest; not the folder, which may be moved.
+        name = f"door_{hashlib.blake2b(file.name.encode(), digest_size=10).hexdigest()}"
         kept = files.read(file)
-        if kept is None:
-            address, made = self._compile(signature, order, name)
-            if made is not None:
-                files.write(file, made)
-            return address
-        return _load(machine, name, kept) if kept else 0
+        if kept == b"":
+            return 0
+        found = _load(machine, name, kept) if kept else 0
+        if found:
+            return found
+        address, made = self._compile(signature, order, name)
+        if made is not None:
+            files.write(file, made)
+        return address
 
     def _compile(self, signature: tuple[Any, ...], order: str, name: str) -> tuple[int, bytes | None]:
         """Return the address of a new doorway, and its machine code; None if that cannot be kept."""
@@ -91,6 +95,7 @@ class Doors:
 
 
 def _load(machine: Any, name: str, code: bytes) -> int:
+    """Return the address of a doorway in machine code, 0 if there is none of that name."""
     engine: Any = machine._engine._ee
     engine.add_object_file(binding.object_file.ObjectFileRef.from_data(code))
     return int(engine.get_function_address(name))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 from typing import Any
 
+from llvmlite import binding
 from numba.core import codegen, compiler
 
 from irsim_gym.jit_passes import pipelines
@@ -31,6 +32,15 @@ class InnerLibrary(Library):  # type: ignore[misc]
     """Code for linking alone."""
 
     codegen = _NoEngine
+
+    @classmethod
+    def restore(cls, machine: Any, kept: Any) -> InnerLibrary:
+        """Make a library from what was kept of it: Numba would turn it into machine code, which nobody calls."""
+        name, _, bitcode = kept
+        library = cls(machine, name)
+        library._final_module = binding.parse_bitcode(bitcode)
+        library._finalize_final_module()
+        return library
 
     def _optimize_final_module(self) -> None:
         """Leave it to the caller's library."""

@@ -27,7 +27,7 @@ ALLOWED: dict[str, set[str]] = {
     "jit": {"numba", "jit_cache", "jit_doors", "jit_inner", "jit_passes", "jit_watch"},
     "jit_cache": {"numba", "llvmlite"},
     "jit_doors": {"numba", "llvmlite", "jit_cache", "jit_passes"},
-    "jit_inner": {"numba", "jit_passes"},
+    "jit_inner": {"numba", "llvmlite", "jit_passes"},
     "jit_passes": {"numba"},
     "jit_watch": {"numba"},
     "atomics": {"numba", "llvmlite"},

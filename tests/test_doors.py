@@ -22,6 +22,16 @@ def add(worlds, values, flag, out):
         out[worlds[i]] += values[worlds[i]] + flag
 
 @kernel
+def tick(worlds, out):
+    for i in range(worlds.shape[0]):
+        out[worlds[i]] += 1.0
+
+@kernel
+def tock(worlds, out):
+    for i in range(worlds.shape[0]):
+        out[worlds[i]] += 10.0
+
+@kernel
 def tell(worlds, out):
     for i in range(worlds.shape[0]):
         out[worlds[i]] = 4.0
@@ -69,14 +79,14 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def begin(folder: Path, use: str) -> subprocess.Popen[str]:
+def begin(folder: Path, use: str, cache: str = "cache") -> subprocess.Popen[str]:
     command = [sys.executable, "-B", "-W", "error", "-c", USE.replace("FOLDER", repr(str(folder))) + use]
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "cache")}
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / cache)}
     return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
-def run(folder: Path, use: str) -> str:
-    process = begin(folder, use)
+def run(folder: Path, use: str, cache: str = "cache") -> str:
+    process = begin(folder, use, cache)
     answer, complaints = process.communicate(timeout=120)
     assert (process.returncode, complaints) == (0, ""), complaints
     return answer.strip()
@@ -90,6 +100,21 @@ def test_machine_code_is_kept(folder: Path) -> None:
     assert run(folder, ADD) == f"{SUM} 1"
     assert run(folder, ADD) == f"{SUM} 0"
     assert len(files(folder, "add")) == 1
+
+
+def test_a_folder_may_be_moved(folder: Path) -> None:
+    run(folder, ADD)
+    (folder / "cache").rename(folder / "elsewhere")
+    assert run(folder, ADD, "elsewhere") == f"{SUM} 0"
+
+
+def test_kernels_of_the_same_types_have_files_of_their_own(folder: Path) -> None:
+    both = """
+for which in (mine.tick, mine.tock):
+    play([1, 3], which, out)
+print(out.tolist(), made.n)
+"""
+    assert [run(folder, both) for _ in range(2)] == [f"[0.0, 11.0, 0.0, 11.0] {n}" for n in (2, 0)]
 
 
 def test_a_damaged_file_is_made_anew(folder: Path) -> None:
