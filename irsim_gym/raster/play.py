@@ -195,16 +195,8 @@ def _draw_past(
     picture: Bytes, box: Ints, item: Any, w: int, model: Model, past: Past, view: Floats, desk: Desk
 ) -> None:
     """Draw the path of a body, or the outlines that it has left behind, from the oldest on."""
-    b, n_slots, latest = item.body, past.noted.shape[1], past.latest[w]
-    first = max(latest - n_slots + 1, 0)
-    if item.length > 0:
-        kept, step = 0, latest
-        while step >= first and kept < item.length:
-            kept += 1 if _was_there(past, w, step, item) else 0
-            step -= 1
-        first = step + 1
-    count = 0
-    for step in range(first, latest + 1):
+    b, n_slots, count = item.body, past.noted.shape[1], 0
+    for step in range(_first_step(past, w, item), past.latest[w] + 1):
         if not _was_there(past, w, step, item):
             continue
         pose = past.poses[w, step % n_slots, item.row]
@@ -223,6 +215,37 @@ def _draw_past(
             )  # fmt: skip
     if item.kind == PATH:
         paint_path(picture, desk.sheet, box, desk.points, item, count, view, desk.colour)
+
+
+@kernel
+def note_past(items: Any, w: int, past: Past, numbers: Floats) -> int:
+    """Write which poses of the past some items show, and return how many numbers these are; -1 for too many."""
+    count, n_slots = 0, past.noted.shape[1]
+    for number in range(items.shape[0]):
+        item = items[number]
+        for step in range(_first_step(past, w, item), past.latest[w] + 1):
+            if _was_there(past, w, step, item):
+                if count + 4 > numbers.shape[0]:
+                    return -1
+                numbers[count] = float(number)
+                for i in range(3):
+                    numbers[count + 1 + i] = past.poses[w, step % n_slots, item.row, i]
+                count += 4
+    return count
+
+
+@kernel
+def _first_step(past: Past, w: int, item: Any) -> int:
+    """Return the first step of which a pose is shown."""
+    latest = past.latest[w]
+    first = max(latest - past.noted.shape[1] + 1, 0)
+    if item.length > 0:
+        kept, step = 0, latest
+        while step >= first and kept < item.length:
+            kept += 1 if _was_there(past, w, step, item) else 0
+            step -= 1
+        first = step + 1
+    return int(first)
 
 
 @kernel

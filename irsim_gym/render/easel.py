@@ -21,6 +21,7 @@ from irsim_gym.render.raster_card import Card, Head, plot_box, world_box
 from irsim_gym.render.raster_images import Images
 from irsim_gym.render.raster_plan import FLAG, Plan
 from irsim_gym.render.reader import SceneReader
+from irsim_gym.render.wakes import Wakes, rows_of
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -72,6 +73,7 @@ class Easel:
         self._explored = np.zeros((1, 1, 1), np.bool_) if explored is None else explored
         self._masks, self.point = Masks(), POINT * layout.enlargement
         self._images = Images(scenario, layout.scale)
+        self._room = max(BACKDROP_BYTES // layout.width // layout.height // 3, 1)
         followed = [int(body) for body in reader.trails.bodies]
         self.plan = Plan(
             scenario,
@@ -92,7 +94,11 @@ class Easel:
         self._looks: dict[Layout, tuple[Floats, Ints]] = {}
         self._backdrops: dict[tuple[Layout, bytes], Bytes] = {}
         self._fixed = np.unique(self.plan.ground["body"]) if len(self.plan.ground) else np.zeros(0, np.int64)
-        self._segment_rows, self._disc_rows = self._fixed_rows()
+        self._segment_rows = rows_of(
+            model.segment_start, model.segment_count, self._fixed, model.local_segments.shape[1]
+        )
+        self._disc_rows = rows_of(model.disc_start, model.disc_count, self._fixed, model.local_discs.shape[1])
+        self.wakes = Wakes(self.plan.live, model, reader.trails, self._room)
 
     def draw(self, worlds: Ints, statuses: Sequence[str], layouts: Sequence[Layout]) -> Bytes:
         """Draw worlds.
@@ -136,18 +142,6 @@ class Easel:
             )
         return desk
 
-    def _fixed_rows(self) -> tuple[Ints, Ints]:
-        """Return the rows of the fixed bodies' segments and discs."""
-        model, sides = self._model, []
-        for start, table, size in (
-            (model.segment_start, model.local_segments, model.segment_count),
-            (model.disc_start, model.local_discs, model.disc_count),
-        ):
-            ends = [int(start[b]) + int(size[:, b].max(initial=0)) for b in self._fixed]
-            rows = [np.arange(start[b], min(end, table.shape[1])) for b, end in zip(self._fixed, ends, strict=True)]
-            sides.append(np.concatenate([np.zeros(0, np.int64), *rows]))
-        return sides[0], sides[1]
-
     def backdrop_key(self, world: int, layout: Layout) -> tuple[Layout, bytes]:
         """Return what the backdrop of a world depends on."""
         state, model = self._state, self._model
@@ -163,11 +157,12 @@ class Easel:
 
     def _keep(self, job: _Job) -> None:
         """Keep the new backdrops, in the place of old ones where there are too many."""
-        room = max(BACKDROP_BYTES // self._layout.width // self._layout.height // 3, 1)
-        for key, backdrop in list(job.new_backdrops.items())[:room]:
-            while len(self._backdrops) >= room:
+        for key, backdrop in list(job.new_backdrops.items())[: self._room]:
+            while len(self._backdrops) >= self._room:
                 self._backdrops.pop(next(iter(self._backdrops)))
             self._backdrops[key] = backdrop
+        for world, (wake, picture) in job.new_wakes.items():
+            self.wakes.keep(world, wake, picture)
 
     def look(self, layouts: Sequence[Layout]) -> records.Look:
         """Return where the worlds are on their pictures."""
@@ -253,6 +248,7 @@ class _Job:
     ) -> None:
         self._easel, self._pictures, self._worlds, self._layouts = easel, pictures, worlds, layouts
         self.new_backdrops: dict[tuple[Layout, bytes], Bytes] = {}
+        self.new_wakes: dict[int, tuple[Any, Bytes]] = {}
         desk = easel.desk(0)
         self._cards = {layout: easel.card(layout, desk) for layout in dict.fromkeys(layouts)}
         self._look = easel.look(layouts)
@@ -266,9 +262,10 @@ class _Job:
         """Draw a share of the pictures."""
         easel, frames, pictures = self._easel, shard.worlds, self._pictures
         desk = easel.desk(shard.slot)
-        self._lay_ground(frames, desk)
+        wakes = self._lay_ground(frames, desk)
         draw_frames(pictures, frames, self._tints, 0.0, self._look, desk)
-        self._draw_items(easel.plan.live, frames, desk)
+        self._draw_wakes(frames, wakes, desk)
+        self._draw_items(easel.wakes.others, frames, desk)
         draw_frames(pictures, frames, self._edges, 2.2 * easel.point, self._look, desk)
         draw_heads(pictures, frames, *self._words, self._tables[-1], self._look.boxes)
 
@@ -279,13 +276,21 @@ class _Job:
             self._pictures, frames, self._worlds, items, scans, model, state, readings, past, prints, self._look, desk
         )
 
-    def _lay_ground(self, frames: Ints, desk: records.Desk) -> None:
-        """Draw what never moves, or copy it from a picture with the same."""
-        easel, missing = self._easel, {}
+    def _lay_ground(self, frames: Ints, desk: records.Desk) -> dict[int, Any]:
+        """Draw what never moves, or copy it from a picture with the same.
+
+        Returns:
+            The keys of the pictures whose wakes are still to be drawn; None for a wake that is not to be kept.
+        """
+        easel, missing, wakes = self._easel, {}, {}
         for f in frames.tolist():
-            layout = self._layouts[f]
-            key = easel.backdrop_key(int(self._worlds[f]), layout)
-            known = easel.known_backdrop(key)
+            layout, world = self._layouts[f], int(self._worlds[f])
+            key = easel.backdrop_key(world, layout)
+            wake = None if self._tints[f, 3] > 0.0 else easel.wakes.key(world, key)
+            known = None if wake is None else easel.wakes.known(world, wake)
+            if known is None:
+                wakes[f] = wake
+                known = easel.known_backdrop(key)
             if known is None:
                 missing[f], known = key, self._cards[layout]
             np.copyto(self._pictures[f], known)
@@ -293,6 +298,14 @@ class _Job:
             chosen = np.array(list(missing), np.int64)
             self._draw_items(easel.plan.ground, chosen, desk)
             self.new_backdrops |= {key: self._pictures[f].copy() for f, key in missing.items()}
+        return wakes
+
+    def _draw_wakes(self, frames: Ints, wakes: dict[int, Any], desk: records.Desk) -> None:
+        """Draw what bodies left behind, where that is not known."""
+        if wakes and len(self._easel.wakes.items):
+            self._draw_items(self._easel.wakes.items, np.array(list(wakes), np.int64), desk)
+            found = {int(self._worlds[f]): (key, self._pictures[f]) for f, key in wakes.items() if key is not None}
+            self.new_wakes |= {world: (key, picture.copy()) for world, (key, picture) in found.items()}
 
 
 def look_from(layout: Layout) -> Floats:

@@ -1,0 +1,78 @@
+"""Pictures of the ground with the outlines that bodies left behind: most frames leave no further one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.raster import records
+from irsim_gym.raster.play import note_past
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.trails import Trails
+
+MOST_NUMBERS = 4096
+"""A wake of more numbers than that is drawn anew for each frame."""
+
+
+class Wakes:
+    """Keeps the latest such picture of each world.
+
+    Args:
+        live: The items of a plan that are drawn anew for each frame.
+        model: The simulation's constants.
+        trails: Where its bodies have been.
+        room: For how many worlds.
+
+    Attributes:
+        items: Those of ``live`` that are kept: outlines, where nothing lies below them but the ground.
+        others: The rest.
+    """
+
+    def __init__(self, live: Any, model: WorldModel, trails: Trails, room: int) -> None:
+        is_wake = (live["kind"] == records.GHOSTS) & (live["every"] > 1)
+        count = int(np.argmin(np.append(is_wake, False)))
+        self.items, self.others = live[:count], live[count:]
+        self._model, self._trails, self._room = model, trails, room
+        bodies = [int(body) for body in self.items["body"]]
+        self._bodies = np.array(bodies, np.int64)
+        self._segments = rows_of(model.segment_start, model.segment_count, bodies, model.local_segments.shape[1])
+        self._discs = rows_of(model.disc_start, model.disc_count, bodies, model.local_discs.shape[1])
+        self._known: dict[int, tuple[Any, Bytes]] = {}
+
+    def key(self, world: int, ground: Any) -> Any:
+        """Return what a picture of a world depends on, beside its ground's own key; None where none is to be kept."""
+        if not len(self.items):
+            return None
+        numbers, model = np.empty(MOST_NUMBERS), self._model
+        count = note_past(self.items, world, records.Past(*self._trails.tables()), numbers)
+        if count < 0 or (world not in self._known and len(self._known) >= self._room):
+            return None
+        shapes = (
+            table[world % len(table), rows]
+            for table, rows in (
+                (model.local_segments, self._segments),
+                (model.local_discs, self._discs),
+                (model.segment_count, self._bodies),
+                (model.disc_count, self._bodies),
+                (model.present, self._bodies),
+            )
+        )
+        return ground, numbers[:count].tobytes(), *(shape.tobytes() for shape in shapes)
+
+    def known(self, world: int, key: Any) -> Bytes | None:
+        """Return the picture that was kept, if it is still that of the world."""
+        kept = self._known.get(world)
+        return kept[1] if kept is not None and kept[0] == key else None
+
+    def keep(self, world: int, key: Any, picture: Bytes) -> None:
+        """Keep a picture, which nobody writes to any more, in the place of an older one."""
+        self._known[world] = key, picture
+
+
+def rows_of(start: Any, size: Any, bodies: Any, n_rows: int) -> Any:
+    """Return the rows of some bodies in a table of outlines, as many as any world needs."""
+    ends = [int(start[b]) + int(size[:, b].max(initial=0)) for b in bodies]
+    rows = [np.arange(start[b], min(end, n_rows)) for b, end in zip(bodies, ends, strict=True)]
+    return np.concatenate([np.zeros(0, np.int64), *rows])
