@@ -139,6 +139,10 @@ def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Rep
     """Return an observation that needs a range sensor, or what takes its place where there is none."""
     scanners = [[sensor for sensor in body.sensors if sensor.reading == "ranges"] for body in bodies]
     without = [body.name for body, found in zip(bodies, scanners, strict=True) if not found]
+    if item.without_sensor and item.without_sensor not in OBSERVATIONS:
+        message = f"no observation named '{item.without_sensor}'{suggestion(item.without_sensor, OBSERVATIONS.names())}"
+        report.add((*place, "without_sensor"), message)
+        return item
     if not without:
         first = scanners[0][0]
         for body, (found, *_) in zip(bodies, scanners, strict=True):
@@ -154,11 +158,7 @@ def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Rep
             f"'{without[0]}' has no range sensor: add one, or a substitute such as 'without_sensor: nearest_bodies'",
         )
         return item
-    try:
-        substitute = OBSERVATIONS.entry(item.without_sensor).kind()
-    except UnknownNameError as error:
-        report.add((*place, "without_sensor"), str(error))
-        return item
+    substitute = OBSERVATIONS.entry(item.without_sensor).kind()
     if substitute.needs_scan:
         report.add((*place, "without_sensor"), f"'{item.without_sensor}' needs a range sensor itself")
         return item
@@ -173,15 +173,17 @@ def _described(sensor: Any) -> str:
     return f"{{{', '.join([f'name: {name}', *shared])}}}"
 
 
-def check_terms(terms: Terms, report: Report) -> None:
+def check_terms(terms: Terms, merged: Merged) -> None:
     """Tell what is missing among the terms.
 
     Args:
         terms: The terms by family, with their places.
-        report: Collects the problems.
+        merged: Collects the problems.
     """
+    report = merged.report
     if not terms["observations"]:
-        report.add(("observations",), "at least one is required")
+        place = merged.own_place(("observations",), ("name",))
+        report.add(place, "there is no observation: a task needs at least one in its list 'observations'")
     outcomes = {ending.outcome for _, ending in terms["endings"]}
     for place, reward in terms["rewards"]:
         if reward.needs_ending and reward.outcome not in outcomes:

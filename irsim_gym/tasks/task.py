@@ -13,7 +13,7 @@ from irsim_gym.registry import Registry
 from irsim_gym.scenario import library
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.scenario.source import Place, Source, read_file, read_mapping
+from irsim_gym.scenario.source import MissingFileError, Place, Source, read_file, read_mapping
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.scenario.validation import Report, build, build_named
 from irsim_gym.tasks.audit import Sharing, check_audit
@@ -127,7 +127,7 @@ def load_task(
             terms["observations"] = check_fit(scenario, agents, name, terms, merged)
             check_action(scenario, agents, action, report)
         if is_sound:
-            check_terms(terms, report)
+            check_terms(terms, merged)
             if options.audit:
                 check_audit(terms, Sharing(options.team_reward, len(agents)), merged)
     merged.refuse(_title(scenario))
@@ -176,6 +176,11 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, Any] | None) -> 
         raise ScenarioError(top.title, [Problem(top.line(("name",)), _path(top), message)])
     try:
         called, layers = _file_layers(_find(name, folder), folder)
+    except MissingFileError as error:
+        if error.problems[0].path or error.file not in (name, str(folder / name)):
+            raise
+        message = f"{error.problems[0].message}, neither beside this file nor as given: {show(name)}"
+        raise MissingFileError(top.title, [Problem(top.line(("name",)), _path(top), message)]) from None
     except UnknownNameError as error:
         raise ScenarioError(top.title, [Problem(top.line(("name",)), _path(top), str(error))]) from None
     return called, [*layers, top]

@@ -274,11 +274,24 @@ def test_mistakes_in_the_file_built_upon_name_that_file(tmp_path: Path) -> None:
     assert [problem.line for problem in caught.value.problems] == [3]
 
 
+def test_a_task_file_that_is_missing_is_told_where_it_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "world.yaml"
+    file.write_text("robot: {kinematics: {name: diff}, goal: [8, 5]}\ntask:\n  name: mine.yaml\n")
+    with pytest.raises(FileNotFoundError) as caught:
+        load_task(load_scenario(file))
+    assert f"{file}:3   task.name: no such file, neither beside this file nor as given: 'mine.yaml'" in str(
+        caught.value
+    )
+
+
 @pytest.mark.parametrize(
     ("section", "message"),
     [
         ({"observations": [{"name": name, "use": False} for name in OBSERVED]},
-         "task.observations: at least one is required"),
+         "task.observations: there is no observation: a task needs at least one in its list 'observations'"),
+        ({"name": "blank"}, "task.name: there is no observation: a task needs at least one"),
+        ({"observations": [{"name": "scan", "without_sensor": "nearest_bodys"}]},
+         "no observation named 'nearest_bodys' (did you mean 'nearest_bodies'?)"),
         ({"endings": [{"name": "arrived", "use": False}]}, "rewards[1]: never paid: it needs the ending 'arrived'"),
         ({"name": "navigashun"}, "task.name: no task named 'navigashun' (did you mean 'navigation'?)"),
         ({"name": 3}, "task.name: must be the name or the file of a task, got 3"),
