@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-from irsim_gym.arraytypes import Bytes, Flags
+from irsim_gym.arraytypes import Flags
 from irsim_gym.errors import UnknownNameError, suggestion
 
 if TYPE_CHECKING:
     from irsim_gym.render.easel import Share
-    from irsim_gym.render.layout import Layout, Limits
-    from irsim_gym.render.scene import Scene
+    from irsim_gym.render.layout import Layout
+    from irsim_gym.render.renderer import WorldRenderer
     from irsim_gym.scenario.spec import Scenario
     from irsim_gym.world.group import Group
     from irsim_gym.world.model import WorldModel
@@ -19,36 +19,6 @@ if TYPE_CHECKING:
     from irsim_gym.world.trails import Trails
 
 BACKENDS = ("matplotlib", "raster")
-
-
-class WorldRenderer(Protocol):
-    """What every renderer of a simulation's worlds can do. It only reads, and costs nothing until the first frame."""
-
-    @property
-    def layout(self) -> Layout:
-        """Where the world is on a frame."""
-
-    @property
-    def trails(self) -> Trails:
-        """Where bodies have been."""
-
-    def scene(self, world: int = 0, status: str = "") -> Scene:
-        """Return what a frame of the world would show, as data."""
-
-    def frame(self, world: int = 0, status: str = "") -> Bytes:
-        """Return a fresh picture of a world, uint8, ``(height, width, 3)``."""
-
-    def frames(self, worlds: Sequence[int], statuses: Sequence[str]) -> Bytes:
-        """Return fresh pictures of several worlds, uint8, ``(n, height, width, 3)``."""
-
-    def look_at(self, limits: Limits | None) -> None:
-        """Show another part of the world from now on [m]; None for what the scenario says."""
-
-    def clear(self, world: int | None = None) -> None:
-        """Forget the trails of one world, or of all."""
-
-    def close(self) -> None:
-        """Free what frames were drawn with; a later frame makes it anew."""
 
 
 def layout_of(renderer: WorldRenderer, *, follows: bool) -> Layout:

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import theme
-from irsim_gym.render.backends import WorldRenderer, layout_of
+from irsim_gym.render.backends import layout_of
 from irsim_gym.render.layout import Layout, Limits
 from irsim_gym.render.panel import Panel, Told, Word
+from irsim_gym.render.renderer import WorldRenderer
 
 DRIVE = {
     2: (("w s", "ahead, back"), ("a d", "turn"), ("q e", "speed"), ("z c", "turn rate")),
