@@ -24,18 +24,23 @@ OutlineTables = tuple[Flags, Flags, Flags, Floats, Ints, Ints, Floats, Ints, Int
 def find(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write ``state.collided``, ``state.hit`` and ``state.stopped``."""
     begin_contacts(shard.worlds, model.static_partner, state.collided, state.hit)
-    _find_pairs(movers, model, state, shard)
+    _find_pairs(movers, model, state, shard, model.static_known[:0])
     stop_bodies(shard.worlds, movers, model.collision_mode, model.role, state.collided, state.stopped)
 
 
 def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Write ``model.static_partner``: contacts between bodies that never move, once per level."""
-    forget_contacts(shard.worlds, state.hit)
-    _find_pairs(bodies, model, state, shard)
-    note_partners(shard.worlds, state.hit, model.static_partner, state.room)
+    """Write ``model.static_partner``: contacts between bodies that never move, once per level.
+
+    Where they stand as they stood in the level before, what was found then is taken.
+    """
+    worlds, may_recall = shard.worlds, bool(model.rigid[0]) and model.bucket_frame[3] == 0.0 and model.cells is None
+    known = (state.pose, model.static_partner, model.static_pose, model.static_known)
+    recall_contacts(worlds, bodies, may_recall, model.present, *known, state.collided, state.hit)
+    _find_pairs(bodies, model, state, shard, model.static_known)
+    note_partners(worlds, state.hit, model.static_partner, model.static_known, state.room)
 
 
-def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard, known: Flags) -> None:
     """Write who touches whom: all pairs, or near ones through the buckets where there are any; then the map."""
     outline = _outline(model, state)
     if model.bucket_frame[3] > 0.0:
@@ -44,7 +49,8 @@ def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
             shard.worlds, bodies, model.movable, *outline, state.pose, *buckets, state.collided, state.hit
         )
     else:
-        find_contacts(shard.worlds, bodies, model.movable, *outline, state.pose, state.room, state.collided, state.hit)
+        clear = state.pose, state.room, known
+        find_contacts(shard.worlds, bodies, model.movable, *outline, *clear, state.collided, state.hit)
     if (cells := model.cells) is not None:
         touch_cells(bodies, cells, model, state, shard)
 
@@ -87,17 +93,40 @@ def _outline(model: WorldModel, state: WorldState) -> OutlineTables:
 
 
 @kernel
-def forget_contacts(worlds: Ints, hit: Ints) -> None:
-    """Begin with nobody who touches anybody."""
+def recall_contacts(
+    worlds: Ints,
+    bodies: Ints,
+    may_recall: bool,
+    present: Flags,
+    pose: Floats,
+    static_partner: Ints,
+    static_pose: Floats,
+    static_known: Flags,
+    collided: Flags,
+    hit: Ints,
+) -> None:
+    """Begin with the contacts of before where ``bodies`` have not moved since, else with nobody who touches anybody."""
     for i in range(worlds.shape[0]):
-        hit[worlds[i], :] = NOBODY
+        w = worlds[i]
+        is_known = static_known[w]
+        for k in range(bodies.shape[0]):
+            b = bodies[k]
+            for axis in range(3):
+                now = pose[w, b, axis] if present[w, b] else np.inf
+                is_known = is_known and static_pose[w, b, axis] == now
+                static_pose[w, b, axis] = now
+        static_known[w] = is_known and may_recall
+        for b in range(hit.shape[1]):
+            hit[w, b] = static_partner[w, b] if static_known[w] else NOBODY
+            collided[w, b] = collided[w, b] or hit[w, b] >= 0
 
 
 @kernel
-def note_partners(worlds: Ints, hit: Ints, static_partner: Ints, room: Floats) -> None:
+def note_partners(worlds: Ints, hit: Ints, static_partner: Ints, static_known: Flags, room: Floats) -> None:
     """Keep the contacts that last through the level, and forget how much room there was in the one before."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
+        static_known[w] = True
         for b in range(hit.shape[1]):
             static_partner[w, b] = hit[w, b]
             room[w, b, 2] = 0.0
@@ -130,16 +159,19 @@ def find_contacts(
     discs: Floats,
     pose: Floats,
     room: Floats,
+    known: Flags,
     collided: Flags,
     hit: Ints,
 ) -> None:
     """Test each of ``bodies`` against every other body; pairs of listed bodies that can move alike are met once.
 
     Closed sets: touching counts. Bodies marked unobstructed touch nobody. Discs that ``room`` shows to be clear of
-    everything are not tested.
+    everything are not tested, and nobody in worlds that are ``known``, if that says anything.
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
+        if known.shape[0] > 0 and known[w]:
+            continue
         reaches, rows, rounds, here, there = (
             reach[min(w, reach.shape[0] - 1)],
             segments[w],

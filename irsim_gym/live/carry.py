@@ -139,6 +139,7 @@ def _look(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
     """Bring contacts and readings up to date; who is held in place is known after the next step, as ever."""
     shard, state = Shard(np.zeros(1, np.int64)), new.state
     now_at = {int(was): int(b) for b, was in zip(here, there, strict=True)}
+    new.model.static_known[:] = False
     contact.find_static(new.parts.fixed, new.model, state, shard)
     state.collided[0], state.hit[0] = new.model.static_partner[0] >= 0, new.model.static_partner[0]
     for b, was in zip(here, there, strict=True):

@@ -74,6 +74,10 @@ class WorldModel(Arrays):
     waypoints: Floats = column("world body waypoint 3", np.float64, "m, m, rad", "goals in order; NaN heading: any")
     waypoint_count: Ints = column("world body", np.int64, "", "number of goals")
     static_partner: Ints = column("world body", np.int64, "", "a static body that a static body touches, -1 for none")
+    static_pose: Floats = column(
+        "world body 3", np.float64, "m, m, rad", "where it stood then; inf where it was absent"
+    )
+    static_known: Flags = column("world", np.bool_, "", "static contacts were found, and none has to be found anew")
 
     @property
     def cells(self) -> CellMap | None:
