@@ -58,21 +58,19 @@ class Desk:
         self.serve(0)  # compiled here, not by the first thread: an interrupt should find that in the main one
         self._words[(self._at - start + SLOTS + SLEEPS) // 8 :: SLOT // 8] = 1
 
-    def offer(
-        self, crew: Crew, worlds: Ints, total: int, sharers: int, wanted: int, least: int, looks: int
-    ) -> list[int] | None:
+    def offer(self, crew: Crew, worlds: Ints, sharers: int, wanted: int, least: int, looks: int) -> list[int] | None:
         """Lay down a job, and return the threads that are to be woken; None if nobody is there to share it with.
 
         Args:
             crew: What each slot does.
-            worlds: For which worlds, shape ``(n,)``, contiguous; they are not looked at after the job is done.
-            total: How many worlds there are in all.
+            worlds: For which worlds, shape ``(n,)``, contiguous; they are not looked at after the job is done. Where
+                they are in order each slot gets about the same ones in every job.
             sharers: How many slots have worlds of their own.
             wanted: Slots below this are woken where they sleep; the others take part if they are awake.
             least: Worlds that a piece should have at least.
             looks: How often threads look for the next job before they sleep.
         """
-        given = crew.addresses, worlds, total, self._bounds, sharers, wanted, least, crew.n_calls, looks
+        given = crew.addresses, worlds, self._bounds, sharers, wanted, least, crew.n_calls, looks
         asleep = lay_down(self._at, *given)
         if asleep == NOBODY:
             return None
@@ -141,24 +139,10 @@ def portion(first: int, last: int, least: int, most: int, pieces: int, bounds: I
 
 
 @kernel
-def find_first(worlds: Ints, first: int, world: int) -> int:
-    """Return where, from ``first`` on, the worlds from ``world`` on begin; anywhere where they are not in order."""
-    last = worlds.shape[0]
-    while first < last:
-        middle = (first + last) // 2
-        if worlds[middle] < world:
-            first = middle + 1
-        else:
-            last = middle
-    return first
-
-
-@kernel
 def lay_down(
     desk: int,
     addresses: Ints,
     worlds: Ints,
-    total: int,
     bounds: Ints,
     sharers: int,
     wanted: int,
@@ -179,10 +163,7 @@ def lay_down(
     pieces, first = 0, 0
     bounds[0] = 0
     for s in range(addresses.shape[0]):
-        last = first
-        if s < sharers:
-            last = worlds.shape[0] if s == sharers - 1 else find_first(worlds, first, total * (s + 1) // sharers)
-        known = pieces
+        last, known = worlds.shape[0] * min(s + 1, sharers) // sharers, pieces
         pieces = portion(first, last, max(1, least), MOST_PIECES, pieces, bounds)
         first = last
         store(desk + SLOTS + SLOT * s, addresses[s])

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 SPELL = 8
 """So many shared jobs in a row are judged together."""
+FIRST_S = 1e-5
+"""What a job takes on one thread in addition [s]: kernels have to come into the cache first."""
 REST, MOST_REST = 32, 512
 """So many jobs stay on one thread where sharing did not pay; each time that it does not pay again, twice as many."""
 
@@ -36,7 +38,7 @@ class Pace:
     def note_shared(self, seconds: float, n_worlds: int) -> None:
         """Learn how long a shared job took from its beginning to its end."""
         self._taken_s += seconds
-        self._alone_s += self.least_s * n_worlds
+        self._alone_s += self.least_s * n_worlds + FIRST_S
         self._jobs += 1
         if self._jobs < SPELL or not self.least_s:
             return

@@ -135,11 +135,11 @@ class Shards:
             wanted: How many are worth being woken.
         """
         lanes, desk = self._threads(wanted - 1), self._ready_desk()
-        least, total = int(PIECE_S / pace.least_s) if pace.least_s else 1, len(self.all[0].worlds)
+        least = int(PIECE_S / pace.least_s) if pace.least_s else 1
         looks = looks_in(CLOSE_S if self._in_a_row else BRIEF_S)
         begin = time.perf_counter()
         try:
-            asleep = desk.offer(crew, worlds, total, few, wanted, least, looks)
+            asleep = desk.offer(crew, worlds, few, wanted, least, looks)
             if asleep is None:
                 return False
             for slot in asleep:

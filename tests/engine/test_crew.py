@@ -213,22 +213,14 @@ def test_pieces_get_smaller(n: int, least: int, most: int, bounds: list[int]) ->
     assert crew.portion(n, n, least, most, 3, written) == 3
 
 
-def test_the_worlds_of_a_slot_are_found_by_halving() -> None:
-    worlds = np.array([2, 3, 3, 7, 20])
-    assert [crew.find_first(worlds, 0, w) for w in (0, 2, 3, 4, 20, 21)] == [0, 0, 1, 3, 4, 5]
-    assert crew.find_first(worlds, 4, 3) == 4
-    assert crew.find_first(worlds[::-1].copy(), 2, 10) in (2, 3, 4, 5)
-
-
 def test_everybody_begins_with_worlds_of_his_own() -> None:
-    """Of 30 worlds each of three slots has ten; of the last slot's, four are listed, in pieces of 2, 1 and 1."""
+    """Of eleven worlds three slots have three, four and four, in pieces of 2 and 1, or 2, 1 and 1."""
     visits, desk = Visits(n_slots=3), crew.Desk(3)
     team = visits.fused.crew(3)
     assert team is not None
-    assert desk.offer(team, np.array([1, 12, 14, 22, 24, 27, 29]), 30, 3, 3, 1, 0) == [1, 2]
-    found = [crew.find_piece(desk._at, slot, 3) for slot in (2, 1, 1, 1, 1, 1)]
-    assert found == [3, 1, 2, 4, 5, 0]
-    assert desk._bounds[:7].tolist() == [0, 1, 2, 3, 5, 6, 7]
+    assert desk.offer(team, np.arange(11), 3, 3, 1, 0) == [1, 2]
+    assert [crew.find_piece(desk._at, slot, 3) for slot in (2, 1, 1, 1, 1, 1, 1, 1)] == [5, 2, 3, 4, 6, 7, 0, 1]
+    assert desk._bounds[:9].tolist() == [0, 2, 3, 5, 6, 7, 9, 10, 11]
 
 
 def test_little_work_is_shared_with_those_who_are_awake(monkeypatch: pytest.MonkeyPatch) -> None:
