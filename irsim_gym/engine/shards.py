@@ -69,6 +69,13 @@ class Shards:
         elif len(whole.worlds):
             function(whole)
 
+    def is_alone(self, function: Fused, n_worlds: int) -> bool:
+        """Return whether work stays with the caller this time, who may then do it without ``run``; asked once each."""
+        pace = self._paces.get(function.__qualname__)
+        if pace is None or not pace.least_s:  # it has to be timed
+            return self.n_slots == 1
+        return pace.workers(n_worlds, self.n_slots, min(WORTH_AWAKE_S, WORTH_S)) == 1 or not pace.is_worth_a_try()
+
     def _run(self, function: Work, worlds: Ints) -> None:
         """Do the work together, if it is worth that."""
         n_worlds = len(worlds)

@@ -81,9 +81,9 @@ class Episodes:
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
         self._play, self._begin_books = (simulation.fuse(run, kinds) for run in (self._step, self._open))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
-        shards, is_direct = simulation.shards, simulation.shards.n_slots == 1 and not self.n_discrete
-        everything = self._play, shards.all[0].worlds, self.action_sizes, self.state.given
-        self.direct = Direct(*everything) if is_direct else None
+        everything = self._play, simulation.shards.all[0].worlds, self.action_sizes, self.state.given
+        self._by_caller = None if self.n_discrete else Direct(*everything)
+        self.direct = self._by_caller if simulation.shards.n_slots == 1 else None
 
     @property
     def n_worlds(self) -> int:
@@ -237,6 +237,8 @@ class Episodes:
             ValueError: An action has the wrong shape or type, is not finite or is no choice; nothing has moved then.
         """
         direct = self.direct if worlds is None else None
+        if worlds is None and direct is None and self.simulation.shards.is_alone(self._play, self.n_worlds):
+            direct = self._by_caller
         if direct is not None and given.shape == self._given.shape and direct.run(given.reshape(-1)):
             return
         rows = self.simulation.shards.all[0].worlds if worlds is None else worlds

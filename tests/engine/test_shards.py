@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 from irsim_gym.engine import shards
+from irsim_gym.engine.fused import Fused
 from irsim_gym.engine.pace import Pace
 from irsim_gym.engine.shards import Shards
 from irsim_gym.world.group import Shard
@@ -71,6 +72,20 @@ def test_the_least_time_so_far_says_how_many_work(worth: float, workers: int, mo
     assert len(made._lanes) == workers - 1
 
 
+def test_the_caller_is_told_what_stays_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is not timed yet has to be run; 6 us for all worlds are too little, and so is what is resting."""
+    made, work = Shards(N, 3), Fused(lambda shard: None)
+    found = [Shards(N, 1).is_alone(work, N), made.is_alone(work, N)]
+    monkeypatch.setattr(shards, "WORTH_S", 1.0)
+    made._paces[work.__qualname__] = pace = Pace()
+    for least_s in (0.0, 1e-6, 1e-4):
+        pace.least_s = least_s
+        found.append(made.is_alone(work, N))
+    pace._rest = 2
+    assert found == [True, False, False, True, False]
+    assert [made.is_alone(work, N) for _ in range(3)] == [True, True, False]
+
+
 def test_the_first_time_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shards, "WORTH_S", 1e-3)
     made, visits, numbers = Shards(N, 2), Visits(0.001), []
@@ -123,8 +138,8 @@ def test_an_interrupt_leaves_no_share_under_way(waits: bool, monkeypatch: pytest
 
     before = signal.signal(signal.SIGALRM, interrupt)
     try:
-        signal.setitimer(signal.ITIMER_REAL, 0.2)
-        with pytest.raises(KeyboardInterrupt):
+        with pytest.raises(KeyboardInterrupt):  # noqa: PT012 - on a busy machine it comes at once
+            signal.setitimer(signal.ITIMER_REAL, 0.2)
             made.run(work)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
