@@ -142,6 +142,12 @@ def test_a_change_of_the_source_is_seen(folder: Path) -> None:
     assert run(folder, ADD) == "[0.0, 0.0, 0.0, 2.0] 1"
 
 
+def test_without_a_writable_folder_nothing_is_kept(folder: Path) -> None:
+    nowhere = "from irsim_gym import jit_cache\njit_cache._cache_roots = lambda: [jit_cache.Path('/proc/irsim_gym')]\n"
+    assert [run(folder, nowhere + ADD) for _ in range(2)] == [f"{SUM} 1"] * 2
+    assert not (folder / "cache").exists()
+
+
 def test_a_kernel_that_prints_is_compiled_each_time(folder: Path) -> None:
     """It needs Python objects, which are not on the disk."""
     use = "play([2], mine.tell, out)\nprint(out.tolist(), made.n)"
