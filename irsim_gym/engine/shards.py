@@ -18,7 +18,7 @@ from irsim_gym.world.group import Shard
 
 WORTH_S = 150e-6
 """A thread is worth while from this much work on [s]: waking it costs some 10 us, many times that on a busy machine."""
-WORTH_AWAKE_S = 8e-6
+WORTH_AWAKE_S = 14e-6
 """The same for recorded work where threads are awake and look for it [s]."""
 PIECE_S = 12e-6
 """How long a piece of recorded work should take at least [s]; the calls in it cost some 2 us."""
