@@ -16,11 +16,13 @@ from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays
 from irsim_gym.engine import Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
-from irsim_gym.raster.sheets import add_edge, new_sheet
+from irsim_gym.raster.sheets import add_edge, new_sheet, note, scan_edge
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 View = tuple[float, float, float, float, float, float, float]
+CORNER = 1.42
+"""A little more than how much farther a square's corner is away than its side."""
 LINE = 1.5
 """Thickness of what has none, such as a wall that is a line [pixel]."""
 
@@ -135,11 +137,25 @@ def add_body(sheet: Rays, box: Ints, view: View, seen: Sights, w: int, b: int) -
 def add_rectangle(sheet: Rays, box: Ints, view: View, left: float, low: float, right: float, high: float) -> None:
     """Add an upright rectangle [m] to a sheet."""
     half_x, half_y = 0.5 * (right - left), 0.5 * (high - low)
-    if is_near(view, box, left + half_x, low + half_y, np.sqrt(half_x * half_x + half_y * half_y)):
-        add_side(sheet, box, view, left, low, right, low)
-        add_side(sheet, box, view, right, low, right, high)
-        add_side(sheet, box, view, right, high, left, high)
-        add_side(sheet, box, view, left, high, left, low)
+    if not is_near(view, box, left + half_x, low + half_y, np.sqrt(half_x * half_x + half_y * half_y)):
+        return
+    ax, ay, bx, by = (
+        column_of(view, left, low),
+        row_of(view, left, low),
+        column_of(view, right, low),
+        row_of(view, right, low),
+    )
+    cx, cy, dx, dy = (
+        column_of(view, right, high),
+        row_of(view, right, high),
+        column_of(view, left, high),
+        row_of(view, left, high),
+    )
+    note(sheet, box, min(ax, bx, cx, dx), min(ay, by, cy, dy), max(ax, bx, cx, dx), max(ay, by, cy, dy))
+    scan_edge(sheet, box, bx, by, ax, ay)
+    scan_edge(sheet, box, cx, cy, bx, by)
+    scan_edge(sheet, box, dx, dy, cx, cy)
+    scan_edge(sheet, box, ax, ay, dx, dy)
 
 
 @kernel
@@ -148,9 +164,13 @@ def add_cells(sheet: Rays, box: Ints, view: View, cells: CellMap | None) -> None
     if cells is not None:
         frame, _, boxes, _ = cells
         x, y, width, height = frame[0], frame[1], frame[2], frame[3]
+        seen = CORNER * (max(view[5], box[2] - view[5], view[6], box[3] - view[6]) + LINE) / view[4]
         for k in range(boxes.shape[0]):
             left, right = x + width * boxes[k, 0], x + width * boxes[k, 1]
-            add_rectangle(sheet, box, view, left, y + height * boxes[k, 2], right, y + height * boxes[k, 3])
+            low, high = y + height * boxes[k, 2], y + height * boxes[k, 3]
+            size = CORNER * (right - left + high - low)  # most are far away however the picture is turned
+            if max(abs(left - view[0]), abs(low - view[1])) < seen + size:
+                add_rectangle(sheet, box, view, left, low, right, high)
 
 
 @kernel
