@@ -23,6 +23,12 @@ robot:
 task: {agents: near, max_steps: 400}
 """
 TITLE = "hall - irsim-gym play"
+PROGRAM = """
+import signal
+from irsim_gym.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)  # shells let background jobs ignore it
+main()
+"""
 Start = Callable[..., subprocess.Popen[str]]
 
 
@@ -31,7 +37,7 @@ def start(screen: Screen, tmp_path: Path, until) -> Iterator[Start]:
     """Return a function that begins to play with some options, and waits for the window."""
     (tmp_path / "hall.yaml").write_text(FILE)
     begun: list[subprocess.Popen[str]] = []
-    program = [sys.executable, "-c", "from irsim_gym.cli import main; main()", "play", "hall.yaml"]
+    program = [sys.executable, "-c", PROGRAM, "play", "hall.yaml"]
 
     def play(*options: str) -> subprocess.Popen[str]:
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
