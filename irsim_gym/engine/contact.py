@@ -189,7 +189,7 @@ def find_contacts(
                 continue
             x, y, own, moves, d = here[b, 0], here[b, 1], reaches[b], movable[b], disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
-            if is_disc and room_left(rounds[d], room[w, b]) > 0.0:
+            if is_disc and room[w, b, 2] > SURE and room_left(rounds[d], room[w, b]) > 0.0:
                 continue
             for q in range(there.shape[0]):
                 dx, dy, near = here[q, 0] - x, here[q, 1] - y, own + reaches[q]
