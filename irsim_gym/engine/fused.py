@@ -122,9 +122,7 @@ class Fused:
         if not self.is_fusable:
             return None
         if self._crew is None or self._crew.n_slots != n_slots:
-            for slot in range(n_slots):
-                self.prepare(slot)
-            found = [self.programs.get(slot) for slot in range(n_slots)]
+            found = [self._program(slot) for slot in range(n_slots)]
             programs = [program for program in found if program is not None]
             self._crew = Crew(programs) if len(programs) == n_slots else None
         return self._crew

@@ -71,9 +71,11 @@ class Shards:
 
     def is_alone(self, function: Fused, n_worlds: int) -> bool:
         """Return whether work stays with the caller this time, who may then do it without ``run``; asked once each."""
+        if self.n_slots == 1:
+            return True
         pace = self._paces.get(function.__qualname__)
         if pace is None or not pace.least_s:  # it has to be timed
-            return self.n_slots == 1
+            return False
         return pace.workers(n_worlds, self.n_slots, min(WORTH_AWAKE_S, WORTH_S)) == 1 or not pace.is_worth_a_try()
 
     def _run(self, function: Work, worlds: Ints) -> None:

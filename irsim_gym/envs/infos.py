@@ -186,5 +186,5 @@ def _spread(part: NDArray[Any], chosen: Ints) -> NDArray[Any]:
 
 
 def _interleaved(keys: Sequence[str], rows: Iterable[Any], masks: Iterable[Any]) -> dict[str, Any]:
-    """Return a dict of rows, each followed by its mask; ``keys`` has both names."""
-    return dict(zip(keys, chain.from_iterable(zip(rows, masks)), strict=False))  # noqa: B905
+    """Return a dict of rows, each followed by its mask; ``keys`` has both names, masks may be left over."""
+    return dict(zip(keys, chain.from_iterable(zip(rows, masks, strict=False)), strict=True))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -64,14 +66,10 @@ def acted_of(reward: Any) -> Flags:
 
 def is_monitored(env: VecEnv) -> bool:
     """Return whether a ``VecMonitor`` around ``env`` steps it right now."""
-    frame = sys._getframe(1)
-    for _ in range(CALLERS):
+    for frame in _callers():
         caller = frame.f_locals.get("self")
         if isinstance(caller, VecMonitor) and caller.unwrapped is env:
             return True
-        if frame.f_back is None:
-            break
-        frame = frame.f_back
     return False
 
 
@@ -81,13 +79,19 @@ def learner_buffer(env: VecEnv) -> Any | None:
     An environment is never told who steps it, nor why. Looking for ``collect_rollouts`` among the callers tells
     learning from evaluating and from loops of one's own, which may leave rows out as they like.
     """
-    frame = sys._getframe(1)
-    for _ in range(CALLERS):
+    for frame in _callers():
         if frame.f_code.co_name == "collect_rollouts":
             found = frame.f_locals
             if getattr(found.get("env"), "unwrapped", None) is env:
                 return found.get("rollout_buffer", found.get("replay_buffer"))
-        if frame.f_back is None:
-            break
-        frame = frame.f_back
     return None
+
+
+def _callers() -> Iterator[FrameType]:
+    """Yield who called the function that asks, the nearest first."""
+    frame: FrameType | None = sys._getframe(2)  # of this generator, and of who asks
+    for _ in range(CALLERS):
+        if frame is None:
+            return
+        yield frame
+        frame = frame.f_back

@@ -42,8 +42,8 @@ class Episodes:
         action_sizes: Components of each agent's actions, shape ``(n_agents,)``; its surplus ones are not looked at.
         feature_mask: Columns of the observation that mean something to an agent, shape ``(n_agents, n_features)``; the
             others are 0.
-        direct: Plays a step of all worlds with less Python around it; None where threads share them, or where actions
-            are choices.
+        direct: Plays a step of all worlds in the caller's thread with less Python around it; None where actions are
+            choices.
     """
 
     def __init__(self, simulation: Simulation, task: Task) -> None:
@@ -82,8 +82,7 @@ class Episodes:
         self._play, self._begin_books = (simulation.fuse(run, kinds) for run in (self._step, self._open))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
         everything = self._play, simulation.shards.all[0].worlds, self.action_sizes, self.state.given
-        self._by_caller = None if self.n_discrete else Direct(*everything)
-        self.direct = self._by_caller if simulation.shards.n_slots == 1 else None
+        self.direct = None if self.n_discrete else Direct(*everything)
 
     @property
     def n_worlds(self) -> int:
@@ -236,12 +235,15 @@ class Episodes:
         Raises:
             ValueError: An action has the wrong shape or type, is not finite or is no choice; nothing has moved then.
         """
-        direct = self.direct if worlds is None else None
-        if worlds is None and direct is None and self.simulation.shards.is_alone(self._play, self.n_worlds):
-            direct = self._by_caller
-        if direct is not None and given.shape == self._given.shape and direct.run(given.reshape(-1)):
+        shards, direct = self.simulation.shards, self.direct if worlds is None else None
+        if (
+            direct is not None
+            and given.shape == self._given.shape
+            and shards.is_alone(self._play, self.n_worlds)
+            and direct.run(given.reshape(-1))
+        ):
             return
-        rows = self.simulation.shards.all[0].worlds if worlds is None else worlds
+        rows = shards.all[0].worlds if worlds is None else worlds
         actions.take(given, rows, self.n_discrete, self.action_sizes, self._given)
         self.simulation.run(self._play, worlds)
 
