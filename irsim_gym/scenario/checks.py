@@ -70,12 +70,12 @@ def check_dimensions(values: Values, places: Places, report: Report) -> bool:
     name = "a body without kinematics" if drive is None else f"'{KINEMATICS.name_of(type(drive))}'"
     size, state_size = command_size(drive), 3 if drive is None else drive.state_size
     if values["state_dim"] not in (None, state_size):
-        report.add(places["state_dim"], f"must be {state_size} for {name}, got {values['state_dim']}")
+        report.add(places["state_dim"], f"must be {state_size} for {name}, got {show(values['state_dim'])}")
         good = False
     if drive is None:
         return good
     if values["vel_dim"] not in (None, size):
-        report.add(places["vel_dim"], f"must be {size} for {name}, got {values['vel_dim']}")
+        report.add(places["vel_dim"], f"must be {size} for {name}, got {show(values['vel_dim'])}")
         good = False
     meaning = ", ".join(drive.command_names)
     for key in ("vel_min", "vel_max", "acce"):

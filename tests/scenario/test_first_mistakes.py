@@ -6,6 +6,9 @@ from collections.abc import Callable
 
 import pytest
 
+from irsim_gym.errors import ScenarioError
+from irsim_gym.scenario import load_scenario
+
 CAR = "robot:\n  - kinematics: {name: diff}\n"
 KEYS = {
     "a size beside the shape": (
@@ -111,3 +114,10 @@ SYNTAX = {
 def test_what_is_told(case: str, problems: Callable[[str], list[str]]) -> None:
     text, *expected = {**KEYS, **SYNTAX}[case]
     assert [line for line in problems(text) if "name:diff" not in line] == expected
+
+
+@pytest.mark.parametrize("key", ["state_dim", "vel_dim"])
+def test_a_dimension_of_hundreds_of_digits_is_told_in_short(key):
+    with pytest.raises(ScenarioError) as told:
+        load_scenario({"robot": {"kinematics": {"name": "diff"}, key: 10**380}})
+    assert all(len(problem.message) < 400 for problem in told.value.problems)
