@@ -43,10 +43,10 @@ class OrcaGroup:
         n_bodies, n_parts = len(model.role), model.local_segments.shape[1] + model.local_discs.shape[1]
         is_member = np.zeros(n_bodies, np.bool_)
         is_member[group.members] = True
-        is_wall = ~model.movable & ~model.unobstructed
+        is_wall = ~model.movable & (is_member | ~model.unobstructed)
         n_sides = most_map_walls(model, SIGHT)
         most = min(group.options[0].maxNeighbors, len(group.members))
-        seen, decides = is_member & model.movable & ~model.unobstructed, np.zeros(n_bodies, np.bool_)
+        seen, decides = is_member & model.movable, np.zeros(n_bodies, np.bool_)
         deciding = group.members[group.arrays["decides"]]
         decides[deciding] = True
         concerned = np.flatnonzero(seen | decides)

@@ -129,7 +129,7 @@ def push_of_bodies(
     the nearest point of its outline.
     """
     pose, twist, frame, sight = scene.pose[w], scene.twist[w], scene.bucket_frame, options.neighbor_threshold
-    role, unobstructed, present = scene.role, scene.unobstructed, scene.present[w]
+    role, present = scene.role, scene.present[w]
     n_segments, n_discs = (
         scene.segment_count[row_of(scene.segment_count, w)],
         scene.disc_count[row_of(scene.disc_count, w)],
@@ -145,7 +145,7 @@ def push_of_bodies(
         q = nearby[k]
         dx, dy, far = pose[q, 0] - x, pose[q, 1] - y, most + reaches[q]
         roles = ALL_ROLES if among[q] else options.target_roles
-        if dx * dx + dy * dy > far * far * SLACK or not is_seen(b, q, roles, role, unobstructed, present):
+        if dx * dx + dy * dy > far * far * SLACK or not is_seen(b, q, roles, role, present):
             continue
         look = ROUND if among[q] else look_of(n_segments[q], n_discs[q], scene.solid[q], scene.movable[q])
         if look == STANDING:
@@ -209,7 +209,7 @@ def push_of_lines(scene: Scene, w: int, b: int, options: Any, among: Flags, line
     sum_x, sum_y = 0.0, 0.0
     for k in range(lines.shape[0]):
         q = lines[k]
-        seen = is_seen(b, q, options.target_roles, scene.role, scene.unobstructed, scene.present[w])
+        seen = is_seen(b, q, options.target_roles, scene.role, scene.present[w])
         if among[q] or not seen:
             continue
         s, n = scene.segment_start[q], scene.segment_count[row_of(scene.segment_count, w), q]

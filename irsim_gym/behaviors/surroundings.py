@@ -35,7 +35,6 @@ class Scene(NamedTuple):
     """
 
     role: Ints
-    unobstructed: Flags
     movable: Flags
     solid: Flags
     present: Flags
@@ -89,16 +88,16 @@ def row_of(values: NDArray[Any], w: int) -> int:
 
 
 @kernel
-def is_seen(b: int, q: int, target_roles: int, role: Ints, unobstructed: Flags, present: Flags) -> bool:
-    """Return whether body b pays heed to body q: another one that is there, is an obstruction and has the role."""
-    if q == b or unobstructed[q] or not present[q]:
+def is_seen(b: int, q: int, target_roles: int, role: Ints, present: Flags) -> bool:
+    """Return whether body b pays heed to body q: another one that is there and has the role, unobstructed or not."""
+    if q == b or not present[q]:
         return False
     return bool(target_roles == ALL_ROLES or role[q] == target_roles - 1)
 
 
 @kernel
 def is_map_seen(target_roles: int, frame: Floats, role: Ints, present: Flags) -> bool:
-    """Return whether there is an occupancy map to pay heed to; its body is hidden from all that asks for outlines."""
+    """Return whether there is an occupancy map to pay heed to; its body has no outline to look at."""
     chart = int(frame[4])
     if chart < 0 or not present[chart]:
         return False
@@ -153,13 +152,7 @@ def look_around(
         rounds: Written: x, y, vx, vy, radius with MARGIN [m, m/s], shape ``(n, 5)`` or wider.
         sides: Written: x0, y0, x1, y1 [m], shape ``(n, 4)``.
     """
-    pose, frame, role, unobstructed, present = (
-        scene.pose[w],
-        scene.bucket_frame,
-        scene.role,
-        scene.unobstructed,
-        scene.present[w],
-    )
+    pose, frame, role, present = scene.pose[w], scene.bucket_frame, scene.role, scene.present[w]
     n_segments, n_discs = (
         scene.segment_count[row_of(scene.segment_count, w)],
         scene.disc_count[row_of(scene.disc_count, w)],
@@ -172,7 +165,7 @@ def look_around(
     for k in range(n_nearby):
         q = nearby[k]
         dx, dy, far = pose[q, 0] - x, pose[q, 1] - y, sight + reach[q]
-        if dx * dx + dy * dy > far * far * SLACK or not is_seen(b, q, target_roles, role, unobstructed, present):
+        if dx * dx + dy * dy > far * far * SLACK or not is_seen(b, q, target_roles, role, present):
             continue
         look = look_of(n_segments[q], n_discs[q], scene.solid[q], scene.movable[q])
         if look == STANDING:
@@ -189,7 +182,7 @@ def look_around(
                 n_rounds += 1
     for k in range(lines.shape[0]):
         q = lines[k]
-        if is_seen(b, q, target_roles, role, unobstructed, present):
+        if is_seen(b, q, target_roles, role, present):
             n_sides = copy_sides(segments, scene.segment_start[q], n_segments[q], sides, n_sides)
     if is_map_seen(target_roles, scene.map_frame, role, present):
         n_sides = map_walls(x, y, sight, scene.map_frame, scene.map_squares, sides, n_sides)

@@ -93,6 +93,11 @@ class BodyView:
         return bool(self._model.movable[self.id])
 
     @property
+    def is_unobstructed(self) -> bool:
+        """True for a body that collisions and sensors ignore, such as a mark on the floor."""
+        return bool(self._model.unobstructed[self.id])
+
+    @property
     def is_stopped(self) -> bool:
         """True while a collision holds the body in place."""
         return bool(self._state.stopped[self._world, self.id])
@@ -173,7 +178,7 @@ def forget(group: Group, shard: Shard) -> None:
 def others(group: Group, model: WorldModel, state: WorldState, world: int, unseen: Ints, role: int) -> list[BodyView]:
     """Return views of the bodies that a behaviour looks at, by their numbers.
 
-    Absent and unobstructed bodies are left out, and an occupancy map, which is no outline.
+    Absent bodies are left out, and an occupancy map, which is no outline.
 
     Args:
         group: The group that decides.
@@ -183,7 +188,7 @@ def others(group: Group, model: WorldModel, state: WorldState, world: int, unsee
         unseen: Bodies to leave out besides.
         role: Role of the others, -1 for any.
     """
-    seen = model.present[world] & ~model.unobstructed
+    seen = model.present[world].copy()
     if role >= 0:
         seen &= model.role == role
     seen[unseen] = False

@@ -25,7 +25,12 @@ def find(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> No
     """Write ``state.collided``, ``state.hit`` and ``state.stopped``."""
     begin_contacts(shard.worlds, model.static_partner, state.collided, state.hit)
     _find_pairs(movers, model, state, shard, model.static_known[:0])
-    stop_bodies(shard.worlds, movers, model.collision_mode, model.role, state.collided, state.stopped)
+    stop(model, state, shard)
+
+
+def stop(model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Write ``state.stopped``: who is held in place, those that never move included, as in IR-SIM."""
+    stop_bodies(shard.worlds, model.collision_mode, model.role, state.collided, state.stopped)
 
 
 def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -222,13 +227,12 @@ def room_left(disc: Floats, room: Floats) -> float:
 
 
 @kernel
-def stop_bodies(worlds: Ints, movers: Ints, collision_mode: Ints, role: Ints, collided: Flags, stopped: Flags) -> None:
+def stop_bodies(worlds: Ints, collision_mode: Ints, role: Ints, collided: Flags, stopped: Flags) -> None:
     """Hold collided bodies in place as the collision mode says."""
     mode = collision_mode[0]
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        for k in range(movers.shape[0]):
-            b = movers[k]
+        for b in range(collided.shape[1]):
             holds = mode == STOP or (mode != UNOBSTRUCTED and role[b] == ROBOT)
             stopped[w, b] = collided[w, b] and holds
 

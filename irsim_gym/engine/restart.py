@@ -82,6 +82,7 @@ def start(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> N
         group.kind.begin(group, model, state, shard)
     begin_behaviors(parts, shard)
     contact.find_static(parts.fixed, model, state, shard)
+    contact.stop(model, state, shard)
     arrival.measure(parts.goal_bodies, state, shard)
     sense(parts, model, state, shard)
 

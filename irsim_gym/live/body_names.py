@@ -140,7 +140,7 @@ class BodyNames(Moment):
 
     @property
     def unobstructed(self) -> bool:
-        """Collisions and sensors ignore it."""
+        """Collisions and sensors ignore it, behaviours do not."""
         return self.spec.unobstructed
 
     @property

@@ -24,7 +24,9 @@ class SavedFigure:
     """How figures are written to files."""
 
     dpi: int = option(100, ge=1, le=2400, unit="1/inch", meaning="Resolution of saved figures.")
-    bbox_inches: Literal["tight", "standard"] = option("tight", meaning="Cut a saved figure to what is drawn, or not.")
+    bbox_inches: Literal["tight", "standard"] | None = option(
+        "tight", meaning="Cut a saved figure to what is drawn, or keep all of it: standard, or null as for matplotlib."
+    )
     format: Literal["png", "pdf", "svg", "jpg", "jpeg", "eps", "ps", "tif", "tiff", "webp"] = option(
         "png", meaning="File format of saved figures without a suffix."
     )

@@ -190,7 +190,9 @@ class BodyOptions:
     )
     group_name: str | None = option(None, min_length=1, meaning="Name of the group; by default role_group.")
     unobstructed: bool = option(
-        False, meaning="Collisions and sensors ignore the body.", consequence="It drives through everything."
+        False,
+        meaning="Collisions and sensors ignore the body; rvo, sfm and functions in Python see it all the same.",
+        consequence="It drives through everything, and everything through it.",
     )
     plot: ObjectPlot = option(defaults(ObjectPlot), meaning="Drawing options of the body.")
     state_dim: int | None = option(None, ge=1, meaning="Number of state variables; checked against the drive.")
@@ -262,7 +264,7 @@ class BodySpec:
         goal_threshold: The goal is reached when it is nearer than this [m].
         arrive_mode: ``position`` or ``state``.
         static: The body never moves; True without kinematics.
-        unobstructed: Collisions and sensors ignore the body.
+        unobstructed: Collisions and sensors ignore the body, behaviours do not.
         group: Number of its group.
         group_name: Name of its group.
         color: Colour.

@@ -113,7 +113,9 @@ def build(
     is_good = True
     for key, info in fields.items():
         own = spelt.get(key, key)
-        if key not in ignored and data.get(own) is not None:
+        if key not in ignored and own in data and data[own] is None and _takes_null(info):
+            values[key] = None
+        elif key not in ignored and data.get(own) is not None:
             read = read_color if key.endswith("color") else read_field
             values[key] = read(info, data[own], (*place, own), report)
             is_good = is_good and values[key] is not BAD
@@ -121,6 +123,11 @@ def build(
             report.add((*place, key), "is required")
             is_good = False
     return _construct(cls, values, place, report) if is_good else None
+
+
+def _takes_null(info: FieldInfo) -> bool:
+    """Return whether ``null`` is a value of an option and not the same as leaving it out."""
+    return not info.is_required() and info.default is not None and type(None) in get_args(info.annotation)
 
 
 def _construct(cls: type[T], values: Mapping[str, Any], place: Place, report: Report) -> T | None:

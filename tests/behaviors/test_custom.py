@@ -141,7 +141,8 @@ def test_what_the_views_tell() -> None:
     assert ego.goal is not None
     assert ego.goal[:2].tolist() == [3, 3]
     assert ego.discs.tolist() == [[*ego.pose[:2], 0.2]]
-    assert [other.name for other in others] == ["obstacle_1"]
+    assert [other.name for other in others] == ["obstacle_1", "obstacle_2"]
+    assert [other.is_unobstructed for other in (ego, *others)] == [False, False, True]
     wall = others[0]
     assert (wall.role, wall.goal, wall.is_movable, wall.radius) == ("obstacle", None, False, 2.5)
     assert wall.center == pytest.approx([5, 5.5])

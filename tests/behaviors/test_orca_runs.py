@@ -111,6 +111,20 @@ def test_what_never_moves_is_avoided(obstacle: dict[str, Any], avoided: bool) ->
     assert straight != avoided
 
 
+@pytest.mark.parametrize("static", [False, True])
+def test_unobstructed_members_avoid_each_other(static: bool) -> None:
+    """As in ir-sim, where a group is all that orca knows; neither gives way to a wall that is marked so."""
+    robots = crowd("omni", [[1, 5, 0], [5, 5.1, 0]], [[9, 5, 0], [1, 5.1, 0]], unobstructed=True)
+    sim = simulation({**robots, "static": [False, static]}, collision_mode="unobstructed")
+    gaps = []
+    for _ in range(70):
+        sim.step()
+        gaps.append(float(np.hypot(*(sim.state.pose[0, 0, :2] - sim.state.pose[0, 1, :2]))))
+    assert min(gaps) > 0.4
+    assert sim.state.pose[0, 0, 0] > sim.state.pose[0, 1, 0] + 0.5
+    assert not sim.state.collided.any()
+
+
 def test_an_absent_body_is_not_avoided() -> None:
     robots = {**crowd("omni", [], [[9, 5, 0]]), "number_range": [1, 2], "state": [[1, 5, 0], [5, 5.1, 0]]}
     del robots["number"]

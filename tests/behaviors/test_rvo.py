@@ -163,11 +163,11 @@ def test_a_wall_across_the_way_is_not_run_into() -> None:
     assert not sim.state.collided.any()
 
 
-def test_what_is_unobstructed_or_of_another_role_is_driven_through() -> None:
+def test_what_is_of_another_role_is_driven_through_and_what_is_unobstructed_is_avoided() -> None:
     straight = [1, 0]
     ghost = {"shape": {"name": "circle", "radius": 0.4}, "state": [2.5, 5, 0], "unobstructed": True}
     disc = {key: value for key, value in ghost.items() if key != "unobstructed"}
-    for obstacle, roles, swerves in ((disc, "all", True), (ghost, "all", False), (disc, "robot", False)):
+    for obstacle, roles, swerves in ((disc, "all", True), (ghost, "all", True), (disc, "robot", False)):
         sim = simulation([robot([1, 5, 0], [9, 5, 0], "omni", target_roles=roles)], [obstacle])
         sim.step()
         assert (np.abs(sim.state.command[0, 0, :2] - straight).max() > 0.06) == swerves

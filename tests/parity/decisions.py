@@ -79,8 +79,8 @@ DECISIONS = {
         "section 8.6",
     ),
     "unobstructed_is_symmetric": Decision(
-        "an unobstructed body is hidden from others, but is itself stopped by them, and behaviours avoid it",
-        "it touches nobody, and nobody avoids it",
+        "others drive through an unobstructed body, but it is itself stopped by them",
+        "it touches nobody; behaviours avoid it and sensors miss it, as in IR-SIM",
         "the documentation says 'ignoring collisions with other objects'",
         "D10",
     ),
@@ -104,7 +104,8 @@ DECISIONS = {
     ),
     "reset_is_a_start": Decision(
         "reset() looks for collisions at once and lets the random stream go on",
-        "reset() gives the moment of the start: no flag is set, and the noise begins again",
+        "reset() gives the moment of the start: the flags of bodies that never move and touch each other are set, no "
+        "others, and the noise begins again",
         "the same actions give the same run",
         "section 12.3",
     ),
@@ -125,7 +126,8 @@ DECISIONS = {
     ),
     "orca_walls": Decision(
         "orca sees only the members of its group",
-        "it also avoids all bodies that never move, and the obstacle map; such a member is one of them",
+        "it also avoids all bodies that never move, unless they are unobstructed, and the obstacle map; such a member "
+        "is always avoided",
         "robots drove into walls",
         "8.4",
     ),

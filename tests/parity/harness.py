@@ -215,9 +215,7 @@ class Pair:
                 goal = np.asarray(after.goals[b][0], float).reshape(-1)
                 known = 2 if len(goal) < 3 or np.isnan(state.goal[0, b, 2]) else 3
                 assert np.allclose(state.goal[0, b, :known], goal[:known], rtol=0, atol=EXACT), ("goal", *where)
-            if (bool(state.collided[0, b]), bool(state.stopped[0, b])) != (collided, stopped and model.movable[b]):
-                if theirs.static and bool(state.collided[0, b]) == collided:
-                    continue
+            if (bool(state.collided[0, b]), bool(state.stopped[0, b])) != (collided, stopped):
                 assert grazes(self, b, skip), ("collided", *where, state.collided[0, b], collided)
                 self.report.grazes += 1
                 self.report.decisions.add("exact_disc")

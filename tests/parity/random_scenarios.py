@@ -143,7 +143,7 @@ def behaviors(draw: Any, drive: str) -> dict[str, Any] | None:
 
 
 @st.composite
-def parties(draw: Any) -> dict[str, Any]:
+def parties(draw: Any, ghosts: bool) -> dict[str, Any]:
     """Robots that decide together."""
     count, drive = draw(st.integers(2, 3)), draw(st.sampled_from(["diff", "body"]))
     name = draw(st.sampled_from(GROUP_BEHAVIORS))
@@ -164,6 +164,7 @@ def parties(draw: Any) -> dict[str, Any]:
         "velocity": draw(vector(2, 0.1, 0.6)),
         "vel_max": draw(vector(2, 0.5, 2)),
         "group_behavior": way,
+        "unobstructed": ghosts and draw(st.booleans()),
     }
 
 
@@ -201,10 +202,6 @@ def cases(draw: Any) -> dict[str, Any]:
     if any(body.get("behavior", {"name": "dash"})["name"] != "dash" for body in (*robots, *obstacles)):
         for body in (*robots, *obstacles):
             show_alike(body)
-    if any(body.get("unobstructed") for body in (*robots, *obstacles)):
-        for body in (*robots, *obstacles):  # unobstructed bodies are not avoided here (decision)
-            if body.get("behavior", {"name": "dash"})["name"] != "dash":
-                body["behavior"] = {"name": "dash"}
     world = {
         "step_time": draw(st.sampled_from([0.1, 0.05, 0.25])),
         "collision_mode": draw(st.sampled_from(["stop", "unobstructed", "unobstructed_obstacles"])),
@@ -216,8 +213,8 @@ def cases(draw: Any) -> dict[str, Any]:
         entries[b].pop("behavior", None)
     plan: dict[str, Any] = {"steps": draw(st.integers(2, 5)), "actions": dict.fromkeys(driven, "random"), "ties": 1.0}
     company = draw(st.sampled_from([None, None, None, "party", "map"]))
-    if company == "party" and not ghosts:
-        obstacles.append(add_party(draw(parties()), [*robots, *obstacles]))
+    if company == "party":
+        obstacles.append(add_party(draw(parties(ghosts)), [*robots, *obstacles]))
     elif company == "map":
         plan["map"] = PICTURE
         for body in (*robots, *obstacles):  # who looks around sees a map otherwise here (decision map_is_no_disc)

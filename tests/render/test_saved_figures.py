@@ -50,6 +50,12 @@ def test_tight_figures_are_cut_to_what_is_drawn_and_a_margin(tmp_path: Path) -> 
     assert np.allclose(np.subtract(wide.size, bare.size), 100, atol=2), "half an inch on each side"
 
 
+def test_null_cuts_nothing_off(tmp_path: Path) -> None:
+    """As for matplotlib, where ``bbox_inches=None`` saves the whole figure."""
+    image, size, _ = saved(tmp_path, bbox_inches=None)
+    assert image.size == size
+
+
 def test_the_background_is_as_asked_for(tmp_path: Path) -> None:
     image, _, middle = saved(tmp_path, facecolor="gold")
     assert image.getpixel((2, 2)) == (255, 215, 0, 255)

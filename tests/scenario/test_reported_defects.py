@@ -49,15 +49,20 @@ def test_d5_a_wide_body_ahead_is_in_the_field_of_view() -> None:
     assert run(text, steps=0).detected(0)[0, 1]
 
 
-def test_d6_rvo_and_sfm_drive_through_what_is_unobstructed() -> None:
-    for behavior in ("rvo", "sfm"):
+@pytest.mark.parametrize("behavior", ["rvo", "sfm"])
+def test_d6_rvo_and_sfm_see_what_is_unobstructed(behavior: str) -> None:
+    """Kept: files mark walls so and rely on them to turn walkers away."""
+    paths = {}
+    for mark in ("unobstructed: false", "unobstructed: true", "state: [90, 90]"):
         text = (
-            f"robot: {{{OMNI}, state: [1, 5], goal: [9, 5], behavior: {{name: {behavior}}}}}\n"
-            "obstacle: {state: [3, 5], shape: {name: circle, radius: 0.5}, unobstructed: true}"
+            "world: {collision_mode: unobstructed}\n"
+            f"robot: {{{OMNI}, state: [1, 5.1], goal: [9, 5], behavior: {{name: {behavior}}}}}\n"
+            f"obstacle: {{shape: {{name: circle, radius: 0.5}}, {mark if 'state' in mark else 'state: [3, 5], ' + mark}}}"
         )
-        poses = np.array([run(text, steps=steps).state.pose[0, 0, :2] for steps in (10, 20, 30)])
-        assert poses[:, 1] == pytest.approx(5.0)
-        assert poses[-1, 0] > 3.0
+        paths[mark] = [run(text, steps=steps).state.pose[0, 0].tolist() for steps in (1, 10, 30)]
+    solid, marked, away = paths.values()
+    assert marked == solid
+    assert np.abs(np.subtract(marked, away)).max() > 0.2
 
 
 def test_d7_a_wanderer_still_wanders_after_a_reset() -> None:
