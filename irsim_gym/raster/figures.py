@@ -200,7 +200,7 @@ def paint_ghost(
         if item.filled:
             add_polygon(sheet, box, points, 0, 4)
             paint(picture, sheet, box, item.colours[AREA], False)
-        add_way(sheet, box, points, 4, item.width, True, True, item.style)
+        add_way(sheet, box, points, 4, item.width, True, True, item.style, 0.0)
     else:
         radius = points[1, 0] * place[6]
         place_points(points, 1, place)
@@ -258,7 +258,7 @@ def paint_path(
         after = step * (count - 1) // steps
         n_parts += 1 if after > before else 0
         before = after
-    part, before = 0, 0
+    part, before, length = 0, 0, 0.0
     for channel in range(3):
         colour[channel] = item.colours[EDGE][channel]
     for step in range(1, steps + 1):
@@ -270,8 +270,11 @@ def paint_path(
         colour[3] = item.colours[EDGE][3] * (faintest + (1.0 - faintest) * share)
         for i in range(after - before + 1):
             points[count + i, 0], points[count + i, 1] = points[before + i, 0], points[before + i, 1]
-        add_way(sheet, box, points[count:], after - before + 1, width, False, False, item.style)
+        add_way(sheet, box, points[count:], after - before + 1, width, False, False, item.style, length)
         paint(picture, sheet, box, colour, False)
+        for i in range(before, after):
+            dx, dy = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
+            length += np.sqrt(dx * dx + dy * dy)
         part, before = part + 1, after
 
 

@@ -20,11 +20,20 @@ ALIGNED = 1e-4
 
 @kernel
 def add_way(
-    sheet: Rays, box: Ints, points: Floats, count: int, width: float, closed: bool, round_ends: bool, style: int
+    sheet: Rays,
+    box: Ints,
+    points: Floats,
+    count: int,
+    width: float,
+    closed: bool,
+    round_ends: bool,
+    style: int,
+    before: float,
 ) -> None:
     """Add a line through the first ``count`` points to a sheet, in a line style.
 
-    The points behind them are overwritten; there is room for ``2 count + 3``.
+    It goes on with the dashes of one that is ``before`` [pixel] long. The points behind them are overwritten; there is
+    room for ``2 count + 3``.
     """
     if style == SOLID:
         add_line(sheet, box, points, 0, count, width, closed, round_ends)
@@ -32,6 +41,11 @@ def add_way(
     if not is_near(points, 0, count):
         return
     part, left, fresh, ahead = 0, DASHES[style, 0] * width, count, count
+    rest = before % (DASHES[style].sum() * width)
+    while rest >= left > 0.0:
+        rest, part = rest - left, (part + 1) % 4
+        left = DASHES[style, part] * width
+    left -= rest
     for i in range(count if closed else count - 1):
         after = (i + 1) % count
         ax, ay = points[i, 0], points[i, 1]
@@ -114,7 +128,7 @@ def paint_outline(
         while row < end:
             count, closed = load_chain(points, segments, row, end, place, shift)
             row += count - 1
-            add_way(sheet, box, points, count - 1 if closed else count, width, closed, True, style)
+            add_way(sheet, box, points, count - 1 if closed else count, width, closed, True, style, 0.0)
         for row in range(disc_rows[0], disc_rows[0] + disc_rows[1]):
             x, y = discs[row, 0], discs[row, 1]
             column, line = place[0] * x + place[1] * y + place[2], place[3] * x + place[4] * y + place[5]
@@ -176,4 +190,4 @@ def _add_circle(
     for i in range(count):
         angle = 2.0 * np.pi * i / count
         points[i, 0], points[i, 1] = x + radius * np.cos(angle), y + radius * np.sin(angle)
-    add_way(sheet, box, points, count, width, True, True, style)
+    add_way(sheet, box, points, count, width, True, True, style, 0.0)

@@ -73,7 +73,7 @@ class Brush:
         self.context: Any = renderer.new_gc()
         self.scale = float(to_canvas.get_matrix()[0, 0])
         self.point = float(canvas.points_to_pixels(1.0))
-        self._style: tuple[str, float] = ("solid", 0.0)
+        self._style: tuple[str, float, float] = ("solid", 0.0, 0.0)
         self.ends("butt", "round")
 
     def cut(self, box: BboxBase) -> None:
@@ -93,6 +93,7 @@ class Brush:
         width: float = 0.0,
         style: str = "solid",
         place: Affine2D | None = None,
+        before: float = 0.0,
     ) -> None:
         """Draw a path.
 
@@ -103,13 +104,14 @@ class Brush:
             width: Width of the line [point].
             style: ``solid``, ``dashed``, ``dashdot`` or ``dotted``.
             place: From the path's coordinates to the canvas; None for those of the world.
+            before: Its dashes go on with those of a line that is as long as this [point].
         """
         context = self.context
         context.set_foreground(edge, isRGBA=True)
         context.set_linewidth(width if edge[3] > 0.0 else 0.0)
-        if self._style != (style, width) and (style != "solid" or self._style[0] != "solid"):
-            context.set_dashes(*_dashes(style, width))
-            self._style = style, width
+        if self._style != (style, width, before) and (style != "solid" or self._style[0] != "solid"):
+            context.set_dashes(before, _dashes(style, width)[1])
+            self._style = style, width, before
         area = fill if fill is not None and fill[3] > 0.0 else None
         self.renderer.draw_path(context, path, self.to_canvas if place is None else place, area)
 

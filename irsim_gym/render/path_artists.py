@@ -10,7 +10,7 @@ from matplotlib.path import Path
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.render import shapes
-from irsim_gym.render.brush import Brush, tint
+from irsim_gym.render.brush import Brush, Colour, tint
 from irsim_gym.render.scene import TrailView
 
 FAINTEST, FADE_STEPS = 0.12, 16
@@ -36,16 +36,21 @@ class Trails:
                 _draw_band(brush, view)
         strengths = np.linspace(FAINTEST, 1.0, FADE_STEPS).tolist()
         for (colour, alpha, line), ways in alike.items():
-            parts, colours = (
-                faded(ways, APART / brush.scale),
-                [tint(colour, strength * alpha) for strength in strengths],
-            )
+            colours = [tint(colour, strength * alpha) for strength in strengths]
             if line == "solid":
-                brush.bundles(parts, colours, THIN)
-                continue
-            for part, one in zip(parts, colours, strict=True):
-                if part:
-                    brush.draw(Path.make_compound_path(*map(Path, part)), None, one, THIN, line)
+                brush.bundles(faded(ways, APART / brush.scale), colours, THIN)
+            else:
+                _draw_dashes(brush, ways, colours, line)
+
+
+def _draw_dashes(brush: Brush, ways: Sequence[Floats], colours: Sequence[Colour], line: str) -> None:
+    """Draw thin trajectories in a line style, what is faintest first; dashes go on from one part to the next."""
+    cut, lengths = [faded([way], APART / brush.scale) for way in ways], [0.0] * len(ways)
+    for k, colour in enumerate(colours):
+        for i, parts in enumerate(cut):
+            for part in parts[k]:
+                brush.draw(Path(part), None, colour, THIN, line, before=lengths[i])
+                lengths[i] += float(np.hypot(*np.diff(part, axis=0).T).sum()) * brush.scale / brush.point
 
 
 def _draw_band(brush: Brush, view: TrailView) -> None:

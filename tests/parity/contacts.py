@@ -14,7 +14,8 @@ TOUCH = 1e-9
 def grazes(pair: Any, b: int, skip: set[int]) -> bool:
     """Return whether the body is so near another that its exact disc may touch it while the polygon does not.
 
-    A polygon of 64 corners lies up to 0.0012 r inside its disc; bodies that just touch may fall to either side.
+    A polygon of 64 corners lies up to 0.0012 r inside its disc, measured towards the centre; bodies that just touch may
+    fall to either side.
     """
     objects = pair.reference.objects
     one = objects[b]

@@ -53,11 +53,11 @@ def test_d5_a_wide_body_ahead_is_in_the_field_of_view() -> None:
 def test_d6_rvo_and_sfm_see_what_is_unobstructed(behavior: str) -> None:
     """Kept: files mark walls so and rely on them to turn walkers away."""
     paths = {}
-    for mark in ("unobstructed: false", "unobstructed: true", "state: [90, 90]"):
+    for mark in ("state: [3, 5]", "state: [3, 5], unobstructed: true", "state: [90, 90]"):
         text = (
             "world: {collision_mode: unobstructed}\n"
             f"robot: {{{OMNI}, state: [1, 5.1], goal: [9, 5], behavior: {{name: {behavior}}}}}\n"
-            f"obstacle: {{shape: {{name: circle, radius: 0.5}}, {mark if 'state' in mark else 'state: [3, 5], ' + mark}}}"
+            f"obstacle: {{shape: {{name: circle, radius: 0.5}}, {mark}}}"
         )
         paths[mark] = [run(text, steps=steps).state.pose[0, 0].tolist() for steps in (1, 10, 30)]
     solid, marked, away = paths.values()

@@ -127,15 +127,19 @@ function drawPath(view, body, moment) {
   }
   Object.assign(context, { lineCap: "butt", lineJoin: "round" });
   const parts = style.trajectory_width === null ? Math.min(FADE_STEPS, points.length - 1) : 1;
+  let length = 0;
   for (let part = 0; part < parts; part++) {
     const begin = Math.floor((part * (points.length - 1)) / parts);
     const end = Math.floor(((part + 1) * (points.length - 1)) / parts);
     const strength = parts === 1 ? 1 : FAINTEST + ((1 - FAINTEST) * part) / (parts - 1);
     context.beginPath();
     for (let i = begin; i <= end; i++) context.lineTo(...points[i]);
+    context.lineDashOffset = length;
+    for (let i = begin; i < end; i++) length += Math.hypot(points[i + 1][0] - points[i][0], points[i + 1][1] - points[i][1]);
     context.strokeStyle = tinted(style.trajectory_colour, strength * style.trajectory_alpha);
     context.stroke();
   }
+  context.lineDashOffset = 0;
 }
 
 /** Draw the outlines that a body has left behind. */
