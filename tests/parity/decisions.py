@@ -25,9 +25,9 @@ class Decision:
 DECISIONS = {
     "exact_disc": Decision(
         "a circle is a polygon of 64 corners",
-        "a circle is a disc: it may touch one step earlier, and ranges to it are shorter: by 0.0011 r in the median, less "
-        "than 0.003 r for 95 and 0.007 r for 99 of 100 beams, up to 0.09 r where they graze it, and 1 in 2000 hits the "
-        "disc alone (16,088 beams of ir-sim's own scans of ten discs)",
+        "a circle is a disc: it may touch one step earlier, and ranges to it are shorter: by 0.0011 r in the median, "
+        "less than 0.003 r for 95 and 0.007 r for 99 of 100 beams, up to 0.09 r where they graze it, and 1 in 2000 "
+        "hits the disc alone (16,088 beams of ir-sim's own scans of ten discs)",
         "the outline is exact, and cheaper to test",
         "circles are 64-gons",
     ),
