@@ -10,7 +10,8 @@ from matplotlib.path import Path
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.render import shapes
-from irsim_gym.render.brush import Brush, Colour, tint
+from irsim_gym.render.brush import Brush, tint
+from irsim_gym.render.colours import Colour
 from irsim_gym.render.scene import TrailView
 
 FAINTEST, FADE_STEPS = 0.12, 16
