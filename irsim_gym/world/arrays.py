@@ -111,7 +111,7 @@ def _refuse_too_large(n_bytes: int, sizes: Mapping[str, int]) -> None:
     memory = _memory()
     if memory is not None and n_bytes > memory:
         raise MemoryError(
-            f"{sizes['world']:,} worlds of this scenario need at least {n_bytes / GB:,.1f} GB of memory, and this machine "
+            f"{sizes['world']:,} worlds of this scenario need at least {n_bytes / GB:,.1f} GB of memory, this machine "
             f"has {memory / GB:,.1f} GB: take fewer worlds or fewer bodies"
         )
 
