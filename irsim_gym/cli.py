@@ -167,7 +167,10 @@ def train(
 @app.command()
 def evaluate(
     scenario: Scenario,
-    policies: Annotated[list[str] | None, typer.Argument(help="Runs' folders or policy.zip files.")] = None,
+    policies: Annotated[
+        list[str] | None,
+        typer.Argument(help="Runs' folders or policy.zip files, from people whom you trust (SECURITY.md)."),
+    ] = None,
     levels: Levels = 1000,
     split: Split = "test",
     task: Task = None,

@@ -58,6 +58,10 @@ class WaitingRobotsWarning(UserWarning):
     """An algorithm learns from rows in which robots waited for their world, which are no experience."""
 
 
+class UntrustedCodeWarning(UserWarning):
+    """A file that holds code, or can make code run, and may not be one's own."""
+
+
 def listing(head: str, file: str, problems: Sequence[Problem]) -> str:
     """Return problems as text below a headline, each with file and line."""
     places = [f"{file}:{problem.line}" if problem.line else file for problem in problems]

@@ -22,6 +22,8 @@ from numba.core import compiler, serialize
 from numba.core import config as numba_config
 from numba.core.runtime.nrt import rtsys
 
+from irsim_gym.jit_trust import make_private_folder, read_trusted, write_private
+
 config: Any = numba_config
 CompileResult: Any = compiler.CompileResult
 PACKAGE = Path(__file__).parent
@@ -55,7 +57,8 @@ def files_of(function: Any, options: Mapping[str, Any], form: str) -> Files | No
 class Files:
     """What is on disk of a function: one file for each signature and processor, replaced as a whole, with a checksum.
 
-    A file that cannot be read or is damaged is not there; one that cannot be written is done without.
+    A file that cannot be read, is damaged, or may have been written by somebody else is not there; one that cannot be
+    written is done without.
 
     Attributes:
         is_own: Whether the function is in the package.
@@ -77,18 +80,15 @@ class Files:
     @staticmethod
     def read(file: Path) -> bytes | None:
         """Return the content of a file, None if it is not there."""
-        try:
-            content = file.read_bytes()
-        except OSError:
-            return None
-        return content[16:] if content[:16] == _checksum(content[16:]) else None
+        content = read_trusted(file)
+        return content[16:] if content and content[:16] == _checksum(content[16:]) else None
 
     @staticmethod
     def write(file: Path, content: bytes) -> None:
         """Write a file, if there is room."""
         passing = file.with_suffix(f".{os.getpid()}")
         try:
-            passing.write_bytes(_checksum(content) + content)
+            write_private(passing, _checksum(content) + content)
             passing.replace(file)
         except OSError:
             passing.unlink(missing_ok=True)
@@ -204,13 +204,15 @@ def cache_folder() -> Path | None:
     """Return the folder for compiled code: named by a digest of all sources, so it is never stale.
 
     The place is ``NUMBA_CACHE_DIR`` if set, else ``__pycache__`` of the package, else the user's cache
-    directory, else a temporary one; None when nothing can be written.
+    directory, else a temporary one; None when nothing can be written. The folder is made for its owner alone, and one
+    that somebody else may write is passed over with a warning, because what is read from it is run.
     """
     for root in _cache_roots():
         folder = root / f"irsim_gym-{source_digest()}"
         try:
-            folder.mkdir(parents=True, exist_ok=True)
-            if root == _temporary_root() and not _is_private(root):
+            if root == _temporary_root() and not make_private_folder(root):
+                continue
+            if not make_private_folder(folder):
                 continue
             with tempfile.TemporaryFile(dir=folder):
                 pass
@@ -233,14 +235,6 @@ def _cache_roots() -> list[Path]:
 
 def _temporary_root() -> Path:
     return Path(tempfile.gettempdir()) / f"irsim_gym-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
-
-
-def _is_private(root: Path) -> bool:
-    """Return whether nobody else can put compiled code there: what is read from the folder is run."""
-    if not hasattr(os, "getuid"):
-        return True
-    root.chmod(0o700)
-    return not root.is_symlink() and root.stat().st_uid == os.getuid()
 
 
 @functools.cache

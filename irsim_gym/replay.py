@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import struct
 import warnings
-from collections.abc import Callable
+from array import array
+from collections.abc import Callable, Hashable
 from functools import cache
 from typing import Any
 
@@ -36,6 +37,8 @@ OK, OK_NONE = 0, -2
 """What a function of Numba's returns where nothing was raised, with and without a value."""
 
 Words = list[tuple[str, int]]
+Packed = tuple[Any, str, "array[int]"]
+"""An argument: its type by Numba, a letter for each of its words, and the words."""
 WORLDS: Words = [("q", 0), ("q", 0), (COUNT, 0), ("q", 8), (WHERE, 0), (COUNT, 0), ("q", 8)]
 """The worlds to treat: address and number are filled in when the call is made."""
 
@@ -65,13 +68,12 @@ class Program:
             NotRecordableError: A call cannot be packed.
         """
         self.calls = calls
-        rows = [_packed(called, arguments, worlds) for called, arguments in calls]
-        self.words = np.array([word for _, row in rows for word in row], np.int64)
-        starts = np.cumsum([0, *(len(row) for _, row in rows)])[:-1]
-        self.entries = np.zeros((len(rows), 2), np.int64)
+        packer = Packer(worlds)
+        entries = [packer.add(called, arguments) for called, arguments in calls]
+        self.words = np.array(packer.words, np.int64)
+        self.entries = np.array(entries, np.int64).reshape(-1, 2)
+        self.entries[:, 1] = self.words.ctypes.data + self.words.itemsize * self.entries[:, 1]
         self._make_calls: Callable[..., int] = make_calls.compiled  # type: ignore[attr-defined]
-        self.entries[:, 0] = [door for door, _ in rows]
-        self.entries[:, 1] = self.words.ctypes.data + self.words.itemsize * starts
 
     def run(self, worlds: Ints) -> None:
         """Make all calls for the given worlds, shape ``(n,)``, contiguous."""
@@ -104,16 +106,73 @@ def is_possible() -> bool:
     return not config.DISABLE_JIT and not config.BOUNDSCHECK
 
 
-def _packed(called: Kernel, arguments: tuple[Any, ...], worlds: Ints) -> tuple[int, list[int]]:
-    """Return the address of a call's doorway, and its words."""
-    given = tuple(typed(value, typeof.Purpose.argument) for value in arguments)
-    words: Words = []
-    for kind, value in zip(given, arguments, strict=True):
-        words += WORLDS if value is worlds else _words(kind, value)
-    door = _door(called, given, "".join(mark for mark, _ in words))
-    if not door:
-        raise NotRecordableError(f"{called.__name__} gives something back")
-    return door, [word for _, word in words]
+class Packer:
+    """Packs the arguments of calls, one after the other.
+
+    A crowd whose members move in turns makes some ten thousand calls with the same arrays, so each array is looked at
+    once.
+
+    Attributes:
+        words: All arguments so far, as machine words.
+    """
+
+    def __init__(self, worlds: Ints) -> None:
+        self.words = array("q")
+        self._worlds = worlds
+        self._known: dict[Hashable, Packed] = {}
+        self._types: dict[Hashable, Any] = {}
+        self._doors: dict[Hashable, int] = {}
+
+    def add(self, called: Kernel, arguments: tuple[Any, ...]) -> tuple[int, int]:
+        """Pack the arguments of a call; return the address of its doorway and the place of its first word.
+
+        The arguments have to live as long as the packer does: it knows arrays by their ``id``.
+
+        Raises:
+            NotRecordableError: One of them cannot be packed, or the kernel gives something back.
+        """
+        packed = [self._packed(value) for value in arguments]
+        order = "".join([marks for _, marks, _ in packed])
+        key = called, order, tuple([id(kind) for kind, _, _ in packed])
+        if key not in self._doors:
+            self._doors[key] = _door(called, tuple(kind for kind, _, _ in packed), order)
+        if not self._doors[key]:
+            raise NotRecordableError(f"{called.__name__} gives something back")
+        first = len(self.words)
+        for _, _, words in packed:
+            self.words.extend(words)
+        return self._doors[key], first
+
+    def _packed(self, value: Any) -> Packed:
+        key = _identity(value)
+        if key in self._known:
+            return self._known[key]
+        kind = self._typed(value)
+        words = WORLDS if value is self._worlds else _words(kind, value)
+        packed = kind, "".join(mark for mark, _ in words), array("q", [word for _, word in words])
+        if key is not None:
+            self._known[key] = packed
+        return packed
+
+    def _typed(self, value: Any) -> Any:
+        """Return Numba's type of an argument, which for arrays takes as long as all the rest unless it is known."""
+        if not isinstance(value, np.ndarray):
+            return typed(value, typeof.Purpose.argument)
+        flags = value.flags
+        form = value.dtype, value.ndim, flags.c_contiguous, flags.f_contiguous, flags.writeable
+        if form not in self._types:
+            self._types[form] = typed(value, typeof.Purpose.argument)
+        return self._types[form]
+
+
+def _identity(value: Any) -> Hashable:
+    """Return by what an array, or a tuple of arrays, is known again; None for anything else."""
+    if isinstance(value, np.ndarray):
+        return id(value)
+    if isinstance(value, tuple):
+        parts = [_identity(item) for item in value]
+        return None if None in parts else (type(value), *parts)
+    return None
 
 
 def _door(called: Kernel, given: tuple[Any, ...], order: str) -> int:

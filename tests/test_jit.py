@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +16,7 @@ from numba.core.errors import NumbaError
 import irsim_gym
 from irsim_gym import jit, jit_cache
 from irsim_gym.arraytypes import Floats
+from irsim_gym.errors import UntrustedCodeWarning
 
 PACKAGE = Path(irsim_gym.__file__).parent
 SCRIPT = """
@@ -52,12 +54,12 @@ def test_the_cache_folder_follows_the_sources(tmp_path: Path) -> None:
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
     code = f"sys.path.insert(0, {str(tmp_path)!r}); from irsim_gym import jit_cache; print(jit_cache.cache_folder())"
     ask = ["-c", f"import sys; {code}"]
-    before = run(ask).stdout
+    before = run(ask, NUMBA_CACHE_DIR="").stdout
     assert str(tmp_path) in before
-    assert run(ask).stdout == before
+    assert run(ask, NUMBA_CACHE_DIR="").stdout == before
     angles = copy / "geometry" / "angles.py"
     angles.write_text(angles.read_text() + "\n")
-    assert run(ask).stdout != before
+    assert run(ask, NUMBA_CACHE_DIR="").stdout != before
 
 
 def test_without_a_writable_folder_nothing_is_cached(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -174,13 +176,7 @@ def test_a_damaged_file_is_compiled_anew(tmp_path: Path) -> None:
 
 
 def test_a_full_disk_is_done_without(tmp_path: Path) -> None:
-    full = """
-from pathlib import Path
-def write_bytes(self, content):
-    self.touch()
-    raise OSError(28, "No space left on device")
-Path.write_bytes = write_bytes
-"""
+    full = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (64, 64));"  # as if no more would fit
     assert compilations(tmp_path, full + USE) == 3
     assert not [file for file in tmp_path.rglob("*") if file.is_file()]
 
@@ -215,16 +211,67 @@ def test_a_kernel_elsewhere_follows_what_it_calls_and_reads(tmp_path: Path) -> N
     assert answer() == 25.0
 
 
-def test_a_temporary_folder_of_somebody_else_is_not_trusted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    theirs = tmp_path / "theirs"
-    theirs.mkdir()
-    link = tmp_path / "irsim_gym-here"
-    link.symlink_to(theirs)
-    assert not jit_cache._is_private(link)
-    assert jit_cache._is_private(theirs)
-    assert theirs.stat().st_mode & 0o077 == 0
-    monkeypatch.setattr(os, "getuid", lambda: theirs.stat().st_uid + 1)
-    assert not jit_cache._is_private(theirs)
+def kept_in(monkeypatch: pytest.MonkeyPatch, *roots: Path) -> Path | None:
+    """Choose the folder for compiled code anew, among some roots."""
+    monkeypatch.setattr(jit_cache, "_cache_roots", lambda: roots)
+    return jit_cache.cache_folder.__wrapped__()
+
+
+def test_the_folder_is_for_its_owner_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = os.umask(0o002)  # as where each user has a group
+    try:
+        folder = kept_in(monkeypatch, tmp_path)
+        assert folder is not None
+        assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+        jit_cache.Files.write(folder / "some.nbc", b"code")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((folder / "some.nbc").stat().st_mode) == 0o600
+    assert jit_cache.Files.read(folder / "some.nbc") == b"code"
+
+
+def test_a_folder_that_others_may_write_is_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    open_to_all = tmp_path / "a" / f"irsim_gym-{jit_cache.source_digest()}"
+    open_to_all.mkdir(parents=True)
+    open_to_all.chmod(0o777)
+    with pytest.warns(UntrustedCodeWarning, match=r"a/irsim_gym-\w+ may be written by others \(mode 0777\)"):
+        folder = kept_in(monkeypatch, tmp_path / "a", tmp_path / "b")
+    assert folder == tmp_path / "b" / open_to_all.name
+
+
+def test_a_folder_of_somebody_else_is_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    name = f"irsim_gym-{jit_cache.source_digest()}"
+    (tmp_path / "theirs" / name).mkdir(mode=0o700, parents=True)
+    (tmp_path / "linked").mkdir()
+    (tmp_path / "linked" / name).symlink_to(tmp_path / "theirs" / name)
+    with pytest.warns(UntrustedCodeWarning, match="is a link"):
+        assert kept_in(monkeypatch, tmp_path / "linked") is None
+    monkeypatch.setattr(os, "getuid", lambda: tmp_path.stat().st_uid + 1)
+    with pytest.warns(UntrustedCodeWarning, match="belongs to another user"):
+        assert kept_in(monkeypatch, tmp_path / "theirs") is None
+
+
+def test_a_file_of_somebody_else_is_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "some.nbc"
+    jit_cache.Files.write(file, b"code")
+    file.chmod(0o620)
+    with pytest.warns(UntrustedCodeWarning, match=r"some.nbc may be written by others"):
+        assert jit_cache.Files.read(file) is None
+    file.chmod(0o600)
+    monkeypatch.setattr(os, "getuid", lambda: tmp_path.stat().st_uid + 1)
+    with pytest.warns(UntrustedCodeWarning, match="NUMBA_CACHE_DIR"):
+        assert jit_cache.Files.read(file) is None
+
+
+def test_what_others_may_have_written_is_compiled_anew(tmp_path: Path) -> None:
+    assert compilations(tmp_path) == 3
+    files = list(tmp_path.rglob("*.nbc"))
+    for file in files:
+        file.chmod(0o666)
+    trusting = "import warnings; warnings.simplefilter('ignore');"
+    assert compilations(tmp_path, trusting + USE) == 3
+    assert all(stat.S_IMODE(file.stat().st_mode) == 0o600 for file in files)
+    assert compilations(tmp_path) == 0
 
 
 def test_a_long_compilation_is_announced_once(tmp_path: Path) -> None:

@@ -71,7 +71,15 @@ def test_the_sdist_holds_what_builds_and_tests(built: Path) -> None:
     (sdist,) = built.glob("*.tar.gz")
     with tarfile.open(sdist) as archive:
         names = {name.split("/", 1)[-1] for name in archive.getnames()}
-    assert {"pyproject.toml", "LICENSE", "README.md", "DESIGN.md", "CHANGELOG.md", "CONTRIBUTING.md"} <= names
+    assert {
+        "pyproject.toml",
+        "LICENSE",
+        "README.md",
+        "DESIGN.md",
+        "CHANGELOG.md",
+        "CONTRIBUTING.md",
+        "SECURITY.md",
+    } <= names
     assert {"Makefile", "constraints.txt", "tests/test_packaging.py", "irsim_gym/py.typed"} <= names
     assert {f"configs/scenarios/{file.name}" for file in (ROOT / "configs/scenarios").glob("*.yaml")} <= names
     assert not [name for name in names if name.startswith(("runs/", ".venv"))]

@@ -106,7 +106,7 @@ def test_the_picture_is_the_first_blocks(folder: Path) -> None:
 
 
 def test_links_lead_somewhere() -> None:
-    for page in (README, CONTRIBUTING, ROOT / "DESIGN.md"):
+    for page in (README, CONTRIBUTING, ROOT / "DESIGN.md", ROOT / "SECURITY.md"):
         text = page.read_text(encoding="utf-8")
         for target in re.findall(r"\]\(([^)#]+)\)", text):
             assert target.startswith("https://") or (ROOT / target).exists(), f"{page.name}: {target}"

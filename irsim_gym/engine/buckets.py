@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.geometry.buckets import square_of
+from irsim_gym.geometry.buckets import bucket_of, put
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
 from irsim_gym.world.model import WorldModel
@@ -82,34 +82,9 @@ def sort_bodies(
     following: Ints,
 ) -> None:
     """Move each body whose square has changed from its old list to the head of its new one."""
-    columns, rows = int(frame[3]), int(frame[4])
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(bodies.shape[0]):
             b = bodies[k]
-            place = columns * rows
-            if bucketed[b]:
-                column = square_of(pose[w, b, 0], frame[0], frame[2], columns)
-                place = square_of(pose[w, b, 1], frame[1], frame[2], rows) * columns + column
-            if not present[w, b]:
-                place = -1
-            if place == bucket[w, b]:
-                continue
-            if bucket[w, b] >= 0:
-                unlink(b, bucket[w, b], first[w], following[w])
-            bucket[w, b] = place
-            if place >= 0:
-                following[w, b] = first[w, place]
-                first[w, place] = b
-
-
-@kernel
-def unlink(b: int, place: int, first: Ints, following: Ints) -> None:
-    """Take body b out of a bucket's list."""
-    if first[place] == b:
-        first[place] = following[b]
-        return
-    earlier = first[place]
-    while following[earlier] != b:
-        earlier = following[earlier]
-    following[earlier] = following[b]
+            place = bucket_of(pose[w, b, 0], pose[w, b, 1], bucketed[b], frame) if present[w, b] else -1
+            put(b, place, bucket[w], first[w], following[w])

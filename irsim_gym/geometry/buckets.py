@@ -23,6 +23,40 @@ def square_of(value: float, low: float, side: float, count: int) -> int:
 
 
 @kernel
+def bucket_of(x: float, y: float, is_small: bool, frame: Floats) -> int:
+    """Return the bucket for a body with its origin at a point [m]: the last one if it is too large for the squares."""
+    columns, rows = int(frame[3]), int(frame[4])
+    if not is_small:
+        return columns * rows
+    return square_of(y, frame[1], frame[2], rows) * columns + square_of(x, frame[0], frame[2], columns)
+
+
+@kernel
+def put(b: int, place: int, bucket: Ints, first: Ints, following: Ints) -> None:
+    """Move body b of one world to the head of a bucket's list, if it is not in that bucket; -1: into none."""
+    if place == bucket[b]:
+        return
+    if bucket[b] >= 0:
+        unlink(b, bucket[b], first, following)
+    bucket[b] = place
+    if place >= 0:
+        following[b] = first[place]
+        first[place] = b
+
+
+@kernel
+def unlink(b: int, place: int, first: Ints, following: Ints) -> None:
+    """Take body b out of a bucket's list."""
+    if first[place] == b:
+        first[place] = following[b]
+        return
+    earlier = first[place]
+    while following[earlier] != b:
+        earlier = following[earlier]
+    following[earlier] = following[b]
+
+
+@kernel
 def find_nearby(x: float, y: float, radius: float, frame: Floats, first: Ints, following: Ints, found: Ints) -> int:
     """Write the numbers of the bodies that may lie near a point, ascending; return how many there are.
 

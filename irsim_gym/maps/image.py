@@ -16,6 +16,8 @@ from irsim_gym.world.outline import Outline
 GRAY = (0.2989, 0.5870, 0.1140)
 """Weights of red, green and blue, as in IR-SIM."""
 OCCUPIED_BELOW = 0.5
+STRIP = 256
+"""Rows of a picture whose brightness is worked out at a time."""
 
 
 @kind
@@ -40,12 +42,11 @@ class ImageMap:
         Raises:
             OptionError: There is no such file, or it is no picture.
         """
-        gray = read_gray(find(self.path))
-        return np.ascontiguousarray(np.fliplr((gray < OCCUPIED_BELOW).T))
+        return np.ascontiguousarray(np.fliplr(read_dark(find(self.path)).T))
 
 
-def read_gray(file: Path) -> Floats:
-    """Return the brightness of a picture's pixels from 0 to 1, row by row from the top; transparency is ignored.
+def read_dark(file: Path) -> Flags:
+    """Return which pixels of a picture are darker than half, row by row from the top; transparency is ignored.
 
     Raises:
         OptionError: It cannot be read.
@@ -55,10 +56,16 @@ def read_gray(file: Path) -> Floats:
     try:
         with Image.open(file) as picture:
             if picture.mode in ("1", "L", "I", "F") or picture.mode.startswith("I;16"):
-                return _single_channel(np.array(picture))
-            return np.asarray(np.array(picture.convert("RGB")) / 255.0 @ np.array(GRAY))
+                return _single_channel(np.array(picture)) < OCCUPIED_BELOW
+            pixels = np.asarray(picture.convert("RGB"))
     except (OSError, UnidentifiedImageError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
         raise OptionError("path", f"'{file}' cannot be read as a picture: {error}") from None
+    dark = np.zeros(pixels.shape[:2], np.bool_)
+    for row in range(
+        0, len(pixels), STRIP
+    ):  # brightness takes 32 bytes a pixel: all of a large picture would be gigabytes
+        dark[row : row + STRIP] = pixels[row : row + STRIP] / 255.0 @ np.array(GRAY) < OCCUPIED_BELOW
+    return dark
 
 
 def _single_channel(pixels: Floats) -> Floats:

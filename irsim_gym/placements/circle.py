@@ -67,6 +67,7 @@ class CirclePlacement:
             model.start[:, b] = [*(center + arm), angle - np.pi]
             model.waypoints[:, b, 0] = [*(center - arm), angle - np.pi]
         group.arrays["circle"] = np.array([*center, radius, len(group.members)])
+        group.arrays["everyone"] = np.arange(len(model.role))
         return _beyond_the_edge(center, radius + options.jitter, model) if options.is_random else None
 
     @staticmethod
@@ -77,8 +78,8 @@ class CirclePlacement:
             return
         shapes, targets, scene = bundles(model, state)
         draw_shifted(
-            shard.worlds, group.members, group.params, group.arrays["circle"], shapes, targets, scene, state.random,
-            failed,
+            shard.worlds, group.members, group.params, group.arrays["circle"], shapes, targets, scene,
+            group.arrays["everyone"], state.random, failed,
         )  # fmt: skip
 
 
@@ -99,6 +100,7 @@ def draw_shifted(
     shapes: Any,
     targets: Any,
     scene: Any,
+    everyone: Ints,
     random: Words,
     failed: Ints,
 ) -> None:
@@ -112,7 +114,9 @@ def draw_shifted(
             if failed[w] > 0 or not present[w, b] or placed[w, b]:
                 continue
             angle = turned + 2.0 * np.pi * params[k].index / circle[3]
-            placed[w, b] = shift_start(w, b, angle, options.jitter, circle, shapes, targets, scene, random) and (
+            placed[w, b] = shift_start(
+                w, b, angle, options.jitter, circle, shapes, targets, scene, everyone, random
+            ) and (
                 not has_goal[b]
                 or shift_goal(w, k, members, angle, options.jitter, circle, shapes, targets, scene, random)
             )
@@ -130,6 +134,7 @@ def shift_start(
     shapes: Any,
     targets: Any,
     scene: Any,
+    everyone: Ints,
     random: Words,
 ) -> bool:
     """Draw a pose near body b's place on the circle, facing the centre; return whether one is free."""
@@ -155,7 +160,7 @@ def shift_start(
             segments[w],
             discs[w],
         )
-        if is_start_free(w, b, clearance, shapes, targets, scene):
+        if is_start_free(w, b, clearance, shapes, targets, scene, everyone, everyone.shape[0]):
             return True
     return False
 

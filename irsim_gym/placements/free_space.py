@@ -36,24 +36,28 @@ def bundles(model: WorldModel, state: WorldState) -> tuple[Any, Any, Any]:
 
 
 @kernel
-def is_spaced(points: Floats, members: Ints, b: int, spacing: float, present: Flags, placed: Flags) -> bool:
-    """Return whether point ``b`` keeps its distance from those of the other members that are placed."""
-    for other in range(members.shape[0]):
-        q = members[other]
+def is_spaced(
+    points: Floats, others: Ints, count: int, is_member: Flags, b: int, spacing: float, present: Flags, placed: Flags
+) -> bool:
+    """Return whether point ``b`` keeps its distance from those members among ``others[:count]`` that are placed."""
+    for i in range(count):
+        q = others[i]
         dx, dy = points[q, 0] - points[b, 0], points[q, 1] - points[b, 1]
-        if q != b and present[q] and placed[q] and dx * dx + dy * dy < spacing * spacing:
+        if q != b and is_member[q] and present[q] and placed[q] and dx * dx + dy * dy < spacing * spacing:
             return False
     return True
 
 
 @kernel
-def is_start_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, scene: Any) -> bool:
-    """Return whether body b, where its outline stands, is clear of the map and of all placed bodies.
+def is_start_free(
+    w: int, b: int, clearance: float, shapes: Any, targets: Any, scene: Any, others: Ints, count: int
+) -> bool:
+    """Return whether body b, where its outline stands, is clear of the map and of ``others[:count]`` that are placed.
 
-    A body that will not move is clear of the placed bodies' goals too.
+    A body that will not move is clear of all placed bodies' goals too.
     """
     present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
-    has_goal, stands, goal_renewal, waypoints, waypoint_count = targets
+    stands = targets[1]
     pose, segments, discs, placed, cells = scene
     row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
     own_segments, own_discs = segment_count[n_segments, b], disc_count[n_discs, b]
@@ -61,18 +65,12 @@ def is_start_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, s
         cells, segments[w], segment_start[b], own_segments, discs[w], disc_start[b], own_discs, solid[b], clearance
     ):
         return False
-    for q in range(present.shape[1]):
+    if stands[b] and not is_clear_of_goals(w, b, clearance, shapes, targets, scene):
+        return False
+    for i in range(count):
+        q = others[i]
         if q == b or not placed[w, q] or not present[w, q]:
             continue
-        if has_goal[q] and stands[b] and goal_renewal[q] != WANDER:
-            for k in range(waypoint_count[w, q] if goal_renewal[q] == KEEP_GOAL else 1):
-                goal = waypoints[w, q, k]
-                gap = point_outline_distance(
-                    goal[0], goal[1], segments[w], segment_start[b], own_segments,
-                    discs[w], disc_start[b], own_discs, solid[b],
-                )  # fmt: skip
-                if gap < reach[row, q] + clearance:
-                    return False
         dx, dy = pose[w, q, 0] - pose[w, b, 0], pose[w, q, 1] - pose[w, b, 1]
         near = reach[row, b] + reach[row, q] + clearance
         if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
@@ -93,6 +91,34 @@ def is_start_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, s
             solid[q],
         ):
             return False
+    return True
+
+
+@kernel
+def is_clear_of_goals(w: int, b: int, clearance: float, shapes: Any, targets: Any, scene: Any) -> bool:
+    """Return whether body b, where its outline stands, is clear of the goals of all placed bodies."""
+    present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
+    has_goal, _, goal_renewal, waypoints, waypoint_count = targets
+    _, segments, discs, placed, _ = scene
+    row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
+    for q in range(present.shape[1]):
+        if not has_goal[q] or goal_renewal[q] == WANDER or q == b or not placed[w, q] or not present[w, q]:
+            continue
+        for k in range(waypoint_count[w, q] if goal_renewal[q] == KEEP_GOAL else 1):
+            goal = waypoints[w, q, k]
+            gap = point_outline_distance(
+                goal[0],
+                goal[1],
+                segments[w],
+                segment_start[b],
+                segment_count[n_segments, b],
+                discs[w],
+                disc_start[b],
+                disc_count[n_discs, b],
+                solid[b],
+            )
+            if gap < reach[row, q] + clearance:
+                return False
     return True
 
 

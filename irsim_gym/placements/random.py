@@ -7,7 +7,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Words
+from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.geometry.buckets import bucket_of, gather_nearby, put
 from irsim_gym.geometry.frames import place_outline
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
@@ -100,6 +101,8 @@ class RandomPlacement:
         corners = np.array([*(bound[:2] for bound in bounds), model.bounds[:2], model.bounds[2:]])
         area = (*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist())
         group.arrays = dict(zip(("low", "high", "goal_low", "goal_high"), bounds, strict=True))
+        group.arrays["everyone"] = np.arange(len(model.role))
+        group.arrays["is_member"] = np.isin(group.arrays["everyone"], group.members)
         group.arrays["blocks"] = np.zeros((n_slots, len(model.role)), np.bool_)
         reach = float(np.min(model.reach[:, group.members]))
         whole = max(area[2] - area[0], area[3] - area[1])
@@ -118,14 +121,19 @@ class RandomPlacement:
         if group.options[0].reachable:
             both = (of_slot([table[f"{name}_{part}"] for part in WAY_TABLES], slot) for name in ("coarse", "fine"))
             grids = model.rigid, table["blocks"][slot], *both
+        near: Any = None
+        if model.bucket_frame[3] > 0.0:
+            lists = state.bucket, state.bucket_first, state.bucket_next, state.nearby
+            near = model.bucket_frame, model.bucketed, *lists
         draw_members(
             shard.worlds,
-            group.members,
+            (group.members, table["is_member"], table["everyone"]),
             group.params,
             (table["low"], table["high"], table["goal_low"], table["goal_high"]),
             shapes,
             targets,
             scene,
+            near,
             grids,
             state.random,
             failed,
@@ -145,29 +153,36 @@ def _bounds(options: RandomPlacement, model: WorldModel) -> tuple[Floats, Floats
 @kernel
 def draw_members(
     worlds: Ints,
-    members: Ints,
+    lists: Any,
     params: Any,
     bounds: Any,
     shapes: Any,
     targets: Any,
     scene: Any,
+    near: Any,
     grids: Any,
     random: Words,
     failed: Ints,
 ) -> None:
-    """Place one member after the other in each world, those that have no place yet, until one finds none."""
-    present, has_goal, placed, options = shapes[0], targets[0], scene[3], params[0]
+    """Place one member after the other in each world, those that have no place yet, until one finds none.
+
+    ``lists`` are the numbers of the members, which bodies those are, and the numbers of all bodies; ``near`` are the
+    world's buckets (``geometry/buckets.py``), which hold whoever is placed, or None without.
+    """
+    present, has_goal, placed, options, members = shapes[0], targets[0], scene[3], params[0], lists[0]
     low, high, goal_low, goal_high = bounds
     for i in range(worlds.shape[0]):
         w = worlds[i]
+        if near is not None:
+            sort_placed(w, present, placed, scene[0], near)
         for k in range(members.shape[0]):
             b = members[k]
             if failed[w] > 0 or not present[w, b] or placed[w, b]:
                 continue
             for _ in range(PATH_TRIES if has_goal[b] else 1):
-                placed[w, b] = draw_start(w, k, members, options, low, high, shapes, targets, scene, random) and (
+                placed[w, b] = draw_start(w, b, lists, options, low, high, shapes, targets, scene, near, random) and (
                     not has_goal[b]
-                    or draw_goal(w, k, members, options, goal_low, goal_high, shapes, targets, scene, random)
+                    or draw_goal(w, b, lists, options, goal_low, goal_high, shapes, targets, scene, random)
                 )
                 if grids is not None:
                     placed[w, b] = placed[w, b] and (not has_goal[b] or has_way(w, b, shapes, targets, scene, grids))
@@ -175,29 +190,56 @@ def draw_members(
                     break
             if not placed[w, b]:
                 failed[w] = b + 1
+            elif near is not None:
+                put_placed(w, b, scene[0], near)
+
+
+@kernel
+def sort_placed(w: int, present: Flags, placed: Flags, pose: Floats, near: Any) -> None:
+    """Let the buckets of world w hold the placed bodies and nobody else."""
+    _, _, bucket, first, following, _ = near
+    bucket[w, :], first[w, :], following[w, :] = -1, -1, -1
+    for b in range(placed.shape[1]):
+        if placed[w, b] and present[w, b]:
+            put_placed(w, b, pose, near)
+
+
+@kernel
+def put_placed(w: int, b: int, pose: Floats, near: Any) -> None:
+    """Put body b of world w into its bucket."""
+    frame, bucketed, bucket, first, following, _ = near
+    put(b, bucket_of(pose[w, b, 0], pose[w, b, 1], bucketed[b], frame), bucket[w], first[w], following[w])
 
 
 @kernel
 def draw_start(
     w: int,
-    k: int,
-    members: Ints,
+    b: int,
+    lists: Any,
     options: Any,
     low: Floats,
     high: Floats,
     shapes: Any,
     targets: Any,
     scene: Any,
+    near: Any,
     random: Words,
 ) -> bool:
-    """Draw a pose for member k that is clear of everything placed so far; return whether there is one."""
-    _, _, _, segment_start, segment_count, local_segments, disc_start, disc_count, local_discs = shapes
+    """Draw a pose for body b that is clear of everything placed so far; return whether there is one."""
+    reach, segment_start, segment_count, local_segments, disc_start, disc_count, local_discs = shapes[2:]
     pose, segments, discs, placed, _ = scene
-    b = members[k]
+    members, is_member, everyone = lists
     for _ in range(START_TRIES):
         for axis in range(3):
             pose[w, b, axis] = uniform(random, w, low[axis], high[axis])
-        if not is_spaced(pose[w], members, b, options.min_distance, shapes[0][w], placed[w]):
+        if near is None:
+            peers, n_peers, others, n_others = members, members.shape[0], everyone, everyone.shape[0]
+        else:
+            frame, _, _, first, following, found = near
+            radius = max(options.min_distance, reach[w % reach.shape[0], b] + options.clearance + frame[5])
+            n_others = gather_nearby(pose[w, b, 0], pose[w, b, 1], radius, frame, first[w], following[w], found[w])
+            peers, n_peers, others = found[w], n_others, found[w]
+        if not is_spaced(pose[w], peers, n_peers, is_member, b, options.min_distance, shapes[0][w], placed[w]):
             continue
         place_outline(
             local_segments[w % local_segments.shape[0]],
@@ -212,7 +254,7 @@ def draw_start(
             segments[w],
             discs[w],
         )
-        if is_start_free(w, b, options.clearance, shapes, targets, scene):
+        if is_start_free(w, b, options.clearance, shapes, targets, scene, others, n_others):
             return True
     return False
 
@@ -220,8 +262,8 @@ def draw_start(
 @kernel
 def draw_goal(
     w: int,
-    k: int,
-    members: Ints,
+    b: int,
+    lists: Any,
     options: Any,
     low: Floats,
     high: Floats,
@@ -230,9 +272,8 @@ def draw_goal(
     scene: Any,
     random: Words,
 ) -> bool:
-    """Draw a goal for member k that its footprint can stand on; return whether there is one."""
-    waypoints, pose = targets[3], scene[0]
-    b = members[k]
+    """Draw a goal for body b that its footprint can stand on; return whether there is one."""
+    waypoints, pose, members = targets[3], scene[0], lists[0]
     goal = waypoints[w, b, 0]
     for _ in range(GOAL_TRIES):
         for axis in range(3):
@@ -240,7 +281,16 @@ def draw_goal(
         dx, dy = goal[0] - pose[w, b, 0], goal[1] - pose[w, b, 1]
         if dx * dx + dy * dy < options.min_goal_distance * options.min_goal_distance:
             continue
-        if not is_spaced(waypoints[w, :, 0], members, b, options.min_distance, shapes[0][w], scene[3][w]):
+        if not is_spaced(
+            waypoints[w, :, 0],
+            members,
+            members.shape[0],
+            lists[1],
+            b,
+            options.min_distance,
+            shapes[0][w],
+            scene[3][w],
+        ):
             continue
         if is_goal_free(w, b, options.clearance, shapes, targets, scene):
             return True

@@ -27,6 +27,7 @@ from irsim_gym.evaluation.reference_policies import REFERENCES, reference_policy
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint import NORMALIZATION, POLICY, newest_checkpoint
 from irsim_gym.training.run import Run
+from irsim_gym.training.trusted import harmless_objects, load_pickle
 
 Source = str | Path | BaseAlgorithm | Policy | Callable[[Any], Any]
 """What a policy can be given as: see ``load_policy``."""
@@ -133,6 +134,9 @@ def _slots(episodes: Episodes, worlds: Ints) -> Ints:
 def load_policy(source: Source) -> Policy:
     """Return what drives.
 
+    Of a file the weights are read, and objects of known, harmless classes; for others it warns, because loading them
+    runs code of whoever made the file.
+
     Args:
         source: The name of a reference policy, a file ``policy.zip``, a run's folder (its newest checkpoint if it is
             not finished), a model of Stable-Baselines3, a function of observations as ``ObservationPolicy`` takes it,
@@ -160,7 +164,7 @@ def load_policy(source: Source) -> Policy:
         raise IrsimGymError(
             f"no policy at {source}{near}; give a .zip, a run's folder, or one of {', '.join(REFERENCES)}"
         )
-    model = _algorithm(path).load(path, device="cpu")
+    model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
     return SavedPolicy(model, _normalization(path.parent / NORMALIZATION))
 
 
@@ -206,7 +210,7 @@ def _recurrent(path: Path) -> type[BaseAlgorithm]:
 def _normalization(path: Path) -> VecNormalize | None:
     if not path.is_file():
         return None
-    loaded: VecNormalize = pickle.loads(path.read_bytes())
+    loaded: VecNormalize = load_pickle(path)
     loaded.training = False
     return loaded
 

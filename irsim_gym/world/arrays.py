@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import prod
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 CACHE_LINE = 64
+GB = 1e9
 
 
 @dataclass(frozen=True)
@@ -77,11 +80,14 @@ class Arrays:
         Args:
             sizes: Length of each named axis.
             per_world: Fields with a ``world*`` axis that need a row for every world.
+
+        Raises:
+            MemoryError: This machine has less memory than they need.
         """
-        arrays = {
-            name: np.zeros(declared.shape(sizes, shared=name not in per_world), declared.dtype)
-            for name, declared in cls.columns().items()
-        }
+        columns = cls.columns()
+        shapes = {name: one.shape(sizes, shared=name not in per_world) for name, one in columns.items()}
+        _refuse_too_large(sum(prod(shapes[name]) * np.dtype(columns[name].dtype).itemsize for name in columns), sizes)
+        arrays = {name: np.zeros(shape, columns[name].dtype) for name, shape in shapes.items()}
         return cls(**arrays | cls._side_by_side(arrays))
 
     @classmethod
@@ -98,3 +104,21 @@ class Arrays:
             block = room[start : start + len(names) * one.nbytes].view(one.dtype)
             placed |= zip(names, block.reshape(len(names), *one.shape), strict=True)
         return placed
+
+
+def _refuse_too_large(n_bytes: int, sizes: Mapping[str, int]) -> None:
+    """Raise before memory is taken that is not there: the system would grant it, and end the process later."""
+    memory = _memory()
+    if memory is not None and n_bytes > memory:
+        raise MemoryError(
+            f"{sizes['world']:,} worlds of this scenario need at least {n_bytes / GB:,.1f} GB of memory, this machine "
+            f"has {memory / GB:,.1f} GB: take fewer worlds or fewer bodies"
+        )
+
+
+def _memory() -> int | None:
+    """Return the memory of this machine [byte], None where the system does not tell."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, OSError, ValueError):
+        return None

@@ -402,3 +402,27 @@ def test_a_version_of_numba_that_gives_no_doorways_is_told_once_and_steps_go_on(
     assert len(told) == 1
     assert worlds.episodes._play.programs == {0: None}
     np.testing.assert_array_equal(worlds.episodes.view.observation, usual.episodes.view.observation)
+
+
+def test_a_crowd_is_packed_without_looking_at_an_array_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Members of rvo decide one after the other: some kernels each, which share nearly all of their arrays."""
+    looked = 0
+    real = replay.typed
+
+    def counted(*arguments: Any) -> Any:
+        nonlocal looked
+        looked += 1
+        return real(*arguments)
+
+    monkeypatch.setattr(replay, "typed", counted)
+    counts = []
+    for number in (10, 40):
+        robots = {"number": number, "kinematics": {"name": "omni"}, "behavior": {"name": "rvo"}}
+        sim = ig.compile(ig.load_scenario({"robot": {**robots, "distribution": {"name": "circle"}}}))
+        sim.reset(seed=0)
+        looked = 0
+        sim.step()
+        program = sim._advance.programs[0]
+        assert program.n_calls > 3 * number
+        counts.append(looked)
+    assert counts[1] <= counts[0] + 30 * 8  # a few numbers for each further member, no arrays

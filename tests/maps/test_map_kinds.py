@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tracemalloc
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from PIL import Image
 
 from irsim_gym import load_scenario
 from irsim_gym.errors import ScenarioError
+from irsim_gym.maps.image import STRIP, read_dark
 from irsim_gym.scenario import library
 
 
@@ -160,3 +162,25 @@ def test_shipped_maps_are_drawn_by_their_script() -> None:
             assert np.array_equal(np.array(picture) > 127, free)
         assert np.array_equal(cells(name), np.fliplr(~free.T))
         assert np.array_equal(cells(name.removesuffix(".png")), np.fliplr(~free.T))
+
+
+def test_a_picture_taller_than_a_strip_is_read_as_one(tmp_path: Path) -> None:
+    pixels = np.random.default_rng(5).integers(0, 256, (2 * STRIP + 31, 40, 3), np.uint8)
+    Image.fromarray(pixels).save(tmp_path / "tall.png")
+    brightness = (pixels[..., 0] * 0.2989 + pixels[..., 1] * 0.587 + pixels[..., 2] * 0.114) / 255
+    clear = np.abs(brightness - 0.5) > 1e-9  # rounding decides on the others
+    dark = read_dark(tmp_path / "tall.png")
+    np.testing.assert_array_equal(dark[clear], (brightness < 0.5)[clear])
+    assert clear.mean() > 0.99
+
+
+def test_a_large_picture_takes_little_memory(tmp_path: Path) -> None:
+    """A pixel takes 4 bytes in colours and 1 in the map; brightness would take 32."""
+    Image.new("RGB", (3000, 3000), "white").save(tmp_path / "large.png")
+    tracemalloc.start()
+    try:
+        read_dark(tmp_path / "large.png")
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 12 * 3000 * 3000

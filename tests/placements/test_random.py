@@ -9,7 +9,9 @@ import pytest
 import shapely
 
 import irsim_gym as ig
+from irsim_gym.engine import buckets
 from irsim_gym.errors import PlacementError, ScenarioError
+from irsim_gym.geometry.buckets import gather_nearby
 
 N_WORLDS = 40
 
@@ -158,3 +160,57 @@ def test_one_world_does_not_remember_outlines_of_other_levels() -> None:
         one.reset(seed)
         two.reset(seed)
         assert one.state.pose[0].tolist() == two.state.pose[0].tolist()
+
+
+def crowded(n_obstacles: int) -> dict[str, Any]:
+    """A world of many bodies of different sizes, some too large for buckets, some drawn anew, some given."""
+    spread = {"name": "random", "clearance": 0.05, "min_distance": 0.6}
+    return {
+        "world": {"width": 24, "height": 18},
+        "robot": [
+            {
+                "number": 12,
+                "kinematics": {"name": "diff"},
+                "distribution": {"name": "random", "min_goal_distance": 3, "reachable": True},
+            },
+            {"kinematics": {"name": "omni"}, "state": [1, 1, 0], "goal": [22, 16]},
+        ],
+        "obstacle": [
+            {"number": n_obstacles, "shape": {"name": "circle", "radius": 0.15}, "distribution": spread},
+            {"number": 4, "shape": {"name": "rectangle", "length": 5, "width": 0.2}, "distribution": spread},
+            {
+                "number": 10,
+                "shape": {"name": "polygon", "random_shape": True, "avg_radius_range": [0.2, 0.5]},
+                "distribution": spread,
+            },
+            {"shape": {"name": "rectangle", "length": 1, "width": 1}, "state": [12, 9, 0.4]},
+        ],
+    }
+
+
+def test_levels_of_many_bodies_are_those_drawn_without_buckets(monkeypatch: pytest.MonkeyPatch) -> None:
+    levels = []
+    for fewest in (64, 1000):
+        monkeypatch.setattr(buckets, "FEWEST_BODIES", fewest)
+        sim = ig.compile(ig.load_scenario(crowded(120)), 6)
+        assert (sim.model.bucket_frame[3] > 0.0) == (fewest == 64)
+        sim.reset(seed=3)
+        sim.reset(seed=3, episode=2)
+        levels.append((sim.state.pose.copy(), sim.state.goal.copy(), sim.state.segments.copy()))
+    for with_buckets, without in zip(*levels, strict=True):
+        np.testing.assert_array_equal(with_buckets, without)
+
+
+def test_each_draw_looks_at_the_neighbours_alone() -> None:
+    """The world is too full for 10,000 at a distance of 1 m: some hundred thousand draws find no place."""
+    entry = {"number": 10_000, "shape": {"name": "circle", "radius": 0.1}, "distribution": {"name": "random"}}
+    sim = ig.compile(ig.load_scenario({"world": {"width": 60, "height": 60}, "obstacle": [entry]}))
+    frame = sim.model.bucket_frame
+    found = np.zeros(10_000, np.int64)
+    with pytest.raises(PlacementError, match="obstacle_"):
+        sim.reset(seed=0)
+    radius = 1.0 + frame[5]
+    first, following = sim.state.bucket_first[0], sim.state.bucket_next[0]
+    placed = int(sim.state.placed.sum())
+    assert placed > 1500  # as many as there is room for, roughly
+    assert gather_nearby(30.0, 30.0, radius, frame, first, following, found) < 20

@@ -10,6 +10,7 @@ import pytest
 
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.world import arrays
 from irsim_gym.world.group import records
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -29,9 +30,9 @@ SIZES = {
 
 @pytest.mark.parametrize("declared", [WorldModel, WorldState])
 def test_every_array_is_declared_with_a_meaning(declared: type[WorldModel] | type[WorldState]) -> None:
-    arrays = declared.allocate(SIZES)
+    made = declared.allocate(SIZES)
     for name, column in declared.columns().items():
-        array = getattr(arrays, name)
+        array = getattr(made, name)
         assert column.meaning
         assert array.dtype == column.dtype
         assert array.ndim == len(column.axes)
@@ -84,3 +85,13 @@ def test_records_hold_numbers_choices_and_pairs() -> None:
     assert table["active"].tolist() == [1, 0]
     assert table["mode"].tolist() == [1, 0]
     assert table[1].bounds.tolist() == [3.0, 4.0]
+
+
+def test_more_worlds_than_there_is_memory_for_are_refused_beforehand(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One world of these takes some kilobytes; the system would grant far more than there is, and kill later."""
+    monkeypatch.setattr(arrays, "_memory", lambda: 10**8)
+    WorldState.allocate({**SIZES, "world": 100})
+    with pytest.raises(MemoryError, match=r"10,000,000 worlds .* need at least [\d.,]+ GB .* has 0\.1 GB"):
+        WorldState.allocate({**SIZES, "world": 10_000_000})
+    monkeypatch.setattr(arrays, "_memory", lambda: None)
+    WorldState.allocate(SIZES)

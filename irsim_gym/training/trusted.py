@@ -1,0 +1,134 @@
+"""Loading what others saved without running code that is in it.
+
+A file of Stable-Baselines3 holds weights, which are read as numbers alone, and pickled Python objects, which can run
+any code. Here objects are unpickled only if they are made of classes that are known to be harmless. Of the others,
+those that only training needs are left out.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import pickle
+import warnings
+import zipfile
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.errors import UntrustedCodeWarning
+
+HARMLESS: dict[str, frozenset[str]] = {
+    module: frozenset(names.split())
+    for module, names in {
+        "collections": "OrderedDict deque",
+        "gymnasium.spaces.box": "Box",
+        "gymnasium.spaces.dict": "Dict",
+        "gymnasium.spaces.discrete": "Discrete",
+        "gymnasium.spaces.multi_binary": "MultiBinary",
+        "gymnasium.spaces.multi_discrete": "MultiDiscrete",
+        "irsim_gym.envs.sb3_buffers": "MaskedReplayBuffer MaskedDictReplayBuffer MaskedRolloutBuffer "
+        "MaskedDictRolloutBuffer",
+        "irsim_gym.envs.sb3_normalize": "MaskedVecNormalize",
+        "irsim_gym.training.hyperparameters": "Linear",
+        "numpy": "dtype ndarray",
+        "numpy.core.multiarray": "_reconstruct scalar",
+        "numpy._core.multiarray": "_reconstruct scalar",
+        "numpy.core.numeric": "_frombuffer",
+        "numpy._core.numeric": "_frombuffer",
+        "numpy.random._pcg64": "PCG64",
+        "numpy.random._pickle": "__bit_generator_ctor __generator_ctor",
+        "numpy.random.bit_generator": "SeedSequence __pyx_unpickle_SeedSequence",
+        "stable_baselines3.common.buffers": "DictReplayBuffer DictRolloutBuffer ReplayBuffer RolloutBuffer",
+        "stable_baselines3.common.noise": "NormalActionNoise OrnsteinUhlenbeckActionNoise VectorizedActionNoise",
+        "stable_baselines3.common.policies": "ActorCriticCnnPolicy ActorCriticPolicy MultiInputActorCriticPolicy",
+        "stable_baselines3.common.running_mean_std": "RunningMeanStd",
+        "stable_baselines3.common.torch_layers": "CombinedExtractor FlattenExtractor NatureCNN",
+        "stable_baselines3.common.type_aliases": "TrainFreq TrainFrequencyUnit",
+        "stable_baselines3.common.utils": "ConstantSchedule FloatSchedule LinearSchedule",
+        "stable_baselines3.common.vec_env.vec_normalize": "VecNormalize",
+        "stable_baselines3.dqn.policies": "CnnPolicy DQNPolicy MultiInputPolicy",
+        "stable_baselines3.sac.policies": "CnnPolicy MultiInputPolicy SACPolicy",
+        "stable_baselines3.td3.policies": "CnnPolicy MultiInputPolicy TD3Policy",
+        "sb3_contrib.common.recurrent.policies": "RecurrentActorCriticCnnPolicy RecurrentActorCriticPolicy "
+        "RecurrentMultiInputActorCriticPolicy",
+        "torch.nn.modules.activation": "ELU GELU LeakyReLU ReLU SiLU Sigmoid Tanh",
+        "torch.optim.adam": "Adam",
+        "torch.optim.adamw": "AdamW",
+        "torch.optim.rmsprop": "RMSprop",
+        "torch.optim.sgd": "SGD",
+    }.items()
+}
+"""Names that a pickle may use, by module: making one of these objects runs no code of the file's."""
+
+NEEDED = frozenset({"action_space", "observation_space", "policy_class", "policy_kwargs", "train_freq"})
+"""What a policy needs to drive; the rest is for training."""
+
+STAND_INS: dict[str, Any] = {"clip_range": 0.0, "learning_rate": 0.0}
+"""What stands for objects that only training needs; None for all others."""
+
+SERIALIZED = ":serialized:"
+
+
+class HarmlessUnpickler(pickle.Unpickler):
+    """Unpickles objects that are made of harmless classes alone."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        """Return a class or function.
+
+        Raises:
+            UnpicklingError: It is not among the harmless ones.
+        """
+        if name in HARMLESS.get(module, ()):
+            return super().find_class(module, name)
+        raise pickle.UnpicklingError(f"{module}.{name}")
+
+
+def load_pickle(path: Path) -> Any:
+    """Return the object in a file; warn if loading it can run code."""
+    content = path.read_bytes()
+    try:
+        return _harmless(content)
+    except pickle.UnpicklingError as error:
+        _warn(path, str(error))
+        return pickle.loads(content)
+
+
+def harmless_objects(path: Path) -> dict[str, Any]:
+    """Return the objects in a policy's file that stand in for pickled ones: ``custom_objects`` of ``model.load``.
+
+    Warn if some are left out that a policy needs to drive, because those can run code when the model is loaded.
+
+    Args:
+        path: A file of Stable-Baselines3.
+    """
+    with zipfile.ZipFile(path) as archive:
+        data: dict[str, Any] = json.loads(archive.read("data"))
+    objects: dict[str, Any] = {}
+    suspects: list[str] = []
+    for key, value in data.items():
+        if not isinstance(value, dict) or SERIALIZED not in value:
+            continue
+        try:
+            objects[key] = _harmless(base64.b64decode(value[SERIALIZED]))
+        except Exception as error:
+            if key in NEEDED:
+                suspects.append(f"{key} ({error})")
+            else:
+                objects[key] = STAND_INS.get(key)
+    if suspects:
+        _warn(path, ", ".join(suspects))
+    return objects
+
+
+def _harmless(content: bytes) -> Any:
+    return HarmlessUnpickler(io.BytesIO(content)).load()
+
+
+def _warn(path: Path, what: str) -> None:
+    warnings.warn(
+        f"{path} holds Python objects that can run code as they are loaded: {what}. Load such files only from people "
+        "whom you trust; see SECURITY.md",
+        UntrustedCodeWarning,
+        stacklevel=3,
+    )
