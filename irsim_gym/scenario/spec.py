@@ -339,6 +339,8 @@ class Scenario:
         occupied: Occupied cells of the obstacle map, shape ``(columns, rows)``, columns from the left and rows from the
             bottom; None without a map, which is the last body otherwise.
         doubts: What was met while reading that is allowed but hardly ever meant.
+        ignored: Keys that nobody reads and that were passed over.
+        strict: Keys that nobody reads are errors, also in the section ``task``.
         parameters: Values of its parameters by name: those given, else the defaults.
     """
 
@@ -354,6 +356,8 @@ class Scenario:
     root: Mapping[str, Place] = field(repr=False, compare=False, default_factory=dict)
     occupied: NDArray[np.bool_] | None = field(repr=False, compare=False, default=None)
     doubts: tuple[Problem, ...] = field(repr=False, compare=False, default=())
+    ignored: tuple[Problem, ...] = field(repr=False, compare=False, default=())
+    strict: bool = field(repr=False, compare=False, default=True)
     parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
 
     @property

@@ -224,7 +224,7 @@ def _file_layers(file: Path, folder: Path) -> tuple[str, list[Layer]]:
 
 
 def _refuse_unreadable(source: Source) -> None:
-    problems = list(source.problems)
+    problems = [*source.problems, *(problem for problem, _ in source.repeats)]
     if not isinstance(source.data, Mapping):
         problems.append(source.problem((), f"a task must be a mapping, got {show(source.data)}"))
     if problems:
