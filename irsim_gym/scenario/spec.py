@@ -301,6 +301,16 @@ class BodySpec:
     fov_radius: float | None
     plot: ObjectPlot
 
+    @property
+    def renewal(self) -> Any:
+        """The behaviour that says whether it wanders or loops: its own, else that of its group."""
+        return self.group_behavior if self.behavior is None else self.behavior
+
+    @property
+    def wanders(self) -> bool:
+        """It draws its goals by itself."""
+        return bool(getattr(self.renewal, "wander", False))
+
 
 @dataclass(frozen=True)
 class PlacementSpec:

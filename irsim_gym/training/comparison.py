@@ -24,6 +24,7 @@ def evaluate(
     n_worlds: int = WORLDS,
     folder: str | Path | None = None,
     parameters: Mapping[str, Any] | None = None,
+    strict: bool = True,
 ) -> Evaluation | TeamEvaluation:
     """Let policies drive the same levels, each once, and return rates, times and path lengths; print it to read them.
 
@@ -43,6 +44,7 @@ def evaluate(
         n_worlds: Worlds stepped together; the results do not depend on it.
         folder: Where tables, rows and pictures go; None writes none.
         parameters: Values for the scenario's parameters.
+        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
 
     Raises:
         ValueError: There is no level to drive.
@@ -70,4 +72,5 @@ def evaluate(
         names=names,
         folder=None if folder is None else Path(folder),
         parameters=parameters,
+        strict=strict,
     )
