@@ -151,6 +151,9 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> Any:
             check_keys(value, ["name"], place, report)
             return None
         value = {**value, "name": name.lower() if name.lower() in KINEMATICS else name}
+    if key == "group_behavior" and not report.strict and isinstance(name, str) and name not in GROUP_BEHAVIORS:
+        report.doubt(place, f"no group behavior named {show(name)}: each decides by itself, as in IR-SIM 2.12.0")
+        return None
     made = build_named(FAMILIES[key], value, place, report)
     return BAD if made is None else made
 

@@ -51,7 +51,7 @@ def _warn(category: type[ScenarioWarning], title: str, found: Sequence[Problem])
 def notes(scenario: Scenario) -> tuple[Problem, ...]:
     """Return what is worth a second look in a scenario, in the order of its lines; nothing of it is an error."""
     idle = [Problem(body.line, body.name, IDLE) for body in scenario.bodies if _is_idle(body, scenario)]
-    return _in_order([*doubts(scenario), *scenario.ignored, *idle])
+    return tuple(sorted({*_in_order([*doubts(scenario), *idle]), *scenario.ignored}))
 
 
 def doubts(scenario: Scenario) -> tuple[Problem, ...]:

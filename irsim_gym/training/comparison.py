@@ -53,13 +53,9 @@ def evaluate(
     if levels < 1:
         raise ValueError(f"levels must be >= 1, got {levels}")
     names = list(policies) if isinstance(policies, Mapping) else None
-    sources: Sequence[Source]
-    if isinstance(policies, Mapping):
-        sources = list(policies.values())
-    elif isinstance(policies, Sequence) and not isinstance(policies, str):
-        sources = policies
-    else:
-        sources = [policies]
+    sources: Any = list(policies.values()) if isinstance(policies, Mapping) else policies
+    if not isinstance(sources, Sequence) or isinstance(sources, str):
+        sources = [sources]
     evaluated = evaluate_team_policies if team else evaluate_policies
     return evaluated(
         scenario,
