@@ -113,7 +113,7 @@ class BodyOptions:
     name: str | None = option(
         None, min_length=1, max_length=200, meaning="Unique name; by default role and number, such as robot_0."
     )
-    kinematics: Any = option(None, meaning="The drive; a body without one never moves.")
+    kinematics: Any = option(None, meaning="The drive; a body without one, or with {name: static}, never moves.")
     shape: Any = option(None, meaning="The footprint; by default a circle of radius 0.2 m.")
     state: tuple[Coordinate, ...] = option(
         (0.0, 0.0, 0.0),
