@@ -24,6 +24,8 @@ from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, GuiSpec, PlacementSpec
 from irsim_gym.scenario.validation import BAD, Report, build
 from irsim_gym.scenario.whereabouts import unknown_key
 
+LENIENT = "Unknown keys of a file that others wrote are ignored with strict=False, on the command line with --lenient."
+
 
 def load_scenario(
     scenario: str | Path | Mapping[str, Any],
@@ -78,7 +80,10 @@ def read_scenario(source: Source, parameters: Mapping[str, Any] | None = None, *
     if world is not None and occupied is not None:
         bodies, placements = with_map(world, bodies, placements, source.line(map_place))
     if report.problems:
-        raise ScenarioError(source.title, list(report.problems))
+        error = ScenarioError(source.title, list(report.problems))
+        if report.could_be_lenient:
+            error.add_note(LENIENT)
+        raise error
     assert world is not None
     assert gui is not None
     return Scenario(

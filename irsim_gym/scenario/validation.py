@@ -47,6 +47,7 @@ class Report:
     def __init__(self, source: Source, *, strict: bool = True) -> None:
         self.source = source
         self.strict = strict
+        self.could_be_lenient = False
         self.problems: dict[Problem, None] = dict.fromkeys(source.problems)
         self.doubts: dict[Problem, None] = {}
         self.ignored: dict[Problem, None] = dict.fromkeys(source.ignored)
@@ -69,6 +70,7 @@ class Report:
         """Tell a key that nobody reads: a problem where the reader is strict."""
         if self.strict:
             self.add(place, message)
+            self.could_be_lenient = True
         else:
             self.ignore(place, message)
 

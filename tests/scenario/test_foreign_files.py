@@ -101,6 +101,7 @@ def test_unknown_keys_are_errors_unless_the_reader_is_lenient(tmp_path: Path) ->
     with pytest.raises(ScenarioError) as refused:
         load_scenario(write(tmp_path, UNKNOWN))
     assert {(problem.line, problem.path) for problem in refused.value.problems} >= set(UNKNOWN_TOLD)
+    assert "strict=False" in "".join(refused.value.__notes__)
     scenario, (warning,) = load(tmp_path, UNKNOWN, strict=False)
     assert type(warning) is IgnoredKeyWarning
     told = {(problem.line, problem.path): problem.message for problem in warning.problems}
@@ -149,8 +150,9 @@ def test_collision_modes_that_mean_unobstructed_in_ir_sim(mode: str, tmp_path: P
 
 
 def test_another_collision_mode_is_an_error_unless_the_reader_is_lenient(tmp_path: Path) -> None:
-    with pytest.raises(ScenarioError, match="did you mean 'stop'"):
+    with pytest.raises(ScenarioError, match="did you mean 'stop'") as refused:
         load_scenario(write(tmp_path, "world: {collision_mode: stopp}"))
+    assert not hasattr(refused.value, "__notes__")
     scenario, (warning,) = load(tmp_path, "world: {collision_mode: stopp}", strict=False)
     assert scenario.world.collision_mode == "unobstructed"
     assert "'stopp' is 'unobstructed'" in str(warning)
