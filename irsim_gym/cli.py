@@ -36,6 +36,7 @@ Given = Annotated[
 Team = Annotated[
     bool, typer.Option("--team", help="A policy drives all robots (or those that the task names), not one.")
 ]
+Lenient = Annotated[bool, typer.Option("--lenient", help="Ignore keys of the file that nobody reads, with a warning.")]
 Backend = Annotated[str, typer.Option(help="Who draws frames: matplotlib or raster.")]
 Imports = Annotated[
     list[str] | None,
@@ -62,6 +63,7 @@ def check(
         bool, typer.Option("--team", help="Insist that all robots (or those that the task names) can learn together.")
     ] = False,
     given: Given = None,
+    lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
     """Check scenario files and their tasks, and draw a level of each; print every problem with its line.
@@ -78,7 +80,7 @@ def check(
     failed, parameters = False, read_parameters(given)
     for file in files:
         try:
-            scenario = load_scenario(file, parameters, warn=False)
+            scenario = load_scenario(file, parameters, strict=not lenient, warn=False)
             task, unfit = fitting_task(scenario, team=team)
             refused = None if team or unfit else refused_as_team(scenario)
             begin_level(scenario)
@@ -155,13 +157,14 @@ def train(
         typer.Option(help="All robots learn one policy; those that end wait (episode) or begin anew (respawn)."),
     ] = None,
     given: Given = None,
+    lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
     """Train an agent, then score its checkpoints. Ctrl-C leaves a checkpoint for --resume."""
     from irsim_gym.training.commands import run_training
 
-    parameters = read_parameters(given)
-    run_training(scenario, algorithm, seed, steps, task, out, hyperparameters, resume, dev_levels, team, parameters)
+    chosen: dict[str, Any] = {"parameters": read_parameters(given), "strict": not lenient}
+    run_training(scenario, algorithm, seed, steps, task, out, hyperparameters, resume, dev_levels, team, **chosen)
 
 
 @app.command()
@@ -181,13 +184,14 @@ def evaluate(
     references: Annotated[bool, typer.Option(help="Add the rows random and dash; of teams, rvo and orca too.")] = True,
     team: Team = False,
     given: Given = None,
+    lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
     """Drive policies through levels they never saw, beside random and dash; with --team, whole teams."""
     from irsim_gym.training.commands import run_evaluation
 
-    parameters = read_parameters(given)
-    run_evaluation(scenario, policies or [], levels, split, task, out, references, parameters, team)
+    chosen: dict[str, Any] = {"parameters": read_parameters(given), "team": team, "strict": not lenient}
+    run_evaluation(scenario, policies or [], levels, split, task, out, references, **chosen)
 
 
 @app.command()
@@ -210,6 +214,7 @@ def record(
     backend: Backend = "matplotlib",
     team: Team = False,
     given: Given = None,
+    lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
     """Film policies on the same levels, side by side; or write a replay with scrubber, scans and rewards, or a picture.
@@ -222,7 +227,8 @@ def record(
     if len(asked) > 1:
         raise IrsimGymError("--html, --sheet and --strobe exclude each other: call record once for each")
     kind, parameters = (*asked, "film")[0], read_parameters(given)
-    run_record(scenario, policies, level or [0], split, task, out, parameters, team, kind=kind, backend=backend)
+    chosen: dict[str, Any] = {"kind": kind, "backend": backend, "strict": not lenient}
+    run_record(scenario, policies, level or [0], split, task, out, parameters, team, **chosen)
 
 
 @app.command()
@@ -251,12 +257,14 @@ def rollout(
     team: Team = False,
     backend: Backend = "matplotlib",
     given: Given = None,
+    lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
     """Drive a policy through a few levels and print how they ended."""
     from irsim_gym.training.commands import run_rollout
 
-    run_rollout(scenario, policy, levels, split, task, frames, read_parameters(given), team, backend, record)
+    chosen: dict[str, Any] = {"team": team, "backend": backend, "record": record, "strict": not lenient}
+    run_rollout(scenario, policy, levels, split, task, frames, read_parameters(given), **chosen)
 
 
 @app.command("run")
@@ -271,6 +279,7 @@ def run_by_itself(
     ] = None,
     backend: Backend = "matplotlib",
     given: Given = None,
+    lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
     """Run a file without learning, driven by its own behaviours, and print how its robots stand at the end."""
@@ -279,7 +288,8 @@ def run_by_itself(
     if film is not None and film.suffix.lower() not in (".mp4", ".gif", ".html"):
         raise IrsimGymError(f"a film's name ends in .mp4, .gif or .html, got '{film.name}'")
     parameters = read_parameters(given)
-    with load(scenario, seed=seed, render_backend=backend, record=film is not None, **parameters) as world:
+    chosen: dict[str, Any] = {"render_backend": backend, "record": film is not None, "strict": not lenient}
+    with load(scenario, seed=seed, **chosen, **parameters) as world:
         world.resume()
         with progress("driving", steps, shown=film is not None) as advance:
             while world.count < steps and not world.done():
@@ -307,6 +317,7 @@ def play(
     ] = None,
     speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="How many times as fast as in life.")] = 1.0,
     given: Given = None,
+    lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
     """Drive a robot by hand in a window, level after level; esc leaves. The window tells the keys."""
@@ -315,7 +326,8 @@ def play(
     from irsim_gym.training.play import play as play_by_hand
 
     check_split(split)
-    played = play_by_hand(Wishes(scenario, task, robot, level, split, read_parameters(given), record, speed))
+    wishes = Wishes(scenario, task, robot, level, split, read_parameters(given), record, speed, not lenient)
+    played = play_by_hand(wishes)
     print(", ".join(f"{count} {outcome}" for outcome, count in sorted(played.outcomes.items())) or "no episode ended")
     if played.record is not None:
         print(f"{played.record}: {played.recorded} episode{'' if played.recorded == 1 else 's'}")
@@ -330,23 +342,25 @@ def draw(
     out: Annotated[Path | None, typer.Option(help=".png, .pdf or .svg file (default: SCENARIO.png).")] = None,
     backend: Backend = "matplotlib",
     given: Given = None,
+    lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
     """Draw the start of a level."""
     from irsim_gym.training.look import draw_level
 
-    print(draw_level(scenario, level, split, task, out, read_parameters(given), backend))
+    print(draw_level(scenario, level, split, task, out, read_parameters(given), backend, not lenient))
 
 
 @app.command()
 def warmup(
     scenarios: Annotated[list[str] | None, typer.Argument(help="Scenarios (default: all that are shipped).")] = None,
+    lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
     """Compile the kernels of scenarios, so that later commands start at once."""
     from irsim_gym.training.warmup import warm_up
 
-    warm_up(scenarios or [])
+    warm_up(scenarios or [], strict=not lenient)
 
 
 def run(command: Callable[..., Any]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 
 class IrsimGymError(Exception):
@@ -45,13 +46,21 @@ class ScenarioError(IrsimGymError, ValueError):
 class ScenarioWarning(UserWarning):
     """Values of a scenario file that are allowed but seldom meant; it lists all of them at once."""
 
+    HEAD: ClassVar[str] = "seldom meant in"
+
     def __init__(self, file: str, problems: Sequence[Problem]) -> None:
         self.file = file
         self.problems = tuple(problems)
-        super().__init__(listing(f"seldom meant in {file}:", file, self.problems))
+        super().__init__(listing(f"{self.HEAD} {file}:", file, self.problems))
 
     def __reduce__(self) -> tuple[type[ScenarioWarning], tuple[str, tuple[Problem, ...]]]:
         return type(self), (self.file, self.problems)
+
+
+class IgnoredKeyWarning(ScenarioWarning):
+    """Keys of a scenario file that nothing reads; it lists all of them at once."""
+
+    HEAD = "ignored in"
 
 
 class WaitingRobotsWarning(UserWarning):

@@ -12,6 +12,7 @@ import numpy as np
 
 from irsim_gym import families
 from irsim_gym.arraytypes import Floats
+from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.views import EgoView, ego_view, forget, name_of, others
 from irsim_gym.errors import BehaviorError
 from irsim_gym.registry import Registry
@@ -76,6 +77,15 @@ class PythonGroupBehavior:
     """What all group behaviours written in Python have in common."""
 
     reads_neighbors: ClassVar[bool] = True
+
+    wander: bool = renewal.WANDER
+    loop: bool = renewal.LOOP
+    range_low: tuple[float, float, float] = renewal.LOW
+    range_high: tuple[float, float, float] = renewal.HIGH
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from renewal.renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:

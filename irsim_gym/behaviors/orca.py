@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import ClassVar
 
 import numpy as np
 
+from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.orca_crowd import Crowd, lay_squares, reserve
 from irsim_gym.behaviors.orca_map import SIGHT
 from irsim_gym.behaviors.orca_planning import Scratch, command_plans, plan_velocities
@@ -36,6 +38,14 @@ class OrcaGroup:
     sidestep: bool = option(
         False, meaning="A body that others hold up wants to go to its right, so that none wait for each other for ever."
     )
+    wander: bool = renewal.WANDER
+    loop: bool = renewal.LOOP
+    range_low: tuple[float, float, float] = renewal.LOW
+    range_high: tuple[float, float, float] = renewal.HIGH
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from renewal.renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:

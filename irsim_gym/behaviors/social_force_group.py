@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.behaviors import social_force
+from irsim_gym.behaviors import renewal, social_force
 from irsim_gym.behaviors.social_force import reserve
 from irsim_gym.behaviors.social_pushes import follow, planned_velocity
 from irsim_gym.behaviors.steering import wanted_velocity
@@ -61,6 +61,10 @@ class SocialForceGroup:
     gaze_vision_angle: float = option(
         90.0, gt=0.0, le=180.0, unit="deg", meaning="The others are in sight up to this angle from the way ahead."
     )
+    wander: bool = renewal.WANDER
+    loop: bool = renewal.LOOP
+    range_low: tuple[float, float, float] = renewal.LOW
+    range_high: tuple[float, float, float] = renewal.HIGH
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
@@ -69,6 +73,7 @@ class SocialForceGroup:
             yield "social_groups", f"member {member} is listed twice"
         if any(member < 0 for member in listed):
             yield "social_groups", f"members are counted from 0, got {min(listed)}"
+        yield from renewal.renewal_problems(self)
 
     def without_member(self, member: int) -> Self:
         """Return the same for a group that has lost a member; those after it move up by one."""

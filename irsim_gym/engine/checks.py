@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from irsim_gym.engine import buckets, contact, outlines
@@ -19,6 +21,18 @@ def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, s
     Raises:
         ScenarioError: With the line of every such robot.
     """
+    found = find_blocked_starts(scenario, parts, model, state)
+    told = "; a robot must begin clear of static obstacles; irsim_gym.load runs the file all the same"
+    if found:
+        problems = [replace(problem, message=problem.message + told) for problem in found]
+        raise ScenarioError(scenario.file or scenario.name, problems)
+
+
+def find_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, state: WorldState) -> tuple[Problem, ...]:
+    """Return where each robot stands that the file puts into an obstacle that never moves.
+
+    Nobody is where nobody is held by a collision. The first world is used for it, before its first level.
+    """
     given = np.array(
         [not scenario.placements[body.entry].kind.is_random and not body.shape.is_random for body in scenario.bodies],
         np.bool_,
@@ -26,7 +40,7 @@ def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, s
     robots = np.flatnonzero(given & model.movable & (model.role == ROBOT))
     walls = given & ~model.movable
     if not len(robots) or not walls.any() or model.collision_mode[0] == UNOBSTRUCTED:
-        return
+        return ()
     shard = Shard(np.zeros(1, np.int64))
     state.pose[0] = model.start[0]
     outlines.place(parts.everyone, model, state, shard)
@@ -42,8 +56,7 @@ def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, s
     model.present[0] = True
     for field in (state.pose, state.segments, state.discs, state.collided, state.stopped, state.hit):
         field[0] = 0
-    if problems:
-        raise ScenarioError(scenario.file or scenario.name, problems)
+    return tuple(problems)
 
 
 def _blocked(scenario: Scenario, robot: int, obstacle: int) -> Problem:
@@ -51,5 +64,4 @@ def _blocked(scenario: Scenario, robot: int, obstacle: int) -> Problem:
     is_map = scenario.occupied is not None and obstacle == len(scenario.bodies) - 1
     name = "the obstacle map" if is_map else f"'{other.name}'"
     where = f" (line {other.line})" if other.line else ""
-    message = f"the start lies in {name}{where}; a robot must begin clear of static obstacles"
-    return Problem(body.line, body.name, message)
+    return Problem(body.line, body.name, f"the start lies in {name}{where}")

@@ -165,25 +165,24 @@ def _write_motion(b: int, body: BodySpec, model: WorldModel) -> None:
 
 
 def _wheelbase(body: BodySpec) -> float:
-    """Return the axle distance [m] that the drive gives, else the shape; NaN without one."""
+    """Return the axle distance [m] that the drive gives, else the shape; NaN without one, as 0 is."""
     given = (getattr(body.kinematics, "wheelbase", None), getattr(body.shape, "wheelbase", None))
-    return next((float(value) for value in given if value is not None), np.nan)
+    return next((float(value) for value in given if value), np.nan)
 
 
 def _write_goals(b: int, body: BodySpec, scenario: Scenario, model: WorldModel, *, is_agent: bool) -> None:
     """Write goals, and who has any: what can move and was given some, by its entry or by its distribution.
 
-    An agent's behaviour is overridden, so it neither wanders nor loops.
+    An agent's behaviour is overridden, so it does not loop, and wanders only where it has no other goal.
     """
-    behavior = None if is_agent else body.behavior
-    wanders = behavior is not None and behavior.wander
-    if behavior is not None and behavior.wander:
-        model.wander_low[b], model.wander_high[b] = behavior.range_low, behavior.range_high
+    placed_goal = scenario.placements[body.entry].kind.gives_goal
+    wanders = body.wanders and not (is_agent and (placed_goal or body.goal))
+    if wanders:
+        model.wander_low[b], model.wander_high[b] = body.renewal.range_low, body.renewal.range_high
     model.waypoints[:, b, :, 2] = np.nan
     model.waypoints[:, b, : len(body.goal)] = np.array(body.goal).reshape(-1, 3)
-    placed_goal = scenario.placements[body.entry].kind.gives_goal
     model.has_goal[b] = bool(model.movable[b]) and (wanders or placed_goal or len(body.goal) > 0)
     count = 1 if placed_goal else len(body.goal)
-    loops = behavior is not None and behavior.loop and not wanders
+    loops = bool(getattr(body.renewal, "loop", False)) and not wanders and not is_agent
     model.goal_renewal[b] = WANDER if wanders else LOOP if loops else KEEP_GOAL
     model.waypoint_count[:, b] = 2 if loops and count == 1 else count

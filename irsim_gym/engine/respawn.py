@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Flags, Floats, Ints, Words
 from irsim_gym.engine import arrival, buckets, contact, outlines, ways
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.step import sense
@@ -15,7 +15,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.queries import has_free_path, standing_bodies
 from irsim_gym.rng import uniform
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import KEEP_GOAL, WorldModel
+from irsim_gym.world.model import KEEP_GOAL, WANDER, WorldModel
 from irsim_gym.world.state import WorldState
 
 TRIES = 10
@@ -78,7 +78,11 @@ def respawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bo
         model.has_goal,
         model.initial_velocity,
         model.initial_steering,
+        model.goal_renewal,
+        model.wander_low,
+        model.wander_high,
         model.waypoint_count,
+        state.random,
         model.waypoints,
         state.waypoint,
         state.waypoint_end,
@@ -211,7 +215,11 @@ def begin_bodies(
     has_goal: Flags,
     initial_velocity: Floats,
     initial_steering: Floats,
+    goal_renewal: Ints,
+    wander_low: Floats,
+    wander_high: Floats,
     waypoint_count: Ints,
+    random: Words,
     waypoints: Floats,
     waypoint: Ints,
     waypoint_end: Ints,
@@ -238,5 +246,9 @@ def begin_bodies(
                 velocity[w, b, axis] = initial_velocity[b, axis]
             if has_goal[b]:
                 waypoint[w, b], waypoint_end[w, b] = 0, waypoint_count[w, b]
+                if goal_renewal[b] == WANDER:
+                    waypoint_end[w, b] = 1
+                    for axis in range(3):
+                        waypoints[w, b, 0, axis] = uniform(random, w, wander_low[b, axis], wander_high[b, axis])
                 for axis in range(3):
                     goal[w, b, axis] = waypoints[w, b, 0, axis]

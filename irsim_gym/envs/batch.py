@@ -33,6 +33,7 @@ def make_batch(
     respawn: bool = False,
     world_steps: int | None = None,
     team_state: bool = True,
+    strict: bool = True,
     **parameters: Any,
 ) -> Batch:
     """Make worlds in which all robots learn, for trainers that want arrays ``(n_worlds, n_agents, ...)``.
@@ -50,6 +51,7 @@ def make_batch(
         respawn: An agent that has ended gets a new start and goal at once; its world goes on.
         world_steps: With ``respawn``, steps after which a world begins its next level; None for four time limits.
         team_state: Steps hold the state of the team too, for a centralised critic.
+        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
     """
     worlds = Worlds(
@@ -62,6 +64,7 @@ def make_batch(
         render_backend=render_backend,
         team=True,
         parameters=parameters,
+        strict=strict,
     )
     return Batch(worlds, autoreset=autoreset, respawn=respawn, world_steps=world_steps, team_state=team_state)
 

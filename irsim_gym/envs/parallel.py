@@ -34,6 +34,7 @@ def parallel_env(
     padded: bool = False,
     render_mode: str | None = None,
     render_backend: str = "matplotlib",
+    strict: bool = True,
     **parameters: Any,
 ) -> WorldParallelEnv:
     """Make the parallel environment of a scenario.
@@ -46,6 +47,7 @@ def parallel_env(
         padded: True gives all agents the same spaces, those of the richest one; see ``WorldParallelEnv``.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``WorldEnv.render``.
         render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
+        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         **parameters: Values of the scenario's own parameters.
 
     Raises:
@@ -61,6 +63,7 @@ def parallel_env(
         render_backend=render_backend,
         team=True,
         parameters=parameters,
+        strict=strict,
     )
     return WorldParallelEnv(worlds, padded=padded)
 

@@ -47,6 +47,7 @@ def make_vec_env(
     num_threads: int = 1,
     render_mode: str | None = "rgb_array",
     render_backend: str = "matplotlib",
+    strict: bool = True,
     **parameters: Any,
 ) -> WorldVecEnv:
     """Make the worlds of a scenario for Stable-Baselines3.
@@ -61,6 +62,7 @@ def make_vec_env(
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
         render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
+        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         **parameters: Values for the scenario's parameters.
     """
     env = WorldVecEnv(
@@ -73,6 +75,7 @@ def make_vec_env(
             render_mode=checked_mode(render_mode),
             render_backend=render_backend,
             parameters=parameters,
+            strict=strict,
         )
     )
     if seed is not None:

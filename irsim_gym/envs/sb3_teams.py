@@ -48,6 +48,7 @@ def make_multi_agent_vec_env(
     num_threads: int = 1,
     render_mode: str | None = "rgb_array",
     render_backend: str = "matplotlib",
+    strict: bool = True,
     **parameters: Any,
 ) -> TeamVecEnv:
     """Make the worlds of a scenario for one policy that all its robots share.
@@ -66,6 +67,7 @@ def make_multi_agent_vec_env(
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
         render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
+        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
     """
     if mode not in MODES:
@@ -80,6 +82,7 @@ def make_multi_agent_vec_env(
         render_backend=render_backend,
         team=True,
         parameters=parameters,
+        strict=strict,
     )
     env = TeamVecEnv(Batch(worlds, respawn=mode == "respawn", world_steps=world_steps))
     if seed is not None:

@@ -32,6 +32,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         max_steps: Time limit [steps]; None for the task's.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
         render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
+        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         **parameters: Values for the scenario's parameters.
     """
 
@@ -44,6 +45,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         max_steps: int | None = None,
         render_mode: str | None = None,
         render_backend: str = "matplotlib",
+        strict: bool = True,
         **parameters: Any,
     ) -> None:
         self.worlds = Worlds(
@@ -53,6 +55,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
             render_mode=render_mode,
             render_backend=render_backend,
             parameters=parameters,
+            strict=strict,
         )
         self.render_mode = render_mode
         self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": self.worlds.render_fps}

@@ -38,6 +38,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
         render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
+        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         **parameters: Values for the scenario's parameters.
     """
 
@@ -58,6 +59,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         num_threads: int = 1,
         render_mode: str | None = None,
         render_backend: str = "matplotlib",
+        strict: bool = True,
         **parameters: Any,
     ) -> None:
         self.autoreset_mode = checked_autoreset(autoreset_mode)
@@ -71,6 +73,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
             render_mode=render_mode,
             render_backend=render_backend,
             parameters=parameters,
+            strict=strict,
         )
         self.worlds = worlds
         self.num_envs = num_envs

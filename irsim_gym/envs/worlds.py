@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,8 @@ class Worlds:
         render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         team: All robots learn, unless the task names some; else there has to be one learner.
         parameters: Values for the scenario's parameters; a loaded scenario has them already.
+        strict: A key that nobody reads, in the scenario's file or its section ``task``, is an error; False: it is
+            ignored, with an ``IgnoredKeyWarning``.
 
     Raises:
         UnknownNameError: The scenario has no such parameter; the message lists those that it has.
@@ -59,8 +62,9 @@ class Worlds:
         render_backend: str = "matplotlib",
         team: bool = False,
         parameters: Mapping[str, Any] | None = None,
+        strict: bool = True,
     ) -> None:
-        self.scenario = _loaded(scenario, parameters or {})
+        self.scenario = _loaded(scenario, parameters or {}, strict)
         self.task = load_task(self.scenario, task, max_steps, team=team)
         if outer_limit not in (None, -1) and outer_limit < self.task.max_steps:
             self.task = load_task(self.scenario, task, outer_limit, team=team)
@@ -198,13 +202,13 @@ class Worlds:
         self.pictures.close()
 
 
-def _loaded(scenario: ScenarioSource, parameters: Mapping[str, Any]) -> Scenario:
+def _loaded(scenario: ScenarioSource, parameters: Mapping[str, Any], strict: bool) -> Scenario:
     if not isinstance(scenario, Scenario):
-        return load_scenario(scenario, parameters)
+        return load_scenario(scenario, parameters, strict=strict)
     if parameters:
         names = ", ".join(f"'{name}'" for name in parameters)
         raise UnknownNameError(f"{names}: parameters are for load_scenario(); '{scenario.name}' is loaded already")
-    return scenario
+    return scenario if strict else replace(scenario, strict=False)
 
 
 def read_options(options: Mapping[str, Any]) -> tuple[str | None, int | None]:

@@ -80,7 +80,7 @@ class Compound:
     is_random: ClassVar[bool] = False
 
     parts: tuple[CompoundPart, ...] = option(min_length=1, meaning="The shapes.")
-    wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; does not move the outline.")
+    wheelbase: float | None = option(None, ge=0.0, unit="m", meaning="Axle distance; does not move the outline.")
 
     def outline(self) -> Outline:
         """Return the boundary of the polygonal parts, the area to the left of it, and the discs."""

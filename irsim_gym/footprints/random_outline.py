@@ -30,7 +30,7 @@ class VertexShape:
     )
     random_shape: bool = option(False, meaning="Draw the outline at each reset.")
     is_convex: bool = option(False, meaning="The vertices of a random outline are those of a convex polygon.")
-    wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; does not move the outline.")
+    wheelbase: float | None = option(None, ge=0.0, unit="m", meaning="Axle distance; does not move the outline.")
     number: int = option(1, meaning="Outlines in one body: always 1; the entry's own number makes several bodies.")
     center_range: tuple[float, float, float, float] = option(
         (0.0, 0.0, 0.0, 0.0), unit="m", meaning="Bounds of a random outline's centre: x, y, x, y."

@@ -11,6 +11,7 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from irsim_gym.engine import compile
+from irsim_gym.engine.checks import find_blocked_starts
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.live import hints, moves
 from irsim_gym.live.actions import Actions, Reference, pair_actions
@@ -19,7 +20,7 @@ from irsim_gym.live.driven import ENDING_S, Driven
 from irsim_gym.live.goals import Goals
 from irsim_gym.live.roster import Roster
 from irsim_gym.live.track import Track
-from irsim_gym.scenario import Scenario, load_scenario
+from irsim_gym.scenario import Scenario, load_scenario, notes
 
 ScenarioSource = str | Path | Mapping[str, Any]
 
@@ -46,6 +47,7 @@ class World(Driven):
         render_backend: Who draws frames: ``"matplotlib"`` or ``"raster"``; figures in files are matplotlib's.
         record: Keep a frame of the start and of each sample, for ``save_animation`` and its like.
         save_ani: IR-SIM's way: as ``record``, and ``end`` writes the film.
+        strict: A key of the file that nobody reads is an error; False: it is ignored, with an ``IgnoredKeyWarning``.
         **others: Values for the scenario's parameters, and IR-SIM's other arguments where they ask for what is so
             anyway; ``display=True`` is ``render_mode="human"``.
 
@@ -66,8 +68,10 @@ class World(Driven):
         render_backend: str = "matplotlib",
         record: bool = False,
         save_ani: bool = False,
+        strict: bool = True,
         **others: Any,
     ) -> None:
+        self._strict = strict
         mode, self._parameters = hints.check_arguments(render_mode, others)
         self._source = _beside_the_script() if scenario is None else scenario
         self._record, self._save_at_end, self._unsaved = record or save_ani, save_ani, False
@@ -79,11 +83,14 @@ class World(Driven):
         self._begin(self._loaded.world.status)
 
     def _read(self) -> None:
-        self._loaded = load_scenario(self._source, self._parameters)
+        self._loaded = load_scenario(self._source, self._parameters, strict=self._strict)
         self._compile()
+        simulation = self.simulation
+        found = find_blocked_starts(self._loaded, simulation.parts, simulation.model, simulation.state)
+        notes.warn_of_starts(self._loaded, found)
 
     def _compile(self) -> None:
-        self.simulation = compile(self._loaded)
+        self.simulation = compile(self._loaded, check_starts=False)
         self.roster, self.goals = Roster(self.simulation), Goals()
 
     def _begin(self, status: str) -> None:

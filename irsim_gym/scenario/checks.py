@@ -117,7 +117,7 @@ def check_wheelbase(values: Values, places: Places, report: Report) -> bool:
     drive, shape = values["kinematics"], values["shape"]
     if values["static"] or not getattr(drive, "needs_wheelbase", False):
         return True
-    if drive.wheelbase is not None or getattr(shape, "wheelbase", None) is not None:
+    if drive.wheelbase is not None or getattr(shape, "wheelbase", None):
         return True
     message = f"is required for '{KINEMATICS.name_of(type(drive))}', here or in the shape: the distance of the axles"
     report.add((*places["kinematics"], "wheelbase"), message)

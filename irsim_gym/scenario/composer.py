@@ -1,4 +1,4 @@
-"""YAML text to plain data with lines: bounded, safe, and strict about keys given twice.
+"""YAML text to plain data with lines: bounded, safe, and keys given twice are told.
 
 The parser's events are put together here rather than by PyYAML's own composer: that is where depth, the number of
 values after aliases are expanded, anchors that contain themselves and duplicate keys can be checked.
@@ -41,11 +41,14 @@ class Document:
         data: The plain data.
         lines: Line of each value by its path: of its key or list item, or of the scalar itself.
         problems: Line, path and message of each mistake.
+        repeats: Line, path and message of each key that its mapping has already, and whether a block of further keys
+            belongs to it; the last one holds.
     """
 
     data: Any = None
     lines: dict[Place, int] = field(default_factory=dict)
     problems: list[tuple[int, Place, str]] = field(default_factory=list)
+    repeats: list[tuple[int, Place, str, bool]] = field(default_factory=list)
 
 
 @dataclass
@@ -59,6 +62,11 @@ class _Node:
     error: str = ""
     is_merge: bool = False
     is_open: bool = False
+
+    @property
+    def holds_keys(self) -> bool:
+        """It is a mapping, or a list of them."""
+        return self.pairs is not None or any(item.pairs is not None for item in self.items or ())
 
 
 def compose(text: str) -> Document:
@@ -190,27 +198,30 @@ class _Expansion:
     def _mapping(self, node: _Node, place: Place) -> dict[str, Any]:
         data: dict[str, Any] = {}
         first: dict[str, int] = {}
+        last: dict[str, tuple[_Node, int]] = {}
         merged: list[_Node] = []
         for key, value, value_line in node.pairs or ():
             if key.is_merge:
                 merged.extend(value.items if value.items is not None else [value])
-            elif self._accept_key(key, place, first):
-                first[key.scalar] = key.line
+            elif self._accept_key(key, place):
+                if key.scalar in first:
+                    message = f"given twice (first in line {first[key.scalar]})"
+                    repeat = (key.line, (*place, key.scalar), message, value.holds_keys)
+                    self._document.repeats.append(repeat)
+                first.setdefault(key.scalar, key.line)
                 is_block = value.items is not None or value.pairs is not None
-                data[key.scalar] = self.value(value, (*place, key.scalar), key.line if is_block else value_line)
+                last[key.scalar] = value, key.line if is_block else value_line
+        for name, (value, line) in last.items():
+            data[name] = self.value(value, (*place, name), line)
         for other in merged:
             self._merge(other, place, data)
         return data
 
-    def _accept_key(self, key: _Node, place: Place, first: dict[str, int]) -> bool:
+    def _accept_key(self, key: _Node, place: Place) -> bool:
         name = key.scalar
         if key.error or key.items is not None or key.pairs is not None or not isinstance(name, str):
             found = "a list or mapping" if key.items is not None or key.pairs is not None else show(name)
             self._document.problems.append((key.line, place, f"keys must be text, got {found}"))
-            return False
-        if name in first:
-            message = f"given twice (first in line {first[name]})"
-            self._document.problems.append((key.line, (*place, name), message))
             return False
         return True
 

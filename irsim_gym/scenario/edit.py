@@ -10,6 +10,7 @@ from irsim_gym.errors import ScenarioError
 from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of
 from irsim_gym.scenario.entries import read_entry
 from irsim_gym.scenario.messages import choices
+from irsim_gym.scenario.notes import warn_of_keys
 from irsim_gym.scenario.shorthand import RawEntry, split_sections
 from irsim_gym.scenario.source import ROLES, read_mapping
 from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenario
@@ -32,7 +33,7 @@ def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, Any], first: i
     if role not in ROLES:
         raise ValueError(f"role must be {choices(ROLES)}, got {role!r}")
     source = read_mapping({role: entry})
-    report = Report(source)
+    report = Report(source, strict=scenario.strict)
     raw = RawEntry(role, (role,), source.data[role])
     read = read_entry(raw, _shared_plot(scenario), report)
     if len(scenario.bodies) + read.count > MAX_BODIES:
@@ -47,6 +48,7 @@ def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, Any], first: i
         taken.add(name)
     if report.problems:
         raise ScenarioError(source.title, list(report.problems))
+    warn_of_keys(source.title, report.ignored)
     if not read.count:
         return scenario
     end = len(scenario.bodies) - (scenario.occupied is not None)

@@ -10,7 +10,7 @@ from typing import Any
 from irsim_gym.families import BEHAVIORS, FOOTPRINTS, GROUP_BEHAVIORS, KINEMATICS, PLACEMENTS, SENSORS
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.images import image_problem
-from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, CONTACT_SENSOR, show
+from irsim_gym.scenario.messages import CONTACT_MESSAGE, CONTACT_SENSOR, show
 from irsim_gym.scenario.options import defaults, option_fields
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import RawEntry, depth, share
@@ -35,6 +35,8 @@ FAMILIES: dict[str, Registry] = {
     "group_behavior": GROUP_BEHAVIORS,
 }
 ROBOT, OBSTACLE = "robot", "obstacle"
+NO_DRIVE = "static"
+"""As the name of a drive: the body never moves, as one without kinematics."""
 
 
 @dataclass
@@ -73,7 +75,7 @@ def read_entry(raw: RawEntry, plot: Mapping[str, Any], report: Report) -> Entry:
         report: Collects the problems.
     """
     entry = Entry(raw)
-    spelt = check_keys(raw.data, FIELDS, raw.place, report, CONTACT_KEYS["body"])
+    spelt = check_keys(raw.data, FIELDS, raw.place, report)
     known = {own: key for key, own in spelt.items()}
     _read_number(entry, report)
     entry.placement = _read_placement(raw, report)
@@ -144,8 +146,14 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> Any:
     if value is None or value == {}:
         return None
     name = value.get("name") if isinstance(value, Mapping) else None
-    if key == "kinematics" and isinstance(name, str) and name not in KINEMATICS and name.lower() in KINEMATICS:
-        value = {**value, "name": name.lower()}
+    if key == "kinematics" and isinstance(name, str) and name not in KINEMATICS:
+        if name.lower() == NO_DRIVE:
+            check_keys(value, ["name"], place, report)
+            return None
+        value = {**value, "name": name.lower() if name.lower() in KINEMATICS else name}
+    if key == "group_behavior" and not report.strict and isinstance(name, str) and name not in GROUP_BEHAVIORS:
+        report.doubt(place, f"no group behavior named {show(name)}: each decides by itself, as in IR-SIM 2.12.0")
+        return None
     made = build_named(FAMILIES[key], value, place, report)
     return BAD if made is None else made
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,9 @@ from irsim_gym.scenario import library, notes
 from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of, with_map
 from irsim_gym.scenario.entries import read_entry
 from irsim_gym.scenario.map_cells import read_cells, read_map
-from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, show
+from irsim_gym.scenario.messages import CONTACT_MESSAGE, literal_values, show
+from irsim_gym.scenario.needless import UNOBSTRUCTED_MODES
+from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.parameters import fill_in
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import split_entries, split_sections
@@ -21,16 +24,24 @@ from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, GuiSpec, PlacementSpec
 from irsim_gym.scenario.validation import BAD, Report, build
 from irsim_gym.scenario.whereabouts import unknown_key
 
+LENIENT = "Unknown keys of a file that others wrote are ignored with strict=False, on the command line with --lenient."
+
 
 def load_scenario(
-    scenario: str | Path | Mapping[str, Any], parameters: Mapping[str, Any] | None = None, *, warn: bool = True
+    scenario: str | Path | Mapping[str, Any],
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    strict: bool = True,
+    warn: bool = True,
 ) -> Scenario:
     """Read and check a scenario.
 
     Args:
         scenario: A shipped name such as ``cluttered_room``, the path of a YAML file, or the same as plain data.
         parameters: Values for its parameters, e.g. ``{"n_robots": 16}``; the others keep their defaults.
-        warn: Warn of values that are hardly ever meant, such as degrees (``ScenarioWarning``).
+        strict: A key that nobody reads is an error; False: it is ignored, with an ``IgnoredKeyWarning``.
+        warn: Warn of values that are hardly ever meant, such as degrees (``ScenarioWarning``), and of keys that are
+            ignored (``IgnoredKeyWarning``).
 
     Raises:
         ScenarioError: It cannot be used; the error lists every problem with its line. A file that does not exist
@@ -41,21 +52,22 @@ def load_scenario(
     if not isinstance(scenario, str | Path | Mapping):
         raise TypeError(f"a scenario is a name, a path or a mapping, got {type(scenario).__name__}")
     source = read_mapping(scenario) if isinstance(scenario, Mapping) else read_file(library.find(scenario))
-    loaded = read_scenario(source, parameters or {})
+    loaded = read_scenario(source, parameters or {}, strict=strict)
     if warn:
         notes.warn(loaded)
     return loaded
 
 
-def read_scenario(source: Source, parameters: Mapping[str, Any] | None = None) -> Scenario:
-    """Check plain data and return the scenario that it describes.
+def read_scenario(source: Source, parameters: Mapping[str, Any] | None = None, *, strict: bool = True) -> Scenario:
+    """Check plain data and return the scenario that it describes; see ``load_scenario``.
 
     Raises:
         ScenarioError: It cannot be used; the error lists every problem with its line.
         UnknownNameError: It has no such parameter.
     """
-    source, values = fill_in(source, parameters or {})
-    report = Report(source)
+    source, values = fill_in(source, parameters or {}, strict=strict)
+    report = Report(source, strict=strict)
+    _tell_repeats(report)
     sections, roots = split_sections(source.data, report)
     places = _places(sections, roots, report)
     world = _world(sections.get("world"), places["world"], source, report)
@@ -68,14 +80,38 @@ def read_scenario(source: Source, parameters: Mapping[str, Any] | None = None) -
     if world is not None and occupied is not None:
         bodies, placements = with_map(world, bodies, placements, source.line(map_place))
     if report.problems:
-        raise ScenarioError(source.title, list(report.problems))
+        error = ScenarioError(source.title, list(report.problems))
+        if report.could_be_lenient:
+            error.add_note(LENIENT)
+        raise error
     assert world is not None
     assert gui is not None
-    custom = sections.get("custom")
-    doubts = tuple(report.doubts)
     return Scenario(
-        world.name, source.file, world, bodies, placements, gui, task, custom, source, roots, occupied, doubts, values
+        name=world.name,
+        file=source.file,
+        world=world,
+        bodies=bodies,
+        placements=placements,
+        gui=gui,
+        task=task,
+        custom=sections.get("custom"),
+        source=source,
+        root=roots,
+        occupied=occupied,
+        doubts=tuple(report.doubts),
+        ignored=tuple(report.ignored),
+        strict=strict,
+        parameters=values,
     )
+
+
+def _tell_repeats(report: Report) -> None:
+    """Tell keys given twice: of whole sections the last one holds, as in IR-SIM; other values are problems."""
+    for problem, is_block in report.source.repeats:
+        if report.strict and not is_block:
+            report.problems[problem] = None
+        else:
+            report.doubts[replace(problem, message=f"{problem.message}: the last one holds alone")] = None
 
 
 def _places(sections: dict[str, Any], roots: Mapping[str, Place], report: Report) -> dict[str, Place]:
@@ -84,9 +120,9 @@ def _places(sections: dict[str, Any], roots: Mapping[str, Place], report: Report
     for name in [name for name in sections if name not in SECTIONS]:
         if report.is_full:
             break
-        report.add((*roots[name], name), unknown_key(name, [*SECTIONS, WRAPPER]))
+        report.refuse((*roots[name], name), unknown_key(name, [*SECTIONS, WRAPPER]))
         near = nearest(name, SECTIONS)
-        if near is not None and near not in sections:
+        if report.strict and near is not None and near not in sections:
             sections[near], places[near] = sections[name], (*roots[name], name)
     return places
 
@@ -94,9 +130,7 @@ def _places(sections: dict[str, Any], roots: Mapping[str, Place], report: Report
 def _world(data: Any, place: Place, source: Source, report: Report) -> WorldSpec | None:
     """Return the section ``world``, named after the file when it gives no name."""
     if isinstance(data, Mapping):
-        if data.get("collision_mode") == "contact":
-            report.add((*place, "collision_mode"), CONTACT_MESSAGE)
-            data = {key: value for key, value in data.items() if key != "collision_mode"}
+        data = {**data, "collision_mode": _collision_mode(data.get("collision_mode"), place, report)}
         if data.get("name") is None and source.file:
             data = {**data, "name": Path(source.file).name.split(".")[0] or "world"}
     elif data is None and source.file:
@@ -105,7 +139,20 @@ def _world(data: Any, place: Place, source: Source, report: Report) -> WorldSpec
         made = read_map(data["obstacle_map"], (*place, "obstacle_map"), report)
         data = {**data, "obstacle_map": None if made is BAD else made}
     own = isinstance(data, Mapping) and "obstacle_map" in data  # what a misspelt key holds is not read as a map
-    return build(WorldSpec, data, place, report, skip=() if own else ["obstacle_map"], contact=CONTACT_KEYS["world"])
+    return build(WorldSpec, data, place, report, skip=() if own else ["obstacle_map"])
+
+
+def _collision_mode(mode: Any, place: Place, report: Report) -> Any:
+    """Return the mode that a file's stands for; None for one that is refused."""
+    where = (*place, "collision_mode")
+    if mode == "contact":
+        report.add(where, CONTACT_MESSAGE)
+        return None
+    is_known = mode in literal_values(option_fields(WorldSpec)["collision_mode"].annotation)
+    if mode in UNOBSTRUCTED_MODES or (isinstance(mode, str) and not is_known and not report.strict):
+        report.doubt(where, f"{show(mode)} is 'unobstructed', as in IR-SIM 2.12.0: nobody stops at a collision")
+        return "unobstructed"
+    return mode
 
 
 def _check_viewpoint(world: WorldSpec | None, bodies: tuple[BodySpec, ...], place: Place, report: Report) -> None:

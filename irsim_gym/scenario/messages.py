@@ -13,8 +13,9 @@ LONGEST = 40
 CONTACT_KEYS = {
     "world": {"gravity", "friction", "restitution", "drive_tau"},
     "body": {"mass", "friction", "inertia", "restitution"},
-    "kinematics": {"tau"},
+    "body.kinematics": {"tau"},
 }
+"""Keys of IR-SIM's contact mode, which is not part of the language, by the mapping that holds them."""
 CONTACT_SENSOR = "contact2d"
 CONTACT_MESSAGE = "contact mode is not part of the scenario language"
 

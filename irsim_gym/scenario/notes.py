@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import sys
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
-from irsim_gym.errors import Problem, ScenarioWarning
+from irsim_gym.errors import IgnoredKeyWarning, Problem, ScenarioWarning
 from irsim_gym.families import KINEMATICS
 from irsim_gym.scenario.shorthand import split_entries
 from irsim_gym.scenario.source import ROLES, Place
@@ -21,20 +22,36 @@ DEGREES = "angles are radians; pi/2 may be written as it is"
 
 
 def warn(scenario: Scenario) -> None:
-    """Warn of what is hardly ever meant, in one ``ScenarioWarning`` that points to who called this package."""
-    found = doubts(scenario)
+    """Warn of what is hardly ever meant, and of keys that are ignored: once each, whatever their number."""
+    _warn(ScenarioWarning, scenario.source.title, doubts(scenario))
+    warn_of_keys(scenario.source.title, scenario.ignored)
+
+
+def warn_of_keys(title: str, ignored: Iterable[Problem]) -> None:
+    """Warn of keys that are ignored; the title names the file."""
+    _warn(IgnoredKeyWarning, title, tuple(ignored))
+
+
+def warn_of_starts(scenario: Scenario, found: Sequence[Problem]) -> None:
+    """Warn of robots that begin within an obstacle (``engine.checks.find_blocked_starts``)."""
+    held = [replace(problem, message=f"{problem.message}: the robot is held there") for problem in found]
+    _warn(ScenarioWarning, scenario.source.title, held)
+
+
+def _warn(category: type[ScenarioWarning], title: str, found: Sequence[Problem]) -> None:
+    """Warn of all that was found, at the line that called this package."""
     if not found:
         return
     frame, level = sys._getframe(), 1
     while frame.f_back is not None and str(frame.f_globals.get("__name__")).split(".")[0] in ("irsim_gym", "gymnasium"):
         frame, level = frame.f_back, level + 1
-    warnings.warn(ScenarioWarning(scenario.source.title, found), stacklevel=level)
+    warnings.warn(category(title, found), stacklevel=level)
 
 
 def notes(scenario: Scenario) -> tuple[Problem, ...]:
     """Return what is worth a second look in a scenario, in the order of its lines; nothing of it is an error."""
     idle = [Problem(body.line, body.name, IDLE) for body in scenario.bodies if _is_idle(body, scenario)]
-    return _in_order([*doubts(scenario), *idle])
+    return tuple(sorted({*_in_order([*doubts(scenario), *idle]), *scenario.ignored}))
 
 
 def doubts(scenario: Scenario) -> tuple[Problem, ...]:
@@ -93,7 +110,7 @@ def _is_idle(body: BodySpec, scenario: Scenario) -> bool:
     """Return whether a body decides but has nowhere to go; as a goal may still be set by hand, nobody is warned."""
     decides = body.behavior or body.group_behavior
     places = bool(body.goal) or scenario.placements[body.entry].kind.gives_goal
-    return bool(decides) and not body.static and not places and not getattr(body.behavior, "wander", False)
+    return bool(decides) and not body.static and not places and not body.wanders
 
 
 def _angle_notes(body: BodySpec) -> Iterator[str]:

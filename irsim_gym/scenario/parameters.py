@@ -24,7 +24,7 @@ ARGUMENTS = frozenset(
         *("num_envs", "n_envs", "n_worlds", "num_threads", "render_mode", "render_backend"),
         *("record", "save_ani", "wrappers"),
         *("max_steps", "max_episode_steps", "max_cycles", "outer_limit", "autoreset_mode", "autoreset"),
-        *("respawn", "world_steps", "padded", "team_state"),
+        *("respawn", "world_steps", "padded", "team_state", "strict"),
         *("disable_env_checker", "vectorization_mode", "vector_kwargs"),
     )
 )
@@ -137,18 +137,19 @@ def is_free(name: str) -> bool:
     return name not in ARGUMENTS
 
 
-def fill_in(source: Source, given: Mapping[str, Any]) -> tuple[Source, dict[str, Value]]:
+def fill_in(source: Source, given: Mapping[str, Any], *, strict: bool = True) -> tuple[Source, dict[str, Value]]:
     """Put values in the places of parameters; return the data without any ``$name``, and the values.
 
     Args:
         source: A file's data. Mistakes of the file itself are added to its problems.
         given: Values to use in place of defaults.
+        strict: Keys that nobody reads are mistakes; else they are added to what is ignored.
 
     Raises:
         UnknownNameError: A given name is not declared; the message lists those that are.
         ScenarioError: A given value is not allowed; the message lists what is.
     """
-    report = Report(source)
+    report = Report(source, strict=strict)
     declared = _declarations(source, report)
     values = _chosen(source, declared, given)
     filler = _Filler(declared, values, report)
@@ -156,8 +157,8 @@ def fill_in(source: Source, given: Mapping[str, Any]) -> tuple[Source, dict[str,
     for place, name in _sections(source.data):
         if name in values and name not in filler.used:
             report.add((*place, name), "is declared but never used")
-    problems, unknown = tuple(report.problems), frozenset(filler.unknown)
-    return replace(source, data=data, problems=problems, unknown=unknown, origins=filler.origins), values
+    told: dict[str, Any] = {"problems": tuple(report.problems), "ignored": tuple(report.ignored)}
+    return replace(source, data=data, unknown=frozenset(filler.unknown), origins=filler.origins, **told), values
 
 
 def describe_parameters(source: Source, values: Mapping[str, Value] | None = None) -> list[str]:

@@ -8,6 +8,7 @@ from pydantic import TypeAdapter
 
 from irsim_gym import families
 from irsim_gym.registry import Registry
+from irsim_gym.scenario.entries import NO_DRIVE
 from irsim_gym.scenario.parameters import SECTION, ParameterSpec
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.source import ROLES, WRAPPER
@@ -151,6 +152,9 @@ def _property(key: str, declared: Schema, definitions: Schema) -> Schema:
     meaning = declared.get("description", "")
     if key in _KINDS:
         one = {"anyOf": [_named(_KINDS[key], definitions), {"type": "null"}, {"type": "object", "maxProperties": 0}]}
+        if key == "kinematics":
+            name = {"const": NO_DRIVE, "description": "It never moves."}
+            one["anyOf"].append({"type": "object", "properties": {"name": name}, "additionalProperties": False})
         return {"description": meaning, **(one if key == "distribution" else _shared(one))}
     if key == "sensors":
         sensor = _named(families.SENSORS, definitions, synonym="type", default="lidar2d")

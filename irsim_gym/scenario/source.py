@@ -35,7 +35,9 @@ class Source:
         file: Path as it was given, empty for a mapping made in Python.
         data: Dictionaries with text keys, lists, text, numbers, booleans and None.
         lines: Line of each value, by its path, counted from 1; empty for a mapping.
-        problems: Mistakes met while reading, e.g. keys given twice.
+        problems: Mistakes met while reading.
+        repeats: Each key that its mapping has already, and whether it is a section of its own; the data holds the last.
+        ignored: Keys that nobody reads, as far as they are known already.
         unknown: Paths of values that could not be worked out, which is among the problems.
         origins: What stood in the place of values that parameters were put into, by path.
     """
@@ -44,6 +46,8 @@ class Source:
     data: Any
     lines: Mapping[Place, int] = field(default_factory=dict)
     problems: tuple[Problem, ...] = ()
+    repeats: tuple[tuple[Problem, bool], ...] = ()
+    ignored: tuple[Problem, ...] = ()
     unknown: frozenset[Place] = frozenset()
     origins: Mapping[Place, str] = field(default_factory=dict)
 
@@ -64,6 +68,11 @@ class Source:
         origin = self.origins.get(place)
         told = message if origin is None else f"{message} (from {' '.join(origin[:LONGEST_KEY].split())})"
         return Problem(self.line(place), dotted(place), told)
+
+
+def is_section(place: Place) -> bool:
+    """Return whether a path is that of a whole section, also within the wrapper key."""
+    return len(place) == 1 or (len(place) == 2 and place[0] == WRAPPER)
 
 
 def dotted(place: Place) -> str:
@@ -93,7 +102,11 @@ def read_file(file: str | Path) -> Source:
     except Fatal as error:
         raise ScenarioError(name, [Problem(error.line, "", str(error))]) from None
     problems = tuple(Problem(line, dotted(place), message) for line, place, message in document.problems)
-    return Source(name, document.data, document.lines, problems)
+    repeats = tuple(
+        (Problem(line, dotted(place), message), is_block or is_section(place))
+        for line, place, message, is_block in document.repeats
+    )
+    return Source(name, document.data, document.lines, problems, repeats)
 
 
 def _bytes(path: Path, name: str) -> bytes:

@@ -113,7 +113,7 @@ class BodyOptions:
     name: str | None = option(
         None, min_length=1, max_length=200, meaning="Unique name; by default role and number, such as robot_0."
     )
-    kinematics: Any = option(None, meaning="The drive; a body without one never moves.")
+    kinematics: Any = option(None, meaning="The drive; a body without one, or with {name: static}, never moves.")
     shape: Any = option(None, meaning="The footprint; by default a circle of radius 0.2 m.")
     state: tuple[Coordinate, ...] = option(
         (0.0, 0.0, 0.0),
@@ -303,6 +303,16 @@ class BodySpec:
     fov_radius: float | None
     plot: ObjectPlot
 
+    @property
+    def renewal(self) -> Any:
+        """The behaviour that says whether it wanders or loops: its own, else that of its group."""
+        return self.group_behavior if self.behavior is None else self.behavior
+
+    @property
+    def wanders(self) -> bool:
+        """It draws its goals by itself."""
+        return bool(getattr(self.renewal, "wander", False))
+
 
 @dataclass(frozen=True)
 class PlacementSpec:
@@ -341,6 +351,8 @@ class Scenario:
         occupied: Occupied cells of the obstacle map, shape ``(columns, rows)``, columns from the left and rows from the
             bottom; None without a map, which is the last body otherwise.
         doubts: What was met while reading that is allowed but hardly ever meant.
+        ignored: Keys that nobody reads and that were passed over.
+        strict: Keys that nobody reads are errors, also in the section ``task``.
         parameters: Values of its parameters by name: those given, else the defaults.
     """
 
@@ -356,6 +368,8 @@ class Scenario:
     root: Mapping[str, Place] = field(repr=False, compare=False, default_factory=dict)
     occupied: NDArray[np.bool_] | None = field(repr=False, compare=False, default=None)
     doubts: tuple[Problem, ...] = field(repr=False, compare=False, default=())
+    ignored: tuple[Problem, ...] = field(repr=False, compare=False, default=())
+    strict: bool = field(repr=False, compare=False, default=True)
     parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
 
     @property

@@ -16,6 +16,7 @@ from irsim_gym.registry import Registry
 from irsim_gym.scenario.colors import as_text, color_problem
 from irsim_gym.scenario.expressions import evaluate
 from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, choices, describe, show, translate
+from irsim_gym.scenario.needless import NEEDLESS, mapping_of
 from irsim_gym.scenario.options import OPTIONS_CONFIG, option_fields
 from irsim_gym.scenario.source import Place, Source
 from irsim_gym.scenario.whereabouts import elsewhere, unknown_key
@@ -36,12 +37,20 @@ BAD = Bad()
 
 
 class Report:
-    """Collects the problems of one source."""
+    """Collects the problems of one source.
 
-    def __init__(self, source: Source) -> None:
+    Args:
+        source: Where they stand.
+        strict: Keys that nobody reads are problems; else they are ignored, and told.
+    """
+
+    def __init__(self, source: Source, *, strict: bool = True) -> None:
         self.source = source
+        self.strict = strict
+        self.could_be_lenient = False
         self.problems: dict[Problem, None] = dict.fromkeys(source.problems)
         self.doubts: dict[Problem, None] = {}
+        self.ignored: dict[Problem, None] = dict.fromkeys(source.ignored)
         self._unread = {(problem.line, problem.path) for problem in source.problems}
 
     def add(self, place: Place, message: str) -> None:
@@ -51,10 +60,19 @@ class Report:
         problem = self.source.problem(place, message)
         if (problem.line, problem.path) in self._unread:
             return  # it could not even be read, which is told already
-        if len(self.problems) < MAX_PROBLEMS:
-            self.problems[problem] = None
-        elif len(self.problems) == MAX_PROBLEMS:
-            self.problems[Problem(0, "", f"more than {MAX_PROBLEMS} problems: the rest is not shown")] = None
+        _collect(self.problems, problem, "problems")
+
+    def ignore(self, place: Place, message: str) -> None:
+        """Tell a key that is passed over; after many the rest is left out."""
+        _collect(self.ignored, self.source.problem(place, message), "keys")
+
+    def refuse(self, place: Place, message: str) -> None:
+        """Tell a key that nobody reads: a problem where the reader is strict."""
+        if self.strict:
+            self.add(place, message)
+            self.could_be_lenient = True
+        else:
+            self.ignore(place, message)
 
     def doubt(self, place: Place, message: str) -> None:
         """Tell what is allowed but hardly ever meant; the same is told once."""
@@ -64,6 +82,13 @@ class Report:
     def is_full(self) -> bool:
         """True when further problems would not be shown."""
         return len(self.problems) > MAX_PROBLEMS
+
+
+def _collect(found: dict[Problem, None], problem: Problem, what: str) -> None:
+    if len(found) < MAX_PROBLEMS:
+        found[problem] = None
+    elif len(found) == MAX_PROBLEMS:
+        found[Problem(0, "", f"more than {MAX_PROBLEMS} {what}: the rest is not shown")] = None
 
 
 def frozen(value: Any) -> Any:
@@ -88,7 +113,6 @@ def build(
     report: Report,
     *,
     skip: Iterable[str] = (),
-    contact: Iterable[str] = (),
 ) -> T | None:
     """Make an instance of a kind or spec, or tell every reason why not.
 
@@ -98,7 +122,6 @@ def build(
         place: Its path.
         report: Collects the problems.
         skip: Keys that somebody else reads, such as ``name``.
-        contact: Keys of IR-SIM's contact mode, which is not part of the language.
     """
     data = {} if data is None else data
     if not isinstance(data, Mapping):
@@ -108,7 +131,7 @@ def build(
         report.add(place, f"must be a mapping of options, got {show(data)}{hint}")
         return None
     fields, ignored = option_fields(cls), set(skip)
-    spelt = check_keys(data, [*fields, *ignored], place, report, contact)
+    spelt = check_keys(data, [*fields, *ignored], place, report)
     values: dict[str, Any] = {}
     is_good = True
     for key, info in fields.items():
@@ -144,22 +167,23 @@ def _construct(cls: type[T], values: Mapping[str, Any], place: Place, report: Re
     return None if problems else made
 
 
-def check_keys(
-    data: Mapping[str, Any], known: Iterable[str], place: Place, report: Report, contact: Iterable[str] = ()
-) -> dict[str, str]:
+def check_keys(data: Mapping[str, Any], known: Iterable[str], place: Place, report: Report) -> dict[str, str]:
     """Tell the keys that nobody reads; return by known key the misspelt one that stands for it.
 
     What a misspelt key holds is read as well, so that its mistakes are told at once; not that of a key which is right
-    elsewhere.
+    elsewhere, nor where the reader is not strict: there it is ignored.
     """
-    known, foreign = list(known), set(contact)
+    known, mapping = list(known), mapping_of(place)
+    contact, needless = CONTACT_KEYS.get(mapping, ()), NEEDLESS.get(mapping, {})
     spelt: dict[str, str] = {}
     for key in data:
-        if key in foreign:
-            report.add((*place, key), CONTACT_MESSAGE)
+        if key in contact:
+            report.refuse((*place, key), CONTACT_MESSAGE)
+        elif key in needless and key not in known:
+            report.ignore((*place, key), needless[key])
         elif key not in known and not report.is_full:
-            report.add((*place, key), unknown_key(key, known))
-            near = None if elsewhere(key, known) else nearest(key, known)
+            report.refuse((*place, key), unknown_key(key, known))
+            near = None if elsewhere(key, known) or not report.strict else nearest(key, known)
             if near is not None and near not in data:
                 spelt.setdefault(near, key)
     return spelt
@@ -290,7 +314,6 @@ def build_named(
         default: Name of a mapping that gives none; without one the name is required.
         synonym: A second key that may hold the name.
     """
-    family = registry.family
     if not isinstance(data, Mapping):
         example = data if isinstance(data, str) and data in registry else next(iter(registry.names()), "...")
         report.add(place, f"must be a mapping such as {{name: {example}}}, got {show(data)}")
@@ -309,5 +332,4 @@ def build_named(
         extra = "" if "did you mean" in str(error) else f"; known: {', '.join(registry.names())}"
         report.add((*place, key), f"{error}{extra}")
         return None
-    contact = CONTACT_KEYS.get(family, ())
-    return build(entry.kind, data, place, report, skip={"name", key}, contact=contact)
+    return build(entry.kind, data, place, report, skip={"name", key})

@@ -17,9 +17,6 @@ MOST_NAMES, MOST_PLACES = 24, 3
 SURE = 0.85
 """How alike a key and a known one have to be to leave no doubt about what is meant."""
 
-_NEEDLESS = {"non_overlapping": "leave it out: nothing that is placed at random overlaps anything"}
-"""Keys that stand in files for IR-SIM, and that neither IR-SIM 2.12.0 nor this package reads."""
-
 _SPECS: dict[str, type[Any]] = {
     "world": WorldSpec,
     "world.plot": WorldPlot,
@@ -50,8 +47,6 @@ def unknown_key(key: str, known: Iterable[str]) -> str:
     near, others = nearest(key, known), elsewhere(key, known)
     hints = [f"did you mean '{near}'?"] if near is not None else []
     hints += [f"'{key}' is a key of {others}"] if others else []
-    if key in _NEEDLESS:
-        hints = [_NEEDLESS[key]]
     if ":" in key:
         hints = ["a ':' needs a space behind it"]
     if hints:

@@ -112,8 +112,6 @@ def check_action(scenario: Scenario, agents: Sequence[int], action: Any, report:
 def _body_problems(body: BodySpec, placement: PlacementSpec, b: int) -> list[str]:
     if placement.number_range is not None and b - placement.members[0] >= placement.number_range[0]:
         return ["cannot learn: its number_range lets it be absent"]
-    if body.shape.is_random:
-        return ["cannot learn: its shape must be the same in all levels (random_shape)"]
     if body.static or body.kinematics is None:
         return ["cannot learn: it never moves"]
     if not np.isfinite([*body.vel_min, *body.vel_max]).all():
@@ -123,7 +121,7 @@ def _body_problems(body: BodySpec, placement: PlacementSpec, b: int) -> list[str
 
 def _has_goal(scenario: Scenario, b: int) -> bool:
     body = scenario.bodies[b]
-    return bool(body.goal) or bool(scenario.placements[body.entry].kind.gives_goal)
+    return bool(body.goal) or bool(scenario.placements[body.entry].kind.gives_goal) or body.wanders
 
 
 def _term_name(term: Any) -> str:

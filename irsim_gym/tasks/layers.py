@@ -74,6 +74,11 @@ class Merged:
         told = [problem if title == file else _elsewhere(title, problem) for title, problem in found]
         raise ScenarioError(file, told)
 
+    def ignored(self, main: str) -> list[Problem]:
+        """Return the keys that nobody reads, as ``refuse`` tells problems."""
+        found = map(self._origin, self.report.ignored)
+        return [problem if title == main else _elsewhere(title, problem) for title, problem in found]
+
     def own_place(self, *places: Place) -> Place:
         """Return the first of these places that stands in the uppermost layer; the first of all where none does."""
         own = {place for place, node in self.origins if node.layer.title == self.report.source.title}
@@ -92,8 +97,13 @@ def _elsewhere(title: str, problem: Problem) -> Problem:
     return Problem(0, f"{where} {problem.path}".strip(), problem.message)
 
 
-def merge(layers: list[Layer]) -> Merged:
-    """Return the task that layers describe, the later ones overriding the earlier ones."""
+def merge(layers: list[Layer], *, strict: bool = True) -> Merged:
+    """Return the task that layers describe, the later ones overriding the earlier ones.
+
+    Args:
+        layers: The most basic one first.
+        strict: Keys that nobody reads are problems, see ``Report``.
+    """
     complaints: list[tuple[Node, str]] = []
     trees = [_normal(_tree(layer, (), layer.data)) for layer in layers]
     whole = trees[0]
@@ -103,7 +113,7 @@ def merge(layers: list[Layer]) -> Merged:
     origins: list[tuple[Place, Node]] = []
     lines: dict[Place, int] = {}
     data = _flat(whole, (), origins, lines)
-    merged = Merged(data, Report(Source(layers[-1].title, data, lines)), origins)
+    merged = Merged(data, Report(Source(layers[-1].title, data, lines), strict=strict), origins)
     for node, message in complaints:
         layer = node.layer
         path = dotted((*layer.prefix, *node.place))

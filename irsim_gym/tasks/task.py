@@ -12,6 +12,7 @@ from irsim_gym.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.registry import Registry
 from irsim_gym.scenario import library
 from irsim_gym.scenario.messages import show
+from irsim_gym.scenario.notes import warn_of_keys
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.scenario.source import MissingFileError, Place, Source, read_file, read_mapping
 from irsim_gym.scenario.spec import Scenario
@@ -115,7 +116,7 @@ def load_task(
     if max_steps is not None:
         checked_limit(max_steps)
     name, layers = _layers(scenario, task)
-    merged = merge(layers)
+    merged = merge(layers, strict=scenario.strict)
     report, data = merged.report, merged.data
     options = build(TaskOptions, data, (), report, skip={"name", "action", *FAMILIES})
     action = build_named(ACTIONS, data.get("action", {"name": "velocity"}), ("action",), report)
@@ -131,6 +132,7 @@ def load_task(
             if options.audit:
                 check_audit(terms, Sharing(options.team_reward, len(agents)), merged)
     merged.refuse(_title(scenario))
+    warn_of_keys(_title(scenario), merged.ignored(_title(scenario)))
     assert options is not None
     parts = {key: tuple(item for _, item in items) for key, items in terms.items()}
     limit = options.max_steps if max_steps is None else max_steps
@@ -224,7 +226,7 @@ def _file_layers(file: Path, folder: Path) -> tuple[str, list[Layer]]:
 
 
 def _refuse_unreadable(source: Source) -> None:
-    problems = list(source.problems)
+    problems = [*source.problems, *(problem for problem, _ in source.repeats)]
     if not isinstance(source.data, Mapping):
         problems.append(source.problem((), f"a task must be a mapping, got {show(source.data)}"))
     if problems:

@@ -45,17 +45,18 @@ def new_settings(
     hyperparameters: Path | None,
     team: str | None = None,
     parameters: Parameters = None,
+    strict: bool = True,
 ) -> Settings:
     """Put the settings of a run together from what was asked for and the hyper-parameter file."""
     asked = {"n_timesteps": steps, "team": team}
     overrides = {name: value for name, value in asked.items() if value is not None}
     named = lasting(scenario_name(scenario))
-    loaded = load_scenario(named, parameters, warn=False)
+    loaded = load_scenario(named, parameters, strict=strict, warn=False)
     images = any(isinstance(term, IsImage) for term in load_task(loaded, task, team=True).observations)
     found = load_hyperparameters(
         algorithm, environment_id(scenario), images=images, file=hyperparameters, overrides=overrides
     )
-    return Settings(named, algorithm, seed, None if task is None else lasting(task), found, loaded.parameters)
+    return Settings(named, algorithm, seed, None if task is None else lasting(task), found, loaded.parameters, strict)
 
 
 def settings_to_resume(run: Run, asked: Settings, steps: int | None, team: str | None = None) -> Settings:
@@ -92,10 +93,11 @@ def run_training(
     dev_levels: int,
     team: str | None = None,
     parameters: Parameters = None,
+    strict: bool = True,
 ) -> Run:
     """Train, score the checkpoints and say what came out."""
     console = Console(stderr=True)
-    settings = new_settings(scenario, algorithm, seed, steps, task, hyperparameters, team, parameters)
+    settings = new_settings(scenario, algorithm, seed, steps, task, hyperparameters, team, parameters, strict)
     run = Run(out or default_folder(scenario, algorithm, seed, parameters, settings.hyperparameters.team))
     if resume and run.exists():
         settings = settings_to_resume(run, settings, steps, team)
@@ -120,7 +122,7 @@ def run_training(
 
 
 def _team_size(settings: Settings) -> int:
-    scenario = load_scenario(settings.scenario, settings.parameters, warn=False)
+    scenario = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
     return len(load_task(scenario, settings.task, team=True).agents)
 
 
@@ -149,11 +151,12 @@ def run_evaluation(
     references: bool,
     parameters: Parameters = None,
     team: bool = False,
+    strict: bool = True,
 ) -> Evaluation | TeamEvaluation:
     """Evaluate policies, of one robot or of teams, print the table and write the files."""
     if not policies and not references:
         raise IrsimGymError("nothing to evaluate: name a policy, or leave the reference rows on")
-    parameters = remembered_parameters(scenario, policies, parameters)
+    parameters = remembered_parameters(scenario, policies, parameters, strict=strict)
     folder = out or evaluation_folder(scenario, split, parameters, team)
     evaluated = evaluate_team_policies if team else evaluate_policies
     found = evaluated(
@@ -165,6 +168,7 @@ def run_evaluation(
         references=references,
         folder=folder,
         parameters=parameters,
+        strict=strict,
     )
     for table in found.tables:
         print_table(table)
@@ -183,6 +187,7 @@ def run_rollout(
     team: bool = False,
     backend: str = "matplotlib",
     record: Path | None = None,
+    strict: bool = True,
 ) -> None:
     """Drive a policy through a few levels and print a line for each; of a team, one for each robot.
 
@@ -195,8 +200,8 @@ def run_rollout(
         check_suffix(frames, FILMS, "a film")
     if team and record is not None:
         raise IrsimGymError("--record keeps what one robot sees and does: leave --team out")
-    used = remembered_parameters(scenario, [policy], parameters)
-    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used}
+    used = remembered_parameters(scenario, [policy], parameters, strict=strict)
+    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
     if team:
         of_teams = evaluate_team_policies(scenario, [policy], levels=levels, references=False, **chosen)
         agents = [agent for row in next(iter(of_teams.rows.values())) for agent in row.agents]
@@ -212,7 +217,7 @@ def run_rollout(
     if record is not None:
         from irsim_gym.training.recorder import record_demonstrations
 
-        kept = record_demonstrations(scenario, policy, record, levels, split=split, task=task, **used)
+        kept = record_demonstrations(scenario, policy, record, levels, split=split, task=task, strict=strict, **used)
         print(f"{record}: {kept.n_episodes} episodes, {len(kept)} steps")
 
 
@@ -228,6 +233,7 @@ def run_record(
     *,
     kind: str = "film",
     backend: str = "matplotlib",
+    strict: bool = True,
 ) -> None:
     """Film policies, or write a ``replay``, a ``sheet`` or a ``strobe`` picture of them; print the file's name.
 
@@ -242,11 +248,13 @@ def run_record(
         team: The policies drive all robots, unless the task names some.
         kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
         backend: Who draws frames: ``"matplotlib"`` or ``"raster"``.
+        strict: False ignores keys that nobody reads.
     """
     from irsim_gym.training.record import record_film, record_html, record_sheet
 
-    used = remembered_parameters(scenario, policies, parameters)
-    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "team": team, "backend": backend}
+    used = remembered_parameters(scenario, policies, parameters, strict=strict)
+    chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
+    chosen |= {"team": team, "backend": backend}
     asked_by_name = out is not None and out.suffix.lower() == ".html"
     if kind == "replay" or (kind == "film" and asked_by_name):
         print(record_html(scenario, policies, levels, out or Path("runs/replay.html"), **chosen))

@@ -24,6 +24,7 @@ def evaluate(
     n_worlds: int = WORLDS,
     folder: str | Path | None = None,
     parameters: Mapping[str, Any] | None = None,
+    strict: bool = True,
 ) -> Evaluation | TeamEvaluation:
     """Let policies drive the same levels, each once, and return rates, times and path lengths; print it to read them.
 
@@ -43,6 +44,7 @@ def evaluate(
         n_worlds: Worlds stepped together; the results do not depend on it.
         folder: Where tables, rows and pictures go; None writes none.
         parameters: Values for the scenario's parameters.
+        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
 
     Raises:
         ValueError: There is no level to drive.
@@ -51,13 +53,9 @@ def evaluate(
     if levels < 1:
         raise ValueError(f"levels must be >= 1, got {levels}")
     names = list(policies) if isinstance(policies, Mapping) else None
-    sources: Sequence[Source]
-    if isinstance(policies, Mapping):
-        sources = list(policies.values())
-    elif isinstance(policies, Sequence) and not isinstance(policies, str):
-        sources = policies
-    else:
-        sources = [policies]
+    sources: Any = list(policies.values()) if isinstance(policies, Mapping) else policies
+    if not isinstance(sources, Sequence) or isinstance(sources, str):
+        sources = [sources]
     evaluated = evaluate_team_policies if team else evaluate_policies
     return evaluated(
         scenario,
@@ -70,4 +68,5 @@ def evaluate(
         names=names,
         folder=None if folder is None else Path(folder),
         parameters=parameters,
+        strict=strict,
     )

@@ -63,6 +63,7 @@ def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -
         "task": settings.task,
         "max_steps": max_steps,
         "render_mode": None,
+        "strict": settings.strict,
         **settings.parameters,
     }
     name = scenario_name(settings.scenario)

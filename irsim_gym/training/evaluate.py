@@ -68,6 +68,7 @@ def evaluate_policies(
     folder: Path | None = None,
     console: Console | None = None,
     parameters: Mapping[str, Any] | None = None,
+    strict: bool = True,
 ) -> Evaluation:
     """Evaluate policies and write ``episodes.csv``, ``summary.json``, ``table.txt``, ``ways.png`` and ``ways.pdf``.
 
@@ -83,8 +84,10 @@ def evaluate_policies(
         folder: Where the files go; None writes none.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
         parameters: Values for the scenario's parameters.
+        strict: False ignores keys that nobody reads.
     """
-    episodes = make_episodes(scenario, task=task, n_worlds=max(1, min(n_worlds, levels)), parameters=parameters)
+    made: dict[str, Any] = {"task": task, "parameters": parameters, "strict": strict}
+    episodes = make_episodes(scenario, n_worlds=max(1, min(n_worlds, levels)), **made)
     chosen = named_policies(sources, names, ALWAYS_SHOWN if references else ())
     atlas = None if folder is None else Atlas(episodes)
     rows = drive_policies(evaluate, episodes, chosen, levels, split, console or Console(stderr=True), atlas)

@@ -68,6 +68,7 @@ def evaluate_team_policies(
     folder: Path | None = None,
     console: Console | None = None,
     parameters: Mapping[str, Any] | None = None,
+    strict: bool = True,
 ) -> TeamEvaluation:
     """Evaluate policies of teams; write ``episodes.csv``, ``levels.csv``, ``summary.json``, ``table.txt``, ``ways.*``.
 
@@ -85,9 +86,11 @@ def evaluate_team_policies(
         folder: Where the files go; None writes none.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
         parameters: Values for the scenario's parameters.
+        strict: False ignores keys that nobody reads.
     """
     n_worlds = max(1, min(n_worlds, levels))
-    episodes = make_episodes(scenario, task=task, n_worlds=n_worlds, parameters=parameters, team=True)
+    made: dict[str, Any] = {"task": task, "parameters": parameters, "strict": strict}
+    episodes = make_episodes(scenario, n_worlds=n_worlds, team=True, **made)
     screen = console or Console(stderr=True)
     chosen = named_policies(sources, names, ())
     if references:

@@ -25,6 +25,7 @@ def draw_level(
     out: Path | None,
     parameters: Parameters = None,
     backend: str = "matplotlib",
+    strict: bool = True,
 ) -> Path:
     """Draw the start of a level into a file and return it; nobody has to learn in it.
 
@@ -36,7 +37,7 @@ def draw_level(
 
     if out is not None and out.suffix not in (".png", ".pdf", ".svg"):
         raise IrsimGymError(f"pictures are .png, .pdf or .svg files, got '{out}'")
-    simulation = begin_level(load_scenario(scenario_name(scenario), parameters), level, split, task)
+    simulation = begin_level(load_scenario(scenario_name(scenario), parameters, strict=strict), level, split, task)
     path = out or Path(f"{simulation.scenario.name}.png")
     parts = simulation.model, simulation.state, simulation.sensors
     chosen: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored}

@@ -60,6 +60,7 @@ class Wishes:
     parameters: Mapping[str, Any] = field(default_factory=dict)
     record: Path | None = None
     speed: float = 1.0
+    strict: bool = True
 
 
 @dataclass(frozen=True)
@@ -103,9 +104,10 @@ class Player:
     def _read(self, robot: str | None) -> None:
         """Read the scenario and its task, with a robot that learns; None for the one that does anyway."""
         name = scenario_name(self._wishes.scenario)
-        self._scenario = load_scenario(name, self._wishes.parameters)
+        strict = self._wishes.strict
+        self._scenario = load_scenario(name, self._wishes.parameters, strict=strict)
         task = self._wishes.task if robot is None else _task_of(self._scenario, self._wishes.task, robot)
-        env: Any = irsim_gym.make(name, task=task, disable_env_checker=True, **self._wishes.parameters)
+        env: Any = irsim_gym.make(name, task=task, disable_env_checker=True, strict=strict, **self._wishes.parameters)
         assert isinstance(env.unwrapped, WorldEnv)
         self._env, self._worlds = env, env.unwrapped.worlds
         self._body = int(self._worlds.simulation.agents[0])

@@ -96,6 +96,7 @@ def players(
     parameters: Mapping[str, Any] | None = None,
     team: bool = False,
     backend: str = "matplotlib",
+    strict: bool = True,
 ) -> Players:
     """Load policies, and make a world for each.
 
@@ -108,11 +109,13 @@ def players(
         parameters: Values for the scenario's parameters.
         team: The policies drive all robots, unless the task names some.
         backend: Who draws: ``"matplotlib"`` or ``"raster"``.
+        strict: False ignores keys that nobody reads.
     """
     from irsim_gym.render import make_renderer
 
     loaded = [load_policy(source) for source in sources]
-    episodes = make_episodes(scenario, task=task, n_worlds=len(loaded), parameters=parameters, team=team)
+    made: dict[str, Any] = {"task": task, "parameters": parameters, "team": team, "strict": strict}
+    episodes = make_episodes(scenario, n_worlds=len(loaded), **made)
     simulation = episodes.simulation
     parts = simulation.model, simulation.state, simulation.sensors
     learners = simulation.agents.tolist()

@@ -120,6 +120,7 @@ def record_demonstrations(
     split: str = "train",
     task: Any = None,
     console: Console | None = None,
+    strict: bool = True,
     **parameters: Any,
 ) -> Demonstrations:
     """Let a policy demonstrate levels, and write them to a file.
@@ -132,6 +133,7 @@ def record_demonstrations(
         split: ``"train"``, ``"dev"`` or ``"test"``.
         task: Shipped name or path of a task, or plain data; None for the scenario's own.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
+        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         **parameters: Values for the scenario's parameters.
 
     Returns:
@@ -143,7 +145,7 @@ def record_demonstrations(
     from irsim_gym.training.policies import load_policy  # loads PyTorch, which a person who plays does not need
 
     named = scenario_name(scenario) if isinstance(scenario, str) else scenario
-    env = irsim_gym.make(named, task=task, **parameters)
+    env = irsim_gym.make(named, task=task, strict=strict, **parameters)
     world, driver = env.unwrapped, load_policy(policy)
     assert isinstance(world, WorldEnv)
     recorder = Recorder(env, Path(path))

@@ -15,7 +15,7 @@ from irsim_gym.training.run import Run, lasting, scenario_name
 
 
 def remembered_parameters(
-    scenario: str, sources: Sequence[str | Path], given: Mapping[str, Any] | None = None
+    scenario: str, sources: Sequence[str | Path], given: Mapping[str, Any] | None = None, *, strict: bool = True
 ) -> dict[str, Any]:
     """Return the values for a scenario's parameters: those given, and beside them what all runs were trained with.
 
@@ -26,12 +26,13 @@ def remembered_parameters(
         scenario: Shipped name, environment id, or path of a scenario file.
         sources: Policies as ``load_policy`` takes them.
         given: Values that were asked for; they stay.
+        strict: False ignores keys that nobody reads.
     """
     asked = dict(given or {})
     runs = [_trained_with(scenario, Path(source)) for source in sources if str(source) not in REFERENCES]
     if not any(runs):
         return asked
-    defaults = load_scenario(scenario_name(scenario), asked, warn=False).parameters
+    defaults = load_scenario(scenario_name(scenario), asked, strict=strict, warn=False).parameters
     open_ones = {name: value for name, value in defaults.items() if name not in asked}
     values = {name: [run.get(name, default) for run in runs] for name, default in open_ones.items()}
     agreed = {name: found[0] for name, found in values.items() if all(value == found[0] for value in found)}

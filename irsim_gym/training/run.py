@@ -31,6 +31,7 @@ class Settings:
         task: Shipped name or path of a task; None for the scenario's own.
         hyperparameters: How it is trained.
         parameters: Values of the scenario's parameters by name.
+        strict: Keys of the scenario that nobody reads are errors.
     """
 
     scenario: str
@@ -39,6 +40,7 @@ class Settings:
     task: str | None
     hyperparameters: Hyperparameters
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    strict: bool = True
 
     @property
     def first_level(self) -> int:
@@ -54,6 +56,7 @@ class Settings:
             "parameters": dict(self.parameters),
             "task": self.task,
             "hyperparameters": self.hyperparameters.to_plain(),
+            **({} if self.strict else {"strict": False}),
         }
 
     @classmethod
@@ -61,7 +64,8 @@ class Settings:
         """Make them from what ``to_plain`` returned."""
         values = {name: data[name] for name in ("scenario", "algorithm", "seed", "task")}
         wanted = Hyperparameters.from_plain(data["hyperparameters"])
-        return cls(**values, hyperparameters=wanted, parameters=data.get("parameters", {}))
+        others = {"parameters": data.get("parameters", {}), "strict": data.get("strict", True)}
+        return cls(**values, hyperparameters=wanted, **others)
 
 
 @dataclass(frozen=True)

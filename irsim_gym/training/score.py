@@ -50,6 +50,7 @@ def score_run(run: Run, *, levels: int = DEV_LEVELS, console: Console | None = N
             task=settings.task,
             n_worlds=max(1, min(WORLDS, levels)),
             parameters=settings.parameters,
+            strict=settings.strict,
             team=is_team,
         )
         screen, optima = console or Console(stderr=True), Optima("dev")

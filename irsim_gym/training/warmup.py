@@ -23,15 +23,20 @@ from irsim_gym.scenario.spec import Scenario
 from irsim_gym.training.run import scenario_name
 
 
-def warm_up(names: Sequence[str]) -> None:
-    """Compile the kernels of scenarios, those of all shipped ones where none is named, and say where they are kept."""
+def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
+    """Compile the kernels of scenarios, those of all shipped ones where none is named, and say where they are kept.
+
+    Args:
+        names: Shipped names, environment ids or paths of scenario files.
+        strict: False ignores keys that nobody reads.
+    """
     begun, watch = time.perf_counter(), compilation()
     before = watch.compiled
     chosen = [scenario_name(name) for name in names or scenario_names()]
     watch.said = True  # the bar says it
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for name in progress.track(chosen, description="compiling"):
-            use(load_scenario(name))
+            use(load_scenario(name, strict=strict))
     place = cache_folder()
     kept = f"kept in {place}" if place else "kept nowhere: no folder can be written, NUMBA_CACHE_DIR names another"
     spent = time.perf_counter() - begun

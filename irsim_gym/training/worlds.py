@@ -20,6 +20,7 @@ def make_episodes(
     num_threads: int = 1,
     parameters: Mapping[str, Any] | None = None,
     team: bool = False,
+    strict: bool = True,
 ) -> Episodes:
     """Make worlds in which a task is done.
 
@@ -30,9 +31,11 @@ def make_episodes(
         num_threads: Threads that share them.
         parameters: Values for the scenario's parameters.
         team: All robots are agents, unless the task names some; else there has to be one.
+        strict: False ignores keys that nobody reads.
     """
     name = scenario_name(scenario) if isinstance(scenario, str) else scenario
-    return Worlds(name, n_worlds, task=task, num_threads=num_threads, parameters=parameters, team=team).episodes
+    chosen: dict[str, Any] = {"task": task, "parameters": parameters, "team": team, "strict": strict}
+    return Worlds(name, n_worlds, num_threads=num_threads, **chosen).episodes
 
 
 def conditions(episodes: Episodes, split: str, levels: int) -> dict[str, Any]:

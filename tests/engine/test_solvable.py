@@ -102,8 +102,7 @@ def test_bounds_that_do_not_fit_the_world_are_told_with_their_line() -> None:
     ("robot", "message"),
     [
         ({"number_range": [0, 1], "distribution": RANDOM}, "its number_range lets it be absent"),
-        ({"shape": {"name": "circle", "random_shape": True}, "goal": [5, 5]}, "must be the same in all levels"),
-        ({"behavior": {"name": "dash", "wander": True}}, "has no goal"),
+        ({"behavior": {"name": "dash", "loop": True}}, "has no goal"),
     ],
 )
 def test_robots_that_cannot_learn(robot: dict[str, Any], message: str) -> None:

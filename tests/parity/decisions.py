@@ -88,7 +88,8 @@ DECISIONS = {
     ),
     "blocked_start": Decision(
         "a robot may start inside an obstacle and is stuck at once",
-        "a given start inside a static obstacle is refused with its line, except in collision mode unobstructed",
+        "irsim_gym.load warns of it with its line and runs the file; environments refuse a given start inside a static "
+        "obstacle, except in collision mode unobstructed",
         "such a run is over before it begins",
         "defect 23",
     ),

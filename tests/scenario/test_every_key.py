@@ -200,7 +200,7 @@ def test_every_kind_is_a_table() -> None:
 def test_contact_mode_alone_is_refused() -> None:
     world = [f"world: {{{key}: 1}}" for key in sorted(CONTACT_KEYS["world"])]
     body = [f"robot: {{{key}: 1}}" for key in sorted(CONTACT_KEYS["body"])]
-    drive = [f"robot: {{kinematics: {{name: diff, {key}: 1}}}}" for key in sorted(CONTACT_KEYS["kinematics"])]
+    drive = [f"robot: {{kinematics: {{name: diff, {key}: 1}}}}" for key in sorted(CONTACT_KEYS["body.kinematics"])]
     for text in [*world, *body, *drive, "world: {collision_mode: contact}"]:
         (problem,) = problems(text)
         assert problem.endswith("contact mode is not part of the scenario language")

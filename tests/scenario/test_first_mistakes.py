@@ -42,11 +42,6 @@ KEYS = {
         "1 robot.sensors.max_range: unknown key (did you mean 'range_max'?)",
     ),
     "a word of others": ("gui: {mouse: {wheel: 2}}", "1 gui.mouse.wheel: unknown key; known: zoom_factor"),
-    "a key that does nothing in IR-SIM": (
-        "robot: {distribution: {name: random, non_overlapping: true}}",
-        "1 robot.distribution.non_overlapping: unknown key (leave it out: "
-        "nothing that is placed at random overlaps anything)",
-    ),
     "no space": (
         "robot: {kinematics: {name:diff}}",
         "1 robot.kinematics.name: is required: 'diff', 'omni', 'omni_angular' or 'acker'",

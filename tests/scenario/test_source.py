@@ -77,11 +77,11 @@ def test_unreadable(case: str, tmp_path: Path) -> None:
 
 
 def test_duplicate_keys_are_all_told(problems: Callable[[str], list[str]]) -> None:
-    text = "world:\n  width: 3\n  height: 2\n  width: 4\nrobot:\n  - {name: a,\n     name: b}\nworld: {}\n"
+    text = "world:\n  width: 3\n  height: 2\n  width: 4\nrobot:\n  - {name: a,\n     name: b}\nplot: 1\nplot: 2\n"
     assert problems(text) == [
         "4 world.width: given twice (first in line 2)",
         "7 robot[0].name: given twice (first in line 6)",
-        "8 world: given twice (first in line 1)",
+        "9 plot: must be a mapping of options, got 2",
     ]
 
 

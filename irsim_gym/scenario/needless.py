@@ -1,0 +1,34 @@
+"""What stands in IR-SIM's files though its release 2.12.0 passes it over: it passes here too, and is told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from irsim_gym.scenario.source import ROLES, WRAPPER, Place
+
+_OF_RVO = "only rvo reads it, here and in IR-SIM 2.12.0"
+_OLD = "neither IR-SIM 2.12.0 nor irsim_gym reads it"
+
+NEEDLESS: Mapping[str, Mapping[str, str]] = {
+    "gui.keyboard": {"vel_max": f"{_OLD}: key_lv_max and key_ang_max are the greatest velocities"},
+    "body.behavior": {
+        **dict.fromkeys(("vxmax", "vymax", "acce", "factor", "mode", "neighbor_threshold"), _OF_RVO),
+        "accer": f"{_OLD}: rvo has acce",
+        "angle_tolerance": "only dash reads it, here and in IR-SIM 2.12.0",
+    },
+    "body.distribution": {"non_overlapping": "nothing that is placed at random overlaps anything"},
+    "body.plot": {"show_goals": f"{_OLD}: show_goal draws the goal"},
+    "plot": {"show_goals": f"{_OLD}: show_goal draws the goal"},
+    "body.sensors": {"reso": f"{_OLD}: angle_range and number say how the beams are spread"},
+}
+"""What becomes of each such key, by the mapping that holds it. Where a kind has an option of this name it counts."""
+
+UNOBSTRUCTED_MODES = ("reactive", "react", "unobstructed2")
+"""Values of ``collision_mode`` in IR-SIM's files that mean ``unobstructed`` there, as all that it does not know do."""
+
+
+def mapping_of(place: Place) -> str:
+    """Return which mapping of a file a path leads to, such as ``world.plot`` or ``body.sensors``."""
+    names = [part for part in place if isinstance(part, str)]
+    names = names[1:] if names[:1] == [WRAPPER] else names
+    return ".".join("body" if i == 0 and name in ROLES else name for i, name in enumerate(names))
