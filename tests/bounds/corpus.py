@@ -23,7 +23,8 @@ DRAWN = {"min_distance": 0.2, "range_low": [0.6, 0.6, -3], "range_high": [9.4, 9
 FAST = {"kinematics": {"name": "diff"}, "vel_max": [3, 3], "vel_min": [-3, -3]}
 SCANNER = [{"name": "lidar2d", "number": 20, "angle_range": 2 * math.pi, "range_max": 4, "has_velocity": True}]
 SHORT = {"width": 6, "height": 6, "step_time": 0.5, "collision_mode": "unobstructed"}
-GOES_ON = {"name": "navigation", "endings": [{"name": "left_world", "use": False}], "rewards": [{"name": "left_world", "use": False}]}
+LEFT = [{"name": "left_world", "use": False}]
+GOES_ON = {"name": "navigation", "endings": LEFT, "rewards": LEFT}
 AWAY = ((0, 99, 2), (1.57, 2, 99), (3.14, -99, 2), (-1.57, 2, -99))
 
 
@@ -37,24 +38,33 @@ def leaving(place: float, ways: Sequence[str]) -> list[dict[str, Any]]:
 
 
 def crowd(key: str, way: str) -> dict[str, Any]:
-    """Return so many bodies that they are found by squares, all of which drive out of them."""
-    discs = {**FAST, "number": 80, "shape": {"name": "circle", "radius": 0.1}, key: {"name": way}}
-    return {"world": SHORT, "robot": {**discs, "distribution": {"name": "circle", "radius": 60}}}
+    """Return so many bodies that they are found by squares, which some of them drive out of."""
+    disc = {**FAST, "shape": {"name": "circle", "radius": 0.1}, key: {"name": way}}
+    far = {**disc, "number": 8, "distribution": {"name": "circle", "radius": 60}}
+    inside = {**disc, "number": 60, "distribution": {"name": "circle", "radius": 4}}
+    return {"world": {**SHORT, "width": 20, "height": 20}, "robot": far, "obstacle": inside}
 
 
+PERLIN = {"name": "perlin", "resolution": 1, "fill": 0.1, "seed": 2}
+ONE_BEAM = [{"name": "lidar2d", "number": 1}]
+LOOP = {"name": "dash", "loop": True}
 BY_HAND: dict[str, dict[str, Any]] = {
-    "a loop between what is drawn": {
-        "robot": {**FAST, "number": 2, "distribution": {"name": "circle"}, "behavior": {"name": "dash", "loop": True}}
+    "loop between what is drawn": {
+        "robot": {**FAST, "number": 2, "distribution": {"name": "circle"}, "behavior": LOOP}
     },
     "everybody leaves the world": {"world": SHORT, "robot": leaving(3, ["dash"]), "task": GOES_ON},
     "everybody leaves the map": {
-        "world": {**SHORT, "obstacle_map": {"name": "perlin", "resolution": 1, "fill": 0.1, "seed": 2}, "fog_map": True},
+        "world": {**SHORT, "obstacle_map": PERLIN, "fog_map": True},
         "robot": leaving(3, ["dash", "rvo", "sfm"]),
         "task": GOES_ON,
     },
-    **{f"a crowd of {way} ({key})": crowd(key, way) for key, way in (("behavior", "dash"), ("behavior", "rvo"), ("behavior", "sfm"), ("group_behavior", "orca"), ("group_behavior", "sfm"))},
-    "a scanner of one beam": {"robot": {**FAST, "state": [1, 1], "goal": [3, 3], "sensors": [{"name": "lidar2d", "number": 1}]}},
-}  # fmt: skip
+    "scanner of one beam": {"robot": {**FAST, "state": [1, 1], "goal": [3, 3], "sensors": ONE_BEAM}},
+    "crowd that dashes": crowd("behavior", "dash"),
+    "crowd that avoids": crowd("behavior", "rvo"),
+    "crowd of forces": crowd("behavior", "sfm"),
+    "crowd that plans": crowd("group_behavior", "orca"),
+    "crowd of groups": crowd("group_behavior", "sfm"),
+}
 
 
 @st.composite
@@ -72,7 +82,10 @@ def drawn_levels(draw: Any) -> dict[str, Any]:
                 body.pop(key, None)
             if role == "obstacle" and draw(st.booleans()):
                 body["number_range"] = [0, body.pop("number")]
-                body["shape"] = {"name": draw(st.sampled_from(["circle", "polygon", "linestring"])), "random_shape": True}
+                body["shape"] = {
+                    "name": draw(st.sampled_from(["circle", "polygon", "linestring"])),
+                    "random_shape": True,
+                }
     case["world"] |= {"width": 10, "height": 10, "update": draw(st.sampled_from(["sequential", "simultaneous"]))}
     case["world"]["fog_map"] = draw(st.integers(0, 3)) == 0
     return case
@@ -89,7 +102,13 @@ def random_scenarios(sort: str, number: int, count: int) -> dict[str, Any]:
     found: dict[str, Any] = {}
 
     @seed(number)
-    @settings(max_examples=3 * count, database=None, deadline=None, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
+    @settings(
+        max_examples=3 * count,
+        database=None,
+        deadline=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
     @given({"random": cases, "drawn": drawn_levels}[sort]())
     def collect(case: dict[str, Any]) -> None:
         scenario = without_plan(case)

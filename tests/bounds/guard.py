@@ -60,7 +60,6 @@ def install() -> None:
 
 def _entered(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return a kernel that guards what Python gives it; what it hands on to other kernels is guarded already."""
-    inside = False
 
     @functools.wraps(function)
     def enter(*arguments: Any) -> Any:

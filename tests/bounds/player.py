@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -18,10 +17,13 @@ from irsim_gym.live import load
 from irsim_gym.render import make_renderer
 from irsim_gym.scenario import Scenario, load_scenario
 
-N_WORLDS = 3
-PICTURE = (72, 64)
+N_WORLDS = 2
+PICTURE = (64, 48)
+SMALL_WORLD = 12.0
+"""Up to this size [m] shortest ways are sought too: plain Python takes long over a large grid."""
+
 DISC = {"shape": {"name": "circle", "radius": 0.1}, "distribution": {"name": "random"}}
-SMALL = {"pixels": 24, "metres": 6.0}
+SMALL = {"pixels": 16, "metres": 6.0}
 PICTURES = {"name": "blank", "observations": [{"name": name, **SMALL} for name in ("occupancy_image", "top_view")]}
 NUMBERS = {
     "name": "blank",
@@ -56,7 +58,7 @@ def alone(scenario: Scenario, steps: int) -> None:
 
 def by_hand(source: Any, steps: int) -> None:
     """Run with goals that are set and added, and with bodies that come and go."""
-    with load(copy.deepcopy(source)) as world:
+    with load(source) as world:
         world.resume()
         for robot in world.robots:
             robot.set_goal([[1, 1, 0], [2, 2], [3, 3]])
@@ -75,22 +77,28 @@ def by_hand(source: Any, steps: int) -> None:
 
 
 def learner(scenario: Scenario, steps: int, task: Any = None) -> None:
-    """Let one robot of each world learn: worlds end one by one, and some are reset by themselves."""
-    env = WorldVectorEnv(scenario, N_WORLDS, task=task, num_threads=2)
+    """Let one robot of each world learn: worlds end and begin anew, and one is reset by itself."""
+    env = WorldVectorEnv(scenario, N_WORLDS, task=task, max_steps=max(steps - 1, 1), num_threads=2)
     env.action_space.seed(0)
     env.reset(seed=5)
-    for step in range(steps):
+    for _ in range(steps):
         env.step(env.action_space.sample())
-        env.worlds.limit(2 + step % 5)
     env.reset(seed=7, options={"reset_mask": np.arange(N_WORLDS) == 1})
     env.step(env.action_space.sample())
-    if task is None:
+
+
+def with_ways(scenario: Scenario, steps: int) -> None:
+    """Let a robot observe all that is numbers, and be paid by the way around what stands."""
+    if max(scenario.world.width, scenario.world.height) <= SMALL_WORLD:
+        learner(scenario, 1, NUMBERS)
+        env = WorldVectorEnv(scenario)
+        env.reset(seed=2)
         Optima("train").of(env.worlds.episodes, 0, 0)
 
 
 def team(scenario: Scenario, steps: int, *, respawn: bool = False) -> None:
     """Let all robots learn, which begin anew alone or with their worlds."""
-    batch = make_batch(scenario, N_WORLDS, num_threads=2, max_steps=4, respawn=respawn)
+    batch = make_batch(scenario, N_WORLDS, num_threads=2, max_steps=2, respawn=respawn)
     batch.action_space.seed(0)
     batch.reset(seed=3)
     for _ in range(steps):
@@ -103,9 +111,9 @@ def drawn(scenario: Scenario, steps: int) -> None:
     sim.reset()
     parts = scenario, sim.model, sim.state, sim.sensors
     renderer = make_renderer("raster", *parts, size=PICTURE, explored=sim.explored, learners=scenario.robots)
-    for _ in range(min(steps, 3)):
+    for _ in range(steps):
         sim.step()
-        renderer.frames(range(N_WORLDS))
+    renderer.frames(range(N_WORLDS))
     renderer.look_at((1.0, 1.0, 3.0, 2.5))
     renderer.frame(1)
 
@@ -114,8 +122,8 @@ WAYS: dict[str, Callable[[Any, int], None]] = {
     "alone": alone,
     "by hand": by_hand,
     "learner": learner,
-    "numbers": lambda scenario, steps: learner(scenario, steps, NUMBERS),
-    "pictures": lambda scenario, steps: learner(scenario, min(steps, 3), PICTURES),
+    "numbers": with_ways,
+    "pictures": lambda scenario, steps: learner(scenario, 1, PICTURES),
     "team": team,
     "respawn": lambda scenario, steps: team(scenario, steps, respawn=True),
     "drawn": drawn,
@@ -131,7 +139,7 @@ def play(source: Any, steps: int) -> Iterator[str]:
         source: What ``load_scenario`` takes.
         steps: Steps in each way.
     """
-    scenario = load_scenario(copy.deepcopy(source), warn=False)
+    scenario = load_scenario(source, warn=False)
     for name, way in WAYS.items():
         try:
             way(source if name == "by hand" else scenario, steps)
