@@ -128,7 +128,8 @@ def _by_itself(scenario: Scenario) -> Iterator[None]:
     simulation = compile(scenario)
     simulation.reset()
     while True:
-        yield simulation.step()
+        simulation.step()
+        yield
 
 
 def _with_a_learner(scenario: Scenario) -> Iterator[None]:

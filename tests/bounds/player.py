@@ -66,6 +66,9 @@ def by_hand(source: Any, steps: int) -> None:
             world.step()
         for robot in world.robots:
             robot.append_goal([2, 1])
+        world.step()
+        for robot in world.robots:
+            robot.set_goal([2, 1])  # who loops comes back from it
         if world.scenario.occupied is None:
             world.remove(world.add(**DISC).name)
             world.add(**DISC)
