@@ -59,7 +59,7 @@ def _in_a_process(files: Sequence[str], parameters: Mapping[str, Any], modules: 
         plan, results, crash = (Path(folder) / name for name in ("plan", "results", "crash"))
         given = {"files": list(files), "parameters": dict(parameters), "modules": list(modules)}
         plan.write_text(json.dumps(given), encoding="utf-8")
-        paths = os.pathsep.join(path for path in sys.path if path)
+        paths = os.pathsep.join(path or str(Path.cwd()) for path in sys.path)
         child = subprocess.Popen(
             [sys.executable, "-P", "-m", __name__, folder],
             stdin=subprocess.DEVNULL,
