@@ -13,17 +13,18 @@ TESTS_READY := $(VENV)/.tests-ready
 GUI_READY   := $(VENV)/.gui-ready
 INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
 
-.PHONY: help demo install lint test test-slow test-gui bench peers clean
+.PHONY: help demo install lint test test-slow test-bounds test-gui bench peers clean
 .DELETE_ON_ERROR:
 
 help:
-	@echo "make demo       train on cluttered_room, evaluate, film; results in runs/demo"
-	@echo "make test       ruff, mypy, pytest"
-	@echo "make test-slow  the longer checks too"
-	@echo "make test-gui   real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
-	@echo "make bench      the benchmarks (ARGS=... is passed on)"
-	@echo "make peers      the benchmarks beside ir-sim, navground, VMAS and JaxNav, each in build/peers (ARGS=...)"
-	@echo "make clean      remove caches and builds; .venv and runs stay"
+	@echo "make demo        train on cluttered_room, evaluate, film; results in runs/demo"
+	@echo "make test        ruff, mypy, pytest"
+	@echo "make test-slow   the longer checks too"
+	@echo "make test-bounds every shipped, documented and compared scenario, and random ones, with bounds checks"
+	@echo "make test-gui    real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
+	@echo "make bench       the benchmarks (ARGS=... is passed on)"
+	@echo "make peers       the benchmarks beside ir-sim, navground, VMAS and JaxNav, each in build/peers (ARGS=...)"
+	@echo "make clean       remove caches and builds; .venv and runs stay"
 
 demo: $(INSTALLED)
 	$(BIN)/irsim-gym demo $(ARGS)
@@ -40,6 +41,9 @@ test: lint
 
 test-slow: lint
 	$(BIN)/python -m pytest -m "not gui" $(ARGS)
+
+test-bounds: $(TESTS_READY)
+	$(BIN)/python -m pytest -n auto tests/bounds $(ARGS)
 
 test-gui: $(GUI_READY)
 	tests/gui/system_packages.sh

@@ -66,47 +66,17 @@ def check(
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Check scenario files and their tasks, and draw a level of each; print every problem with its line.
+    """Check scenario files and their tasks, and play each for some steps; print every problem with its line.
 
-    Below a file that is fine stand its parameters, and notes on values that are allowed but seldom meant. The exit
-    status is 1 if a file cannot be used; notes leave it at 0. So do reasons why only one robot can learn, not all
-    together, unless --team asks for that, and why nobody can in a file without a section task.
+    It is played in another process, so a crash there is told like any other problem. Below a file that is fine stand
+    its parameters, and notes on values that are allowed but seldom meant. The exit status is 1 if a file cannot be
+    used; notes leave it at 0. So do reasons why only one robot can learn, not all together, unless --team asks for
+    that, and why nobody can in a file without a section task.
     """
-    from irsim_gym.scenario import load_scenario
-    from irsim_gym.scenario.notes import notes
-    from irsim_gym.scenario.parameters import describe_parameters
-    from irsim_gym.training.look import begin_level, fitting_task, refused_as_team
+    from irsim_gym.training.check import check_files
+    from irsim_gym.training.trial import Reading
 
-    failed, parameters = False, read_parameters(given)
-    for file in files:
-        try:
-            scenario = load_scenario(file, parameters, strict=not lenient, warn=False)
-            task, unfit = fitting_task(scenario, team=team)
-            refused = None if team or unfit else refused_as_team(scenario)
-            begin_level(scenario)
-        except (IrsimGymError, OSError) as error:
-            print(error, file=sys.stderr)
-            failed = True
-            continue
-        robots = len(scenario.robots)
-        learned = f"task '{task.name}'" if task is not None else f"no robot {'that can' if robots else 'to'} learn"
-        obstacles = len(scenario.bodies) - robots
-        extent = "fine to run" if unfit else "fine" if refused is None else "fine for one learner"
-        print(f"{file}: {extent} (robots: {robots}, obstacles: {obstacles}, {learned})")
-        if unfit is not None:
-            print("  but no environment, unless a task is given that fits, with")
-            print("\n".join(f"  {line}" for line in str(unfit).splitlines()))
-        if refused is not None:
-            print("  but where all robots learn together it is refused (with --team the exit status is 1), with")
-            print("\n".join(f"  {line}" for line in str(refused).splitlines()))
-        for line in describe_parameters(scenario.source, scenario.parameters):
-            print(f"  {line}")
-        found = notes(scenario)
-        for note in found:
-            print(f"  {file}:{note.line}   {note.path}: {note.message}")
-        if found:
-            print("  (notes only: the file can be used, and the exit status stays 0)")
-    if failed:
+    if not check_files(files, Reading(read_parameters(given), modules or (), not lenient), team=team):
         raise typer.Exit(1)
 
 

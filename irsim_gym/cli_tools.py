@@ -16,8 +16,8 @@ from irsim_gym.errors import IrsimGymError, suggestion
 LINE = 100
 
 
-def import_modules(names: Sequence[str] | None) -> None:
-    """Import modules, such as those that register behaviours.
+def import_modules(names: Sequence[str] | None) -> Sequence[str]:
+    """Import modules, such as those that register behaviours, and return their names.
 
     Args:
         names: Each the path of a ``.py`` file, or the dotted name of a module that is here or installed.
@@ -30,6 +30,7 @@ def import_modules(names: Sequence[str] | None) -> None:
             _import_file(Path(name).resolve())
         else:
             _import_module(name)
+    return names or ()
 
 
 def _import_module(name: str) -> None:

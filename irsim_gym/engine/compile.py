@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -69,6 +70,7 @@ def compile(
         raise ValueError(f"n_worlds must be a whole number >= 1, got {n_worlds!r}")
     outlines = [body.shape.outline() for body in scenario.bodies]
     boxes = np.zeros((0, 4), np.int64) if scenario.occupied is None else find_boxes(scenario.occupied)
+    plans = [_plan_goals(body, scenario, is_agent=b in agents) for b, body in enumerate(scenario.bodies)]
     sizes = {
         "map_box": len(boxes),
         "world": n_worlds,
@@ -78,7 +80,7 @@ def compile(
         "bucket": buckets.n_buckets(len(scenario.bodies)),
         "map_column": 1 if scenario.occupied is None else scenario.occupied.shape[0],
         "map_row": 1 if scenario.occupied is None else scenario.occupied.shape[1],
-        "waypoint": 1 + max((len(body.goal) for body in scenario.bodies), default=1),
+        "waypoint": max((goals.rows for goals in plans), default=1),
     }
     is_random = any(body.shape.is_random for body in scenario.bodies)
     model = WorldModel.allocate(sizes, per_world=RANDOM_OUTLINE if is_random else frozenset())
@@ -88,7 +90,7 @@ def compile(
     for b, body in enumerate(scenario.bodies):
         _write_motion(b, body, model)
         model.driven[b] = body.behavior is not None or body.group_behavior is not None or b in agents
-        _write_goals(b, body, scenario, model, is_agent=b in agents)
+        _write_goals(b, body, plans[b], model)
     _hide_map(model)
     model.rigid[0] = not is_random
     model.stands[:] = ~(model.movable & model.driven)
@@ -170,19 +172,46 @@ def _wheelbase(body: BodySpec) -> float:
     return next((float(value) for value in given if value), np.nan)
 
 
-def _write_goals(b: int, body: BodySpec, scenario: Scenario, model: WorldModel, *, is_agent: bool) -> None:
-    """Write goals, and who has any: what can move and was given some, by its entry or by its distribution.
+@dataclass(frozen=True)
+class _GoalPlan:
+    """What happens to a body's goals, and how much room they need.
+
+    Attributes:
+        renewal: ``KEEP_GOAL``, ``WANDER`` or ``LOOP``.
+        count: Goals of a round; one that loops between a single goal and its start has two.
+        placed: Its distribution gives the goal.
+    """
+
+    renewal: int
+    count: int
+    placed: bool
+
+    @property
+    def rows(self) -> int:
+        """Rows of ``waypoints``: one is there for bodies without a goal too, and for those that are drawn."""
+        return max(self.count, 1)
+
+
+def _plan_goals(body: BodySpec, scenario: Scenario, *, is_agent: bool) -> _GoalPlan:
+    """Return what happens to a body's goals.
 
     An agent's behaviour is overridden, so it does not loop, and wanders only where it has no other goal.
     """
-    placed_goal = scenario.placements[body.entry].kind.gives_goal
-    wanders = body.wanders and not (is_agent and (placed_goal or body.goal))
-    if wanders:
+    placed: bool = scenario.placements[body.entry].kind.gives_goal
+    wanders = body.wanders and not (is_agent and (placed or body.goal))
+    loops = bool(getattr(body.renewal, "loop", False)) and not wanders and not is_agent
+    count = 1 if placed else len(body.goal)
+    renewal = WANDER if wanders else LOOP if loops else KEEP_GOAL
+    return _GoalPlan(renewal, 2 if loops and count == 1 else count, placed)
+
+
+def _write_goals(b: int, body: BodySpec, plan: _GoalPlan, model: WorldModel) -> None:
+    """Write goals, and who has any: what can move and was given some, by its entry or by its distribution."""
+    if plan.renewal == WANDER:
         model.wander_low[b], model.wander_high[b] = body.renewal.range_low, body.renewal.range_high
     model.waypoints[:, b, :, 2] = np.nan
-    model.waypoints[:, b, : len(body.goal)] = np.array(body.goal).reshape(-1, 3)
-    model.has_goal[b] = bool(model.movable[b]) and (wanders or placed_goal or len(body.goal) > 0)
-    count = 1 if placed_goal else len(body.goal)
-    loops = bool(getattr(body.renewal, "loop", False)) and not wanders and not is_agent
-    model.goal_renewal[b] = WANDER if wanders else LOOP if loops else KEEP_GOAL
-    model.waypoint_count[:, b] = 2 if loops and count == 1 else count
+    given = np.array(body.goal[: plan.rows]).reshape(-1, 3)
+    model.waypoints[:, b, : len(given)] = given
+    model.has_goal[b] = bool(model.movable[b]) and (plan.renewal == WANDER or plan.placed or len(body.goal) > 0)
+    model.goal_renewal[b] = plan.renewal
+    model.waypoint_count[:, b] = plan.count

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import glob
 import io
 import json
 import math
 import os
+import re
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, is_dataclass
@@ -41,6 +43,14 @@ def write_bytes(path: Path, content: bytes) -> None:
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
+
+
+def remove_leftovers(path: Path) -> None:
+    """Remove what is left of attempts to write a file when the process was killed meanwhile."""
+    ours = re.compile(rf"\.{re.escape(path.name)}\.[a-z0-9_]{{8}}")  # as tempfile names them
+    for neighbour in path.parent.glob(f".{glob.escape(path.name)}.*"):
+        if ours.fullmatch(neighbour.name) and neighbour.is_file():
+            neighbour.unlink(missing_ok=True)
 
 
 def write_json(path: Path, data: Any) -> None:

@@ -14,6 +14,9 @@ OPTIONS_CONFIG = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
 
 REQUIRED: Any = ...
 
+LARGEST = 1e7
+"""Greatest magnitude of a number in a file: with larger ones, products and squares in single precision overflow."""
+
 T = TypeVar("T")
 
 

@@ -12,7 +12,7 @@ from pydantic import AllowInfNan, Field
 
 from irsim_gym.errors import Problem
 from irsim_gym.scenario.messages import with_parameters
-from irsim_gym.scenario.options import defaults, kind, option
+from irsim_gym.scenario.options import LARGEST, defaults, kind, option
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
 from irsim_gym.scenario.source import Place, Source
 
@@ -20,8 +20,7 @@ Waypoint = tuple[float, float, float]
 Limit = Annotated[float, AllowInfNan(True), Field(ge=0.0)]
 
 MAX_BODIES = 100_000
-FARTHEST = 1e7
-Coordinate = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
+Coordinate = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 
 
 @kind

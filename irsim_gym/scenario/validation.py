@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 import types
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from pydantic import TypeAdapter, ValidationError
@@ -17,7 +18,7 @@ from irsim_gym.scenario.colors import as_text, color_problem
 from irsim_gym.scenario.expressions import evaluate
 from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, choices, describe, show, translate
 from irsim_gym.scenario.needless import NEEDLESS, mapping_of
-from irsim_gym.scenario.options import OPTIONS_CONFIG, option_fields
+from irsim_gym.scenario.options import LARGEST, OPTIONS_CONFIG, option_fields
 from irsim_gym.scenario.source import Place, Source
 from irsim_gym.scenario.whereabouts import elsewhere, unknown_key
 
@@ -199,7 +200,19 @@ def read_field(info: FieldInfo, value: Any, place: Place, report: Report) -> Any
     except ValidationError as error:
         _tell(error, info, ready, place, report)
         return BAD
-    return result
+    huge = list(_huge(result, place))
+    for where, number in huge:
+        report.add(where, f"must lie between -{LARGEST:g} and {LARGEST:g}, got {show(number)}")
+    return BAD if huge else result
+
+
+def _huge(value: Any, place: Place) -> Iterator[tuple[Place, float]]:
+    """Yield the numbers of an option that are too large to compute with; an infinite one means no limit."""
+    if isinstance(value, tuple):
+        for i, item in enumerate(value):
+            yield from _huge(item, (*place, i))
+    elif isinstance(value, float) and LARGEST < abs(value) < math.inf:
+        yield place, value
 
 
 def read_color(info: FieldInfo, value: Any, place: Place, report: Report) -> Any:

@@ -21,13 +21,15 @@ from stable_baselines3.common.preprocessing import is_image_space
 
 from irsim_gym.envs.sb3 import buffers_for
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.tables import write_bytes, write_csv
+from irsim_gym.evaluation.tables import remove_leftovers, write_bytes, write_csv
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.environment import build_environment, compile_kernels, restore_worlds
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.watch import StopLearningError, StopRequest, Watch
 
 CLASSES: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "sac": SAC}
+WRITTEN = ("config.json", "training.csv", files.NORMALIZATION, "policy.zip", "curve.json", "curve.csv", "curve.png")
+"""Files in a run's folder that are written under another name first."""
 LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success", "idle_share")
 
 
@@ -85,13 +87,15 @@ def train(settings: Settings, folder: Path, *, resume: bool = False, console: Co
 
 
 def _open(run: Run, settings: Settings, resume: bool) -> None:
-    """Begin a run, or make sure that the one in the folder is the same."""
+    """Begin a run, or make sure that the one in the folder is the same; what it left half written goes."""
     if not run.exists():
         run.begin(settings)
     elif run.settings() != settings:
         raise IrsimGymError(f"{run.folder} holds a run with other settings; name another folder")
     elif not resume and not run.finished() and files.list_checkpoints(run.checkpoints):
         raise IrsimGymError(f"{run.folder} holds an unfinished run; go on with it by --resume or name another folder")
+    for name in WRITTEN:
+        remove_leftovers(run.folder / name)
 
 
 def algorithm_class(settings: Settings) -> type[BaseAlgorithm]:

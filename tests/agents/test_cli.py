@@ -9,6 +9,7 @@ import pytest
 from irsim_gym import cli, families
 from irsim_gym.scenario.summary import Summary, summarize_file
 from irsim_gym.scenario.tables import MARKER
+from irsim_gym.training import trial
 
 BROKEN = "world: {height: 10, step_tme: 0.1}\nrobot: {shape: {name: circle, radius: -1}}\n"
 PAIR = """\
@@ -93,6 +94,71 @@ def test_check_takes_a_file_that_is_made_to_be_run_but_not_one_whose_task_does_n
     assert run(monkeypatch, "check", "--team", file) == 1
     file.write_text("robot: {kinematics: {name: diff}}\ntask: {max_steps: 5}\n")
     assert run(monkeypatch, "check", file) == 1
+
+
+SHAKY = """
+import os
+import irsim_gym
+
+@irsim_gym.behavior("{stem}", kinematics=("diff",))
+def shaky(ego, others, *, ends: str = "never"):
+    print("deciding")
+    if ego.time > 0.35 and ends == "abort":
+        os.abort()
+    if ego.time > 0.35 and ends == "exit":
+        os._exit(0)
+    if ego.time > 0.35 and ends == "raise":
+        raise KeyError("nowhere")
+    return [0.5, 0.0]
+"""
+
+
+def test_check_plays_files_where_a_crash_ends_another_process(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    families.load()
+    monkeypatch.setattr(families.BEHAVIORS, "_entries", dict(families.BEHAVIORS._entries))
+    Path("shaky.py").write_text(SHAKY.format(stem="shaky"))
+    for ends in ("never", "abort", "exit", "raise"):
+        behavior = f"{{name: shaky, ends: {'$ends' if ends == 'never' else ends}}}"
+        text = f"robot: {{kinematics: {{name: diff}}, goal: [9, 0], behavior: {behavior}}}\n"
+        parameter = "parameters: {ends: {default: never, meaning: How.}}\n" if ends == "never" else ""
+        Path(f"{ends}.yaml").write_text(parameter + text)
+    assert run(monkeypatch, "check", "never.yaml", "--import", "shaky.py") == 0
+    assert capsys.readouterr().out.splitlines()[0].startswith("never.yaml: fine (robots: 1")
+    assert run(monkeypatch, "check", "never.yaml", "--import", "shaky.py", "--set", "ends=abort") == 1
+    assert "never.yaml: the process that played it for some steps ended by signal SIGABRT" in capsys.readouterr().err
+    files = ("never.yaml", "abort.yaml", "exit.yaml", "raise.yaml", "empty_goal")
+    assert run(monkeypatch, "check", *files, "--import", "shaky.py") == 1
+    said = capsys.readouterr()
+    assert [line.split(":")[0] for line in said.out.splitlines() if ": fine" in line] == ["never.yaml", "empty_goal"]
+    assert "abort.yaml: the process that played it for some steps ended by signal SIGABRT" in said.err
+    assert "Please report it with the file, the command and these lines." in said.err
+    assert f'File "{tmp_path / "shaky.py"}", line 9 in shaky' in said.err
+    assert "exit.yaml: the process that played it for some steps ended with status 0" in said.err
+    assert "raise.yaml: it could not be played: KeyError: 'nowhere'" in said.err
+    assert "in behavior 'shaky' for 'robot_0', step 5 of world 0" in said.err
+    assert f"in {tmp_path / 'shaky.py'}:13" in said.err
+    del sys.modules["shaky"]
+
+
+def test_check_plays_teams_and_draws_levels(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "full.yaml"
+    file.write_text("world: {width: 3, height: 3}\nrobot: {number: 40, distribution: {name: random}}\n")
+    assert run(monkeypatch, "check", file) == 1
+    assert "no place found for 'robot_" in capsys.readouterr().err
+    assert run(monkeypatch, "check", "four_drives", "circle_swap", "--team") == 0
+    assert capsys.readouterr().out.count(": fine (robots") == 2
+
+
+def test_who_waits_long_is_told_what_for(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(trial, "PATIENCE_S", 0.0)
+    assert run(monkeypatch, "check", "empty_goal") == 0
+    assert "playing empty_goal for some steps, to see whether it runs" in capfd.readouterr().err
 
 
 def test_schema_is_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -235,7 +301,9 @@ def test_behaviours_of_ones_own(
     )
     assert run(monkeypatch, "check", "yard.yaml") == 1
     assert "--import FILE.py" in capsys.readouterr().err
-    for command in (["check", "yard.yaml"], ["run", "yard.yaml", "--steps", 2], ["options", f"ahead_by_{stem}"]):
+    assert run(monkeypatch, "check", "yard.yaml", "--import", stem + suffix) == 1  # it is played for more than 3 steps
+    assert f"in behavior 'ahead_by_{stem}' for 'robot_0', step 4 of world 0" in capsys.readouterr().err
+    for command in (["run", "yard.yaml", "--steps", 2], ["options", f"ahead_by_{stem}"]):
         assert run(monkeypatch, *command, "--import", stem + suffix) == 0
     said = capsys.readouterr().out
     assert "robot_0: under way at (0.20, 0.00, 0.00)" in said

@@ -2,7 +2,10 @@
 
 import json
 import os
+import shutil
 import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -103,6 +106,42 @@ def test_what_a_run_leaves(tmp_path: Path) -> None:
     assert (run.folder / "training.csv").read_text().startswith("steps,training_seconds,")
     assert list((run.folder / "tensorboard").iterdir())
     assert not list(run.folder.rglob(".*"))
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from irsim_gym.evaluation import tables
+original = Path.replace
+def replace(self, target):
+    if Path(target).name == sys.argv[2]:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return original(self, target)
+Path.replace = replace
+from test_train import settings, train
+train(settings(n_timesteps=64, checkpoint_every=64), Path(sys.argv[1]))
+"""
+
+
+def test_what_a_killed_run_left_half_written_goes_when_it_is_taken_up(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    for name in ("config.json", "training.csv", "policy.zip"):
+        command = [sys.executable, "-c", KILLED, str(folder), name]
+        paths = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
+        killed = subprocess.run(command, env={**os.environ, "PYTHONPATH": paths}, check=False)
+        assert killed.returncode == -signal.SIGKILL
+        assert [path.name[:-9] for path in folder.glob(".*")] == [f".{name}"]  # a point and eight letters
+        if name != "config.json":  # there the next one begins anew, and finds it
+            train(settings(n_timesteps=64, checkpoint_every=64), folder, resume=True)
+            assert not list(folder.glob(".*"))
+            shutil.rmtree(folder)
+    folder.mkdir()
+    others = [folder / name for name in (".config.json.swp", ".policy.zip.mine1234.bak", ".notes.txt.abcd1234")]
+    (folder / ".policy.zip.abcd_123").touch()
+    for path in others:
+        path.touch()
+    train(settings(n_timesteps=64, checkpoint_every=64), folder)
+    assert sorted(folder.glob(".*")) == sorted(others)
 
 
 def test_a_finished_run_is_left_alone(tmp_path: Path) -> None:

@@ -76,3 +76,23 @@ def test_goals_are_reached_when_ir_sim_says(name: str, mode: str, threshold: flo
         last.append(bool(sim.state.arrived[0, 0]))
     found = second.index(True) + 1, last.index(True) + 1 if any(last) else None
     assert found == ARRIVALS[name, mode, threshold]
+
+
+@pytest.mark.parametrize("distribution", ["circle", "random"])
+def test_a_loop_goes_back_to_a_start_and_a_goal_that_were_drawn(distribution: str) -> None:
+    """No entry gives a goal, and yet there are two: ir-sim 2.12.0 goes on to ``[goal, start]``."""
+    robot = {"kinematics": {"name": "omni"}, "number": 2, "distribution": {"name": distribution}, "goal_threshold": 0.2}
+    world = {"collision_mode": "unobstructed"}
+    sim = ig.compile(ig.load_scenario({"world": world, "robot": {**robot, "behavior": LOOP, "vel_max": [3, 3]}}), 3)
+    sim.reset(seed=1)
+    goal, start = sim.model.waypoints[:, :, 0, :2].copy(), sim.model.start[:, :, :2].copy()
+    np.testing.assert_array_equal(sim.model.waypoints[:, :, 1, :2], start)
+    assert sim.model.waypoint_count.tolist() == [[2, 2]] * 3
+    assert (np.linalg.norm(goal - start, axis=-1) > 0.2).all()
+    back = np.zeros((3, 2), np.bool_)
+    for _ in range(120):
+        sim.step()
+        heads_back = (sim.state.goal[:, :, :2] == start).all(axis=-1)
+        assert (heads_back | (sim.state.goal[:, :, :2] == goal).all(axis=-1)).all()
+        back |= heads_back
+    assert back.all()

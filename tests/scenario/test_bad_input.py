@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from irsim_gym.errors import ScenarioError
+import irsim_gym
+from irsim_gym.errors import ScenarioError, ScenarioWarning
 from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.validation import MAX_PROBLEMS
 
@@ -434,6 +436,42 @@ DRIVES = {
     ),
 }
 DRIVE = "robot:\n  kinematics: {name: diff}\n"
+HUGE = {
+    "speed": (
+        "robot:\n  kinematics: {name: diff}\n  vel_max: [1.0e+300, 2]",
+        "3 robot.vel_max[0]: must lie between -1e+07 and 1e+07, got 1e+300",
+    ),
+    "radius": (
+        "robot:\n  shape: {name: circle, radius: 1.0e+8}",
+        "2 robot.shape.radius: must lie between -1e+07 and 1e+07, got 1e+08",
+    ),
+    "corner": (
+        "obstacle:\n  shape: {name: polygon, vertices: [[0, 0], [1, -1.0e+9], [1, 1]]}",
+        "2 obstacle.shape.vertices[1][1]: must lie between -1e+07 and 1e+07, got -1e+09",
+    ),
+    "range": (
+        "robot:\n  sensors: [{range_max: 1.0e+40}]",
+        "2 robot.sensors[0].range_max: must lie between -1e+07 and 1e+07, got 1e+40",
+    ),
+    "noise": (
+        "robot:\n  kinematics: {name: diff, noise: true, alpha: [1.0e+99, 0, 0, 0]}",
+        "2 robot.kinematics.alpha[0]: must lie between -1e+07 and 1e+07, got 1e+99",
+    ),
+    "threshold": (
+        "robot:\n  goal_threshold: 1e8",
+        "2 robot.goal_threshold: must lie between -1e+07 and 1e+07, got 1e+08",
+    ),
+    "bounds": (
+        "robot:\n  distribution: {name: random, range_low: [0, -1.0e+20, 0]}",
+        "2 robot.distribution.range_low[1]: must lie between -1e+07 and 1e+07, got -1e+20",
+    ),
+    "heading": ("robot:\n  state: [1, 1, 1.0e+300]", "2 robot.state[2]: must be <= 1e+07, got 1e+300"),
+    "goal": ("robot:\n  goal: [1, 1.0e+300]", "2 robot.goal[1]: must be <= 1e+07, got 1e+300"),
+    "acceleration": (
+        "robot:\n  kinematics: {name: diff}\n  acce: [.inf, 1.0e+300]",
+        "3 robot.acce[1]: must lie between -1e+07 and 1e+07, got 1e+300",
+    ),
+}
 CONTACT = {
     "contact mode": (
         "world:\n  collision_mode: contact\n  gravity: 9.81",
@@ -449,7 +487,7 @@ CONTACT = {
 }
 CASES = {
     f"{group}: {name}": case
-    for group, cases in (("world", WORLD), ("entry", ENTRIES), ("drive", DRIVES), ("contact", CONTACT))
+    for group, cases in (("world", WORLD), ("entry", ENTRIES), ("drive", DRIVES), ("huge", HUGE), ("contact", CONTACT))
     for name, case in cases.items()
 }
 
@@ -496,6 +534,27 @@ def test_many_problems_are_cut_off(problems: Callable[[str], list[str]]) -> None
     assert len(told) == MAX_PROBLEMS + 1
     assert told[0] == f"0 more than {MAX_PROBLEMS} problems: the rest is not shown"
     assert told[-1].startswith(f"{MAX_PROBLEMS} key_{MAX_PROBLEMS - 1}: unknown key; known: custom, gui, ")
+
+
+def test_the_largest_numbers_are_computed_with() -> None:
+    """Just within the bounds everything that a learner is told is finite; warnings are errors here."""
+    robot = {
+        "kinematics": {"name": "diff"},
+        "state": [-1e7, 1e7, 1e7],
+        "goal": [1e7, -1e7],
+        "vel_min": [-1e7, -1e7],
+        "vel_max": [1e7, 1e7],
+        "goal_threshold": 1e7,
+        "sensors": [{"name": "lidar2d", "number": 3, "range_max": 1e7}],
+    }
+    with pytest.warns(ScenarioWarning, match="a heading of 1e[+]07 is more than a turn"):
+        env = irsim_gym.make({"world": {"step_time": 100}, "robot": robot})
+    for action in ([1, 1], [-1, 1], [1, 0]):
+        env.reset(seed=0)
+        observation, reward, *_ = env.step(np.array(action, np.float32))
+        assert np.isfinite(observation).all()
+        assert np.isfinite(reward)
+        assert observation in env.observation_space
 
 
 def test_problems_of_a_task_get_their_lines(tmp_path: Path) -> None:

@@ -58,6 +58,21 @@ def test_fewer_beams_than_sectors_give_as_many_sectors_as_beams() -> None:
     assert [part.tolist() for part in sector_beams(np.zeros(1), 36)] == [[0], [1]]
 
 
+def test_beams_that_all_point_the_same_way_are_the_first_sectors() -> None:
+    first, last = sector_beams(np.zeros(4), 3)
+    assert (first[0], last[0]) == (0, 4)
+    assert (last > first).all()
+
+
+@pytest.mark.parametrize(("number", "angle_range"), [(1, 0.0), (1, 3.0), (5, 0.0)])
+def test_a_scanner_that_looks_one_way_only(number: int, angle_range: float) -> None:
+    """The ball begins 2.3 m ahead of the robot's outline; NumPy warns of nothing, as warnings are errors here."""
+    sensor = {"name": "lidar2d", "number": number, "angle_range": angle_range, "range_max": 6}
+    task = {"name": "blank", "observations": [{"name": "scan", "code": "linear"}]}
+    seen = play(robot={"sensors": [sensor]}, obstacle=BALL, task=task).view.observation[0, 0]
+    np.testing.assert_allclose(seen, 1 - 2.3 / 6, atol=1e-6)
+
+
 def test_sectors_go_by_angle_not_by_number() -> None:
     # Three beams crowd to the right, one points left: two sectors of half the angle each.
     first, last = sector_beams(np.array([-1.0, -0.9, -0.8, 1.0]), 2)

@@ -92,7 +92,7 @@ def sector_beams(angles: Floats, sectors: int) -> tuple[Ints, Ints]:
     """Return first and one past last beam of each sector; sectors of equal angle cover all beams.
 
     The sectors span the beams' angles [rad, rising] and half a beam more at both ends. A sector in which no
-    beam falls takes the one nearest to its middle.
+    beam falls takes the one nearest to its middle; where all beams point the same way, they are the first sector's.
 
     Args:
         angles: Beam directions, shape ``(n_beams,)``.
@@ -104,7 +104,8 @@ def sector_beams(angles: Floats, sectors: int) -> tuple[Ints, Ints]:
         return np.zeros(1, np.int64), np.ones(1, np.int64)
     half = 0.5 * (angles[-1] - angles[0]) / (n_beams - 1)
     width = (angles[-1] - angles[0] + 2.0 * half) / count
-    sector = np.floor((angles - angles[0] + half) / width + 1e-9).astype(np.int64).clip(0, count - 1)
+    place = (angles - angles[0] + half) / width if width > 0.0 else np.zeros(n_beams)
+    sector = np.floor(place + 1e-9).astype(np.int64).clip(0, count - 1)
     first = np.searchsorted(sector, np.arange(count), side="left").astype(np.int64)
     last = np.searchsorted(sector, np.arange(count), side="right").astype(np.int64)
     for s in np.flatnonzero(first == last):

@@ -1,0 +1,66 @@
+"""What ``irsim-gym check`` says of scenario files."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from irsim_gym.errors import IrsimGymError, ScenarioError
+from irsim_gym.scenario import Scenario, load_scenario
+from irsim_gym.scenario.notes import notes
+from irsim_gym.scenario.parameters import describe_parameters
+from irsim_gym.tasks import Task
+from irsim_gym.training.look import fitting_task, refused_as_team
+from irsim_gym.training.trial import Reading, try_out
+
+Read = tuple[Scenario, Task | None, ScenarioError | None]
+"""A scenario, its task, and why nobody can learn."""
+
+
+def check_files(files: Sequence[str], reading: Reading, *, team: bool) -> bool:
+    """Read files and play them for some steps, print what is found, and return whether all can be used.
+
+    Args:
+        files: Scenario files or shipped names.
+        reading: How they are read; what was imported is imported where they are played too.
+        team: All robots have to be able to learn together.
+    """
+    read: dict[str, Read] = {}
+    failures: dict[str, str] = {}
+    for file in dict.fromkeys(files):
+        try:
+            scenario = load_scenario(file, reading.parameters, strict=reading.strict, warn=False)
+            read[file] = scenario, *fitting_task(scenario, team=team)
+        except (IrsimGymError, OSError) as error:
+            failures[file] = str(error)
+    failures |= try_out(list(read), reading) if read else {}
+    for file in files:
+        if file in failures:
+            print(failures[file], file=sys.stderr)
+        else:
+            _describe(file, read[file], team=team)
+    return not failures
+
+
+def _describe(file: str, read: Read, *, team: bool) -> None:
+    """Print that a file is fine, for whom, its parameters and notes."""
+    scenario, task, unfit = read
+    refused = None if team or unfit else refused_as_team(scenario)
+    robots = len(scenario.robots)
+    learned = f"task '{task.name}'" if task is not None else f"no robot {'that can' if robots else 'to'} learn"
+    obstacles = len(scenario.bodies) - robots
+    extent = "fine to run" if unfit else "fine" if refused is None else "fine for one learner"
+    print(f"{file}: {extent} (robots: {robots}, obstacles: {obstacles}, {learned})")
+    if unfit is not None:
+        print("  but no environment, unless a task is given that fits, with")
+        print("\n".join(f"  {line}" for line in str(unfit).splitlines()))
+    if refused is not None:
+        print("  but where all robots learn together it is refused (with --team the exit status is 1), with")
+        print("\n".join(f"  {line}" for line in str(refused).splitlines()))
+    for line in describe_parameters(scenario.source, scenario.parameters):
+        print(f"  {line}")
+    found = notes(scenario)
+    for note in found:
+        print(f"  {file}:{note.line}   {note.path}: {note.message}")
+    if found:
+        print("  (notes only: the file can be used, and the exit status stays 0)")

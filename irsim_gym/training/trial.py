@@ -1,0 +1,211 @@
+"""Scenarios are played for some steps in another process, so that not even a crash ends the one that asks."""
+
+from __future__ import annotations
+
+import faulthandler
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from irsim_gym.errors import IrsimGymError, ScenarioError, ScenarioWarning
+
+if TYPE_CHECKING:
+    from irsim_gym.scenario import Scenario
+
+STEPS = 30
+"""At most, in each way."""
+LONGEST_S = 2.0
+"""A file is played no longer than this in each way [s], apart from the first step."""
+PATIENCE_S = 5.0
+"""After this time [s] somebody who waits is told what for."""
+PACKAGE = str(Path(__file__).parents[1])
+
+Failures = dict[str, str]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How files are read.
+
+    Attributes:
+        parameters: Values of their parameters.
+        modules: What ``import_modules`` imports first.
+        strict: Keys that nobody reads are errors.
+    """
+
+    parameters: Mapping[str, Any]
+    modules: Sequence[str] = ()
+    strict: bool = True
+
+
+def try_out(files: Sequence[str], reading: Reading) -> Failures:
+    """Play files that can be read, and return what went wrong by file; those that are fine are not in it.
+
+    Each begins a level and takes some steps, by itself, with a learner and as a team, where it can.
+
+    Args:
+        files: Scenarios, as ``load_scenario`` takes them.
+        reading: How they are read.
+    """
+    found, end = _in_a_process(files, reading)
+    if not end:
+        return found
+    if len(files) == 1:
+        return {files[0]: f"{files[0]}: {end}"}
+    alone = [try_out([file], reading) for file in files]
+    told = {file: message for one in alone for file, message in one.items()}
+    return told or {files[0]: f"{', '.join(files)}, one after the other: {end}"}
+
+
+def _in_a_process(files: Sequence[str], reading: Reading) -> tuple[Failures, str]:
+    """Return what went wrong by file, and how the process ended, nothing if as it should."""
+    with tempfile.TemporaryDirectory(prefix="irsim_gym-") as folder:
+        plan, results, crash = (Path(folder) / name for name in ("plan", "results", "crash"))
+        plan.write_text(json.dumps({"files": list(files), "reading": asdict(reading)}), encoding="utf-8")
+        paths = os.pathsep.join(path or str(Path.cwd()) for path in sys.path)
+        child = subprocess.Popen(
+            [sys.executable, "-P", "-m", __name__, folder],
+            stdin=subprocess.DEVNULL,
+            env={**os.environ, "PYTHONPATH": paths},
+        )
+        try:
+            status = _wait(child, files)
+        finally:
+            child.kill()
+            child.wait()
+        lines = results.read_text(encoding="utf-8").splitlines() if results.is_file() else []
+        said = dict(json.loads(line) for line in lines)
+        trace = crash.read_text(encoding="utf-8", errors="replace") if crash.is_file() else ""
+    failures = {file: message for file, message in said.items() if message}
+    return failures, "" if status == 0 and len(said) == len(files) else _end(status, trace)
+
+
+def _wait(child: subprocess.Popen[bytes], files: Sequence[str]) -> int:
+    with suppress(subprocess.TimeoutExpired):
+        return child.wait(PATIENCE_S)
+    print(f"irsim_gym: playing {', '.join(files)} for some steps, to see whether it runs", file=sys.stderr)
+    return child.wait()
+
+
+def _end(status: int, trace: str) -> str:
+    """Return how a process ended that should have gone on, with what to do about it."""
+    known = {int(one): one.name for one in signal.Signals}
+    how = f"by signal {known.get(-status, -status)}" if status < 0 else f"with status {status}"
+    shown = "".join(f"\n    {line}" for line in trace.strip().splitlines()[:12])
+    return (
+        f"the process that played it for some steps ended {how}.\n"
+        "  The mistake is in irsim_gym or in an imported module, not in the file. Please report it with the file, the "
+        f"command and these lines.{shown}"
+    )
+
+
+def play(file: str, reading: Reading) -> None:
+    """Begin a level of a file and take some steps, in each way that it allows: by itself, with one learner, with all.
+
+    Raises:
+        IrsimGymError: The file cannot be used, or its level not be drawn.
+    """
+    from irsim_gym.scenario import load_scenario
+
+    scenario = load_scenario(file, reading.parameters, strict=reading.strict, warn=False)
+    _take_steps(_by_itself(scenario))
+    with suppress(ScenarioError):  # nobody can learn there: who asks knows why
+        _take_steps(_with_a_learner(scenario))
+    with suppress(ScenarioError):
+        _take_steps(_as_a_team(scenario) if len(scenario.robots) > 1 else iter(()))
+
+
+def _take_steps(steps: Iterator[None]) -> None:
+    """Take so many steps; where they are slow, fewer."""
+    next(steps, None)  # this one may compile
+    begun = time.perf_counter()
+    for _ in range(STEPS - 1):
+        next(steps, None)
+        if time.perf_counter() - begun > LONGEST_S:
+            return
+
+
+def _by_itself(scenario: Scenario) -> Iterator[None]:
+    from irsim_gym.engine import compile
+
+    simulation = compile(scenario)
+    simulation.reset()
+    while True:
+        simulation.step()
+        yield
+
+
+def _with_a_learner(scenario: Scenario) -> Iterator[None]:
+    from irsim_gym.envs.single import WorldEnv
+
+    env = WorldEnv(scenario)
+    env.action_space.seed(0)
+    env.reset(seed=0)
+    while True:
+        *_, terminated, truncated, _ = env.step(env.action_space.sample())
+        if terminated or truncated:
+            env.reset()
+        yield
+
+
+def _as_a_team(scenario: Scenario) -> Iterator[None]:
+    import numpy as np
+
+    from irsim_gym.envs.batch import make_batch
+
+    batch = make_batch(scenario)
+    batch.action_space.seed(0)
+    batch.reset(seed=0)
+    while True:
+        batch.step(np.stack([[batch.action_space.sample() for _ in range(batch.n_agents)]]))
+        yield
+
+
+def _failure(file: str, reading: Reading) -> str:
+    """Play a file, and return what went wrong."""
+    try:
+        play(file, reading)
+    except (IrsimGymError, OSError) as error:
+        return "\n".join([str(error), *getattr(error, "__notes__", ())])
+    except Exception as error:
+        frames = traceback.extract_tb(error.__traceback__)
+        own = [frame for frame in frames if not frame.filename.startswith(PACKAGE)] or frames
+        told = traceback.format_exception_only(error)
+        place = f"  in {own[-1].filename}:{own[-1].lineno}"
+        return "\n".join([f"{file}: it could not be played: {told[0].strip()}", *map(_indented, told[1:]), place])
+    return ""
+
+
+def _indented(line: str) -> str:
+    return f"  {line.rstrip()}"
+
+
+def main(folder: Path) -> None:
+    """Play what the plan in a folder names, and write there what went wrong with each file, line by line."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C is told by who asks
+    os.dup2(2, 1)  # what behaviours print is no part of what the command says
+    plan = json.loads((folder / "plan").read_text(encoding="utf-8"))
+    reading = Reading(**plan["reading"])
+    warnings.simplefilter("ignore", ScenarioWarning)  # they are told as notes
+    with (folder / "crash").open("w") as crash, (folder / "results").open("w", encoding="utf-8") as results:
+        faulthandler.enable(crash, all_threads=False)
+        from irsim_gym.cli_tools import import_modules
+
+        import_modules(list(reading.modules))
+        for file in plan["files"]:
+            print(json.dumps([file, _failure(file, reading)]), file=results, flush=True)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

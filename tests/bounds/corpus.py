@@ -1,0 +1,148 @@
+"""The scenarios that are played with bounds checks, by name: shipped, documented, compared with ir-sim, and random."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import yaml
+from cases import all_cases, case_of
+from documented import EXAMPLES
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
+from random_scenarios import cases
+from test_every_feature import EVERYTHING
+from test_every_key import TEXT
+
+from irsim_gym.engine import compile
+from irsim_gym.errors import ScenarioError
+from irsim_gym.scenario import load_scenario
+from irsim_gym.scenario.library import scenario_names
+
+DRAWN = {"min_distance": 0.2, "range_low": [0.6, 0.6, -3], "range_high": [9.4, 9.4, 3]}
+FAST = {"kinematics": {"name": "diff"}, "vel_max": [3, 3], "vel_min": [-3, -3]}
+SCANNER = [{"name": "lidar2d", "number": 20, "angle_range": 2 * math.pi, "range_max": 4, "has_velocity": True}]
+SHORT = {"width": 6, "height": 6, "step_time": 0.5, "collision_mode": "unobstructed"}
+LEFT = [{"name": "left_world", "use": False}]
+GOES_ON = {"name": "navigation", "endings": LEFT, "rewards": LEFT}
+AWAY = ((0, 99, 2), (1.57, 2, 99), (3.14, -99, 2), (-1.57, 2, -99))
+
+
+def leaving(place: float, ways: Sequence[str]) -> list[dict[str, Any]]:
+    """Return robots that drive off to all four sides, for each way of driving."""
+    return [
+        {**FAST, "state": [place, place, angle], "goal": [x, y], "behavior": {"name": way}, "sensors": SCANNER}
+        for way in ways
+        for angle, x, y in AWAY
+    ]
+
+
+def crowd(key: str, way: str) -> dict[str, Any]:
+    """Return so many bodies that they are found by squares, which some of them drive out of."""
+    disc = {**FAST, "shape": {"name": "circle", "radius": 0.1}, key: {"name": way}}
+    far = {**disc, "number": 4, "distribution": {"name": "circle", "radius": 60}}
+    inside = {**disc, "number": 60, "distribution": {"name": "circle", "radius": 4}}
+    return {"world": {**SHORT, "width": 20, "height": 20}, "robot": far, "obstacle": inside}
+
+
+PERLIN = {"name": "perlin", "resolution": 1, "fill": 0.1, "seed": 2}
+ONE_BEAM = [{"name": "lidar2d", "number": 1}]
+LOOP = {"name": "dash", "loop": True}
+BY_HAND: dict[str, dict[str, Any]] = {
+    "loop between what is drawn": {
+        "robot": {**FAST, "number": 2, "distribution": {"name": "circle"}, "behavior": LOOP}
+    },
+    "everybody leaves the world": {"world": SHORT, "robot": leaving(3, ["dash"]), "task": GOES_ON},
+    "everybody leaves the map": {
+        "world": {**SHORT, "obstacle_map": PERLIN, "fog_map": True},
+        "robot": leaving(3, ["dash", "rvo", "sfm"]),
+        "task": GOES_ON,
+    },
+    "scanner of one beam": {"robot": {**FAST, "state": [1, 1], "goal": [3, 3], "sensors": ONE_BEAM}},
+    "crowd that dashes": crowd("behavior", "dash"),
+    "crowd that avoids": crowd("behavior", "rvo"),
+    "crowd of forces": crowd("behavior", "sfm"),
+    "crowd that plans": crowd("group_behavior", "orca"),
+    "crowd of groups": crowd("group_behavior", "sfm"),
+}
+
+
+@st.composite
+def drawn_levels(draw: Any) -> dict[str, Any]:
+    """A random scenario whose entries have several bodies, at places that are drawn for each level."""
+    case: dict[str, Any] = draw(cases())
+    for role in ("robot", "obstacle"):
+        for body in case[role]:
+            if isinstance(body["state"][0], list) or draw(st.integers(0, 3)) == 0:
+                continue
+            body["number"] = draw(st.integers(1, 3))
+            name = draw(st.sampled_from(["random", "random", "circle"]))
+            body["distribution"] = {"name": name, **(DRAWN if name == "random" else {})}
+            for key in ("state", "goal"):
+                body.pop(key, None)
+            if role == "obstacle" and draw(st.booleans()):
+                body["number_range"] = [0, body.pop("number")]
+                body["shape"] = {
+                    "name": draw(st.sampled_from(["circle", "polygon", "linestring"])),
+                    "random_shape": True,
+                }
+    case["world"] |= {"width": 10, "height": 10, "update": draw(st.sampled_from(["sequential", "simultaneous"]))}
+    case["world"]["fog_map"] = draw(st.integers(0, 3)) == 0
+    return case
+
+
+def random_scenarios(sort: str, number: int, count: int) -> dict[str, Any]:
+    """Return random scenarios that can be played, by name; always the same ones.
+
+    Args:
+        sort: ``random`` for those of tests/parity, ``drawn`` for those whose levels differ.
+        number: Which ones: the seed.
+        count: How many.
+    """
+    found: dict[str, Any] = {}
+
+    @seed(number)
+    @settings(
+        max_examples=3 * count,
+        database=None,
+        deadline=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given({"random": cases, "drawn": drawn_levels}[sort]())
+    def collect(case: dict[str, Any]) -> None:
+        scenario = without_plan(case)
+        if len(found) < count and is_playable(scenario):
+            found[f"{sort} {number}.{len(found)}"] = scenario
+
+    collect()
+    return found
+
+
+def is_playable(data: Mapping[str, Any]) -> bool:
+    """Return whether a scenario can be read, and no robot begins within an obstacle."""
+    try:
+        compile(load_scenario(data, warn=False))
+    except ScenarioError:
+        return False
+    return True
+
+
+def without_plan(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the scenario of a case of tests/parity; letters of a map are cells."""
+    scenario = {key: value for key, value in case.items() if key != "parity"}
+    rows = (case.get("parity") or {}).get("map")
+    if rows:
+        columns = [[letter in "#+" for letter in column] for column in zip(*reversed(rows), strict=True)]
+        scenario["world"] = {**(case.get("world") or {}), "obstacle_map": columns}
+    return scenario
+
+
+def listed() -> dict[str, Any]:
+    """Return all scenarios but the random ones, by name, as ``load_scenario`` takes them."""
+    every: dict[str, Any] = {f"shipped {name}": name for name in scenario_names()}
+    every |= {f"documented {name}": yaml.safe_load(text) for name, text in EXAMPLES.items()}
+    every |= {"every feature": yaml.safe_load(EVERYTHING), "every key": yaml.safe_load(TEXT)}
+    every |= {f"parity {name}": without_plan(case_of(name)) for name in all_cases()}
+    return every | BY_HAND
