@@ -189,26 +189,6 @@ class Brush:
         self.renderer.draw_markers(context, Path.unit_circle(), mark, Path(places), self.to_canvas, colour)
         context.set_snap(None)
 
-    def stamps(self, form: Path, places: Floats, size: Affine2D, colour: Colour, width: float) -> None:
-        """Draw a form at some points.
-
-        Args:
-            form: The form, about the origin.
-            places: The points [m], shape ``(n, 2)``.
-            size: From the form's coordinates to the canvas'.
-            colour: Its colour.
-            width: Width of its lines [point]; 0 for a form that is filled.
-        """
-        context = self.context
-        context.set_foreground(colour, isRGBA=True)
-        context.set_linewidth(width)
-        context.set_dashes(0.0, None)
-        self._style = ("solid", 0.0)
-        context.set_snap(False)
-        area = None if width > 0.0 else colour
-        self.renderer.draw_markers(context, form, size, Path(places), self.to_canvas, area)
-        context.set_snap(None)
-
 
 @functools.lru_cache(maxsize=1024)
 def _dashes(style: str, width: float) -> tuple[float, tuple[float, ...] | None]:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.path import Path
-from matplotlib.transforms import Affine2D
 
+from irsim_gym.render import shapes
 from irsim_gym.render.brush import CLEAR, Brush, tint
 from irsim_gym.render.lettering import Lettering, Type
 from irsim_gym.render.styles import faded
@@ -36,13 +36,16 @@ def _draw_line(brush: Brush, mark: LineMark) -> None:
 
 
 def _draw_points(brush: Brush, mark: PointsMark) -> None:
-    ink = _ink(mark.color, mark.alpha)
+    ink, size = _ink(mark.color, mark.alpha), mark.size * brush.point / brush.scale
     if not mark.form:
-        brush.dots(mark.points, 0.5 * mark.size, ink)
-        return
-    parts = [Path(part if mark.width else np.vstack([part, part[:1]]), closed=not mark.width) for part in mark.form]
-    place = Affine2D().scale(mark.size * brush.point)
-    brush.stamps(Path.make_compound_path(*parts), mark.points, place, ink, mark.width)
+        ways = [shapes.disc(x, y, 0.5 * size, brush.scale) for x, y in mark.points.tolist()]
+        brush.areas(ways, [ink] * len(ways))
+    elif mark.width:
+        bundles = [[size * part + place for part in mark.form] for place in mark.points]
+        brush.bundles(bundles, [ink] * len(bundles), mark.width)
+    else:
+        ways = [size * part + place for place in mark.points for part in mark.form]
+        brush.areas(ways, [ink] * len(ways))
 
 
 class Words:
