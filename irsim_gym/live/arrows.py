@@ -8,7 +8,7 @@ from irsim_gym.arraytypes import Floats
 
 HEAD_LENGTH, HEAD_WIDTH, NECK = 5.0, 3.0, 4.5
 """Length and width of a head, and from its tip to where it meets the shaft, in widths of the shaft."""
-SLENDER = 9.0
+SLENDER = 16.0
 """Mean length of arrows in widths of their shafts, where these are not given."""
 
 

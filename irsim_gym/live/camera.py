@@ -72,10 +72,12 @@ class Camera:
     def leave(self) -> None:
         """Note that the world goes on from the present moment."""
         self._catch_up()
-        simulation = self._simulation
-        if not self._is_rendered and int(simulation.state.step[0]) % simulation.scenario.world.steps_per_sample == 0:
+        if len(self._drawing) and not self._is_rendered and self._is_sample():
             self._drawing.grow_old()
         self._is_kept = self._is_rendered = False
+
+    def _is_sample(self) -> bool:
+        return int(self._simulation.state.step[0]) % self._simulation.scenario.world.steps_per_sample == 0
 
     def _catch_up(self) -> None:
         """Keep the present moment again if it was kept, nobody has seen it, and something was drawn since."""

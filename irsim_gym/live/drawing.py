@@ -163,7 +163,7 @@ class Drawing:
             vectors: A row ``u, v`` for each: direction and, where no ``length`` is given, length [m]. A vector of
                 length 0 has no arrow.
             length: Length of all of them [m].
-            width: Width of their shafts [m]; by default a ninth of their mean length. Heads are three times as wide.
+            width: Width of their shafts [m]; by default a sixteenth of their mean length. Heads are three times as wide.
             color: Their colour.
             alpha: Their opacity.
             layer: Their layer.

@@ -125,7 +125,8 @@ def _colors(color: Any, count: int) -> list[Any]:
     """Return one colour, or one for each point."""
     if color is None:
         return [POINTS]
-    if not isinstance(color, list | np.ndarray) or not len(color) or isinstance(color[0], int | float | np.number):
+    is_list = isinstance(color, list | tuple | np.ndarray) and len(color) > 0
+    if not is_list or isinstance(color[0], int | float | np.number):
         return [color]
     if len(color) != count:
         raise ValueError(f"one colour, or one for each of {count} points, got {len(color)}")

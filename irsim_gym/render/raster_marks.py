@@ -76,7 +76,9 @@ class MarkPainter:
                     self._add_way(sheet, box, part + place, mark.width, LINE_STYLES["solid"], closed=False)
                 else:
                     add_polygon(sheet, box, part + place, 0, len(part))
-            paint(picture, sheet, box, ink, False)
+            if ink[3] < 1.0:  # opaque ones may become one area
+                paint(picture, sheet, box, ink, False)
+        paint(picture, sheet, box, ink, False)
 
     def _add_way(self, sheet: Rays, box: Ints, places: Floats, width: float, style: int, *, closed: bool) -> None:
         """Add a line to a sheet."""

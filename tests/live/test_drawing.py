@@ -185,7 +185,7 @@ def test_arrows_are_as_long_as_their_vectors() -> None:
     assert right.points[:, 0].max() == 3.0
     assert right.points[3].tolist() == [3.0, 1.0]  # the tip
     assert up.points[3] == pytest.approx([2.0, 3.0])
-    assert np.ptp(right.points[:, 1]) == pytest.approx(3 * 1.5 / 9)  # the head: three shafts, of a ninth of the mean
+    assert np.ptp(right.points[:, 1]) == pytest.approx(3 * 1.5 / 16)  # the head: three shafts, of a sixteenth of the mean
     assert (right.closed, right.fill, right.width) == (True, "black", 0.0)
     drawing.clear()
     drawing.arrows([[1, 1], [2, 2]], [[2, 0], [0, 0.1]], length=0.5, width=0.4)
