@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
+from irsim_gym.live.places import FARTHEST
 
 HEAD_LENGTH, HEAD_WIDTH, NECK = 5.0, 3.0, 4.5
 """Length and width of a head, and from its tip to where it meets the shaft, in widths of the shaft."""
@@ -23,7 +24,7 @@ def outlines(rows: Floats, length: float | None, width: float | None) -> list[Fl
         width: Width of the shafts [m]; None for a share of the mean length.
     """
     sizes = np.hypot(rows[:, 2], rows[:, 3])
-    rows = rows[np.isfinite(rows).all(axis=1) & (sizes > 0.0)]
+    rows = rows[(np.abs(rows) < FARTHEST).all(axis=1) & (sizes > 0.0)]
     sizes = np.hypot(rows[:, 2], rows[:, 3])
     if not len(rows):
         return []

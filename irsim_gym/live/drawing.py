@@ -13,6 +13,8 @@ from irsim_gym.world.marks import NOTHING, ON_TOP, LineMark, Mark, Overlay, Text
 
 PATH, ARROW, INK = "#0072B2", "black", "#1F2933"
 LINE_LAYER, GROUND_LAYER = 2.0, 1.0
+LARGEST = 200.0
+"""Size of the largest text [point]."""
 STAYS, FRESH, OLD = range(3)
 """Marks that stay, those for one picture, and those of them that nobody has rendered at their own moment."""
 
@@ -43,9 +45,9 @@ class Drawing:
     it at the moment at which it was drawn. Nothing is drawn for empty lists.
 
     Points are rows ``x, y`` [m]: an array of shape ``(n, 2)`` or a list; what a row holds after that is not used. A
-    point that is not finite is left out, and interrupts a line. Colours are matplotlib's: ``"red"``, ``"C0"``,
-    ``"#d62728"``, ``(0.8, 0.1, 0.1)``. Widths and sizes are points of type, which do not grow with the world. Marks in
-    a higher ``layer`` cover what is in a lower one: obstacles are in layer 1, robots in 3.
+    point that is not finite, or 1e9 m away, is left out and interrupts a line. Colours are matplotlib's: ``"red"``,
+    ``"C0"``, ``"#d62728"``, ``(0.8, 0.1, 0.1)``. Widths and sizes are points of type, which do not grow with the
+    world. Marks in a higher ``layer`` cover what is in a lower one: obstacles are in layer 1, robots in 3.
     """
 
     def __init__(self) -> None:
@@ -163,7 +165,8 @@ class Drawing:
             vectors: A row ``u, v`` for each: direction and, where no ``length`` is given, length [m]. A vector of
                 length 0 has no arrow.
             length: Length of all of them [m].
-            width: Width of their shafts [m]; by default a sixteenth of their mean length. Heads are three times as wide.
+            width: Width of their shafts [m]; by default a sixteenth of their mean length. Heads are three times as
+                wide.
             color: Their colour.
             alpha: Their opacity.
             layer: Their layer.
@@ -201,7 +204,7 @@ class Drawing:
             x: Its place [m].
             y: Its middle [m].
             words: The text, one line.
-            size: Its size [point].
+            size: Its size [point], from 1 to 200.
             color: Its colour.
             align: Which part of it is at ``x``: ``left``, ``center`` or ``right``.
             alpha: Its opacity.
@@ -214,7 +217,7 @@ class Drawing:
         if align not in ("left", "center", "right"):
             raise ValueError(f"align is 'left', 'center' or 'right', got {align!r}")
         across, up = (looks.number(name, value, least=-np.inf) for name, value in (("x", x), ("y", y)))
-        ink, high = strokes.Ink.of(color, alpha, layer), looks.number("size", size)
+        ink, high = strokes.Ink.of(color, alpha, layer), looks.number("size", size, least=1.0, most=LARGEST)
         mark = TextMark(across, up, _line(words), ink.color, ink.alpha, high, align, ink.layer)
         return self.add([mark] if words.strip() else [], once)
 

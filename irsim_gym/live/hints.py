@@ -78,7 +78,7 @@ WORLD: dict[str, str] = {
     "save_ani": "load(..., record=True) keeps frames",
     "keyboard": "use key_vel, key_id, control_mode; the options stand in the file: gui: {keyboard: ...}",
     "mouse": "use mouse_pos, mouse_left_pos, mouse_right_pos",
-    "reset_plot": "render() draws anew each time",
+    "reset_plot": "render() draws anew each time; draw.clear() takes away what was drawn by hand",
     "random_polygon_shape": "add(shape={'name': 'polygon', 'random_shape': True}) draws an outline; "
     "with random_shape in the file, reset(random=True) draws all of them anew",
     "load_behavior": "@irsim_gym.behavior registers a function before the file is loaded",

@@ -6,10 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Flags, Floats
 
 FEWEST, MOST = 2, 4
 """A point has so many coordinates: x and y, perhaps a heading and one more; what is left over is not used."""
+
+FARTHEST = 1e9
+"""A coordinate is smaller than this [m]."""
 
 
 def rows(points: Any, *, columns: bool = False, least: int = FEWEST) -> Floats:
@@ -63,13 +66,18 @@ def _table(points: Any, columns: bool) -> Floats | None:
     return table
 
 
+def _are_near(points: Floats) -> Flags:
+    """Return which points are numbers, and not so far away that nobody could draw them."""
+    return np.asarray((np.abs(points[:, :2]) < FARTHEST).all(axis=1))
+
+
 def finite(points: Floats) -> Floats:
-    """Return the points that are numbers, without further coordinates, shape ``(n, 2)``."""
-    return points[np.isfinite(points[:, :2]).all(axis=1), :2].copy()
+    """Return the points that are somewhere, without further coordinates, shape ``(n, 2)``."""
+    return points[_are_near(points), :2].copy()
 
 
 def runs(points: Floats) -> list[Floats]:
-    """Return the parts of a way between points that are no numbers, each of shape ``(n, 2)``."""
-    known = np.isfinite(points[:, :2]).all(axis=1)
+    """Return the parts of a way between points that are nowhere, each of shape ``(n, 2)``."""
+    known = _are_near(points)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], known.astype(np.int8), [0]])))
     return [points[first:end, :2].copy() for first, end in edges.reshape(-1, 2).tolist()]

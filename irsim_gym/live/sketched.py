@@ -53,7 +53,8 @@ class Sketched(Population):
         """Draw a line through points, as ``draw.path``.
 
         Args:
-            traj: A list of points, each a column or flat, or an array with a column for each point [m].
+            traj: A list of points, each a column or flat, or an array with a column for each point [m]: one of two,
+                three or four rows is read so. ``draw.path`` reads rows.
             traj_type: Colour, form of the points and line style, such as ``"r--"``.
             label: Shows nothing, as in IR-SIM.
             show_direction: Draw an arrow at each point, in the direction of its third coordinate [rad].

@@ -30,7 +30,7 @@ class World(Driven):
 
     It is a batch of one of the same simulator that learners use, so a step, a collision or a scan is the same here.
     IR-SIM's names work; the error for one that does not says what to use. ``help`` lists them all. Where IR-SIM has
-    columns, arrays are flat here.
+    columns, arrays are flat here. ``draw`` draws over it.
 
     In a window (``render_mode="human"``) keys do: r reset, n next level, l reload, space pause and resume, F5 pause and
     then one step each, esc quit, x switch between keyboard and auto, v save a figure, y stop and resume drawing. With

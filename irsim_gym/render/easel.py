@@ -114,7 +114,7 @@ class Easel:
         self.wakes = Wakes(self.plan.live, model, reader.trails, self._room, below)
         kept = self.plan.layers[: len(self.wakes.items)]
         self.covered = max(self.plan.covered, kept.max(initial=-np.inf))
-        self.painter = MarkPainter(self._masks, self.point)
+        self.painter = MarkPainter(self.point, layout, shows_title=self._head is not None)
 
     def draw(
         self, worlds: Ints, statuses: Sequence[str], layouts: Sequence[Layout], overlays: Sequence[Overlay]
@@ -234,7 +234,8 @@ class Easel:
             return np.zeros((0, 4), np.int64), np.zeros(len(worlds), np.int64), np.zeros((1, 4))
         placed, ends, inks = list[tuple[int, int, int, int]](), list[int](), [colour(theme.INK, 1.0)]
         for status, time, overlay in zip(statuses, self._state.time[worlds].tolist(), overlays, strict=True):
-            plain, coloured = self._head.place(self._title, status, time, overlay.title)
+            is_named = overlay.title is None
+            plain, coloured = self._head.place(self._title, status, time) if is_named else ([], [])
             placed += [(*word, 0) for word in plain]
             placed += [(*word, len(inks)) for word in coloured]
             ends.append(len(placed))
@@ -279,8 +280,7 @@ class _Job:
         self._cards = {layout: easel.card(layout, desk) for layout in dict.fromkeys(layouts)}
         self._look = easel.look(layouts)
         self._words = easel.words(worlds, statuses, overlays)
-        for overlay in overlays:
-            easel.painter.prepare(overlay)
+        easel.painter.prepare(overlays)
         self._tables = easel.tables(worlds)  # with the masks of new words
         outcomes = [theme.status_colour(status) if theme.ends_episode(status) else None for status in statuses]
         self._tints = np.array([CLEAR if name is None else colour(name, 0.07) for name in outcomes])
@@ -296,6 +296,9 @@ class _Job:
         self._draw_live(frames, desk)
         draw_frames(pictures, frames, self._edges, 2.2 * easel.point, self._look, desk)
         draw_heads(pictures, frames, *self._words, self._tables[-1], self._look.boxes)
+        for f in frames.tolist():
+            if (title := self._overlays[f].title) is not None:
+                easel.painter.write_title(pictures[f], title)
 
     def _draw_live(self, frames: Ints, desk: records.Desk) -> None:
         """Draw what is drawn anew for each picture, and between its layers what somebody laid over the worlds."""

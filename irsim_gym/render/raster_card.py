@@ -102,27 +102,21 @@ class Head:
         self._masks, self._layout, self._titled = masks, layout, titled
         self._name_size, self._size = NAME_SIZE * point, STATUS_SIZE * point
         self._middle = 21.0 * layout.enlargement
-        self._known: dict[tuple[str, str, float, bool], tuple[Placed, Placed, float]] = {}
+        self._known: dict[tuple[str, str, float], tuple[Placed, Placed, float]] = {}
 
-    def place(self, title: str, status: str, time: float, by_hand: str | None = None) -> tuple[Placed, Placed]:
+    def place(self, title: str, status: str, time: float) -> tuple[Placed, Placed]:
         """Return the words in the colour of ink, and those in the colour of the status.
 
         Nearly every frame has a time of its own; the other words stand where they stood beside one of its width.
-
-        Args:
-            title: The world's name or title.
-            status: How its episode stands.
-            time: Elapsed time [s].
-            by_hand: A title in place of all three; None for none.
         """
-        alone, words = self._titled or by_hand is not None, f"{time:.1f} s"
-        width = 0.0 if alone else self._width(words)
-        key = title if by_hand is None else by_hand, status, width, alone
+        words = f"{time:.1f} s"
+        width = 0.0 if self._titled else self._width(words)
+        key = title, status, width
         found = self._known.get(key)
         if found is None:
             if len(self._known) >= REMEMBERED_HEADS:
                 self._known.clear()
-            found = self._known[key] = (self._title(key[0]), [], np.nan) if alone else self._line(*key[:3])
+            found = self._known[key] = (self._title(title), [], np.nan) if self._titled else self._line(*key)
         ink, coloured, right = found
         return (ink if np.isnan(right) else ink + self._letters(words, right - width)), coloured
 

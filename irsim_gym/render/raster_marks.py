@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -11,31 +11,53 @@ from irsim_gym.raster.areas import add_disc, add_polygon
 from irsim_gym.raster.masks import paint_mask
 from irsim_gym.raster.sheets import paint
 from irsim_gym.raster.ways import add_way
+from irsim_gym.render import theme
 from irsim_gym.render.colours import Colour, colour
 from irsim_gym.render.layout import Layout
 from irsim_gym.render.letters import Masks, Word
-from irsim_gym.render.raster_card import whole_box
+from irsim_gym.render.raster_card import Head, whole_box
 from irsim_gym.render.raster_plan import LINE_STYLES
 from irsim_gym.render.styles import faded
 from irsim_gym.world.marks import LineMark, Mark, Overlay, PointsMark, TextMark
+
+REMEMBERED = 256
+"""So many words are kept for further pictures."""
 
 
 class MarkPainter:
     """Paints marks on pictures.
 
     Args:
-        masks: Where words are kept.
         point: Pixels in a point of type.
+        layout: Where things are on a frame.
+        shows_title: There is room for a title.
     """
 
-    def __init__(self, masks: Masks, point: float) -> None:
-        self._masks, self._point = masks, point
+    def __init__(self, point: float, layout: Layout, *, shows_title: bool) -> None:
+        self._point, self._layout, self._shows_title = point, layout, shows_title
+        self._forget()
 
-    def prepare(self, overlay: Overlay) -> None:
-        """Make the words of texts, before threads paint them."""
-        for mark in overlay.marks:
-            if isinstance(mark, TextMark):
-                self._word(mark)
+    def _forget(self) -> None:
+        """Forget the words of earlier pictures; those of the next one may be others."""
+        self._masks = Masks()
+        self._head = Head(self._masks, self._point, self._layout, titled=True)
+
+    def prepare(self, overlays: Iterable[Overlay]) -> None:
+        """Make the words of texts and titles, before threads paint them."""
+        if len(self._masks.rows) > REMEMBERED:
+            self._forget()
+        for overlay in overlays:
+            for mark in overlay.marks:
+                if isinstance(mark, TextMark):
+                    self._word(mark)
+            if overlay.title is not None:
+                self._head.place(overlay.title, "", 0.0)
+
+    def write_title(self, picture: Bytes, title: str) -> None:
+        """Write a title where name, status and time would be."""
+        ink, masks = np.array(colour(theme.INK, 1.0)), self._masks
+        for place in self._head.place(title, "", 0.0)[0] if self._shows_title else ():
+            paint_mask(picture, whole_box(picture), masks.levels, masks.rows, *place, ink)
 
     def paint(self, picture: Bytes, sheet: Rays, box: Ints, layout: Layout, marks: Sequence[Mark]) -> None:
         """Paint marks on a picture, one after the other.

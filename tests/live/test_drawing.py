@@ -155,6 +155,7 @@ def test_looks_of_a_trajectory() -> None:
         (lambda w: w.draw_quiver((1, 2, 1, 0), scale=3), TypeError, "takes no scale=3; it takes color"),
         (lambda w: w.set_title("a\nb"), ValueError, "one line of text"),
         (lambda w: w.draw.text(np.nan, 1, "a"), ValueError, "x is a number, got nan"),
+        (lambda w: w.draw.text(1, 1, "a", size=0.01), ValueError, "size is a number from 1 to 200, got 0.01"),
         (lambda w: w.draw.text(1, 1, "a", align="top"), ValueError, "align is 'left', 'center' or 'right'"),
         (lambda w: w.draw.arrows(PLACES, [[1, 0]]), ValueError, "3 tails and 1 vectors"),
     ],
@@ -185,7 +186,7 @@ def test_arrows_are_as_long_as_their_vectors() -> None:
     assert right.points[:, 0].max() == 3.0
     assert right.points[3].tolist() == [3.0, 1.0]  # the tip
     assert up.points[3] == pytest.approx([2.0, 3.0])
-    assert np.ptp(right.points[:, 1]) == pytest.approx(3 * 1.5 / 16)  # the head: three shafts, of a sixteenth of the mean
+    assert np.ptp(right.points[:, 1]) == pytest.approx(3 * 1.5 / 16)  # three times the shaft
     assert (right.closed, right.fill, right.width) == (True, "black", 0.0)
     drawing.clear()
     drawing.arrows([[1, 1], [2, 2]], [[2, 0], [0, 0.1]], length=0.5, width=0.4)

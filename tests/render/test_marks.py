@@ -156,6 +156,19 @@ def test_a_text_whose_place_is_not_shown_is_not_seen(backend: str) -> None:
     assert np.array_equal(here.render(), before)
 
 
+def test_texts_that_change_leave_nothing_behind() -> None:
+    """A text with a number in it is another one in each picture."""
+    here = room("raster", figure_pixels=[120, 120])
+    for k in range(600):
+        here.draw.text(5, 8, f"{0.1 * k:.1f} s", once=True)
+        here.draw.title(f"step {k}")
+        here.render()
+    easel = here._camera._ready()._easel
+    for masks in (easel.painter._masks, easel._masks):
+        assert len(masks.rows) <= 258
+        assert masks.levels.nbytes < 1 << 20
+
+
 def test_a_title_takes_the_place_of_name_and_time(backend: str) -> None:
     here, titled = room(backend), room(backend, title="by hand")
     plain = here.render()
