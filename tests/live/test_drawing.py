@@ -8,6 +8,7 @@ import logging
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -263,6 +264,48 @@ def test_marks_nobody_renders_do_not_pile_up() -> None:
     assert len(marks(here.draw)) > 1  # those that wait for a picture are in it
     here.render()
     assert len(here.draw) == 0
+
+
+class Window:
+    """Stands for the window: it keeps what is shown."""
+
+    def __init__(self, _: str, picture: Any, *__: Any) -> None:
+        self.pictures, self.picture = [picture], picture
+        self.keyboard = SimpleNamespace(key_id=0)
+
+    def show(self, picture: Any) -> None:
+        self.pictures.append(picture)
+
+    def wait(self, _: float) -> None:
+        pass
+
+    def poll(self, **_: Any) -> list[str]:
+        return []
+
+    def new_limits(self) -> tuple[bool, None]:
+        return False, None
+
+    def close(self) -> None:
+        pass
+
+
+def test_in_a_window_marks_wait_for_the_next_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in IR-SIM, where ``render`` draws at samples alone: what was drawn in between is in the next picture."""
+    monkeypatch.setattr("irsim_gym.live.driven.Driver", Window)
+    here = irsim_gym.load({**SCENARIO, "world": {**SCENARIO["world"], "sample_time": 0.3}}, render_mode="human")
+    here.render(0.0)
+    counts = []
+    for k in range(6):
+        here.draw_points([[k + 1, 7]], c="red")
+        here.step()
+        here.render(0.0)
+        counts.append(len(here.draw))
+    assert counts == [1, 2, 0, 1, 2, 0]
+    assert here._driver is not None
+    red = [int(((one[..., 0] > 200) & (one[..., 1:].max(axis=2) < 60)).sum()) for one in here._driver.pictures]
+    assert len(red) == 3
+    assert red[0] == 0
+    assert min(red[1:]) > 3 * 25  # three discs with a diameter of nine pixels
 
 
 def test_marks_are_drawn_in_the_order_of_the_calls() -> None:
