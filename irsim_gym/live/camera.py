@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.engine import Simulation
+from irsim_gym.live.drawing import Drawing
 from irsim_gym.live.reel import Reel
 from irsim_gym.live.track import Track
 from irsim_gym.world.trails import Trails
@@ -16,6 +18,7 @@ from irsim_gym.world.trails import Trails
 if TYPE_CHECKING:
     from irsim_gym.render import Renderer, WorldRenderer
     from irsim_gym.render.layout import Layout, Limits
+    from irsim_gym.render.scene import Scene
 
 FILMS = (".mp4", ".gif")
 PAGES = (".html",)
@@ -29,16 +32,18 @@ class Camera:
     Paths and trails are those of the track, however seldom a picture is made, and stay when bodies come and go.
     """
 
-    def __init__(self, simulation: Simulation, track: Track, backend: str = "matplotlib") -> None:
+    def __init__(self, simulation: Simulation, track: Track, drawing: Drawing, backend: str = "matplotlib") -> None:
         if backend != "matplotlib":
             from irsim_gym.render import checked_backend
 
             checked_backend(backend)
-        self._simulation, self._track, self._backend = simulation, track, backend
+        self._simulation, self._track, self._drawing, self._backend = simulation, track, drawing, backend
         self._told = 0
         self._renderer: WorldRenderer | None = None
         self._limits: Limits | None = None
         self._reel = Reel()
+        self._is_kept = self._is_rendered = False
+        self._kept_status = ""
 
     def look_at(self, simulation: Simulation) -> None:
         """Draw this simulation from now on; kept frames stay."""
@@ -50,6 +55,34 @@ class Camera:
         from irsim_gym.render.picture import Picture
 
         return self._ready().frame(0, status).view(Picture)
+
+    def show(self, status: str) -> Bytes:
+        """Return a picture that somebody is going to see: what was drawn over the world for one picture is in it.
+
+        A film shows what was seen last of a moment.
+        """
+        picture, drawing = self.frame(status), self._drawing
+        if self._is_kept and (drawing.is_changed or drawing.has_old):
+            self._reel.keep_again(picture, self._ready().scene(0, status))
+            drawing.keep()
+        drawing.shown()
+        self._is_rendered = True
+        return picture
+
+    def leave(self) -> None:
+        """Note that the world goes on from the present moment."""
+        self._catch_up()
+        if len(self._drawing) and not self._is_rendered and self._is_sample():
+            self._drawing.grow_old()
+        self._is_kept = self._is_rendered = False
+
+    def _is_sample(self) -> bool:
+        return int(self._simulation.state.step[0]) % self._simulation.scenario.world.steps_per_sample == 0
+
+    def _catch_up(self) -> None:
+        """Keep the present moment again if it was kept, nobody has seen it, and something was drawn since."""
+        if self._is_kept and not self._is_rendered and self._drawing.is_changed:
+            self._keep(self._reel.keep_again, self._kept_status)
 
     def show_part(self, limits: Limits | None) -> None:
         """Draw another part of the world from now on, x_min, y_min, x_max, y_max [m]; None for what the file says."""
@@ -66,11 +99,19 @@ class Camera:
 
     def keep(self, status: str) -> None:
         """Keep the present moment for films, replays and sheets."""
-        self._reel.keep(self.frame(status), self._ready().scene(0, status), self._simulation)
+        self._is_kept, self._kept_status = True, status
+        self._keep(lambda frame, scene: self._reel.keep(frame, scene, self._simulation), status)
+
+    def _keep(self, keep: Callable[[Bytes, Scene], None], status: str) -> None:
+        """Let somebody keep the present moment, without what only waits to be rendered."""
+        renderer = self._ready()
+        renderer.lay_over(self._drawing.keep())
+        keep(renderer.frame(0, status), renderer.scene(0, status))
 
     def clear(self) -> None:
         """Begin another episode, with new paths and trails."""
         self._told = 0
+        self._drawing.begin()
         self._reel.begin()
         if self._renderer is not None:
             self._renderer.clear()
@@ -93,6 +134,7 @@ class Camera:
             ValueError: Another suffix than those of films, or no frames.
         """
         target = _with_suffix(path, FILMS, "mp4")
+        self._catch_up()
         self._reel.save_film(target, fps)
         return target
 
@@ -103,6 +145,7 @@ class Camera:
             ValueError: Another suffix, or nothing was kept.
         """
         target = _with_suffix(path, PAGES, "html")
+        self._catch_up()
         self._reel.save_html(target)
         return target
 
@@ -113,6 +156,7 @@ class Camera:
             ValueError: Another suffix, no frames, or fewer than two asked for.
         """
         target = _with_suffix(path, PICTURES, "png")
+        self._catch_up()
         self._reel.save_sheet(target, count)
         return target
 
@@ -123,6 +167,7 @@ class Camera:
             ValueError: Another suffix, or nothing was kept.
         """
         target = _with_suffix(path, FIGURES, "png")
+        self._catch_up()
         self._reel.save_strobe(target, self._ready().layout)
         return target
 
@@ -136,6 +181,7 @@ class Camera:
             if self._limits is not None:
                 self._renderer.look_at(self._limits)
         self._tell(self._renderer.trails)
+        self._renderer.lay_over(self._drawing.overlay())
         return self._renderer
 
     def _drawn_by_matplotlib(self) -> Renderer:
@@ -145,9 +191,11 @@ class Camera:
         ready, seen = self._ready(), self._simulation
         if isinstance(ready, Renderer):
             return ready
-        return Renderer(
+        figures = Renderer(
             seen.scenario, seen.model, seen.state, seen.sensors, trails=ready.trails, explored=seen.explored
         )
+        figures.lay_over(self._drawing.overlay())
+        return figures
 
     def _tell(self, trails: Trails) -> None:
         """Add what the track noted since the last picture."""

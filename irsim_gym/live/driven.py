@@ -13,7 +13,7 @@ from irsim_gym.arraytypes import Bytes, Floats
 from irsim_gym.controls.driver import Driver
 from irsim_gym.errors import NoKeyboardWarning
 from irsim_gym.live import hints, moves
-from irsim_gym.live.population import Population
+from irsim_gym.live.sketched import Sketched
 from irsim_gym.scenario import Scenario
 
 Point = tuple[float, float]
@@ -23,7 +23,7 @@ SHOW_S = 0.02
 DEBUGGING = "Pause (Debugging)"
 
 
-class Driven(Population):
+class Driven(Sketched):
     """What a person does to a world: with ``render_mode="human"``, in a window that ``render`` keeps up to date.
 
     Keys and mouse are read by ``render``, which also does what they ask for, such as a reset.
@@ -166,16 +166,16 @@ class Driven(Population):
         if others:
             hints.check_rendering(others)
         if self.render_mode != "human":
-            return self._camera.frame(self._shown_status())
+            return self._camera.show(self._shown_status())
         if self._left:
             raise SystemExit(0)
         if self._driver is None:
-            frame = self._camera.frame(self._shown_status())
+            frame = self._camera.show(self._shown_status())
             self._driver = Driver(self.scenario.name, frame, self.scenario.gui, self._camera.seen)
         elif self._quit:
             pass
         elif not self._hidden and (self._paused or self._is_sample()):
-            self._driver.show(self._camera.frame(self._shown_status()))
+            self._driver.show(self._camera.show(self._shown_status()))
         self._driver.wait(interval)
         self._do_what_is_asked(self._driver)
         return self._driver.picture

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable, Mapping
 
 WINDOW = "load(..., render_mode='human') opens a window; without it nothing is drawn until render() or save_figure()"
-DRAWN = "render() draws bodies as their section `plot` says; for drawings of your own take the array that it returns"
+DRAWN = "render() draws bodies as their section `plot` says; world.draw draws over them"
 CONTACTS = "contact mode is not simulated"
 IN_FILE = "it stands in the scenario: world.scenario"
 
@@ -70,7 +70,6 @@ BODY: dict[str, str] = {
 }
 
 WORLD: dict[str, str] = {
-    "set_title": "the title stands in the file: world: {plot: {title: ...}}",
     "set_status": "status follows from the robots; pause() and resume() change it",
     "quit": "leave the loop, then close(); quit_flag tells whether the person wants to",
     "pause_flag": "use status == 'Pause'",
@@ -79,12 +78,7 @@ WORLD: dict[str, str] = {
     "save_ani": "load(..., record=True) keeps frames",
     "keyboard": "use key_vel, key_id, control_mode; the options stand in the file: gui: {keyboard: ...}",
     "mouse": "use mouse_pos, mouse_left_pos, mouse_right_pos",
-    "reset_plot": "render() draws anew each time",
-    "draw_trajectory": DRAWN,
-    "draw_points": DRAWN,
-    "draw_box": DRAWN,
-    "draw_quiver": DRAWN,
-    "draw_quivers": DRAWN,
+    "reset_plot": "render() draws anew each time; draw.clear() takes away what was drawn by hand",
     "random_polygon_shape": "add(shape={'name': 'polygon', 'random_shape': True}) draws an outline; "
     "with random_shape in the file, reset(random=True) draws all of them anew",
     "load_behavior": "@irsim_gym.behavior registers a function before the file is loaded",

@@ -57,6 +57,13 @@ class Reel:
         recording.note(scene, simulation.state.pose[0], values)
         recording.name = f"episode {len(self._recordings)}: {scene.status.lower()}, {scene.time:.1f} s"
 
+    def keep_again(self, frame: Bytes, scene: Scene) -> None:
+        """Keep the latest moment with other marks over it."""
+        from irsim_gym.render.packing import PackedFrame
+
+        self._frames[-1] = PackedFrame.of(frame)
+        self._recordings[-1].redraw(scene)
+
     def save_film(self, path: Path, fps: float) -> None:
         """Write the frames to a film, as fast as it is asked for, and begin another one.
 

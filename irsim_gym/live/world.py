@@ -16,6 +16,7 @@ from irsim_gym.errors import UnknownNameError
 from irsim_gym.live import hints, moves
 from irsim_gym.live.actions import Actions, Reference, pair_actions
 from irsim_gym.live.camera import Camera, target
+from irsim_gym.live.drawing import Drawing
 from irsim_gym.live.driven import ENDING_S, Driven
 from irsim_gym.live.goals import Goals
 from irsim_gym.live.roster import Roster
@@ -30,7 +31,7 @@ class World(Driven):
 
     It is a batch of one of the same simulator that learners use, so a step, a collision or a scan is the same here.
     IR-SIM's names work; the error for one that does not says what to use. ``help`` lists them all. Where IR-SIM has
-    columns, arrays are flat here.
+    columns, arrays are flat here. ``draw`` draws over it.
 
     In a window (``render_mode="human"``) keys do: r reset, n next level, l reload, space pause and resume, F5 pause and
     then one step each, esc quit, x switch between keyboard and auto, v save a figure, y stop and resume drawing. With
@@ -78,8 +79,8 @@ class World(Driven):
         self._seed, self._episode = _seed(0 if seed is None else seed), 0
         self._read()
         self._begin_driving(mode, self._loaded)
-        self.track = Track()
-        self._camera = Camera(self.simulation, self.track, render_backend)
+        self.track, self.draw = Track(), Drawing()
+        self._camera = Camera(self.simulation, self.track, self.draw, render_backend)
         self._begin(self._loaded.world.status)
 
     def _read(self) -> None:
@@ -217,6 +218,7 @@ class World(Driven):
         if rows and self.simulation.parts.external:
             raise ValueError("step_mode is external: set_state moves the bodies, actions have no effect")
         bodies, commands = moves.commands(self.simulation, {**rows, **self._keys()})
+        self._camera.leave()
         if len(bodies):
             self.simulation.step(commands, bodies)
         else:
@@ -244,6 +246,7 @@ class World(Driven):
                 noise included, and what was set without ``init`` is forgotten. True for the next draw of the level,
                 with the file's bodies.
         """
+        self._camera.leave()
         if not random:
             self.goals.bring_back(self.simulation)
             self.simulation.reset_to_start()
@@ -256,6 +259,7 @@ class World(Driven):
 
     def reload(self) -> None:
         """Read the file again and begin its first level."""
+        self._camera.leave()
         self._episode = 0
         self._read()
         self._take_control_mode(self._loaded)

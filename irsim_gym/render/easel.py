@@ -19,10 +19,12 @@ from irsim_gym.render.layout import Layout
 from irsim_gym.render.letters import Masks
 from irsim_gym.render.raster_card import Card, Head, plot_box, world_box
 from irsim_gym.render.raster_images import Images
+from irsim_gym.render.raster_marks import MarkPainter, marks_by_layer
 from irsim_gym.render.raster_plan import FLAG, Plan
 from irsim_gym.render.reader import SceneReader
 from irsim_gym.render.wakes import Wakes, rows_of
 from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.marks import Overlay
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 from irsim_gym.world.trails import LONGEST
@@ -51,6 +53,14 @@ class Easel:
         explored: Which cells of the world its robots have seen, or None.
         share: Who divides the work among threads, or None.
         layout: Where things are on a frame.
+        lowest: The lowest layer in which somebody draws over the worlds.
+
+    Attributes:
+        plan: What is drawn.
+        point: Pixels in a point of type.
+        wakes: Pictures with the outlines that bodies left behind.
+        painter: Paints what somebody laid over the worlds.
+        covered: The highest layer of what is drawn once; what lies over worlds in a lower one needs another easel.
     """
 
     def __init__(
@@ -64,6 +74,7 @@ class Easel:
         explored: Flags | None,
         share: Share | None,
         layout: Layout,
+        lowest: float,
     ) -> None:
         plot = scenario.world.plot
         self._scenario, self._model, self._state, self._reader = scenario, model, state, reader
@@ -85,6 +96,7 @@ class Easel:
             self._masks,
             self.point,
             fog=explored is not None,
+            lowest=lowest,
         )
         self._image_scale = layout.scale
         self._card = Card(self._masks, self.point, not plot.no_axis)
@@ -98,15 +110,22 @@ class Easel:
             model.segment_start, model.segment_count, self._fixed, model.local_segments.shape[1]
         )
         self._disc_rows = rows_of(model.disc_start, model.disc_count, self._fixed, model.local_discs.shape[1])
-        self.wakes = Wakes(self.plan.live, model, reader.trails, self._room)
+        below = int(np.searchsorted(self.plan.layers, lowest, "right"))
+        self.wakes = Wakes(self.plan.live, model, reader.trails, self._room, below)
+        kept = self.plan.layers[: len(self.wakes.items)]
+        self.covered = max(self.plan.covered, kept.max(initial=-np.inf))
+        self.painter = MarkPainter(self.point, layout, shows_title=self._head is not None)
 
-    def draw(self, worlds: Ints, statuses: Sequence[str], layouts: Sequence[Layout]) -> Bytes:
+    def draw(
+        self, worlds: Ints, statuses: Sequence[str], layouts: Sequence[Layout], overlays: Sequence[Overlay]
+    ) -> Bytes:
         """Draw worlds.
 
         Args:
             worlds: Their indices, shape ``(n,)``.
             statuses: How their episodes stand.
             layouts: Which part of each is shown.
+            overlays: What somebody laid over each.
 
         Returns:
             Pictures, uint8, shape ``(n, height, width, 3)``.
@@ -117,7 +136,7 @@ class Easel:
         if layouts[0].scale != self._image_scale:
             self._image_scale = layouts[0].scale
             self._images = Images(self._scenario, self._image_scale)
-        job = _Job(self, pictures, worlds, statuses, layouts)
+        job = _Job(self, pictures, worlds, statuses, layouts, overlays)
         frames = np.arange(len(worlds))
         if self._share is None or len(worlds) == 1:
             job.draw(Shard(frames))
@@ -209,13 +228,14 @@ class Easel:
             records.Prints(self._masks.levels, self._masks.rows, self._images.pixels, self._images.rows),
         )
 
-    def words(self, worlds: Ints, statuses: Sequence[str]) -> tuple[Ints, Ints, Floats]:
+    def words(self, worlds: Ints, statuses: Sequence[str], overlays: Sequence[Overlay]) -> tuple[Ints, Ints, Floats]:
         """Return the words of the heads: where they stand, where those of each picture end, and their colours."""
         if self._head is None:
             return np.zeros((0, 4), np.int64), np.zeros(len(worlds), np.int64), np.zeros((1, 4))
         placed, ends, inks = list[tuple[int, int, int, int]](), list[int](), [colour(theme.INK, 1.0)]
-        for status, time in zip(statuses, self._state.time[worlds].tolist(), strict=True):
-            plain, coloured = self._head.place(self._title, status, time)
+        for status, time, overlay in zip(statuses, self._state.time[worlds].tolist(), overlays, strict=True):
+            is_named = overlay.title is None
+            plain, coloured = self._head.place(self._title, status, time) if is_named else ([], [])
             placed += [(*word, 0) for word in plain]
             placed += [(*word, len(inks)) for word in coloured]
             ends.append(len(placed))
@@ -244,15 +264,23 @@ class _Job:
     """One call of ``Easel.draw``: what differs from picture to picture."""
 
     def __init__(
-        self, easel: Easel, pictures: Bytes, worlds: Ints, statuses: Sequence[str], layouts: Sequence[Layout]
+        self,
+        easel: Easel,
+        pictures: Bytes,
+        worlds: Ints,
+        statuses: Sequence[str],
+        layouts: Sequence[Layout],
+        overlays: Sequence[Overlay],
     ) -> None:
         self._easel, self._pictures, self._worlds, self._layouts = easel, pictures, worlds, layouts
+        self._overlays = overlays
         self.new_backdrops: dict[tuple[Layout, bytes], Bytes] = {}
         self.new_wakes: dict[int, tuple[Any, Bytes]] = {}
         desk = easel.desk(0)
         self._cards = {layout: easel.card(layout, desk) for layout in dict.fromkeys(layouts)}
         self._look = easel.look(layouts)
-        self._words = easel.words(worlds, statuses)
+        self._words = easel.words(worlds, statuses, overlays)
+        easel.painter.prepare(overlays)
         self._tables = easel.tables(worlds)  # with the masks of new words
         outcomes = [theme.status_colour(status) if theme.ends_episode(status) else None for status in statuses]
         self._tints = np.array([CLEAR if name is None else colour(name, 0.07) for name in outcomes])
@@ -265,9 +293,28 @@ class _Job:
         wakes = self._lay_ground(frames, desk)
         draw_frames(pictures, frames, self._tints, 0.0, self._look, desk)
         self._draw_wakes(frames, wakes, desk)
-        self._draw_items(easel.wakes.others, frames, desk)
+        self._draw_live(frames, desk)
         draw_frames(pictures, frames, self._edges, 2.2 * easel.point, self._look, desk)
         draw_heads(pictures, frames, *self._words, self._tables[-1], self._look.boxes)
+        for f in frames.tolist():
+            if (title := self._overlays[f].title) is not None:
+                easel.painter.write_title(pictures[f], title)
+
+    def _draw_live(self, frames: Ints, desk: records.Desk) -> None:
+        """Draw what is drawn anew for each picture, and between its layers what somebody laid over the worlds."""
+        easel = self._easel
+        items, layers = easel.wakes.others, easel.plan.layers[len(easel.wakes.items) :]
+        is_plain = np.array([not self._overlays[f].marks for f in frames.tolist()])
+        if is_plain.any():
+            self._draw_items(items, frames[is_plain], desk)
+        for f in frames[~is_plain]:
+            first, frame, layout = 0, np.array([f]), self._layouts[f]
+            for layer, marks in marks_by_layer(self._overlays[f]):
+                end = int(np.searchsorted(layers, layer, "right"))
+                self._draw_items(items[first:end], frame, desk)
+                easel.painter.paint(self._pictures[f], desk.sheet, self._look.boxes[f, records.WORLD], layout, marks)
+                first = end
+            self._draw_items(items[first:], frame, desk)
 
     def _draw_items(self, items: Any, frames: Ints, desk: records.Desk) -> None:
         """Draw rows of the plan on some pictures."""

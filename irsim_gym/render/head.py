@@ -54,7 +54,10 @@ class Head:
     def _texts(self, brush: Brush, scene: Scene) -> tuple[tuple[str, float, Type], ...]:
         """Return texts, where they stand across and how they look."""
         pixel = self._pixel(brush)
-        return self._title(brush, scene.title, pixel) if self._titled else self._line(brush, scene, pixel)
+        by_hand = scene.overlay.title
+        if self._titled or by_hand is not None:
+            return self._title(brush, scene.title if by_hand is None else by_hand, pixel)
+        return self._line(brush, scene, pixel)
 
     def _title(self, brush: Brush, title: str, pixel: float) -> tuple[tuple[str, float, Type], ...]:
         """Return the title, over the middle of the drawing area, as far as the picture's edges let it."""

@@ -57,6 +57,11 @@ class Layout:
         row = self.height - (self.bottom + (y - self.limits[1]) * self.scale)
         return column, row
 
+    def contains(self, x: float, y: float) -> bool:
+        """Return whether the drawing area shows the world point x, y [m]."""
+        x_min, y_min, x_max, y_max = self.limits
+        return x_min <= x <= x_max and y_min <= y <= y_max
+
     def showing(self, limits: Limits) -> Layout:
         """Return the layout of a frame that shows another part of the world, as large as the drawing area lets it be.
 

@@ -37,6 +37,8 @@ class Plan:
     Attributes:
         ground: What never moves and has nothing below it.
         live: What is drawn anew for each picture.
+        layers: The layers of these, ascending.
+        covered: The highest layer of what is on the ground; marks from there on lie over it.
         scans: The sensors.
         groups: Their groups, in the order of their readings.
         angles: Directions of all beams [rad].
@@ -56,6 +58,7 @@ class Plan:
         point: float,
         *,
         fog: bool,
+        lowest: float = TOP,
     ) -> None:
         self._model, self._masks, self._point, self._images = model, masks, point, images
         self._bodies = scenario.bodies
@@ -68,10 +71,11 @@ class Plan:
         live = [*self._scan_items(), *self._body_items(), *self._goal_items(), *self._past_items(followed)]
         if fog:
             live.append(((GROUND, FOGS, 0, 0.0), self._item(records.FOG, colours=[colour(theme.FOG, 1.0)])))
-        floor = min((key[0] for key, _ in live), default=TOP)
+        floor = min([lowest, *(key[0] for key, _ in live)])
         fixed = [b for b in self._ordered() if not model.movable[b]]
         live += [row for b in fixed if self._styles[b].order > floor for row in self._fixed_items(b)]
-        self.live = _table(live)
+        self.live, self.layers = _table(live), np.array(sorted(key[0] for key, _ in live))
+        self.covered = max((self._styles[b].order for b in fixed if self._styles[b].order <= floor), default=-np.inf)
         self.ground = _table(
             [
                 ((0.0, *key[1:]), item)

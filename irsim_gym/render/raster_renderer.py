@@ -11,6 +11,7 @@ from irsim_gym.arraytypes import Bytes, Flags
 from irsim_gym.render.easel import Easel, Share
 from irsim_gym.render.layout import Layout
 from irsim_gym.render.renderer import WorldRenderer
+from irsim_gym.render.styles import TOP
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -63,6 +64,10 @@ class RasterRenderer(WorldRenderer):
         state, reader = self._state, self._reader
         for world in dict.fromkeys(chosen.tolist()):
             self.trails.record(np.array([world]), state.step[[world]], state.pose[[world]])
+        overlays = [reader.overlay(world) for world in chosen.tolist()]
+        lowest = min((mark.layer for overlay in overlays for mark in overlay.marks), default=TOP)
+        if self._easel is not None and lowest < self._easel.covered:
+            self._easel = None  # a mark lies below what the easel has for ground
         ready = [status or reader.status(world) for world, status in zip(chosen.tolist(), told, strict=True)]
         if self._easel is None:
             self._easel = Easel(
@@ -75,8 +80,9 @@ class RasterRenderer(WorldRenderer):
                 self._explored,
                 self._share,
                 self._whole,
+                lowest,
             )
-        return self._easel.draw(chosen, ready, [self._layout_of(world) for world in chosen.tolist()])
+        return self._easel.draw(chosen, ready, [self._layout_of(world) for world in chosen.tolist()], overlays)
 
     def _layout_of(self, world: int) -> Layout:
         """Return which part of a world is shown."""

@@ -25,6 +25,7 @@ from irsim_gym.render.styles import BodyStyle, body_style, field_of_view
 from irsim_gym.render.track_reader import TrackReader
 from irsim_gym.scenario.plot_spec import trailing
 from irsim_gym.world.group import Group
+from irsim_gym.world.marks import NOTHING, Overlay
 from irsim_gym.world.model import ROBOT, STATE, WorldModel
 from irsim_gym.world.state import WorldState
 from irsim_gym.world.trails import Trails
@@ -70,6 +71,7 @@ class SceneReader:
         self._viewpoint = scenario.world.plot.viewpoint
         self._fields = {b: field_of_view(body) for b, body in enumerate(scenario.bodies) if self._styles[b].show_field}
         self._explored, self._fogs = explored, dict[int, FogView]()
+        self._overlays: dict[int, Overlay] = {}
         self._map: MapView | None = None
         self._fixed: Kept[tuple[BodyView, ...]] = Kept()
         self._goal_views: Kept[tuple[GoalView, ...]] = Kept()
@@ -107,11 +109,20 @@ class SceneReader:
             map=self.map_view(),
             center=self.center(world),
             fog=self._fog_view(world),
+            overlay=self.overlay(world),
         )
 
     def clear(self, world: int | None = None) -> None:
         """Forget the trails of one world, or of all."""
         self.trails.clear(None if world is None else np.array([world]))
+
+    def lay_over(self, world: int, overlay: Overlay) -> None:
+        """Let scenes of a world have these marks from now on."""
+        self._overlays[world] = overlay
+
+    def overlay(self, world: int) -> Overlay:
+        """Return the marks over a world."""
+        return self._overlays.get(world, NOTHING)
 
     def status(self, world: int) -> str:
         """Return IR-SIM's status: arrived when all robots have, else collision when one collides, else running."""

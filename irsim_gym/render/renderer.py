@@ -11,6 +11,7 @@ from irsim_gym.render.layout import Layout, Limits, lay_out
 from irsim_gym.render.reader import SceneReader
 from irsim_gym.render.scene import Scene
 from irsim_gym.world.group import Group
+from irsim_gym.world.marks import Overlay
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 from irsim_gym.world.trails import Trails
@@ -74,6 +75,10 @@ class WorldRenderer(ABC):
             OptionError: The numbers bound no area.
         """
         self._looked_at = None if limits is None else self._whole.showing(limits).limits
+
+    def lay_over(self, overlay: Overlay, world: int = 0) -> None:
+        """Draw marks over a world from now on, in frames and in saved pictures."""
+        self._reader.lay_over(world, overlay)
 
     def scene(self, world: int = 0, status: str = "") -> Scene:
         """Return what a frame of the world would show, as data."""

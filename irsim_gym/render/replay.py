@@ -10,8 +10,10 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.render.packing import METRE, packed
+from irsim_gym.render.replay_marks import overlay_data
 from irsim_gym.render.replay_tracks import BodyTrack, Changes, FogTrack, ScanTrack, Styles, map_data
 from irsim_gym.render.scene import BodyView, GoalView, MapView, Scene
+from irsim_gym.world.marks import Overlay
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
@@ -42,6 +44,7 @@ class Recording:
     - ``fog``: what nobody has seen, see ``FogTrack``, or None;
     - ``scans``: ``body``, ``style``, ``surrounds``, ``angles``, ``ranges``, ``places`` (x, y, then heading),
       ``speeds``; a range from above ``near`` to below ``far`` is a hit;
+    - ``marks`` (what was drawn over the world) and ``titles``, see ``overlay_data``;
     - ``agents``: ``name``, ``outcome`` (changes), and at each moment ``values``, ``action`` and ``terms`` of the
       reward.
 
@@ -73,6 +76,7 @@ class Recording:
         self._status, self._goals, self._struck, self._maps = Changes(), Changes(), Changes(), Changes()
         self._map: tuple[MapView | None, Any] = (None, None)
         self._fog: FogTrack | None = None
+        self._overlays: list[Overlay] = []
         self._values: list[tuple[Mapping[str, Any], ...]] = []
 
     def __len__(self) -> int:
@@ -134,7 +138,12 @@ class Recording:
         self._times.append(scene.time)
         self._centers.append(scene.center or (np.nan, np.nan))
         self._values.append(tuple(dict(value) for value in values))
+        self._overlays.append(scene.overlay)
         self._last = scene
+
+    def redraw(self, scene: Scene) -> None:
+        """Take other marks for the latest moment: those of this scene."""
+        self._overlays[-1], self._last = scene.overlay, scene
 
     def data(self) -> dict[str, Any]:
         """Return the episode as JSON.
@@ -162,6 +171,7 @@ class Recording:
             "center": None if np.isnan(centers).all() else packed(centers, METRE),
             "agents": [self._agent(a, name) for a, name in enumerate(self._agents)],
             "styles": self._styles.list,
+            **overlay_data(self._overlays),
         }
 
     def _note_bodies(self, scene: Scene, poses: Floats, moment: int) -> None:

@@ -17,7 +17,7 @@ from irsim_gym.render.files import whole_file
 from irsim_gym.render.replay import Recording
 
 SCHEMA, VERSION = "irsim_gym replay", 1
-SCRIPTS = ("data", "shapes", "world", "bodies", "scans", "chart", "player", "input")
+SCRIPTS = ("data", "shapes", "world", "bodies", "scans", "marks", "chart", "player", "input")
 DATA = re.compile(r'<script type="application/octet-stream" id="data">([^<]*)</script>')
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
 from irsim_gym.render.styles import BodyStyle, ScanStyle
+from irsim_gym.world.marks import NOTHING, Overlay
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,6 +215,7 @@ class Scene:
         map: The occupancy map, or None. The same object as long as it has not changed.
         center: Point that stays in the middle of the picture [m], or None.
         fog: What nobody has seen yet, or None. The same object as long as it has not changed.
+        overlay: What somebody drew over the world. The same object as long as it has not changed.
     """
 
     world: int
@@ -233,3 +235,4 @@ class Scene:
     map: MapView | None = None
     center: tuple[float, float] | None = None
     fog: FogView | None = None
+    overlay: Overlay = NOTHING

@@ -27,10 +27,12 @@ from irsim_gym.render.head import Head
 from irsim_gym.render.image_artists import Fog
 from irsim_gym.render.layout import DOTS_PER_INCH, POINTS_PER_INCH, Layout, Limits
 from irsim_gym.render.lettering import Lettering
+from irsim_gym.render.mark_artists import Marks, Words
 from irsim_gym.render.path_artists import Trails
 from irsim_gym.render.scene import BodyView, LabelView, MapView, Scene
 from irsim_gym.render.styles import GROUND, TOP
 from irsim_gym.scenario.plot_spec import SavedFigure
+from irsim_gym.world.marks import Mark, TextMark
 
 READABLE: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42}
 """Text stays text in files that can hold it, and its fonts come along where a format can embed them."""
@@ -73,6 +75,7 @@ class Stage:
         self._fields, self._goals, self._trails = artists.Fields(), artists.Goals(), Trails()
         self._headings, self._impacts = Headings(), Impacts()
         self._labels = artists.Labels(lettering)
+        self._marks, self._words = Marks(), Words(lettering)
         self._outcome = add_frame(axes, layout, linewidth=2.2, facecolor="none", animated=True)
         self._touch = Touch(layout.bounds)
         self._head = Head(lettering, layout, titled=titled) if show_title else None
@@ -164,6 +167,7 @@ class Stage:
     def _anew(self, scene: Scene) -> list[Layer]:
         """Return the layers of all that is not fixed."""
         bodies = scene.fixed + scene.moving
+        marks, words = self._drawn_over(scene)
         parts: tuple[tuple[Any, Sequence[Any], Callable[[Any], float]], ...] = (
             (self._fog, () if scene.fog is None else (scene.fog,), lambda view: GROUND),
             (self._ghosts, scene.ghosts, lambda view: view.style.order),
@@ -176,6 +180,8 @@ class Stage:
             (self._hits, scene.scans, lambda view: TOP),
             (self._impacts, scene.struck, lambda view: TOP),
             (self._labels, self._visible(scene), lambda view: view.style.label_order),
+            (self._marks, marks, _mark_order),
+            (self._words, words, _mark_order),
         )
         return [
             (order, rank, part, chosen)
@@ -185,14 +191,19 @@ class Stage:
 
     def _visible(self, scene: Scene) -> list[LabelView]:
         """Return the labels that stand in the part of the world that is shown."""
-        x_min, y_min, x_max, y_max = self._layout.limits
         point = DOTS_PER_INCH / POINTS_PER_INCH * self._layout.enlargement / self._layout.scale
         labels = clear_of_flags(scene.labels, scene.goals, point)
-        return [view for view in labels if x_min <= view.x <= x_max and y_min <= view.y <= y_max]
+        return [view for view in labels if self._layout.contains(view.x, view.y)]
+
+    def _drawn_over(self, scene: Scene) -> tuple[list[Mark], list[TextMark]]:
+        """Return the marks over the world, and apart from them the texts whose places are shown."""
+        texts = [mark for mark in scene.overlay.marks if isinstance(mark, TextMark)]
+        others: list[Mark] = [mark for mark in scene.overlay.marks if not isinstance(mark, TextMark)]
+        return others, [mark for mark in texts if self._layout.contains(mark.x, mark.y)]
 
     def _play(self, brush: Brush, part: Any, views: Sequence[Any]) -> None:
         """Let a part draw its views, cut at the borders."""
-        if part is self._labels:
+        if part in (self._labels, self._words):
             brush.cut(self._figure.bbox)
         elif part in (self._fixed, self._moving, self._headings, self._impacts):
             brush.cut(brush.wide_box)
@@ -276,6 +287,10 @@ def by_layer(views: Sequence[Any], layer: Callable[[Any], float]) -> Iterator[tu
 
 def _heading_order(view: BodyView) -> float:
     return view.style.order if view.style.arrow_order is None else view.style.arrow_order
+
+
+def _mark_order(mark: Mark) -> float:
+    return mark.layer
 
 
 def _without_alpha(rgba: Bytes) -> Bytes:

@@ -169,12 +169,12 @@ def body_style(body: Any, *, learner: bool = False) -> BodyStyle:
     own = str(body.color if plot.obj_color is None else plot.obj_color)
     label, arrow = _short_name(body.name, robot), _arrow(plot)
     band = plot.traj_width is not None
-    colour, alpha = _faded(own, plot.obj_alpha)
-    goal_colour, goal_alpha = _faded(_or(plot.goal_color, own), plot.goal_alpha)
-    arrow_colour, arrow_alpha = _faded(_or(plot.arrow_color, ARROW if arrow else theme.HEADING), plot.arrow_alpha)
-    path_colour, path_alpha = _faded(_or(plot.traj_color, own), _or(plot.traj_alpha, 0.5 if band else 0.85))
-    field_colour, field_alpha = _faded(plot.fov_color, plot.fov_alpha)
-    label_colour, label_alpha = _faded(plot.text_color, plot.text_alpha)
+    colour, alpha = faded(own, plot.obj_alpha)
+    goal_colour, goal_alpha = faded(_or(plot.goal_color, own), plot.goal_alpha)
+    arrow_colour, arrow_alpha = faded(_or(plot.arrow_color, ARROW if arrow else theme.HEADING), plot.arrow_alpha)
+    path_colour, path_alpha = faded(_or(plot.traj_color, own), _or(plot.traj_alpha, 0.5 if band else 0.85))
+    field_colour, field_alpha = faded(plot.fov_color, plot.fov_alpha)
+    label_colour, label_alpha = faded(plot.text_color, plot.text_alpha)
     return BodyStyle(
         colour=colour,
         alpha=alpha,
@@ -238,7 +238,7 @@ def scan_style(sensor: Any) -> ScanStyle:
     own = _or(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
     alpha = _or(getattr(plot, "alpha", None), getattr(sensor, "alpha", 0.3))
     if not hasattr(plot, "velocity_color"):
-        return ScanStyle(*_faded(own, alpha))
+        return ScanStyle(*faded(own, alpha))
     velocity = VelocityStyle(
         coloured=plot.velocity_color,
         rest_colour=plot.zero_velocity_color,
@@ -253,7 +253,7 @@ def scan_style(sensor: Any) -> ScanStyle:
         mark_edge_colour=plot.velocity_marker_edge_color,
         mark_edge_width=plot.velocity_marker_edge_width,
     )
-    return ScanStyle(*_faded(own, _or(alpha, 1.0 if plot.velocity_color else 0.3)), velocity)
+    return ScanStyle(*faded(own, _or(alpha, 1.0 if plot.velocity_color else 0.3)), velocity)
 
 
 def _or(value: Any, otherwise: Any) -> Any:
@@ -270,8 +270,8 @@ def _arrow(plot: Any) -> tuple[float, float] | None:
 
 def _ghost(plot: Any, own: str) -> BodyStyle:
     """Return how the outlines look that a body leaves behind."""
-    edge, edge_alpha = _faded(_or(plot.trail_edgecolor, own), plot.trail_alpha)
-    fill, fill_alpha = _faded(_or(plot.trail_color, own), plot.trail_alpha)
+    edge, edge_alpha = faded(_or(plot.trail_edgecolor, own), plot.trail_alpha)
+    fill, fill_alpha = faded(_or(plot.trail_color, own), plot.trail_alpha)
     return BodyStyle(
         colour=fill,
         edge_colour=CLEAR if edge_alpha == 0.0 else edge,
@@ -283,7 +283,7 @@ def _ghost(plot: Any, own: str) -> BodyStyle:
     )
 
 
-def _faded(colour: str, alpha: float) -> tuple[str, float]:
+def faded(colour: str, alpha: float) -> tuple[str, float]:
     """Return a colour without the opacity that it may have of its own, and both opacities together."""
     if colour.lower() == CLEAR:
         return "#000000", 0.0

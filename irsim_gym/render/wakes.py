@@ -24,15 +24,16 @@ class Wakes:
         model: The simulation's constants.
         trails: Where its bodies have been.
         room: For how many worlds.
+        end: Only so many items may be kept: somebody draws over them, and below the next one.
 
     Attributes:
         items: Those of ``live`` that are kept: outlines, where nothing lies below them but the ground.
         others: The rest.
     """
 
-    def __init__(self, live: Any, model: WorldModel, trails: Trails, room: int) -> None:
+    def __init__(self, live: Any, model: WorldModel, trails: Trails, room: int, end: int) -> None:
         is_wake = (live["kind"] == records.GHOSTS) & (live["every"] > 1)
-        count = int(np.argmin(np.append(is_wake, False)))
+        count = min(int(np.argmin(np.append(is_wake, False))), end)
         self.items, self.others = live[:count], live[count:]
         self._model, self._trails, self._room = model, trails, room
         bodies = [int(body) for body in self.items["body"]]

@@ -285,6 +285,47 @@ def test_a_moment_looks_like_a_frame(driver: Any, tmp_path: Path) -> None:
     assert page.problems() == []
 
 
+def test_marks_look_like_those_of_a_frame(driver: Any, tmp_path: Path) -> None:
+    """What a script drew is on the page at its moments, where and as large as matplotlib draws it."""
+    scenario = {"world": {"height": 10, "width": 10}, "robot": [{"kinematics": {"name": "diff"}, "state": [5, 5, 0]}]}
+    with irsim_gym.load(scenario, record=True) as world:
+        world.draw.path([[1, 9], [3, 8], [5, 9]], "g--", width=3)
+        frames = []
+        for k in range(3):
+            world.draw.points([[2 + 2 * k, 7], [3 + 2 * k, 7]], color="#ff0000", size=16, once=True)
+            world.draw.points([[2 + 2 * k, 3]], color="#0000ff", marker="*", size=30, once=True)
+            world.draw.points([[3 + 2 * k, 3]], marker="x", size=20, once=True)
+            world.draw.polygon([[7, 1], [9, 1], [9, 2 + k]], fill="#00ff00", color="k", alpha=0.5, once=True)
+            world.draw.text(3, 1 + 0.5 * k, "words", size=14)
+            world.draw.arrows([[1, 5]], [[0.5 + k, 0]], once=True)
+            world.draw.title(["one", None, "three"][k])
+            frames.append(world.render())
+            world.step()
+        replay = world.save_html(tmp_path / "run.html")
+    open_page(driver, replay, 1300, 900)
+    page = Page(driver)
+    page.run(
+        "byId('world').style.cssText = 'position: fixed; left: 0; top: 0; width: 600px; height: 600px; z-index: 9'"
+    )
+    for k in (2, 0, 1):
+        page.run(f"player.go({k})")
+        page.settle()
+        shown = page.picture()[:600, :600].astype(int)
+        off = np.abs(frames[k].astype(int) - shown).max(axis=2)
+        if folder := os.environ.get("IRSIM_GYM_PICTURES"):
+            page.driver.save_screenshot(str(Path(folder) / f"marks-{k}.png"))
+        assert off.mean() < 1.5
+        assert (off > 60).mean() < 0.01
+        assert page.colour(2 + 2 * k, 7) == RED
+        assert page.colour(2 + 2 * k, 3) == BLUE
+        assert page.colour(2 + 2 * ((k + 1) % 3), 7) != RED
+    page.run("player.go(3)")
+    page.settle()
+    assert page.colour(6, 7) != RED
+    assert page.run("return player.episode.marks.length") == 1 + 3 + 3 * 5
+    assert page.problems() == []
+
+
 @pytest.mark.parametrize("size", [(1400, 900), (420, 860)])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_light_dark_wide_and_narrow(driver: Any, replay: Path, size: tuple[int, int], scheme: str) -> None:

@@ -159,11 +159,10 @@ def test_the_map_as_cells() -> None:
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("set_title", "world: {plot: {title"),
         ("keyboard", "use key_vel, key_id"),
         ("quit", r"close\(\); quit_flag"),
         ("headless", "render_mode='human'"),
-        ("draw_points", "render"),
+        ("plot_points", r"world\.draw draws over them"),
         ("random_polygon_shape", "random_shape"),
         ("logger", "logging"),
         ("robt_list", r"did you mean 'robot_list'\?"),

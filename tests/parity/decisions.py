@@ -294,8 +294,7 @@ DECISIONS = {
         "section 12.3",
     ),
     "no_window": Decision(
-        "make opens a window unless it is told not to; log_level and so on are arguments; set_title, draw_points and "
-        "so on change the window",
+        "make opens a window unless it is told not to; log_level and so on are arguments",
         "a window opens when it is asked for (`render_mode='human'`, `display=True`); a name that is not here is an "
         "error that says what to use",
         "most worlds run where nobody looks; a silently ignored call costs its author hours",

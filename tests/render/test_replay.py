@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 from hand_made import SHOWN, Body, World, disc, make_world, standard_world
 
+from irsim_gym.live.drawing import Drawing
 from irsim_gym.render.packing import packed, unpacked
 from irsim_gym.render.replay import Recording
+from irsim_gym.render.replay_marks import overlay_data
 from irsim_gym.render.replay_page import read_html, save_html
 from irsim_gym.render.replay_tracks import FogTrack, map_data
 from irsim_gym.render.scene import FogView, MapView
@@ -171,3 +173,64 @@ def test_what_cannot_be_written(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no replay of version 1"):
         read_html(tmp_path / "other.html")
     assert sorted(file.name for file in tmp_path.iterdir()) == ["other.html"]
+
+
+def test_marks_are_told_with_the_moments_at_which_they_are_seen() -> None:
+    drawing, overlays = Drawing(), []
+    route = drawing.path([[1, 2], [3, 4.0004], [3, 5]], "r--", width=2)
+    for moment in range(6):
+        if moment == 2:
+            drawing.points([[moment, 1], [moment, 1]], marker="x", once=True)
+            drawing.title("two")
+        if moment == 4:
+            route.remove()
+            drawing.text(1.5, 2.5, "gone", align="left", color="#ff000080")
+        overlays.append(drawing.overlay())
+        drawing.shown()
+    data = json.loads(json.dumps(overlay_data(overlays)))
+    line, crosses, words = data["marks"]
+    assert [mark["spans"] for mark in data["marks"]] == [[[0, 4]], [[2, 3]], [[4, 6]]]
+    assert data["titles"] == [[0, None], [2, "two"]]
+    assert unpacked(line["points"], line["count"]) == pytest.approx(np.array([[1, 2], [3, 4], [3, 5]]))
+    assert (line["colour"], line["width"], line["style"], line["closed"], line["fill"]) == (
+        "#ff0000", 2.0, "dashed", False, "",
+    )  # fmt: skip
+    assert (crosses["count"], len(crosses["form"]), crosses["points"]["values"]) == (2, 2, [2000, 1000])
+    assert (words["text"], words["align"], words["colour"]) == ("gone", "left", "#ff0000")
+    assert words["alpha"] == pytest.approx(128 / 255)
+
+
+def test_what_is_drawn_anew_as_it_was_is_one_mark() -> None:
+    """A script that draws its plan at each step does not make the page larger while the plan stays."""
+    drawing, overlays = Drawing(), []
+    for moment in range(50):
+        if moment not in (20, 21):
+            drawing.path([[1, 2], [3, 4]], once=True)
+            drawing.path([[1, 2], [3, 4]], "k", once=True)
+        if moment == 30:
+            drawing.path([[1, 2], [3, 4]], "k", once=True)  # twice at one moment
+        overlays.append(drawing.overlay())
+        drawing.shown()
+    spans = [mark["spans"] for mark in overlay_data(overlays)["marks"]]
+    assert spans == [[[0, 20], [22, 50]], [[0, 20], [22, 50]], [[30, 31]]]
+
+
+def test_a_recording_without_marks_says_so_in_short() -> None:
+    data = recorded(standard_world(), [(2.0, 3.0, 0.0), (2.5, 3.0, 0.3)]).data()
+    assert (data["marks"], data["titles"]) == ([], [[0, None]])
+
+
+def test_a_page_holds_the_marks_of_a_run(tmp_path: Path) -> None:
+    from irsim_gym import load
+
+    room = {"world": {"height": 4, "width": 4}, "robot": {"kinematics": {"name": "diff"}, "state": [1, 1, 0]}}
+    with load(room, record=True) as world:
+        world.draw_trajectory([[1, 1], [3, 3]], "-k")
+        for k in range(4):
+            world.draw_points(np.array([[k, k], [1, 2]]), refresh=True)
+            world.render()
+            world.step()
+        world.set_title("end")
+        data = read_html(world.save_html(tmp_path / "run.html"))["episodes"][0]
+    assert [mark["spans"] for mark in data["marks"]] == [[[0, 5]], [[0, 1]], [[1, 2]], [[2, 3]], [[3, 4]]]
+    assert data["titles"] == [[0, None], [4, "end"]]

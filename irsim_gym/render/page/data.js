@@ -65,6 +65,7 @@ class Episode {
       place: new Table(scan.places[0]),
       heading: new Table(scan.places[1]),
     }));
+    this.marks = data.marks.map((mark) => ({ ...mark, points: new Table(mark.points) }));
     this.goals = data.goals.map(([moment, goals]) => [
       moment, goals.map((goal) => ({ ...goal, style: data.styles[goal.style] })),
     ]);

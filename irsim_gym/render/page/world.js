@@ -7,7 +7,7 @@ const [FADE_STEPS, FAINTEST, MOST_BEAMS] = [28, 0.12, 100];
 const [FLAG_WIDTH, FLAG_HEIGHT] = [6.5, 10.5];
 
 /** Ranks of what is cut at the world's borders, and how far it may reach over them: half the width of a wall [point]. */
-const REACH = { 0: 1.1, 2: 0, 3: 0, 4: 0, 6: 0, 7: 1.1, 8: 1.1, 9: 0, 10: 1.1 };
+const REACH = { 0: 1.1, 2: 0, 3: 0, 4: 0, 6: 0, 7: 1.1, 8: 1.1, 9: 0, 10: 1.1, 12: 0 };
 
 class WorldView {
   constructor(canvas, theme) {
@@ -254,6 +254,9 @@ class WorldView {
     }
     for (const body of there) items.push([body.style.label_order, 11, () => drawLabel(this, body, moment, goals, options)]);
     for (const goal of goals) items.push([goal.style.label_order, 11, () => drawGoalLabel(this, goal)]);
+    for (const mark of episode.marks.filter((mark) => isSeen(mark, moment))) {
+      items.push([mark.layer, "text" in mark ? 13 : 12, () => drawOver(this, mark)]);
+    }
     return items.sort((one, other) => one[0] - other[0] || one[1] - other[1]);
   }
 
@@ -262,10 +265,11 @@ class WorldView {
     const y = plot.top - 21 * this.large;
     context.textBaseline = "middle";
     context.fillStyle = this.page("ink");
-    if (episode.look.titled) {
+    const title = valueAt(episode.titles, moment) ?? (episode.look.titled ? episode.title : null);
+    if (title !== null) {
       context.textAlign = "center";
       context.font = `bold ${9.5 * point}px ${FONT}`;
-      context.fillText(episode.title, plot.left + plot.width / 2, y, this.size[0] - 20);
+      context.fillText(title, plot.left + plot.width / 2, y, this.size[0] - 20);
       return;
     }
     const [left, right] = plot.width > 300 ? [plot.left, plot.left + plot.width] : [10, this.size[0] - 10];

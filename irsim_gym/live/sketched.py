@@ -1,0 +1,184 @@
+"""Drawing over a world under IR-SIM's names."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.live import looks, places, strokes
+from irsim_gym.live.drawing import ARROW, GROUND_LAYER, LINE_LAYER, PATH, Drawing
+from irsim_gym.live.population import Population
+
+LINE_WORDS = {
+    "color": "color", "c": "color", "linewidth": "width", "lw": "width", "linestyle": "style", "ls": "style",
+    "marker": "marker", "markersize": "size", "ms": "size", "alpha": "alpha", "zorder": "layer",
+}  # fmt: skip
+POINT_WORDS = {
+    "marker": "marker", "alpha": "alpha", "zorder": "layer", "linewidths": "width", "linewidth": "width", "lw": "width",
+}  # fmt: skip
+ARROW_WORDS = {"color": "color", "alpha": "alpha", "zorder": "layer"}
+EDGE = 1.0
+"""A point of matplotlib's is larger by the width of its edge [point]."""
+SHARE, FEWEST = 1.8, 10.0
+"""An arrow is so many times, times the root of how many there are and at least this, shorter than the world."""
+THICK, THIN = 0.0075, 0.003
+"""Width of arrows' shafts as a share of the world's, and that of arrows along a trajectory."""
+ORIGIN_SIZE = 36.0
+
+
+class Sketched(Population):
+    """What is drawn over a world by hand.
+
+    ``draw`` is our way of saying it; the methods say it as IR-SIM's scripts do, with its arguments and defaults.
+
+    Attributes:
+        draw: The marks; ``world.draw.path(...)``, ``.points``, ``.polygon``, ``.arrows``, ``.text`` and ``.title``.
+    """
+
+    draw: Drawing
+
+    def draw_trajectory(
+        self,
+        traj: Any,
+        traj_type: str = "-",
+        label: str = "trajectory",
+        show_direction: bool = False,
+        refresh: bool = False,
+        **kwargs: Any,
+    ) -> None:
+        """Draw a line through points, as ``draw.path``.
+
+        Args:
+            traj: A list of points, each a column or flat, or an array with a column for each point [m]: one of two,
+                three or four rows is read so. ``draw.path`` reads rows.
+            traj_type: Colour, form of the points and line style, such as ``"r--"``.
+            label: Shows nothing, as in IR-SIM.
+            show_direction: Draw an arrow at each point, in the direction of its third coordinate [rad].
+            refresh: Only for the next picture; otherwise it stays until ``draw.clear``.
+            **kwargs: ``color``, ``linewidth`` [point], ``linestyle``, ``marker``, ``markersize`` [point], ``alpha``,
+                ``zorder``, and their short names.
+
+        Raises:
+            ValueError: These are no points, they have no headings where these are asked for, or there is no such look.
+            TypeError: Another keyword.
+        """
+        points = places.rows(traj, columns=True)
+        if show_direction and len(points) and points.shape[1] < 3:
+            raise ValueError("show_direction needs the heading of each point as its third coordinate: x, y, heading")
+        given = looks.known_as("draw_trajectory", kwargs, LINE_WORDS)
+        named = looks.parsed(traj_type)
+        ink = strokes.Ink.of(_first(given.get("color"), named.color, PATH), *_look(given, LINE_LAYER))
+        style = looks.line_style(given["style"]) if "style" in given else named.style
+        marker = looks.marker(given["marker"]) if "marker" in given else named.marker
+        look = looks.Format(named.color, style, marker)
+        marks = strokes.line(points, look, ink, given.get("width", 1.5), given.get("size", strokes.MARKER_SIZE))
+        self.draw.add(marks, refresh)
+        if show_direction and len(points):
+            headings = np.column_stack([np.cos(points[:, 2]), np.sin(points[:, 2])])
+            self._draw_arrows(np.hstack([points[:, :2], headings]), THIN, {"alpha": ink.alpha}, refresh)
+
+    def draw_points(self, points: Any, s: float = 30.0, c: Any = None, refresh: bool = True, **kwargs: Any) -> None:
+        """Mark points, as ``draw.points``.
+
+        Args:
+            points: A list of points, each a column or flat, or an array with a column for each point [m]; None for
+                nothing.
+            s: Their area, the square of their diameter [point^2].
+            c: Their colour, or a list with a colour for each.
+            refresh: Only for the next picture; otherwise they stay until ``draw.clear``.
+            **kwargs: ``marker``, ``alpha``, ``zorder``, ``linewidths`` [point] of crosses.
+
+        Raises:
+            ValueError: These are no points, or there is no such look.
+            TypeError: Another keyword.
+        """
+        given = looks.known_as("draw_points", kwargs, POINT_WORDS)
+        if points is None:
+            return
+        rows, size = places.rows(points, columns=True), math.sqrt(looks.number("s", s)) + EDGE
+        width = given.get("width", strokes.MARKER_WIDTH)
+        form = given.get("marker", "o")
+        self.draw.add(strokes.points(rows, c, form, size, width, *_look(given, GROUND_LAYER)), refresh)
+
+    def draw_box(self, vertex: Any, refresh: bool = False, color: str = "-") -> None:
+        """Draw the edge of a polygon, as ``draw.polygon``.
+
+        Args:
+            vertex: Its corners: an array with a column for each, or a list of points, each a column or flat [m].
+            refresh: Only for the next picture; otherwise it stays until ``draw.clear``.
+            color: Colour and line style, such as ``"b--"``.
+
+        Raises:
+            ValueError: These are not three points, or there is no such look.
+        """
+        look = looks.parsed(color)
+        ink = strokes.Ink.of(look.color or PATH, 1.0, LINE_LAYER)
+        corners = places.rows(vertex, columns=True)
+        marks = strokes.area(corners, ink, None, look.style, 1.5)
+        if look.marker:
+            marks += strokes.forms(corners, ink, look.marker, strokes.MARKER_SIZE)
+        self.draw.add(marks, refresh)
+
+    def draw_quiver(self, point: Any, refresh: bool = False, **kwargs: Any) -> None:
+        """Draw a dot and an arrow; all arrows of IR-SIM's have one length, an eighteenth of the world's width.
+
+        ``draw.arrows`` draws them as long as their vectors are.
+
+        Args:
+            point: Its tail [m] and direction: x, y, u, v; None for nothing.
+            refresh: Only for the next picture; otherwise it stays until ``draw.clear``.
+            **kwargs: ``color``, ``alpha``, ``zorder``.
+
+        Raises:
+            ValueError: These are not four numbers, or there is no such look.
+            TypeError: Another keyword.
+        """
+        given = looks.known_as("draw_quiver", kwargs, ARROW_WORDS)
+        if point is not None:
+            self._draw_quivers([np.asarray(point, np.float64).ravel()], given, refresh)
+
+    def draw_quivers(self, points: Any, refresh: bool = False, **kwargs: Any) -> None:
+        """Draw a dot and an arrow for each of some points, see ``draw_quiver``.
+
+        Args:
+            points: A list of x, y, u, v, or an array with a row for each.
+            refresh: Only for the next picture; otherwise they stay until ``draw.clear``.
+            **kwargs: ``color``, ``alpha``, ``zorder``.
+
+        Raises:
+            ValueError: These are not four numbers each, or there is no such look.
+            TypeError: Another keyword.
+        """
+        self._draw_quivers(points, looks.known_as("draw_quivers", kwargs, ARROW_WORDS), refresh)
+
+    def set_title(self, title: str | None) -> None:
+        """Write a title above the world until the next reset, as ``draw.title``; None for what the file says."""
+        self.draw.title(title)
+
+    def _draw_quivers(self, points: Any, given: Mapping[str, Any], once: bool) -> None:
+        rows = places.rows(points, least=4)
+        ink = strokes.Ink.of(given.get("color", ARROW), *_look(given, GROUND_LAYER))
+        self.draw.add(strokes.forms(rows, ink, "o", ORIGIN_SIZE**0.5 + EDGE), once)
+        for row in rows:
+            self._draw_arrows(row[None], THICK, given, once)
+
+    def _draw_arrows(self, rows: Floats, width: float, given: Mapping[str, Any], once: bool) -> None:
+        """Draw arrows of one length: the more there are, the shorter, as matplotlib has it."""
+        x_min, _, x_max, _ = self.simulation.model.bounds.tolist()
+        length = (x_max - x_min) / (SHARE * max(math.ceil(math.sqrt(len(rows))), FEWEST))
+        size = {"length": length, "width": width * (x_max - x_min)}
+        alpha, layer = _look(given, GROUND_LAYER)
+        look = {"color": given.get("color", ARROW), "alpha": alpha, "layer": layer}
+        self.draw.arrows(rows[:, :2], rows[:, 2:4], **size, **look, once=once)
+
+
+def _look(given: Mapping[str, Any], layer: float) -> tuple[Any, Any]:
+    return given.get("alpha", 1.0), given.get("layer", layer)
+
+
+def _first(*values: Any) -> Any:
+    return next(value for value in values if value is not None)

@@ -1,0 +1,138 @@
+"""The marks that somebody laid over a world, for the raster renderer; as ``mark_artists`` draws them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
+from irsim_gym.raster.areas import add_disc, add_polygon
+from irsim_gym.raster.masks import paint_mask
+from irsim_gym.raster.sheets import paint
+from irsim_gym.raster.ways import add_way
+from irsim_gym.render import theme
+from irsim_gym.render.colours import Colour, colour
+from irsim_gym.render.layout import Layout
+from irsim_gym.render.letters import Masks, Word
+from irsim_gym.render.raster_card import Head, whole_box
+from irsim_gym.render.raster_plan import LINE_STYLES
+from irsim_gym.render.styles import faded
+from irsim_gym.world.marks import LineMark, Mark, Overlay, PointsMark, TextMark
+
+REMEMBERED = 256
+"""So many words are kept for further pictures."""
+
+
+class MarkPainter:
+    """Paints marks on pictures.
+
+    Args:
+        point: Pixels in a point of type.
+        layout: Where things are on a frame.
+        shows_title: There is room for a title.
+    """
+
+    def __init__(self, point: float, layout: Layout, *, shows_title: bool) -> None:
+        self._point, self._layout, self._shows_title = point, layout, shows_title
+        self._forget()
+
+    def _forget(self) -> None:
+        """Forget the words of earlier pictures; those of the next one may be others."""
+        self._masks = Masks()
+        self._head = Head(self._masks, self._point, self._layout, titled=True)
+
+    def prepare(self, overlays: Iterable[Overlay]) -> None:
+        """Make the words of texts and titles, before threads paint them."""
+        if len(self._masks.rows) > REMEMBERED:
+            self._forget()
+        for overlay in overlays:
+            for mark in overlay.marks:
+                if isinstance(mark, TextMark):
+                    self._word(mark)
+            if overlay.title is not None:
+                self._head.place(overlay.title, "", 0.0)
+
+    def write_title(self, picture: Bytes, title: str) -> None:
+        """Write a title where name, status and time would be."""
+        ink, masks = np.array(colour(theme.INK, 1.0)), self._masks
+        for place in self._head.place(title, "", 0.0)[0] if self._shows_title else ():
+            paint_mask(picture, whole_box(picture), masks.levels, masks.rows, *place, ink)
+
+    def paint(self, picture: Bytes, sheet: Rays, box: Ints, layout: Layout, marks: Sequence[Mark]) -> None:
+        """Paint marks on a picture, one after the other.
+
+        Args:
+            picture: uint8, shape ``(height, width, 3)``.
+            sheet: An empty sheet of its size.
+            box: Where the world is on it.
+            layout: Where things are on it.
+            marks: The marks, all of one layer: texts come last.
+        """
+        for mark in marks:
+            if isinstance(mark, LineMark):
+                self._paint_line(picture, sheet, box, layout, mark)
+            elif isinstance(mark, PointsMark):
+                self._paint_points(picture, sheet, box, layout, mark)
+        for mark in marks:
+            if isinstance(mark, TextMark) and layout.contains(mark.x, mark.y):
+                self._write(picture, layout, mark)
+
+    def _paint_line(self, picture: Bytes, sheet: Rays, box: Ints, layout: Layout, mark: LineMark) -> None:
+        places = _pixels(layout, mark.points)
+        if mark.fill:
+            add_polygon(sheet, box, places, 0, len(places))
+            paint(picture, sheet, box, _ink(mark.fill, mark.alpha), False)
+        if mark.width > 0.0:
+            self._add_way(sheet, box, places, mark.width, LINE_STYLES[mark.style], closed=mark.closed)
+            paint(picture, sheet, box, _ink(mark.color, mark.alpha), False)
+
+    def _paint_points(self, picture: Bytes, sheet: Rays, box: Ints, layout: Layout, mark: PointsMark) -> None:
+        ink, size = _ink(mark.color, mark.alpha), mark.size * self._point
+        form = [size * part * np.array([1.0, -1.0]) for part in mark.form]
+        for place in _pixels(layout, mark.points):
+            if not form:
+                add_disc(sheet, box, place[0], place[1], 0.5 * size, 1.0)
+            for part in form:
+                if mark.width > 0.0:
+                    self._add_way(sheet, box, part + place, mark.width, LINE_STYLES["solid"], closed=False)
+                else:
+                    add_polygon(sheet, box, part + place, 0, len(part))
+            if ink[3] < 1.0:  # opaque ones may become one area
+                paint(picture, sheet, box, ink, False)
+        paint(picture, sheet, box, ink, False)
+
+    def _add_way(self, sheet: Rays, box: Ints, places: Floats, width: float, style: int, *, closed: bool) -> None:
+        """Add a line to a sheet."""
+        room = np.empty((2 * len(places) + 4, 2))
+        room[: len(places)] = places
+        add_way(sheet, box, room, len(places), width * self._point, closed, False, style)
+
+    def _write(self, picture: Bytes, layout: Layout, mark: TextMark) -> None:
+        word = self._word(mark)
+        column, row = layout.column_row(mark.x, mark.y)
+        left = column - {"left": 0.0, "center": 0.5, "right": 1.0}[mark.align] * word.width
+        place = round(left), round(row + 0.5 * word.height - word.foot)
+        masks, ink = self._masks, _ink(mark.color, mark.alpha)
+        paint_mask(picture, whole_box(picture), masks.levels, masks.rows, word.mask, *place, ink)
+
+    def _word(self, mark: TextMark) -> Word:
+        return self._masks.word(mark.text, mark.size * self._point)
+
+
+def marks_by_layer(overlay: Overlay) -> Iterator[tuple[float, list[Mark]]]:
+    """Yield layers and their marks, the lowest first."""
+    found: dict[float, list[Mark]] = {}
+    for mark in overlay.marks:
+        found.setdefault(mark.layer, []).append(mark)
+    yield from sorted(found.items())
+
+
+def _ink(name: str, alpha: float) -> Floats:
+    tone: Colour = colour(*faded(name, alpha))
+    return np.array(tone)
+
+
+def _pixels(layout: Layout, points: Floats) -> Floats:
+    """Return columns and rows of points [m]."""
+    return np.asarray(np.array(layout.column_row(0.0, 0.0)) + points * np.array([layout.scale, -layout.scale]))
