@@ -29,9 +29,6 @@ class Driven(Population):
     Keys and mouse are read by ``render``, which also does what they ask for, such as a reset.
     """
 
-    _status: str
-    _paused: bool
-
     def _begin_driving(self, render_mode: str | None, scenario: Scenario) -> None:
         self.render_mode = render_mode
         self._control_mode: Literal["auto", "keyboard"] = "auto"
@@ -63,11 +60,6 @@ class Driven(Population):
     @abstractmethod
     def save_figure(self, path: str | Path | None = None) -> Path:
         """Write a picture to a file and return its path."""
-
-    @property
-    @abstractmethod
-    def scenario(self) -> Scenario:
-        """What the file says, with the bodies that are here now."""
 
     @property
     def control_mode(self) -> Literal["auto", "keyboard"]:
@@ -174,7 +166,7 @@ class Driven(Population):
             self._driver = Driver(self.scenario.name, frame, self.scenario.gui, self._camera.seen)
         elif self._quit:
             pass
-        elif not self._hidden and (self._paused or self._is_sample()):
+        elif not self._hidden and (self._paused or self.sampling):
             self._driver.show(self._camera.frame(self._shown_status()))
         self._driver.wait(interval)
         self._do_what_is_asked(self._driver)
@@ -216,14 +208,6 @@ class Driven(Population):
                 self._hidden = not self._hidden
             case "quit":
                 self._quit = True
-
-    @abstractmethod
-    def _shown_status(self) -> str:
-        """Return the status as a picture shows it."""
-
-    @abstractmethod
-    def _is_sample(self) -> bool:
-        """Return whether the present moment is a sample."""
 
     def show(self) -> None:
         """Show the world in a window until the person closes it or presses esc.

@@ -14,12 +14,12 @@ from irsim_gym.live.actions import Reference
 from irsim_gym.live.body import Body
 from irsim_gym.live.camera import Camera
 from irsim_gym.live.carry import rebuild
-from irsim_gym.live.crowd import Crowd
+from irsim_gym.live.standing import Standing
 from irsim_gym.scenario.edit import add_bodies, remove_body
 from irsim_gym.world.model import OBSTACLE
 
 
-class Population(Crowd):
+class Population(Standing):
     """The bodies of a world, and what changes who is there."""
 
     _camera: Camera
