@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.engine import Simulation
+from irsim_gym.live.painted import PaintedBeams
 from irsim_gym.live.reel import Reel
 from irsim_gym.live.track import Track
+from irsim_gym.scenario.looks import drawn_with, saved_with
 from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
     from irsim_gym.render import Renderer, WorldRenderer
     from irsim_gym.render.layout import Layout, Limits
+    from irsim_gym.render.scene import Scene
+    from irsim_gym.scenario import Scenario
 
 FILMS = (".mp4", ".gif")
 PAGES = (".html",)
@@ -27,6 +32,9 @@ class Camera:
     """Draws one simulation. The renderer is made with the first picture.
 
     Paths and trails are those of the track, however seldom a picture is made, and stay when bodies come and go.
+
+    Attributes:
+        painted: Beams in colours of their own.
     """
 
     def __init__(self, simulation: Simulation, track: Track, backend: str = "matplotlib") -> None:
@@ -38,6 +46,9 @@ class Camera:
         self._told = 0
         self._renderer: WorldRenderer | None = None
         self._limits: Limits | None = None
+        self._options: Mapping[str, Any] = {}
+        self.painted = PaintedBeams()
+        self._painted_version = 0
         self._reel = Reel()
 
     def look_at(self, simulation: Simulation) -> None:
@@ -50,6 +61,17 @@ class Camera:
         from irsim_gym.render.picture import Picture
 
         return self._ready().frame(0, status).view(Picture)
+
+    def draw_with(self, options: Mapping[str, Any]) -> None:
+        """Draw all bodies with these keys of ``plot`` in place of their own, until other ones are given.
+
+        Raises:
+            ScenarioError: One of them has a bad value.
+        """
+        if options != self._options:
+            drawn_with(self._simulation.scenario, options)
+            self._options = dict(options)
+            self.close()
 
     def show_part(self, limits: Limits | None) -> None:
         """Draw another part of the world from now on, x_min, y_min, x_max, y_max [m]; None for what the file says."""
@@ -66,7 +88,18 @@ class Camera:
 
     def keep(self, status: str) -> None:
         """Keep the present moment for films, replays and sheets."""
-        self._reel.keep(self.frame(status), self._ready().scene(0, status), self._simulation)
+        self._reel.keep(self.frame(status), self._scene(status), self._simulation)
+
+    def _scene(self, status: str) -> Scene:
+        """Return the present moment as data, each scan in one piece."""
+        ready = self._ready()
+        if not self.painted.version:
+            return ready.scene(0, status)
+        from irsim_gym.render import Renderer
+
+        seen = self._simulation
+        parts = self._scenario(), seen.model, seen.state, seen.sensors
+        return Renderer(*parts, trails=ready.trails, explored=seen.explored).scene(0, status)
 
     def clear(self) -> None:
         """Begin another episode, with new paths and trails."""
@@ -75,15 +108,23 @@ class Camera:
         if self._renderer is not None:
             self._renderer.clear()
 
-    def save_figure(self, path: Path, status: str) -> Path:
+    def save_figure(self, path: Path, status: str, options: Mapping[str, Any]) -> Path:
         """Write a picture to a file, in the format of its suffix or of the scenario; return the path.
 
+        Args:
+            path: The file.
+            status: How the world stands.
+            options: Keys of ``saved_figure`` in place of the scenario's.
+
         Raises:
+            ScenarioError: One of them has a bad value.
             ValueError: Another suffix than those of figures.
         """
-        options = self._simulation.scenario.world.plot.saved_figure
-        target = _with_suffix(path, FIGURES, options.format)
-        self._drawn_by_matplotlib().save(target, 0, status, dots_per_inch=options.dpi)
+        scenario = saved_with(self._scenario(), options) if options else self._scenario()
+        saved = scenario.world.plot.saved_figure
+        target = _with_suffix(path, FIGURES, saved.format)
+        drawn = self._drawn_by_matplotlib(scenario if options else None)
+        drawn.save(target, 0, status, dots_per_inch=saved.dpi)
         return target
 
     def save_film(self, path: Path, fps: float) -> Path:
@@ -127,27 +168,38 @@ class Camera:
         return target
 
     def _ready(self) -> WorldRenderer:
+        if self._painted_version != self.painted.version:
+            self._painted_version = self.painted.version
+            self.close()
+        self.painted.follow()
         if self._renderer is None:
             from irsim_gym.render import make_renderer
 
             seen = self._simulation
-            parts = seen.scenario, seen.model, seen.state, seen.sensors
+            parts = self._scenario(), seen.model, seen.state, self.painted.groups(seen)
             self._renderer = make_renderer(self._backend, *parts, explored=seen.explored)
             if self._limits is not None:
                 self._renderer.look_at(self._limits)
         self._tell(self._renderer.trails)
         return self._renderer
 
-    def _drawn_by_matplotlib(self) -> Renderer:
-        """Return a renderer that writes files, whichever draws the frames."""
+    def _scenario(self) -> Scenario:
+        """Return what is drawn, as it is to be drawn."""
+        scenario = self._simulation.scenario
+        return drawn_with(scenario, self._options) if self._options else scenario
+
+    def _drawn_by_matplotlib(self, scenario: Scenario | None) -> Renderer:
+        """Return a renderer that writes files, whichever draws the frames; of another scenario a new one."""
         from irsim_gym.render import Renderer
 
         ready, seen = self._ready(), self._simulation
-        if isinstance(ready, Renderer):
+        if isinstance(ready, Renderer) and scenario is None:
             return ready
-        return Renderer(
-            seen.scenario, seen.model, seen.state, seen.sensors, trails=ready.trails, explored=seen.explored
-        )
+        parts = scenario or self._scenario(), seen.model, seen.state, self.painted.groups(seen)
+        made = Renderer(*parts, trails=ready.trails, explored=seen.explored)
+        if self._limits is not None:
+            made.look_at(self._limits)
+        return made
 
     def _tell(self, trails: Trails) -> None:
         """Add what the track noted since the last picture."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from abc import abstractmethod
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,9 +12,11 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats
 from irsim_gym.controls.driver import Driver
-from irsim_gym.errors import NoKeyboardWarning
-from irsim_gym.live import hints, moves
+from irsim_gym.errors import NoEffectWarning, NoKeyboardWarning
+from irsim_gym.live import moves
+from irsim_gym.live.arguments import drawing_options
 from irsim_gym.live.population import Population
+from irsim_gym.live.vectors import vector
 from irsim_gym.scenario import Scenario
 
 Point = tuple[float, float]
@@ -75,6 +78,16 @@ class Driven(Population):
         return self._quit
 
     @property
+    def headless(self) -> bool:
+        """There is no window."""
+        return self.render_mode != "human"
+
+    @property
+    def disable_all_plot(self) -> bool:
+        """IR-SIM's name for ``headless``."""
+        return self.headless
+
+    @property
     def display(self) -> bool:
         """There is a window and pictures are drawn in it; the key y changes it."""
         return self.render_mode == "human" and not self._quit and not self._hidden
@@ -87,7 +100,7 @@ class Driven(Population):
     @property
     def key_vel(self) -> Floats:
         """What the held keys ask for: ahead [m/s], aside [rad/s], turning [rad/s]; shape ``(3,)``."""
-        return np.zeros(3) if self._driver is None else self._driver.keyboard.key_vel
+        return vector(np.zeros(3) if self._driver is None else self._driver.keyboard.key_vel, self.columns)
 
     @property
     def mouse_pos(self) -> Point | None:
@@ -140,23 +153,31 @@ class Driven(Population):
             return None
         return int(robots[self.key_id])
 
-    def render(self, interval: float = INTERVAL_S, **others: Any) -> Bytes:
+    def render(
+        self,
+        interval: float = INTERVAL_S,
+        figure_kwargs: Mapping[str, Any] | None = None,
+        mode: str = "dynamic",
+        **drawing: Any,
+    ) -> Bytes:
         """Return a picture of the world, uint8, shape ``(height, width, 3)``; show it where there is a window.
 
-        With a window, one picture for each ``sample_time`` is drawn, and what keys ask for is done. What is drawn is
-        said by the sections ``plot``, not by arguments.
+        With a window, one picture for each ``sample_time`` is drawn, and what keys ask for is done.
 
         Args:
             interval: How long to let people look [s]; without a window nothing waits.
-            **others: IR-SIM's other arguments, where they ask for what is so anyway.
+            figure_kwargs: IR-SIM's; it changes nothing, and a warning says so.
+            mode: IR-SIM's ``dynamic``, ``static`` or ``all``; all bodies are drawn in each.
+            **drawing: Keys of the sections ``plot`` such as ``show_goal=True``: so all bodies are drawn in this
+                picture, and in the frames that are kept until the next call. Others change nothing but give a warning.
 
         Raises:
-            TypeError: One of them asks for something else.
+            ScenarioError: One of these keys has a bad value.
+            ValueError: Another mode.
             NoWindowError: With ``render_mode="human"``: there is no display, or no toolkit that works.
             SystemExit: The person quit, and the caller went on.
         """
-        if others:
-            hints.check_rendering(others)
+        self._camera.draw_with(drawing_options(figure_kwargs, mode, drawing))
         if self.render_mode != "human":
             return self._camera.frame(self._shown_status())
         if self._left:
@@ -212,12 +233,15 @@ class Driven(Population):
     def show(self) -> None:
         """Show the world in a window until the person closes it or presses esc.
 
+        Without ``render_mode="human"`` there is none, and nothing to wait for; a warning says so.
+
         Raises:
             NoWindowError: There is no display, or no toolkit that works.
-            ValueError: The world was loaded without ``render_mode="human"``.
         """
         if self.render_mode != "human":
-            raise ValueError("there is no window: load(..., render_mode='human') opens one")
+            message = "there is no window to show: load(..., render_mode='human') opens one"
+            warnings.warn(message, NoEffectWarning, stacklevel=2)
+            return
         while not self._quit:
             self.render(SHOW_S)
 

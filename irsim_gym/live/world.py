@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self
@@ -12,8 +13,9 @@ import numpy as np
 
 from irsim_gym.engine import compile
 from irsim_gym.errors import UnknownNameError
-from irsim_gym.live import hints, moves
+from irsim_gym.live import moves
 from irsim_gym.live.actions import Actions, Reference, pair_actions
+from irsim_gym.live.arguments import read_arguments
 from irsim_gym.live.camera import Camera
 from irsim_gym.live.filmed import Filmed
 from irsim_gym.live.goals import Goals
@@ -29,7 +31,7 @@ class World(Filmed):
 
     It is a batch of one of the same simulator that learners use, so a step, a collision or a scan is the same here.
     IR-SIM's names work; the error for one that does not says what to use. ``help`` lists them all. Where IR-SIM has
-    columns, arrays are flat here.
+    columns, arrays are flat here, or columns too with ``columns=True``.
 
     In a window (``render_mode="human"``) keys do: r reset, n next level, l reload, space pause and resume, F5 pause and
     then one step each, esc quit, x switch between keyboard and auto, v save a figure, y stop and resume drawing. With
@@ -46,8 +48,11 @@ class World(Filmed):
         render_backend: Who draws frames: ``"matplotlib"`` or ``"raster"``; figures in files are matplotlib's.
         record: Keep a frame of the start and of each sample, for ``save_animation`` and its like.
         save_ani: IR-SIM's way: as ``record``, and ``end`` writes the film.
-        **others: Values for the scenario's parameters, and IR-SIM's other arguments where they ask for what is so
-            anyway; ``display=True`` is ``render_mode="human"``.
+        columns: Give away states, velocities, goals and their like as IR-SIM does, as columns ``(n, 1)``, and corners
+            as ``(2, n)``. Without it they are flat, and NumPy refuses to combine a flat one with a column.
+        **others: Values for the scenario's parameters, and IR-SIM's other arguments: ``display=True`` is
+            ``render_mode="human"``, ``step_mode`` replaces the file's, ``log_level`` is that of ``logger``,
+            ``ani_kwargs`` are defaults of ``end``, ``world_name`` is the file; the rest may ask for what is so anyway.
 
     Raises:
         ScenarioError: The file cannot be used; the error lists every problem with its line.
@@ -66,20 +71,29 @@ class World(Filmed):
         render_backend: str = "matplotlib",
         record: bool = False,
         save_ani: bool = False,
+        columns: bool = False,
         **others: Any,
     ) -> None:
-        mode, self._parameters = hints.check_arguments(render_mode, others)
-        self._source = _beside_the_script() if scenario is None else scenario
+        self.columns = columns
+        self._asked = asked = read_arguments(render_mode, others)
+        named = asked.file if scenario is None else scenario
+        self._source: ScenarioSource = _beside_the_script() if named is None else named
+        self._film = asked.film
         self._record, self._save_at_end, self._unsaved = record or save_ani, save_ani, False
         self._seed, self._episode = _seed(0 if seed is None else seed), 0
         self._read()
-        self._begin_driving(mode, self._loaded)
+        self._begin_driving(asked.render_mode, self._loaded)
+        if asked.log_level is not None:
+            self.logger.setLevel(asked.log_level)
         self.track = Track()
         self._camera = Camera(self.simulation, self.track, render_backend)
         self._begin(self._loaded.world.status)
 
     def _read(self) -> None:
-        self._loaded = load_scenario(self._source, self._parameters)
+        loaded = load_scenario(self._source, self._asked.parameters)
+        if self._asked.step_mode is not None:
+            loaded = replace(loaded, world=replace(loaded.world, step_mode=self._asked.step_mode))
+        self._loaded = loaded
         self._compile()
 
     def _compile(self) -> None:
@@ -104,7 +118,7 @@ class World(Filmed):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.close()
+        self._free() if error is not None else self.close()
 
     def done(self, mode: Literal["all", "any"] = "all") -> bool:
         """Return whether all robots, or any, have arrived or are held in place by a collision.
@@ -183,16 +197,33 @@ class World(Filmed):
         self._camera.look_at(self.simulation)
         self._begin("Reset")
 
-    def reload(self) -> None:
-        """Read the file again and begin its first level."""
+    def reload(self, world_name: ScenarioSource | None = None) -> None:
+        """Read the file again, or another one, and begin its first level.
+
+        Args:
+            world_name: The other file, which is reloaded from then on.
+
+        Raises:
+            ScenarioError: The file cannot be used; then the world stays as it is.
+        """
+        before = self._source
+        self._source = before if world_name is None else world_name
+        try:
+            self._read()
+        except Exception:
+            self._source = before
+            raise
         self._episode = 0
-        self._read()
         self._take_control_mode(self._loaded)
         self._camera.look_at(self.simulation)
         self._begin("Reload")
 
-    def set_random_seed(self, seed: int) -> None:
+    def set_random_seed(self, seed: int, reload: bool = False) -> None:
         """Draw from another stream from now on; the next ``reset(random=True)`` begins with its first level.
+
+        Args:
+            seed: Which one.
+            reload: Read the file again and begin that level at once.
 
         Raises:
             TypeError: The seed is no whole number.
@@ -200,6 +231,8 @@ class World(Filmed):
         """
         self._seed, self._episode = _seed(seed), -1
         self.simulation.state.random[:] = self.simulation.streams(self._seed)
+        if reload:
+            self.reload()
 
 
 def load(
@@ -210,6 +243,7 @@ def load(
     render_backend: str = "matplotlib",
     record: bool = False,
     save_ani: bool = False,
+    columns: bool = False,
     **others: Any,
 ) -> World:
     """Load a scenario to run it by hand, without learning; arguments and errors are those of ``World``."""
@@ -220,6 +254,7 @@ def load(
         render_backend=render_backend,
         record=record,
         save_ani=save_ani,
+        columns=columns,
         **others,
     )
 
