@@ -171,11 +171,10 @@ class Moment:
         With ``columns`` as IR-SIM has it: a list of its states as columns, one for each step, without the start; empty
         for a body that never moves.
         """
-        states = self._world.track.states_of(self._name)
         if not self._world.columns:
-            return frozen(states[:, :3])
-        size = 0 if self.static else len(self.state)
-        return [vector(state[:size], True) for state in states[1:]] if size else []
+            return frozen(self._world.track.poses_of(self._name))
+        states = self._world.track.states_of(self._name)[1:, : len(self.state)]
+        return [] if self.static else [vector(state, True) for state in states]
 
     @property
     def info(self) -> reports.RobotInfo:

@@ -59,6 +59,10 @@ class Track:
                 poses.append(rows[b])
         return np.array(poses).reshape(-1, 4)
 
+    def poses_of(self, name: str) -> Floats:
+        """Return the poses of a body while it was there [m, m, rad], shape ``(n, 3)``."""
+        return self.states_of(name)[:, :3]
+
     def __len__(self) -> int:
         return len(self._rows)
 

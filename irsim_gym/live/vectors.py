@@ -24,6 +24,8 @@ class Vector(np.ndarray[Any, Any]):
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         if method == "__call__" and ufunc.signature is None:
             _refuse_columns(inputs)
+        if "out" in options:
+            options["out"] = tuple(map(_plain, options["out"]))
         return getattr(ufunc, method)(*map(_plain, inputs), **options)
 
     def __getitem__(self, key: Any) -> Any:
