@@ -58,7 +58,7 @@ def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> Asked:
     if step_mode not in (None, *get_args(StepMode)):
         raise ValueError(f"step_mode must be 'internal' or 'external', got {step_mode!r}")
     rest = {name: value for name, value in others.items() if name not in hints.LOAD and name not in hints.TAKEN}
-    film = film_options(others.get("ani_kwargs") or {}, stacklevel=5)
+    film = film_options(others.get("ani_kwargs") or {}, stacklevel=6)
     return Asked(mode, others.get("world_name"), step_mode, _level(others.get("log_level")), film, rest)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -287,3 +288,21 @@ def test_painted_beams_follow_the_scan() -> None:
     anew.robot.set_laser_color(range(8, 13), "blue", 1.0)
     anew.step([10.0, 0.0])
     assert np.array_equal(seen, anew.render())
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda here: irsim_gym.load(SCENARIO, ani_kwargs={"colour": 1}),
+        lambda here: here.render(show_traj=True),
+        lambda here: here.render(figure_kwargs={"dpi": 1}),
+        lambda here: here.end(0, colour=1),
+        lambda here: here.end(0, "film.gif"),
+        lambda here: here.close(0, colour=1),
+        lambda here: here.show(),
+    ],
+)
+def test_warnings_point_at_the_script(call: Callable[[Any], Any]) -> None:
+    with pytest.warns(NoEffectWarning) as told:
+        call(world())
+    assert [Path(warning.filename).name for warning in told] == [Path(__file__).name]
