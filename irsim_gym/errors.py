@@ -120,6 +120,10 @@ class NoKeyboardWarning(UserWarning):
     """A file asks for a keyboard, and there is none."""
 
 
+class NoEffectWarning(UserWarning):
+    """A script asks for what changes nothing here, or for a file that cannot be written."""
+
+
 def suggestion(name: str, known: Iterable[str]) -> str:
     """Return ``" (did you mean 'x'?)"`` for the nearest known name, else an empty string."""
     near = nearest(name, known)

@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.live import reports
-from irsim_gym.live.body_names import BodyNames
+from irsim_gym.errors import NoEffectWarning
+from irsim_gym.live import free_goals, reports
 from irsim_gym.live.goals import read_goals
+from irsim_gym.live.moment import Moment
+from irsim_gym.live.painted import HIGHLIGHT
+from irsim_gym.live.planner_names import PlannerNames
 
 STATE = ("x", "y", "heading", "steering")
+LOW, HIGH = (0.0, 0.0, -np.pi), (10.0, 10.0, np.pi)
 
 
-class Body(BodyNames):
+class Body(PlannerNames):
     """A view of one body. It holds no state of its own, so it is always as the world is now.
 
-    Arrays are flat copies in metres, radians and seconds. They are read-only: writing into one would change nothing,
-    so it is an error; ``set_state``, ``set_velocity`` and ``set_goal`` change a body. A view outlives resets; a body
-    that was removed answers with an UnknownNameError. A name of IR-SIM's that is not here says what to use.
+    Arrays are copies in metres, radians and seconds, flat unless the world has ``columns``. They are read-only:
+    writing into one would change nothing, so it is an error; ``set_state``, ``set_velocity`` and ``set_goal`` change a
+    body. A view outlives resets; a body that was removed answers with an UnknownNameError. A name of IR-SIM's that is
+    not here says what to use.
     """
 
     __slots__ = ()
@@ -77,6 +83,60 @@ class Body(BodyNames):
             ValueError: It is none of these.
         """
         self._world.goals.write(self._simulation, self._b, read_goals(goal), init=init)
+
+    def set_random_goal(
+        self,
+        obstacle_list: Iterable[Moment] = (),
+        init: bool = False,
+        free: bool = True,
+        goal_check_radius: float = 0.2,
+        range_limits: Sequence[Sequence[float]] | None = None,
+        max_attempts: int = 100,
+    ) -> None:
+        """Draw a goal in place of each of those that are left, from the world's random stream.
+
+        Where no place is clear of the obstacles, the last one drawn is taken, with a warning, as in IR-SIM.
+
+        Args:
+            obstacle_list: The bodies that a goal must not touch.
+            init: Have them after a reset as well.
+            free: Keep them clear of these bodies.
+            goal_check_radius: Room around a goal that counts for that [m].
+            range_limits: Least and greatest x, y, heading [m, m, rad]; by default ``range_low`` and ``range_high`` of
+                its behavior, else ``[0, 0, -pi]`` and ``[10, 10, pi]``.
+            max_attempts: Draws for each goal.
+
+        Raises:
+            ValueError: The limits are none, or there is not even one attempt.
+        """
+        behavior = self.spec.behavior
+        low, high = range_limits or (getattr(behavior, "range_low", LOW), getattr(behavior, "range_high", HIGH))
+        if max_attempts < 1:
+            raise ValueError(f"max_attempts is 1 or more, got {max_attempts!r}")
+        others = [self._world.roster.index(body.name) for body in obstacle_list] if free else []
+        drawn = []
+        for _ in range(max(len(self.goals), 1)):
+            goal, is_clear = free_goals.draw(self._simulation, low, high, others, goal_check_radius, max_attempts)
+            drawn.append(goal)
+            if not is_clear:
+                message = f"no place clear of the obstacles for a goal of '{self._name}' in {max_attempts} draws"
+                warnings.warn(message, NoEffectWarning, stacklevel=2)
+        self._world.goals.write(self._simulation, self._b, np.array(drawn), init=init)
+
+    def set_laser_color(self, laser_indices: Iterable[int], laser_color: str | None = None, alpha: float = 0.3) -> None:
+        """Draw some beams of its first range sensor in another colour, and all others in the sensor's.
+
+        Args:
+            laser_indices: Which of them; numbers that no beam has are passed over.
+            laser_color: Their colour; orange by default.
+            alpha: Their opacity; 0 hides them.
+
+        Raises:
+            UnknownNameError: It has no range sensor.
+            ValueError: There is no such colour, or the opacity is not between 0 and 1.
+        """
+        count = len(self.scan()["ranges"])
+        self._world.painted.paint(self._name, count, laser_indices, laser_color or HIGHLIGHT, alpha)
 
     def append_goal(self, goal: Any) -> None:
         """Add goals behind those that are left."""

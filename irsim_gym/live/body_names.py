@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live import hints
 from irsim_gym.live.moment import Moment
-from irsim_gym.live.reports import ObstacleInfo, RobotInfo, frozen
+from irsim_gym.live.reports import ObstacleInfo, RobotInfo
 from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD
 
 if TYPE_CHECKING:
@@ -64,24 +64,24 @@ class BodyNames(Moment):
     @property
     def position(self) -> Floats:
         """x, y [m], shape ``(2,)``."""
-        return frozen(self.state[:2])
+        return self._vector(self._simulation.state.pose[0, self._b, :2])
 
     @property
     def orientation(self) -> float:
         """Heading of its own frame [rad]."""
-        return float(self.state[2])
+        return float(self._simulation.state.pose[0, self._b, 2])
 
     @property
     def heading(self) -> float:
         """Where it drives to [rad]: for ``omni`` the direction of its velocity while it moves, else ``orientation``."""
-        vx, vy = self.velocity_xy
+        vx, vy = map(float, self._simulation.state.twist[0, self._b, :2])
         is_sideways = self._simulation.model.drive[self._b] in (OMNI_WORLD, OMNI_BODY)
         return math.atan2(vy, vx) if is_sideways and (vx or vy) else self.orientation
 
     @property
     def velocity_xy(self) -> Floats:
         """vx, vy in the world frame [m/s], shape ``(2,)``."""
-        return frozen(self.twist[:2])
+        return self._vector(self._simulation.state.twist[0, self._b, :2])
 
     @property
     def shape(self) -> str:
@@ -101,17 +101,17 @@ class BodyNames(Moment):
     @property
     def vel_min(self) -> Floats:
         """Least velocities in the drive's coordinates [m/s or rad/s]."""
-        return frozen(self._simulation.model.velocity_min[0, self._b, : self._command_size])
+        return self._vector(self._simulation.model.velocity_min[0, self._b, : self._command_size])
 
     @property
     def vel_max(self) -> Floats:
         """Greatest velocities in the drive's coordinates [m/s or rad/s]."""
-        return frozen(self._simulation.model.velocity_max[0, self._b, : self._command_size])
+        return self._vector(self._simulation.model.velocity_max[0, self._b, : self._command_size])
 
     @property
     def acce(self) -> Floats:
         """Greatest changes per second [m/s2 or rad/s2]; may be infinite."""
-        return frozen(self._simulation.model.acceleration_limit[0, self._b, : self._command_size])
+        return self._vector(self._simulation.model.acceleration_limit[0, self._b, : self._command_size])
 
     @property
     def color(self) -> str:

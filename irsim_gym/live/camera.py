@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.engine import Simulation
 from irsim_gym.live.drawing import Drawing
+from irsim_gym.live.painted import PaintedBeams
 from irsim_gym.live.reel import Reel
 from irsim_gym.live.track import Track
+from irsim_gym.scenario.looks import drawn_with, saved_with
+from irsim_gym.world.marks import Overlay
 from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
     from irsim_gym.render import Renderer, WorldRenderer
     from irsim_gym.render.layout import Layout, Limits
     from irsim_gym.render.scene import Scene
+    from irsim_gym.scenario import Scenario
 
 FILMS = (".mp4", ".gif")
 PAGES = (".html",)
@@ -30,6 +34,9 @@ class Camera:
     """Draws one simulation. The renderer is made with the first picture.
 
     Paths and trails are those of the track, however seldom a picture is made, and stay when bodies come and go.
+
+    Attributes:
+        painted: Beams in colours of their own.
     """
 
     def __init__(self, simulation: Simulation, track: Track, drawing: Drawing, backend: str = "matplotlib") -> None:
@@ -41,6 +48,9 @@ class Camera:
         self._told = 0
         self._renderer: WorldRenderer | None = None
         self._limits: Limits | None = None
+        self._options: Mapping[str, Any] = {}
+        self.painted = PaintedBeams()
+        self._painted_version = 0
         self._reel = Reel()
         self._is_kept = self._is_rendered = False
         self._kept_status = ""
@@ -63,7 +73,7 @@ class Camera:
         """
         picture, drawing = self.frame(status), self._drawing
         if self._is_kept and (drawing.is_changed or drawing.has_old):
-            self._reel.keep_again(picture, self._ready().scene(0, status))
+            self._reel.keep_again(picture, self._scene(status))
             drawing.keep()
         drawing.shown()
         self._is_rendered = True
@@ -83,6 +93,17 @@ class Camera:
         """Keep the present moment again if it was kept, nobody has seen it, and something was drawn since."""
         if self._is_kept and not self._is_rendered and self._drawing.is_changed:
             self._keep(self._reel.keep_again, self._kept_status)
+
+    def draw_with(self, options: Mapping[str, Any]) -> None:
+        """Draw all bodies with these keys of ``plot`` in place of their own, until other ones are given.
+
+        Raises:
+            ScenarioError: One of them has a bad value.
+        """
+        if options != self._options:
+            drawn_with(self._simulation.scenario, options)
+            self._options = dict(options)
+            self.close()
 
     def show_part(self, limits: Limits | None) -> None:
         """Draw another part of the world from now on, x_min, y_min, x_max, y_max [m]; None for what the file says."""
@@ -104,9 +125,24 @@ class Camera:
 
     def _keep(self, keep: Callable[[Bytes, Scene], None], status: str) -> None:
         """Let somebody keep the present moment, without what only waits to be rendered."""
-        renderer = self._ready()
-        renderer.lay_over(self._drawing.keep())
-        keep(renderer.frame(0, status), renderer.scene(0, status))
+        renderer, overlay = self._ready(), self._drawing.keep()
+        renderer.lay_over(overlay)
+        keep(renderer.frame(0, status), self._scene(status, overlay))
+
+    def _scene(self, status: str, overlay: Overlay | None = None) -> Scene:
+        """Return the present moment as data, each scan in one piece; by default with all that was drawn over it."""
+        ready = self._ready()
+        if overlay is not None:
+            ready.lay_over(overlay)
+        if not self.painted.version:
+            return ready.scene(0, status)
+        from irsim_gym.render import Renderer
+
+        seen = self._simulation
+        parts = self._scenario(), seen.model, seen.state, seen.sensors
+        whole = Renderer(*parts, trails=ready.trails, explored=seen.explored)
+        whole.lay_over(self._drawing.overlay() if overlay is None else overlay)
+        return whole.scene(0, status)
 
     def clear(self) -> None:
         """Begin another episode, with new paths and trails."""
@@ -116,15 +152,23 @@ class Camera:
         if self._renderer is not None:
             self._renderer.clear()
 
-    def save_figure(self, path: Path, status: str) -> Path:
+    def save_figure(self, path: Path, status: str, options: Mapping[str, Any]) -> Path:
         """Write a picture to a file, in the format of its suffix or of the scenario; return the path.
 
+        Args:
+            path: The file.
+            status: How the world stands.
+            options: Keys of ``saved_figure`` in place of the scenario's.
+
         Raises:
+            ScenarioError: One of them has a bad value.
             ValueError: Another suffix than those of figures.
         """
-        options = self._simulation.scenario.world.plot.saved_figure
-        target = _with_suffix(path, FIGURES, options.format)
-        self._drawn_by_matplotlib().save(target, 0, status, dots_per_inch=options.dpi)
+        scenario = saved_with(self._scenario(), options) if options else self._scenario()
+        saved = scenario.world.plot.saved_figure
+        target = _with_suffix(path, FIGURES, saved.format)
+        drawn = self._drawn_by_matplotlib(scenario if options else None)
+        drawn.save(target, 0, status, dots_per_inch=saved.dpi)
         return target
 
     def save_film(self, path: Path, fps: float) -> Path:
@@ -172,11 +216,15 @@ class Camera:
         return target
 
     def _ready(self) -> WorldRenderer:
+        if self._painted_version != self.painted.version:
+            self._painted_version = self.painted.version
+            self.close()
+        self.painted.follow()
         if self._renderer is None:
             from irsim_gym.render import make_renderer
 
             seen = self._simulation
-            parts = seen.scenario, seen.model, seen.state, seen.sensors
+            parts = self._scenario(), seen.model, seen.state, self.painted.groups(seen)
             self._renderer = make_renderer(self._backend, *parts, explored=seen.explored)
             if self._limits is not None:
                 self._renderer.look_at(self._limits)
@@ -184,18 +232,24 @@ class Camera:
         self._renderer.lay_over(self._drawing.overlay())
         return self._renderer
 
-    def _drawn_by_matplotlib(self) -> Renderer:
-        """Return a renderer that writes files, whichever draws the frames."""
+    def _scenario(self) -> Scenario:
+        """Return what is drawn, as it is to be drawn."""
+        scenario = self._simulation.scenario
+        return drawn_with(scenario, self._options) if self._options else scenario
+
+    def _drawn_by_matplotlib(self, scenario: Scenario | None) -> Renderer:
+        """Return a renderer that writes files, whichever draws the frames; of another scenario a new one."""
         from irsim_gym.render import Renderer
 
         ready, seen = self._ready(), self._simulation
-        if isinstance(ready, Renderer):
+        if isinstance(ready, Renderer) and scenario is None:
             return ready
-        figures = Renderer(
-            seen.scenario, seen.model, seen.state, seen.sensors, trails=ready.trails, explored=seen.explored
-        )
-        figures.lay_over(self._drawing.overlay())
-        return figures
+        parts = scenario or self._scenario(), seen.model, seen.state, self.painted.groups(seen)
+        made = Renderer(*parts, trails=ready.trails, explored=seen.explored)
+        made.lay_over(self._drawing.overlay())
+        if self._limits is not None:
+            made.look_at(self._limits)
+        return made
 
     def _tell(self, trails: Trails) -> None:
         """Add what the track noted since the last picture."""

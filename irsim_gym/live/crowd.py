@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -13,6 +13,7 @@ from irsim_gym.live import hints
 from irsim_gym.live.actions import Reference
 from irsim_gym.live.body import Body
 from irsim_gym.live.goals import Goals
+from irsim_gym.live.painted import PaintedBeams
 from irsim_gym.live.reports import ObstacleInfo, OccupancyGrid, RobotInfo, occupancy
 from irsim_gym.live.roster import Roster
 from irsim_gym.live.track import Track
@@ -27,17 +28,24 @@ class Crowd(ABC):
         roster: Names and numbers of the bodies.
         goals: Writes goals; ``Body.set_goal`` uses it.
         track: Where bodies have been since the reset; ``Body.trajectory`` reads it.
+        columns: Arrays are given away as IR-SIM's columns, shape ``(n, 1)``, and points as ``(2, n)``.
     """
 
     simulation: Simulation
     roster: Roster
     goals: Goals
     track: Track
+    columns: bool
+
+    @property
+    @abstractmethod
+    def painted(self) -> PaintedBeams:
+        """Beams in colours of their own; ``Body.set_laser_color`` paints them."""
 
     if not TYPE_CHECKING:  # a checker of types would otherwise take any name for known
 
         def __getattr__(self, name: str) -> NoReturn:
-            if name in dir(type(self)) or name.startswith("_"):
+            if name in dir(type(self)) or (name.startswith("_") and name not in hints.WORLD):
                 object.__getattribute__(self, name)  # tells what went wrong in a property
             raise AttributeError(hints.missing("a world", name, hints.WORLD, dir(self)), name=name, obj=self)
 
@@ -120,13 +128,13 @@ class Crowd(ABC):
         """Return the obstacle map as cells, None without one; other bodies are not drawn into it."""
         return occupancy(self.simulation)
 
-    def get_object_by_name(self, name: str) -> Body:
-        """Return the body of that name, as ``world[name]`` does."""
-        return self[name]
+    def get_object_by_name(self, name: str) -> Body | None:
+        """Return the body of that name, None if there is none; ``world[name]`` raises then."""
+        return next((body for body in self.objects if body.name == name), None)
 
-    def get_object_by_id(self, number: int) -> Body:
-        """Return the body with that number, as ``world[number]`` does."""
-        return self[number]
+    def get_object_by_id(self, target_id: int) -> Body | None:
+        """Return the body with that number, None if there is none; ``world[number]`` raises then."""
+        return next((body for body in self.objects if body.id == target_id), None)
 
     def get_group_by_name(self, group_name: str) -> list[Body]:
         """Return the bodies of a group; an entry's bodies are one, named after role and number unless it says else."""
@@ -136,9 +144,9 @@ class Crowd(ABC):
         """Return the state of the first robot."""
         return self.robot.state
 
-    def get_robot_info(self, number: int = 0) -> RobotInfo:
+    def get_robot_info(self, id: int = 0) -> RobotInfo:
         """Return what a robot is; it is meant by its number."""
-        return self[number].info
+        return self[id].info
 
     def get_robot_info_list(self) -> list[RobotInfo]:
         """Return what each robot is."""
@@ -148,10 +156,10 @@ class Crowd(ABC):
         """Return where each obstacle is."""
         return [obstacle.obstacle_info for obstacle in self.obstacles]
 
-    def get_lidar_scan(self, number: int = 0) -> dict[str, Any]:
+    def get_lidar_scan(self, id: int = 0) -> dict[str, Any]:
         """Return the scan of a body's first range sensor; see ``Body.scan``."""
-        return self[number].scan()
+        return self[id].scan()
 
-    def get_lidar_offset(self, number: int = 0) -> tuple[float, float, float] | None:
+    def get_lidar_offset(self, id: int = 0) -> tuple[float, float, float] | None:
         """Return the mount pose of a body's first sensor in the body frame [m, m, rad]."""
-        return self[number].lidar_offset
+        return self[id].lidar_offset

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from abc import abstractmethod
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,9 +12,11 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats
 from irsim_gym.controls.driver import Driver
-from irsim_gym.errors import NoKeyboardWarning
-from irsim_gym.live import hints, moves
+from irsim_gym.errors import NoEffectWarning, NoKeyboardWarning
+from irsim_gym.live import moves
+from irsim_gym.live.arguments import drawing_options
 from irsim_gym.live.sketched import Sketched
+from irsim_gym.live.vectors import vector
 from irsim_gym.scenario import Scenario
 
 Point = tuple[float, float]
@@ -28,9 +31,6 @@ class Driven(Sketched):
 
     Keys and mouse are read by ``render``, which also does what they ask for, such as a reset.
     """
-
-    _status: str
-    _paused: bool
 
     def _begin_driving(self, render_mode: str | None, scenario: Scenario) -> None:
         self.render_mode = render_mode
@@ -65,11 +65,6 @@ class Driven(Sketched):
         """Write a picture to a file and return its path."""
 
     @property
-    @abstractmethod
-    def scenario(self) -> Scenario:
-        """What the file says, with the bodies that are here now."""
-
-    @property
     def control_mode(self) -> Literal["auto", "keyboard"]:
         """Who drives the chosen robot: its behaviour and ``step``'s actions, or the keys; the key x changes it."""
         return self._control_mode
@@ -81,6 +76,16 @@ class Driven(Sketched):
         The next ``render`` after the one that noticed ends the program (``SystemExit``), for loops that ask nobody.
         """
         return self._quit
+
+    @property
+    def headless(self) -> bool:
+        """There is no window."""
+        return self.render_mode != "human"
+
+    @property
+    def disable_all_plot(self) -> bool:
+        """IR-SIM's name for ``headless``."""
+        return self.headless
 
     @property
     def display(self) -> bool:
@@ -95,7 +100,7 @@ class Driven(Sketched):
     @property
     def key_vel(self) -> Floats:
         """What the held keys ask for: ahead [m/s], aside [rad/s], turning [rad/s]; shape ``(3,)``."""
-        return np.zeros(3) if self._driver is None else self._driver.keyboard.key_vel
+        return vector(np.zeros(3) if self._driver is None else self._driver.keyboard.key_vel, self.columns)
 
     @property
     def mouse_pos(self) -> Point | None:
@@ -148,23 +153,31 @@ class Driven(Sketched):
             return None
         return int(robots[self.key_id])
 
-    def render(self, interval: float = INTERVAL_S, **others: Any) -> Bytes:
+    def render(
+        self,
+        interval: float = INTERVAL_S,
+        figure_kwargs: Mapping[str, Any] | None = None,
+        mode: str = "dynamic",
+        **drawing: Any,
+    ) -> Bytes:
         """Return a picture of the world, uint8, shape ``(height, width, 3)``; show it where there is a window.
 
-        With a window, one picture for each ``sample_time`` is drawn, and what keys ask for is done. What is drawn is
-        said by the sections ``plot``, not by arguments.
+        With a window, one picture for each ``sample_time`` is drawn, and what keys ask for is done.
 
         Args:
             interval: How long to let people look [s]; without a window nothing waits.
-            **others: IR-SIM's other arguments, where they ask for what is so anyway.
+            figure_kwargs: IR-SIM's; it changes nothing, and a warning says so.
+            mode: IR-SIM's ``dynamic``, ``static`` or ``all``; all bodies are drawn in each.
+            **drawing: Keys of the sections ``plot`` such as ``show_goal=True``: so all bodies are drawn in this
+                picture, and in the frames that are kept until the next call. Others change nothing but give a warning.
 
         Raises:
-            TypeError: One of them asks for something else.
+            ScenarioError: One of these keys has a bad value.
+            ValueError: Another mode.
             NoWindowError: With ``render_mode="human"``: there is no display, or no toolkit that works.
             SystemExit: The person quit, and the caller went on.
         """
-        if others:
-            hints.check_rendering(others)
+        self._camera.draw_with(drawing_options(figure_kwargs, mode, drawing))
         if self.render_mode != "human":
             return self._camera.show(self._shown_status())
         if self._left:
@@ -174,7 +187,7 @@ class Driven(Sketched):
             self._driver = Driver(self.scenario.name, frame, self.scenario.gui, self._camera.seen)
         elif self._quit:
             pass
-        elif not self._hidden and (self._paused or self._is_sample()):
+        elif not self._hidden and (self._paused or self.sampling):
             self._driver.show(self._camera.show(self._shown_status()))
         self._driver.wait(interval)
         self._do_what_is_asked(self._driver)
@@ -217,23 +230,18 @@ class Driven(Sketched):
             case "quit":
                 self._quit = True
 
-    @abstractmethod
-    def _shown_status(self) -> str:
-        """Return the status as a picture shows it."""
-
-    @abstractmethod
-    def _is_sample(self) -> bool:
-        """Return whether the present moment is a sample."""
-
     def show(self) -> None:
         """Show the world in a window until the person closes it or presses esc.
 
+        Without ``render_mode="human"`` there is none, and nothing to wait for; a warning says so.
+
         Raises:
             NoWindowError: There is no display, or no toolkit that works.
-            ValueError: The world was loaded without ``render_mode="human"``.
         """
         if self.render_mode != "human":
-            raise ValueError("there is no window: load(..., render_mode='human') opens one")
+            message = "there is no window to show: load(..., render_mode='human') opens one"
+            warnings.warn(message, NoEffectWarning, stacklevel=2)
+            return
         while not self._quit:
             self.render(SHOW_S)
 

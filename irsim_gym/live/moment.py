@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live import reports
-from irsim_gym.live.reports import frozen
+from irsim_gym.live.vectors import frozen, goal_of, vector
 
 if TYPE_CHECKING:
     from irsim_gym.engine import Simulation
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Moment:
-    """Reads what a body is, where it is and what it sees; its arrays are flat copies that cannot be written into."""
+    """Reads what a body is, where it is and what it sees; its arrays are copies that cannot be written into."""
 
     __slots__ = ("_name", "_world")
 
@@ -45,6 +45,10 @@ class Moment:
     @property
     def _command_size(self) -> int:
         return reports.command_size(self._simulation, self._b)
+
+    def _vector(self, values: Floats) -> Floats:
+        """Return numbers as the world gives them away: flat, or as a column."""
+        return vector(values, self._world.columns)
 
     @property
     def spec(self) -> BodySpec:
@@ -86,22 +90,26 @@ class Moment:
         """x, y, heading [m, m, rad], shape ``(3,)``; with the steering angle [rad] of an ``acker`` drive ``(4,)``."""
         state, drive = self._simulation.state, self.spec.kinematics
         steering = [float(state.steering[0, self._b])] if getattr(drive, "state_size", 3) > 3 else []
-        return frozen(np.array([*state.pose[0, self._b], *steering]))
+        return self._vector(np.array([*state.pose[0, self._b], *steering]))
 
     @property
     def velocity(self) -> Floats:
         """Velocity in the drive's coordinates [m/s or rad/s], shape ``(2,)`` or ``(3,)``."""
-        return frozen(self._simulation.state.velocity[0, self._b, : self._command_size])
+        return self._vector(self._simulation.state.velocity[0, self._b, : self._command_size])
 
     @property
     def twist(self) -> Floats:
         """vx, vy, turn rate in the world frame [m/s, m/s, rad/s], shape ``(3,)``."""
-        return frozen(self._simulation.state.twist[0, self._b])
+        return self._vector(self._simulation.state.twist[0, self._b])
 
     @property
     def goal(self) -> Floats | None:
-        """The goal that is next: x, y, heading [m, m, rad], NaN for any heading; None without one."""
-        return self.goals[0] if len(self.goals) else None
+        """The goal that is next: x, y, heading [m, m, rad]; None without one.
+
+        Where any heading will do, it is NaN, or with ``columns`` left out.
+        """
+        goals = self.goals
+        return goal_of(goals[0], self._world.columns) if len(goals) else None
 
     @property
     def goals(self) -> Floats:
@@ -150,23 +158,33 @@ class Moment:
 
     @property
     def vertices(self) -> Floats:
-        """Corners in the world frame [m], shape ``(n, 2)``; empty for a circle."""
-        return frozen(reports.outline_rows(self._simulation, self._b)[0][:, :2])
+        """Corners in the world frame [m], shape ``(n, 2)``; empty for a circle.
+
+        With ``columns`` they are ``(2, n)``, and a circle has 64.
+        """
+        return reports.corners(self._simulation, self._b, columns=self._world.columns)
 
     @property
-    def trajectory(self) -> Floats:
-        """Its poses since the reset, the start first [m, m, rad], shape ``(n, 3)``."""
-        return frozen(self._world.track.poses_of(self._name))
+    def trajectory(self) -> Any:
+        """Its poses since the reset, the start first [m, m, rad], shape ``(n, 3)``.
+
+        With ``columns`` as IR-SIM has it: a list of its states as columns, one for each step, without the start; empty
+        for a body that never moves.
+        """
+        if not self._world.columns:
+            return frozen(self._world.track.poses_of(self._name))
+        states = self._world.track.states_of(self._name)[1:, : len(self.state)]
+        return [] if self.static else [vector(state, True) for state in states]
 
     @property
     def info(self) -> reports.RobotInfo:
         """What it is: shape, drive, limits, half-planes."""
-        return reports.robot_info(self._simulation, self._b, self.id, self.goal)
+        return reports.robot_info(self._simulation, self._b, self.id, self.goal, columns=self._world.columns)
 
     @property
     def obstacle_info(self) -> reports.ObstacleInfo:
         """Where it is: centre, corners, velocity, half-planes."""
-        return reports.obstacle_info(self._simulation, self._b)
+        return reports.obstacle_info(self._simulation, self._b, columns=self._world.columns)
 
     def scan(self, sensor: int = 0) -> dict[str, Any]:
         """Return a scan under IR-SIM's keys: ``angle_min``, ``angle_max``, ``angle_increment``, ``ranges`` and so on.

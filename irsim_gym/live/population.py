@@ -14,12 +14,12 @@ from irsim_gym.live.actions import Reference
 from irsim_gym.live.body import Body
 from irsim_gym.live.camera import Camera
 from irsim_gym.live.carry import rebuild
-from irsim_gym.live.crowd import Crowd
+from irsim_gym.live.standing import Standing
 from irsim_gym.scenario.edit import add_bodies, remove_body
 from irsim_gym.world.model import OBSTACLE
 
 
-class Population(Crowd):
+class Population(Standing):
     """The bodies of a world, and what changes who is there."""
 
     _camera: Camera
@@ -85,13 +85,13 @@ class Population(Crowd):
         for body in bodies:
             self.add_object(body)
 
-    def delete_object(self, number: Reference) -> None:
+    def delete_object(self, target_id: Reference) -> None:
         """Remove the body with some number or name."""
-        self.remove(number)
+        self.remove(target_id)
 
-    def delete_objects(self, numbers: Iterable[Reference]) -> None:
+    def delete_objects(self, target_ids: Iterable[Reference]) -> None:
         """Remove the bodies with some numbers or names; if one of them does not exist, none is removed."""
-        for name in {self.roster.name(number) for number in numbers}:
+        for name in {self.roster.name(number) for number in target_ids}:
             self.remove(name)
 
     def random_obstacle_position(

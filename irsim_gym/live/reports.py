@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Any, TypeVar
 
 import numpy as np
 
@@ -11,15 +11,15 @@ from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.engine import Simulation
 from irsim_gym.engine.measures import measure_into
 from irsim_gym.families import FOOTPRINTS, KINEMATICS
+from irsim_gym.live.vectors import frozen, points, vector
 
 FLATTEST = 1e-9
-
-A = TypeVar("A", bound=np.ndarray[Any, Any])
+CORNERS = 64
 
 
 @dataclass(frozen=True)
 class RobotInfo:
-    """What a body is.
+    """What a body is. In a world with ``columns`` its flat arrays are columns ``(n, 1)``.
 
     Attributes:
         id: Its number.
@@ -53,7 +53,7 @@ class RobotInfo:
     vel_min: Floats
     vel_max: Floats
     acce: Floats
-    angle_range: tuple[float, float]
+    angle_range: tuple[float, float] | Floats
     goal_threshold: float
     wheelbase: float | None
     G: Floats | None
@@ -64,7 +64,7 @@ class RobotInfo:
 
 @dataclass(frozen=True)
 class ObstacleInfo:
-    """Where a body is.
+    """Where a body is. In a world with ``columns`` its flat arrays are columns ``(n, 1)``, corners ``(2, n)``.
 
     Attributes:
         center: Its x and y [m], shape ``(2,)``.
@@ -87,7 +87,9 @@ class ObstacleInfo:
     convex_flag: bool
 
 
-def robot_info(simulation: Simulation, body: int, number: int, goal: Floats | None) -> RobotInfo:
+def robot_info(
+    simulation: Simulation, body: int, number: int, goal: Floats | None, *, columns: bool = False
+) -> RobotInfo:
     """Return what a body is."""
     spec, model, size = simulation.scenario.bodies[body], simulation.model, command_size(simulation, body)
     wheelbase = float(model.wheelbase[body])
@@ -101,29 +103,29 @@ def robot_info(simulation: Simulation, body: int, number: int, goal: Floats | No
         color=spec.color,
         static=spec.static,
         goal=goal,
-        vel_min=frozen(model.velocity_min[0, body, :size]),
-        vel_max=frozen(model.velocity_max[0, body, :size]),
-        acce=frozen(model.acceleration_limit[0, body, :size]),
-        angle_range=spec.angle_range,
+        vel_min=vector(model.velocity_min[0, body, :size], columns),
+        vel_max=vector(model.velocity_max[0, body, :size], columns),
+        acce=vector(model.acceleration_limit[0, body, :size], columns),
+        angle_range=vector(np.array(spec.angle_range), True) if columns else spec.angle_range,
         goal_threshold=spec.goal_threshold,
         wheelbase=None if np.isnan(wheelbase) else wheelbase,
         G=normals,
-        h=offsets,
+        h=None if offsets is None else vector(offsets, columns),
         cone_type=cone,
         convex_flag=cone is not None,
     )
 
 
-def obstacle_info(simulation: Simulation, body: int) -> ObstacleInfo:
+def obstacle_info(simulation: Simulation, body: int, *, columns: bool = False) -> ObstacleInfo:
     """Return where a body is."""
     normals, offsets, cone = half_planes(simulation, body)
     return ObstacleInfo(
-        center=frozen(simulation.state.pose[0, body, :2]),
-        vertex=frozen(outline_rows(simulation, body)[0][:, :2]),
-        velocity=frozen(simulation.state.twist[0, body, :2]),
+        center=vector(simulation.state.pose[0, body, :2], columns),
+        vertex=corners(simulation, body, columns=columns),
+        velocity=vector(simulation.state.twist[0, body, :2], columns),
         radius=radius(simulation, body),
         G=normals,
-        h=offsets,
+        h=None if offsets is None else vector(offsets, columns),
         cone_type=cone,
         convex_flag=cone is not None,
     )
@@ -151,13 +153,6 @@ def occupancy(simulation: Simulation) -> OccupancyGrid | None:
         return None
     x, y, width, height = map(float, simulation.model.map_frame[:4])
     return OccupancyGrid(frozen(cells), (x, y), (width, height))
-
-
-def frozen(values: A) -> A:
-    """Return a copy that cannot be written into."""
-    copied = values.copy()
-    copied.flags.writeable = False
-    return copied
 
 
 def is_map(simulation: Simulation, body: int) -> bool:
@@ -191,12 +186,40 @@ def outline_rows(simulation: Simulation, body: int, *, local: bool = False) -> t
     return segments[0, first : first + n_segments], discs[0, disc : disc + n_discs]
 
 
+def corners(simulation: Simulation, body: int, *, columns: bool = False) -> Floats:
+    """Return a body's corners in the world's frame [m].
+
+    Rows ``(n, 2)``, none for a circle; with ``columns`` as IR-SIM has them, ``(2, n)``, and 64 of a circle, clockwise
+    from its heading.
+    """
+    segments, discs = outline_rows(simulation, body)
+    if columns and len(discs) == 1 and not len(segments):
+        x, y, reach = discs[0]
+        turns = simulation.state.pose[0, body, 2] - np.linspace(0.0, 2 * np.pi, CORNERS, endpoint=False)
+        return points(np.column_stack([x + reach * np.cos(turns), y + reach * np.sin(turns)]), columns)
+    is_open = len(segments) > 0 and not np.array_equal(segments[-1, 2:], segments[0, :2])
+    return points(np.vstack([segments[:, :2], segments[-1:, 2:]]) if is_open else segments[:, :2], columns)
+
+
 def radius(simulation: Simulation, body: int) -> float:
     """Return the radius of the least circle around a body [m]."""
+    return _measured(simulation, body)[0]
+
+
+def centroid(simulation: Simulation, body: int) -> tuple[float, float]:
+    """Return x and y of the middle of a body's area [m]."""
+    _, ahead, aside = _measured(simulation, body)
+    x, y, heading = map(float, simulation.state.pose[0, body])
+    cosine, sine = math.cos(heading), math.sin(heading)
+    return x + cosine * ahead - sine * aside, y + sine * ahead + cosine * aside
+
+
+def _measured(simulation: Simulation, body: int) -> tuple[float, float, float]:
+    """Return the radius of a body and the middle of its area in its own frame [m]."""
     model = simulation.model
-    found, centroid = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)
-    measure_into(np.zeros(1, np.int64), np.array([body], np.int64), model, found, centroid)
-    return float(found[0, body])
+    radii, middles = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)
+    measure_into(np.zeros(1, np.int64), np.array([body], np.int64), model, radii, middles)
+    return float(radii[0, body]), float(middles[0, body, 0]), float(middles[0, body, 1])
 
 
 def extent(simulation: Simulation, body: int) -> tuple[float, float]:
@@ -210,13 +233,15 @@ def extent(simulation: Simulation, body: int) -> tuple[float, float]:
     return float(length), float(width)
 
 
-def half_planes(simulation: Simulation, body: int) -> tuple[Floats | None, Floats | None, str | None]:
-    """Return a convex body in its own frame as the points p with h - G p in a cone, and the cone's name.
+def half_planes(
+    simulation: Simulation, body: int, *, local: bool = True
+) -> tuple[Floats | None, Floats | None, str | None]:
+    """Return a convex body as the points p with h - G p in a cone, and the cone's name; by default in its own frame.
 
     A polygon is ``G p <= h`` (``Rpositive``) with an outward normal, as long as the side, for each side; a circle at c
     with radius r has rows ``[1, 0], [0, 1], [0, 0]`` and ``c, -r`` (``norm2``). G has shape ``(n, 2)``, h ``(n,)``.
     """
-    segments, discs = outline_rows(simulation, body, local=True)
+    segments, discs = outline_rows(simulation, body, local=local)
     if len(discs) == 1 and not len(segments):
         x, y, reach = discs[0]
         return np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]), np.array([x, y, -reach]), "norm2"

@@ -14,7 +14,7 @@ NOBODY = ""
 
 
 class Track:
-    """The poses of all bodies at each step."""
+    """The poses and steering angles of all bodies at each step."""
 
     def __init__(self) -> None:
         self._rows: list[tuple[int, tuple[str, ...], Floats]] = []
@@ -27,7 +27,8 @@ class Track:
     def note(self, simulation: Simulation) -> None:
         """Note where the bodies are."""
         state = simulation.state
-        self._rows.append((int(state.step[0]), simulation.parts.names, state.pose[0].copy()))
+        states = np.column_stack([state.pose[0], state.steering[0]])
+        self._rows.append((int(state.step[0]), simulation.parts.names, states))
 
     def follow(self, simulation: Simulation) -> None:
         """Note where the bodies are whose list has changed since the last step, and forget those that are gone."""
@@ -46,8 +47,8 @@ class Track:
                 names, kept = here, tuple(NOBODY if name in gone else name for name in here)
             self._rows[i] = step, kept, poses
 
-    def poses_of(self, name: str) -> Floats:
-        """Return the poses of a body while it was there [m, m, rad], shape ``(n, 3)``."""
+    def states_of(self, name: str) -> Floats:
+        """Return a body's poses and steering angles while it was there [m, m, rad, rad], shape ``(n, 4)``."""
         poses: list[Floats] = []
         names: tuple[str, ...] = ()
         b = -1
@@ -56,7 +57,11 @@ class Track:
                 names, b = here, here.index(name) if name in here else -1
             if b >= 0:
                 poses.append(rows[b])
-        return np.array(poses).reshape(-1, 3)
+        return np.array(poses).reshape(-1, 4)
+
+    def poses_of(self, name: str) -> Floats:
+        """Return the poses of a body while it was there [m, m, rad], shape ``(n, 3)``."""
+        return self.states_of(name)[:, :3]
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -70,8 +75,9 @@ class Track:
         """
         for step, here, rows in self._rows[first:]:
             if here is names:
-                yield step, rows
+                yield step, rows[:, :3].copy()
                 continue
             places = {name: b for b, name in enumerate(here)}
             nowhere = np.full(3, np.nan)
-            yield step, np.array([rows[places[name]] if name in places else nowhere for name in names]).reshape(-1, 3)
+            here_now = [rows[places[name], :3] if name in places else nowhere for name in names]
+            yield step, np.array(here_now).reshape(-1, 3)

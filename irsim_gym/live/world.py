@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self
@@ -13,25 +14,26 @@ import numpy as np
 from irsim_gym.engine import compile
 from irsim_gym.engine.checks import find_blocked_starts
 from irsim_gym.errors import UnknownNameError
-from irsim_gym.live import hints, moves
+from irsim_gym.live import moves
 from irsim_gym.live.actions import Actions, Reference, pair_actions
-from irsim_gym.live.camera import Camera, target
+from irsim_gym.live.arguments import read_arguments
+from irsim_gym.live.camera import Camera
 from irsim_gym.live.drawing import Drawing
-from irsim_gym.live.driven import ENDING_S, Driven
+from irsim_gym.live.filmed import Filmed
 from irsim_gym.live.goals import Goals
 from irsim_gym.live.roster import Roster
 from irsim_gym.live.track import Track
-from irsim_gym.scenario import Scenario, load_scenario, notes
+from irsim_gym.scenario import load_scenario, notes
 
 ScenarioSource = str | Path | Mapping[str, Any]
 
 
-class World(Driven):
+class World(Filmed):
     """One world of a scenario, run by hand as IR-SIM's users know it.
 
     It is a batch of one of the same simulator that learners use, so a step, a collision or a scan is the same here.
     IR-SIM's names work; the error for one that does not says what to use. ``help`` lists them all. Where IR-SIM has
-    columns, arrays are flat here. ``draw`` draws over it.
+    columns, arrays are flat here, or columns too with ``columns=True``. ``draw`` draws over it.
 
     In a window (``render_mode="human"``) keys do: r reset, n next level, l reload, space pause and resume, F5 pause and
     then one step each, esc quit, x switch between keyboard and auto, v save a figure, y stop and resume drawing. With
@@ -49,8 +51,11 @@ class World(Driven):
         record: Keep a frame of the start and of each sample, for ``save_animation`` and its like.
         save_ani: IR-SIM's way: as ``record``, and ``end`` writes the film.
         strict: A key of the file that nobody reads is an error; False: it is ignored, with an ``IgnoredKeyWarning``.
-        **others: Values for the scenario's parameters, and IR-SIM's other arguments where they ask for what is so
-            anyway; ``display=True`` is ``render_mode="human"``.
+        columns: Give away states, velocities, goals and their like as IR-SIM does, as columns ``(n, 1)``, and corners
+            as ``(2, n)``. Without it they are flat, and NumPy refuses to combine a flat one with a column.
+        **others: Values for the scenario's parameters, and IR-SIM's other arguments: ``display=True`` is
+            ``render_mode="human"``, ``step_mode`` replaces the file's, ``log_level`` is that of ``logger``,
+            ``ani_kwargs`` are defaults of ``end``, ``world_name`` is the file; the rest may ask for what is so anyway.
 
     Raises:
         ScenarioError: The file cannot be used; the error lists every problem with its line.
@@ -70,21 +75,29 @@ class World(Driven):
         record: bool = False,
         save_ani: bool = False,
         strict: bool = True,
+        columns: bool = False,
         **others: Any,
     ) -> None:
-        self._strict = strict
-        mode, self._parameters = hints.check_arguments(render_mode, others)
-        self._source = _beside_the_script() if scenario is None else scenario
+        self.columns, self._strict = columns, strict
+        self._asked = asked = read_arguments(render_mode, others)
+        named = asked.file if scenario is None else scenario
+        self._source: ScenarioSource = _beside_the_script() if named is None else named
+        self._film = asked.film
         self._record, self._save_at_end, self._unsaved = record or save_ani, save_ani, False
         self._seed, self._episode = _seed(0 if seed is None else seed), 0
         self._read()
-        self._begin_driving(mode, self._loaded)
+        self._begin_driving(asked.render_mode, self._loaded)
+        if asked.log_level is not None:
+            self.logger.setLevel(asked.log_level)
         self.track, self.draw = Track(), Drawing()
         self._camera = Camera(self.simulation, self.track, self.draw, render_backend)
         self._begin(self._loaded.world.status)
 
     def _read(self) -> None:
-        self._loaded = load_scenario(self._source, self._parameters, strict=self._strict)
+        loaded = load_scenario(self._source, self._asked.parameters, strict=self._strict)
+        if self._asked.step_mode is not None:
+            loaded = replace(loaded, world=replace(loaded.world, step_mode=self._asked.step_mode))
+        self._loaded = loaded
         self._compile()
         simulation = self.simulation
         found = find_blocked_starts(self._loaded, simulation.parts, simulation.model, simulation.state)
@@ -112,71 +125,7 @@ class World(Driven):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Close the window and free the renderer. May be called twice; the world can still be used."""
-        self._close_window()
-        self._camera.close()
-
-    def end(self, ending_time: float = ENDING_S, ani_name: str | Path | None = None) -> Path | None:
-        """Write the film if the world was loaded with ``save_ani`` or a name is given, and close.
-
-        Args:
-            ending_time: How long a window stays open before [s]; a person may close it sooner.
-            ani_name: The film's file, as for ``save_animation``.
-
-        Returns:
-            The film's path, None when none was written.
-
-        Raises:
-            ValueError: A film is asked for, but no frames were kept.
-        """
-        asked = ani_name is not None or (self._save_at_end and self._unsaved)
-        film = self.save_animation(ani_name) if asked else None
-        self._linger(ending_time)
-        self.close()
-        return film
-
-    @property
-    def scenario(self) -> Scenario:
-        """What the file says, with the bodies that are here now."""
-        return self.simulation.scenario
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-        return self.scenario.name
-
-    @property
-    def time(self) -> float:
-        """Elapsed time [s]: steps times ``step_time``, not rounded."""
-        return float(self.simulation.state.time[0])
-
-    @property
-    def count(self) -> int:
-        """Steps since the reset."""
-        return int(self.simulation.state.step[0])
-
-    @property
-    def step_time(self) -> float:
-        """Duration of a step [s]."""
-        return self.scenario.world.step_time
-
-    @property
-    def sampling(self) -> bool:
-        """The present moment is a sample: there is one every ``sample_time``, rounded to whole steps."""
-        return self.count % self.scenario.world.steps_per_sample == 0
-
-    @property
-    def status(self) -> str:
-        """How the world stands, as text.
-
-        ``Arrived`` when all robots have arrived, else ``Collision`` when one collides, else ``Running``, or
-        ``Running (keyboard)`` when keys drive. ``Pause`` lasts until ``resume``, ``Reset`` and ``Reload`` until the
-        next step; at first it is what the file says. ``Pause (Debugging)`` after F5, ``Quit`` after esc.
-        """
-        return self._status
+        self._free() if error is not None else self.close()
 
     def done(self, mode: Literal["all", "any"] = "all") -> bool:
         """Return whether all robots, or any, have arrived or are held in place by a collision.
@@ -257,17 +206,34 @@ class World(Driven):
         self._camera.look_at(self.simulation)
         self._begin("Reset")
 
-    def reload(self) -> None:
-        """Read the file again and begin its first level."""
+    def reload(self, world_name: ScenarioSource | None = None) -> None:
+        """Read the file again, or another one, and begin its first level.
+
+        Args:
+            world_name: The other file, which is reloaded from then on.
+
+        Raises:
+            ScenarioError: The file cannot be used; then the world stays as it is.
+        """
         self._camera.leave()
+        before = self._source
+        self._source = before if world_name is None else world_name
+        try:
+            self._read()
+        except Exception:
+            self._source = before
+            raise
         self._episode = 0
-        self._read()
         self._take_control_mode(self._loaded)
         self._camera.look_at(self.simulation)
         self._begin("Reload")
 
-    def set_random_seed(self, seed: int) -> None:
+    def set_random_seed(self, seed: int, reload: bool = False) -> None:
         """Draw from another stream from now on; the next ``reset(random=True)`` begins with its first level.
+
+        Args:
+            seed: Which one.
+            reload: Read the file again and begin that level at once.
 
         Raises:
             TypeError: The seed is no whole number.
@@ -275,79 +241,8 @@ class World(Driven):
         """
         self._seed, self._episode = _seed(seed), -1
         self.simulation.state.random[:] = self.simulation.streams(self._seed)
-
-    def _shown_status(self) -> str:
-        return "" if self._status == "None" else self._status
-
-    def _is_sample(self) -> bool:
-        return self.sampling
-
-    def _keep_frame(self) -> None:
-        if self._record and self.sampling:
-            self._camera.keep(self._shown_status())
-            self._unsaved = True
-
-    def save_figure(self, path: str | Path | None = None) -> Path:
-        """Write a picture to a file and return its path.
-
-        Args:
-            path: ``.png``, ``.pdf``, ``.svg`` and so on; without a suffix the scenario's
-                ``plot.saved_figure.format`` is used, and without a path the world's name. Dots per inch are
-                ``plot.saved_figure.dpi`` there, not an argument as in IR-SIM.
-
-        Raises:
-            ValueError: Another suffix.
-        """
-        return self._camera.save_figure(target(path, self.name), self._shown_status())
-
-    def save_animation(self, path: str | Path | None = None, fps: float | None = None) -> Path:
-        """Write the frames kept so far to a film, let go of them, and return its path.
-
-        Args:
-            path: ``.mp4`` or ``.gif``; without a suffix it becomes an mp4, and without a path the world's name is used.
-            fps: Frames per second; by default as fast as the world's own time.
-
-        Raises:
-            ValueError: Another suffix, or no frames: a world keeps them when it is loaded with ``record=True``.
-        """
-        rate = 1.0 / (self.scenario.world.steps_per_sample * self.step_time) if fps is None else fps
-        film = self._camera.save_film(target(path, self.name), rate)
-        self._unsaved = False
-        return film
-
-    def save_html(self, path: str | Path | None = None) -> Path:
-        """Write a page that plays all episodes since the world was loaded, in any browser; return its path.
-
-        Args:
-            path: ``.html``, also without the suffix; by default the world's name.
-
-        Raises:
-            ValueError: Another suffix, or nothing was kept: a world keeps it when it is loaded with ``record=True``.
-        """
-        return self._camera.save_html(target(path, self.name))
-
-    def save_sheet(self, path: str | Path | None = None, moments: int = 12) -> Path:
-        """Write one picture with moments, evenly spaced, of what ``save_animation`` writes or wrote; return its path.
-
-        Args:
-            path: ``.png`` or another picture of pixels; by default the world's name with ``-sheet``.
-            moments: How many; the first and the last are among them.
-
-        Raises:
-            ValueError: Another suffix, nothing was kept, or fewer than two moments.
-        """
-        return self._camera.save_sheet(target(path, f"{self.name}-sheet"), moments)
-
-    def save_strobe(self, path: str | Path | None = None) -> Path:
-        """Write one picture with the ways of the robots in this episode, coloured by time; return its path.
-
-        Args:
-            path: ``.png``, ``.pdf``, ``.svg`` and so on; by default the world's name with ``-strobe``.
-
-        Raises:
-            ValueError: Another suffix, or nothing was kept.
-        """
-        return self._camera.save_strobe(target(path, f"{self.name}-strobe"))
+        if reload:
+            self.reload()
 
 
 def load(
@@ -358,6 +253,8 @@ def load(
     render_backend: str = "matplotlib",
     record: bool = False,
     save_ani: bool = False,
+    strict: bool = True,
+    columns: bool = False,
     **others: Any,
 ) -> World:
     """Load a scenario to run it by hand, without learning; arguments and errors are those of ``World``."""
@@ -368,6 +265,8 @@ def load(
         render_backend=render_backend,
         record=record,
         save_ani=save_ani,
+        strict=strict,
+        columns=columns,
         **others,
     )
 

@@ -11,7 +11,7 @@ import pytest
 from small_world import DIFF, SCENARIO, WALL, world
 
 import irsim_gym
-from irsim_gym.errors import UnknownNameError
+from irsim_gym.errors import NoEffectWarning, UnknownNameError
 
 FILE = "robot: {name: one}\n"
 CELLS = [[0, 100, 0], [0, 0, 0]]  # columns from the left, rows from the bottom
@@ -160,11 +160,9 @@ def test_the_map_as_cells() -> None:
     ("name", "said"),
     [
         ("keyboard", "use key_vel, key_id"),
-        ("quit", r"close\(\); quit_flag"),
-        ("headless", "render_mode='human'"),
+        ("_world", "use x_range, y_range"),
         ("plot_points", r"world\.draw draws over them"),
         ("random_polygon_shape", "random_shape"),
-        ("logger", "logging"),
         ("robt_list", r"did you mean 'robot_list'\?"),
         ("qqqq", "a world has no 'qqqq'$"),
         ("_qqqq", "no attribute '_qqqq'"),
@@ -194,8 +192,9 @@ def test_arguments_of_ir_sims_scripts(tmp_path: Path, monkeypatch: pytest.Monkey
     kept = irsim_gym.load("yard.yaml", record=True)
     kept.close()
     assert kept.end(ani_name="other.gif") == Path("other.gif")
-    with pytest.raises(ValueError, match="record=True"):
-        irsim_gym.load("yard.yaml").end(ani_name="none.gif")
+    with pytest.warns(NoEffectWarning, match="record=True"):
+        assert irsim_gym.load("yard.yaml").end(ani_name="none.gif") is None
+    assert not Path("none.gif").exists()
 
 
 @pytest.mark.parametrize(
@@ -203,10 +202,9 @@ def test_arguments_of_ir_sims_scripts(tmp_path: Path, monkeypatch: pytest.Monkey
     [
         ({"display": True, "headless": True}, "takes no headless=True where a window is asked for as well"),
         ({"render_mode": "human", "display": False}, "takes no display=False where a window"),
-        ({"full": True}, "takes no full=True: the window is as large as the picture"),
-        ({"log_level": "INFO"}, "takes no log_level='INFO': leave it out"),
-        ({"step_mode": "external"}, "world: {step_mode: external}"),
-        ({"world_name": "a.yaml"}, "first argument"),
+        ({"full": True, "display": True}, "takes no full=True: the window is as large as the picture"),
+        ({"log_file": "log.txt"}, "FileHandler"),
+        ({"projection": "4d"}, "in the plane"),
         ({"seed": "a"}, "a seed is a whole number, got 'a'"),
     ],
 )
@@ -239,10 +237,14 @@ def test_without_a_file_the_script_names_it(tmp_path: Path, monkeypatch: pytest.
     assert irsim_gym.load().names == ["one"]
 
 
-def test_render_takes_ir_sims_arguments_where_they_change_nothing() -> None:
+def test_render_takes_ir_sims_arguments_that_change_nothing() -> None:
     here = world()
-    assert np.array_equal(here.render(0.05, figure_kwargs={}, mode="dynamic"), here.render())
-    with pytest.raises(TypeError, match=r"no mode='static'.*`plot`"):
-        here.render(mode="static")
-    with pytest.raises(TypeError, match=r"no show_trajectory=True.*`plot`"):
-        here.render(show_trajectory=True)
+    plain = here.render()
+    for mode in ("dynamic", "static", "all"):
+        assert np.array_equal(here.render(0.05, figure_kwargs={}, mode=mode), plain)
+    with pytest.warns(NoEffectWarning, match="figure_pixels"):
+        assert np.array_equal(here.render(figure_kwargs={"dpi": 300}), plain)
+    with pytest.warns(NoEffectWarning, match=r"show_traj, it changes nothing \(did you mean 'show_trail'"):
+        here.render(show_traj=True)
+    with pytest.raises(ValueError, match="mode must be 'dynamic', 'static' or 'all', got 'dynamc'"):
+        here.render(mode="dynamc")

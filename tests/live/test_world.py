@@ -11,7 +11,7 @@ import pytest
 from small_world import DIFF, SCENARIO, WALL, world
 
 import irsim_gym
-from irsim_gym.errors import NoKeyboardWarning, NoWindowError, ScenarioError, UnknownNameError
+from irsim_gym.errors import NoEffectWarning, NoKeyboardWarning, NoWindowError, ScenarioError, UnknownNameError
 
 
 def test_behaviours_drive_without_an_action() -> None:
@@ -209,7 +209,7 @@ def test_a_world_without_a_window_has_no_keys_and_no_mouse(monkeypatch: pytest.M
     assert (here.control_mode, here.display, here.quit_flag, here.key_id) == ("auto", False, False, 1)
     assert here.key_vel.tolist() == [0.0, 0.0, 0.0]
     assert (here.mouse_pos, here.mouse_left_pos, here.mouse_right_pos) == (None, None, None)
-    with pytest.raises(ValueError, match="render_mode='human'"):
+    with pytest.warns(NoEffectWarning, match="render_mode='human'"):
         here.show()
 
 

@@ -289,9 +289,23 @@ DECISIONS = {
     ),
     "flat_arrays": Decision(
         "states, velocities and goals are columns, state[0, 0], and writing into state moves the body",
-        "they are flat, state[0], and read-only; set_state, set_velocity and set_goal change a body",
-        "one index for one number, and no change that goes unnoticed",
+        "they are flat, state[0], and read-only, or read-only columns with load(columns=True); set_state, set_velocity "
+        "and set_goal change a body; a flat one that meets a column is an error",
+        "one index for one number, no change that goes unnoticed, and no matrix where a difference is meant",
         "section 12.3",
+    ),
+    "picture_options": Decision(
+        "render(show_goal=True) changes nothing, render(obj_color='red') one picture, and words that nobody knows pass",
+        "keys of plot count for one picture and the frames that are kept until the next; a word that changes nothing "
+        "is warned of",
+        "what is asked for is seen, or told",
+        "measured with 2.12.0",
+    ),
+    "random_goals": Decision(
+        "set_random_goal draws from the environment's generator, and logs that it found no place",
+        "it draws from the world's stream, and warns",
+        "a run can be repeated",
+        "section 10.4",
     ),
     "no_window": Decision(
         "make opens a window unless it is told not to; log_level and so on are arguments",

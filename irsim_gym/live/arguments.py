@@ -1,0 +1,122 @@
+"""What scripts may ask ``load``, ``render`` and ``end`` for, in IR-SIM's words."""
+
+from __future__ import annotations
+
+import logging
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, get_args
+
+from irsim_gym.errors import NoEffectWarning, suggestion
+from irsim_gym.live import hints
+from irsim_gym.scenario.looks import BODY_KEYS, FIGURE_KEYS
+
+StepMode = Literal["internal", "external"]
+MODES = ("dynamic", "static", "all")
+NO_EFFECT_ON_FILMS = ("last_frame_duration", "rm_fig_path")
+FILM_KEYS = ("ani_name", "suffix")
+
+
+class Asked(NamedTuple):
+    """What ``load`` was asked for.
+
+    Attributes:
+        render_mode: None, ``rgb_array`` or ``human``.
+        file: The file under IR-SIM's name for it, None where it was not used.
+        step_mode: In place of the file's; None for the file's.
+        log_level: Of the world's logger; None to leave it.
+        film: What ``end`` takes by default.
+        parameters: The other arguments, meant for the scenario.
+    """
+
+    render_mode: str | None
+    file: str | Path | None
+    step_mode: StepMode | None
+    log_level: int | str | None
+    film: Mapping[str, Any]
+    parameters: dict[str, Any]
+
+
+def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> Asked:
+    """Read IR-SIM's arguments of ``make`` among those of ``load``.
+
+    Raises:
+        TypeError: One of them asks for what is not here; the message tells what to do.
+        ValueError: Another render mode or step mode, or an unknown level of logging.
+    """
+    if render_mode not in (None, "rgb_array", "human"):
+        raise ValueError(f"render_mode must be None, 'rgb_array' or 'human', got {render_mode!r}")
+    mode = _render_mode(render_mode, others)
+    for name, value in others.items():
+        harmless, advice = hints.LOAD.get(name, ((), ""))
+        if advice and not any(value is one or (isinstance(one, str) and value == one) for one in harmless):
+            raise TypeError(f"load() takes no {name}={value!r}: {advice}")
+    if others.get("full") and mode == "human":
+        raise TypeError(f"load() takes no full=True: {hints.LARGE}")
+    step_mode = others.get("step_mode")
+    if step_mode not in (None, *get_args(StepMode)):
+        raise ValueError(f"step_mode must be 'internal' or 'external', got {step_mode!r}")
+    rest = {name: value for name, value in others.items() if name not in hints.LOAD and name not in hints.TAKEN}
+    film = film_options(others.get("ani_kwargs") or {}, stacklevel=6)
+    return Asked(mode, others.get("world_name"), step_mode, _level(others.get("log_level")), film, rest)
+
+
+def _render_mode(render_mode: str | None, others: Mapping[str, Any]) -> str | None:
+    """Return the render mode that is meant.
+
+    Raises:
+        TypeError: A window is both wanted and not wanted.
+    """
+    hidden = next((name for name, no in (("display", False), ("headless", True)) if others.get(name) is no), None)
+    wanted = render_mode == "human" or others.get("display") is True
+    if wanted and hidden is not None:
+        raise TypeError(f"load() takes no {hidden}={others[hidden]!r} where a window is asked for as well")
+    return "human" if wanted else render_mode
+
+
+def _level(level: Any) -> int | str | None:
+    if level is None or isinstance(level, int):
+        return level
+    known = logging.getLevelNamesMapping()
+    name = {"SUCCESS": "INFO", "TRACE": "DEBUG"}.get(str(level).upper(), str(level).upper())
+    if name in known:
+        return name
+    raise ValueError(f"log_level must be one of {', '.join(known)}, got {level!r}{suggestion(name, known)}")
+
+
+def drawing_options(figure_kwargs: Mapping[str, Any] | None, mode: str, others: Mapping[str, Any]) -> dict[str, Any]:
+    """Return how bodies are to be drawn in one picture, by keys of their section ``plot``.
+
+    Raises:
+        ValueError: Another mode.
+    """
+    if mode not in MODES:
+        raise ValueError(f"mode must be 'dynamic', 'static' or 'all', got {mode!r}; all bodies are drawn in each")
+    if figure_kwargs:
+        _warn("render() draws frames of one size, figure_kwargs change nothing: plot: {figure_pixels: [800, 600]}", 4)
+    _warn_of_unknown("render()", others, BODY_KEYS, 4)
+    return {name: value for name, value in others.items() if name in BODY_KEYS}
+
+
+def figure_options(others: Mapping[str, Any]) -> dict[str, Any]:
+    """Return how a figure is to be saved, by keys of ``plot.saved_figure``."""
+    _warn_of_unknown("save_figure()", others, FIGURE_KEYS, 4)
+    return {name: value for name, value in others.items() if name in FIGURE_KEYS}
+
+
+def film_options(others: Mapping[str, Any], *, stacklevel: int = 4) -> dict[str, Any]:
+    """Return what is known of a film."""
+    known = (*FILM_KEYS, *NO_EFFECT_ON_FILMS)
+    _warn_of_unknown("end()", others, known, stacklevel)
+    return {name: value for name, value in others.items() if name in FILM_KEYS}
+
+
+def _warn_of_unknown(what: str, others: Mapping[str, Any], known: Any, stacklevel: int) -> None:
+    for name in others:
+        if name not in known:
+            _warn(f"{what} knows no {name}, it changes nothing{suggestion(name, known)}", stacklevel + 1)
+
+
+def _warn(message: str, stacklevel: int) -> None:
+    warnings.warn(message, NoEffectWarning, stacklevel=stacklevel)

@@ -1,0 +1,51 @@
+"""Scenarios that are drawn otherwise than their file says, for pictures with options of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+from irsim_gym.errors import ScenarioError
+from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure
+from irsim_gym.scenario.source import read_mapping
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.scenario.validation import Report, build
+
+BODY_KEYS = frozenset(field.name for field in fields(ObjectPlot))
+FIGURE_KEYS = frozenset(field.name for field in fields(SavedFigure))
+
+
+def drawn_with(scenario: Scenario, options: Mapping[str, Any]) -> Scenario:
+    """Return a scenario whose bodies are all drawn with these options.
+
+    Args:
+        scenario: What the file says.
+        options: Keys of a body's section ``plot``.
+
+    Raises:
+        ScenarioError: An option has a bad value; the error lists all of them.
+    """
+    values = _checked(ObjectPlot, "plot", options)
+    bodies = tuple(replace(body, plot=replace(body.plot, **values)) for body in scenario.bodies)
+    return replace(scenario, bodies=bodies)
+
+
+def saved_with(scenario: Scenario, options: Mapping[str, Any]) -> Scenario:
+    """Return a scenario whose figures are saved with these options, keys of ``plot.saved_figure``.
+
+    Raises:
+        ScenarioError: An option has a bad value; the error lists all of them.
+    """
+    plot = scenario.world.plot
+    saved = replace(plot.saved_figure, **_checked(SavedFigure, "saved_figure", options))
+    return replace(scenario, world=replace(scenario.world, plot=replace(plot, saved_figure=saved)))
+
+
+def _checked(kind: type[ObjectPlot] | type[SavedFigure], section: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    source = read_mapping({section: dict(options)})
+    report = Report(source)
+    made = build(kind, source.data[section], (section,), report)
+    if made is None or report.problems:
+        raise ScenarioError("options of a picture", list(report.problems))
+    return {key: getattr(made, key) for key in options}
