@@ -25,8 +25,9 @@ CODEC_OPTIONS = ["-crf", "18", "-preset", "veryfast", "-movflags", "+faststart",
 # Browsers slow a gif down whose frames are shown for less [hundredths of a second].
 SHORTEST_GIF_FRAME = 2
 GIF_COLOURS = 256
-# A palette is given up when more than this share of the pixels is off by more than so many levels.
-LARGEST_SHARE_OFF, SMALLEST_SEEN = 0.02, 4
+# A palette is given up when more than one of these shares of the pixels is off by more than so many levels: many are a
+# little off, or a colour is missing that only a thin line has.
+LARGEST_SHARES_OFF = ((0.02, 4), (1e-4, 48))
 
 
 class VideoWriter:
@@ -213,7 +214,7 @@ class _Gif(_Encoder):
         picture = Image.fromarray(frame)
         if self._palette is not None:
             reduced = picture.quantize(palette=self._palette, dither=Image.Dither.NONE)
-            if _share_off(reduced, frame) <= LARGEST_SHARE_OFF:
+            if _is_faithful(reduced, frame):
                 return reduced
         self._palette = picture.quantize(GIF_COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
         return self._palette
@@ -232,11 +233,12 @@ class _Gif(_Encoder):
         self._images = []
 
 
-def _share_off(reduced: Image.Image, frame: Bytes) -> float:
-    """Return the share of pixels whose colour has visibly changed, from a sample of them."""
+def _is_faithful(reduced: Image.Image, frame: Bytes) -> bool:
+    """Return whether hardly a colour has visibly changed, by every second pixel of every second row."""
     colours = np.array(reduced.getpalette(), np.int16).reshape(-1, 3)
-    shown = colours[np.asarray(reduced)[::5, ::5]]
-    return float((np.abs(shown - frame[::5, ::5]).max(axis=2) > SMALLEST_SEEN).mean())
+    shown = colours[np.asarray(reduced)[::2, ::2]]
+    off = np.abs(shown - frame[::2, ::2]).max(axis=2)
+    return all(float((off > levels).mean()) <= share for share, levels in LARGEST_SHARES_OFF)
 
 
 _ENCODERS: dict[str, type[_Encoder]] = {".mp4": _Mp4, ".gif": _Gif}

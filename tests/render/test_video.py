@@ -92,6 +92,16 @@ def test_gif_takes_a_new_palette_for_new_colours(tmp_path: Path) -> None:
     assert np.abs(read_gif(tmp_path / "a.gif")[0][-1].astype(int) - (220, 38, 38)).max() <= 4
 
 
+def test_a_thin_line_of_a_new_colour_is_seen_in_a_gif(tmp_path: Path) -> None:
+    """It covers less than a hundredth of the picture; the first frame's colours are grey."""
+    grey = np.repeat((np.arange(200) % 256).astype(np.uint8)[None, :, None], 200, axis=0).repeat(3, axis=2)
+    marked = grey.copy()
+    marked[100:102, 20:180] = (220, 38, 38)
+    write_video([grey, marked], tmp_path / "a.gif", 10)
+    shown = read_gif(tmp_path / "a.gif")[0][-1].astype(int)
+    assert np.abs(shown[100:102, 20:180] - (220, 38, 38)).max() <= 8
+
+
 def test_several_files_at_once(tmp_path: Path) -> None:
     paths = [tmp_path / "a.mp4", tmp_path / "a.gif"]
     write_video(iter(pictures(5)), paths, fps=5)
