@@ -284,7 +284,7 @@ class NamedView(StateView):
     @property
     def vel_shape(self) -> tuple[int, ...]:
         """Shape of ``vel_max``."""
-        return self.vel_max.shape
+        return (self._command_size, 1) if self._columns else (self._command_size,)
 
     @property
     def abbr(self) -> str:
@@ -302,3 +302,13 @@ class NamedView(StateView):
     def get_lidar_offset(self) -> tuple[float, float, float] | None:
         """Return the mount pose of its first sensor in the body frame [m, m, rad], None without one."""
         return self.lidar_offset
+
+    @property
+    def time(self) -> float:
+        """Time since the start of the episode [s]."""
+        return float(self._state.time[self._world])
+
+    @property
+    def step_time(self) -> float:
+        """Duration of a step [s]."""
+        return float(self._model.step_time[0])

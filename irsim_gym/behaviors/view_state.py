@@ -71,8 +71,9 @@ class StateView:
             raise AttributeError(f"a body in a behaviour has no '{name}'{hint}", name=name, obj=self)
 
     def __eq__(self, other: object) -> bool:
-        same = isinstance(other, StateView) and other._state is self._state
-        return same and (other._world, other.id) == (self._world, self.id)  # type: ignore[union-attr]
+        if not isinstance(other, StateView):
+            return False
+        return other._state is self._state and (other._world, other.id) == (self._world, self.id)
 
     def __hash__(self) -> int:
         return hash((id(self._state), self._world, self.id))

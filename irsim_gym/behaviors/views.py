@@ -171,16 +171,6 @@ class EgoView(BodyView):
         """Greatest changes of the velocities per second [m/s2 or rad/s2], shape ``(3,)``; may be infinite."""
         return np.array(self._of(self._model.acceleration_limit))
 
-    @property
-    def time(self) -> float:
-        """Time since the start of the episode [s]."""
-        return float(self._state.time[self._world])
-
-    @property
-    def step_time(self) -> float:
-        """Duration of a step [s]."""
-        return float(self._model.step_time[0])
-
     def uniform(self, low: float, high: float) -> float:
         """Draw a number from low to high from the world's own stream, so that a seed gives the same episode again."""
         return float(rng.uniform(self._state.random, self._world, low, high))

@@ -13,7 +13,7 @@ from irsim_gym.arraytypes import Bytes, Floats
 from irsim_gym.controls.driver import Driver
 from irsim_gym.errors import NoKeyboardWarning
 from irsim_gym.live import hints, moves
-from irsim_gym.live.population import Population
+from irsim_gym.live.planned import Planned
 from irsim_gym.scenario import Scenario
 
 Point = tuple[float, float]
@@ -23,7 +23,7 @@ SHOW_S = 0.02
 DEBUGGING = "Pause (Debugging)"
 
 
-class Driven(Population):
+class Driven(Planned):
     """What a person does to a world: with ``render_mode="human"``, in a window that ``render`` keeps up to date.
 
     Keys and mouse are read by ``render``, which also does what they ask for, such as a reset.

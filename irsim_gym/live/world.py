@@ -79,7 +79,7 @@ class World(Driven):
         self._begin(self._loaded.world.status)
 
     def _read(self) -> None:
-        self._loaded = load_scenario(self._source, self._parameters)
+        self._loaded = load_scenario(self._source, self._parameters, may_pend=True)
         self._compile()
 
     def _compile(self) -> None:

@@ -12,6 +12,7 @@ from irsim_gym.registry import Registry
 from irsim_gym.scenario.images import image_problem
 from irsim_gym.scenario.messages import CONTACT_KEYS, CONTACT_MESSAGE, CONTACT_SENSOR, show
 from irsim_gym.scenario.options import defaults, option_fields
+from irsim_gym.scenario.pending import is_pending, read_pending
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import RawEntry, depth, share
 from irsim_gym.scenario.source import Place
@@ -146,7 +147,10 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> Any:
     name = value.get("name") if isinstance(value, Mapping) else None
     if key == "kinematics" and isinstance(name, str) and name not in KINEMATICS and name.lower() in KINEMATICS:
         value = {**value, "name": name.lower()}
-    made = build_named(FAMILIES[key], value, place, report)
+    if report.may_pend and is_pending(key, value):
+        made: Any = read_pending(key, value, place, report)
+    else:
+        made = build_named(FAMILIES[key], value, place, report)
     return BAD if made is None else made
 
 

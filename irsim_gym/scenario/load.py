@@ -23,7 +23,11 @@ from irsim_gym.scenario.whereabouts import unknown_key
 
 
 def load_scenario(
-    scenario: str | Path | Mapping[str, Any], parameters: Mapping[str, Any] | None = None, *, warn: bool = True
+    scenario: str | Path | Mapping[str, Any],
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    warn: bool = True,
+    may_pend: bool = False,
 ) -> Scenario:
     """Read and check a scenario.
 
@@ -31,6 +35,7 @@ def load_scenario(
         scenario: A shipped name such as ``cluttered_room``, the path of a YAML file, or the same as plain data.
         parameters: Values for its parameters, e.g. ``{"n_robots": 16}``; the others keep their defaults.
         warn: Warn of values that are hardly ever meant, such as degrees (``ScenarioWarning``).
+        may_pend: Behaviours may be registered later: one with an unknown name raises an error when it has to decide.
 
     Raises:
         ScenarioError: It cannot be used; the error lists every problem with its line. A file that does not exist
@@ -41,14 +46,14 @@ def load_scenario(
     if not isinstance(scenario, str | Path | Mapping):
         raise TypeError(f"a scenario is a name, a path or a mapping, got {type(scenario).__name__}")
     source = read_mapping(scenario) if isinstance(scenario, Mapping) else read_file(library.find(scenario))
-    loaded = read_scenario(source, parameters or {})
+    loaded = read_scenario(source, parameters or {}, may_pend=may_pend)
     if warn:
         notes.warn(loaded)
     return loaded
 
 
-def read_scenario(source: Source, parameters: Mapping[str, Any] | None = None) -> Scenario:
-    """Check plain data and return the scenario that it describes.
+def read_scenario(source: Source, parameters: Mapping[str, Any] | None = None, *, may_pend: bool = False) -> Scenario:
+    """Check plain data and return the scenario that it describes; see ``load_scenario``.
 
     Raises:
         ScenarioError: It cannot be used; the error lists every problem with its line.
@@ -56,6 +61,7 @@ def read_scenario(source: Source, parameters: Mapping[str, Any] | None = None) -
     """
     source, values = fill_in(source, parameters or {})
     report = Report(source)
+    report.may_pend = may_pend
     sections, roots = split_sections(source.data, report)
     places = _places(sections, roots, report)
     world = _world(sections.get("world"), places["world"], source, report)

@@ -40,6 +40,8 @@ class Report:
 
     def __init__(self, source: Source) -> None:
         self.source = source
+        self.may_pend = False
+        """Names of behaviours may be registered later."""
         self.problems: dict[Problem, None] = dict.fromkeys(source.problems)
         self.doubts: dict[Problem, None] = {}
         self._unread = {(problem.line, problem.path) for problem in source.problems}
@@ -108,8 +110,10 @@ def build(
         report.add(place, f"must be a mapping of options, got {show(data)}{hint}")
         return None
     fields, ignored = option_fields(cls), set(skip)
-    spelt = check_keys(data, [*fields, *ignored], place, report, contact)
-    values: dict[str, Any] = {}
+    open_ended = getattr(cls, "takes_more", False)
+    spelt = {} if open_ended else check_keys(data, [*fields, *ignored], place, report, contact)
+    more = [key for key in data if key not in fields and key not in ignored] if open_ended else []
+    values: dict[str, Any] = {key: data[key] for key in more}
     is_good = True
     for key, info in fields.items():
         own = spelt.get(key, key)

@@ -1,0 +1,77 @@
+"""What scripts and behaviours import from IR-SIM beside the world itself, under its names.
+
+``from irsim.lib import register_behavior`` becomes ``from irsim_gym.irsim import register_behavior``, and likewise for
+planners and the small functions about angles; the rest of such a file stays as it is.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NoReturn
+
+import numpy as np
+
+from irsim_gym.behaviors.by_drive import (
+    register_behavior,
+    register_behavior_class,
+    register_group_behavior,
+    register_group_behavior_class,
+)
+from irsim_gym.live.planners import AStarPlanner, JPSPlanner
+
+__all__ = [
+    "AStarPlanner",
+    "JPSPlanner",
+    "WrapTo2Pi",
+    "WrapToPi",
+    "register_behavior",
+    "register_behavior_class",
+    "register_group_behavior",
+    "register_group_behavior_class",
+    "relative_position",
+]
+
+_SAMPLING = (
+    "planners that sample are not here: world.path(start, goal) is the shortest way for a disc, AStarPlanner the "
+    "shortest one over the cells of world.get_map()"
+)
+_INSTEAD = {
+    **dict.fromkeys(["RRT", "RRTStar", "InformedRRTStar", "PRMPlanner"], _SAMPLING),
+    "make": "use irsim_gym.load",
+    "env_param": "a behaviour gets its own body and the others as arguments",
+    "world_param": "a behaviour's own body has time and step_time",
+}
+
+
+def __getattr__(name: str) -> NoReturn:
+    hint = f": {_INSTEAD[name]}" if name in _INSTEAD else ""
+    raise AttributeError(f"module 'irsim_gym.irsim' has no attribute '{name}'{hint}")
+
+
+def WrapToPi(rad: float, positive: bool = False) -> float:  # noqa: N802
+    """Return an angle in [-pi, pi) [rad]; 0 for one that is not finite.
+
+    Args:
+        rad: The angle [rad].
+        positive: Without its sign.
+    """
+    wrapped = (rad + math.pi) % (2.0 * math.pi) - math.pi if math.isfinite(rad) else 0.0
+    return abs(wrapped) if positive else wrapped
+
+
+def WrapTo2Pi(rad: float) -> float:  # noqa: N802
+    """Return an angle in [0, 2 pi) [rad]; 0 for one that is not finite."""
+    return rad % (2.0 * math.pi) if math.isfinite(rad) else 0.0
+
+
+def relative_position(position1: Any, position2: Any, topi: bool = True) -> tuple[float, float]:
+    """Return how far [m] and in which direction [rad] one point is from another.
+
+    Args:
+        position1: From where: x, y and perhaps more [m], flat or a column.
+        position2: To where.
+        topi: Straight back is -pi, not pi.
+    """
+    x, y = np.asarray(position2, np.float64).reshape(-1)[:2] - np.asarray(position1, np.float64).reshape(-1)[:2]
+    bearing = math.atan2(y, x)
+    return math.hypot(x, y), WrapToPi(bearing) if topi else bearing
