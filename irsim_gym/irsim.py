@@ -17,6 +17,7 @@ from irsim_gym.behaviors.by_drive import (
     register_group_behavior,
     register_group_behavior_class,
 )
+from irsim_gym.errors import suggestion
 from irsim_gym.live.planners import AStarPlanner, JPSPlanner
 
 __all__ = [
@@ -44,8 +45,9 @@ _INSTEAD = {
 
 
 def __getattr__(name: str) -> NoReturn:
-    hint = f": {_INSTEAD[name]}" if name in _INSTEAD else ""
-    raise AttributeError(f"module 'irsim_gym.irsim' has no attribute '{name}'{hint}")
+    if name in _INSTEAD:  # an AttributeError would lose its message in `from irsim_gym.irsim import ...`
+        raise ImportError(f"irsim_gym.irsim has no '{name}': {_INSTEAD[name]}", name=__name__)
+    raise AttributeError(f"module 'irsim_gym.irsim' has no attribute '{name}'{suggestion(name, __all__)}")
 
 
 def WrapToPi(rad: float, positive: bool = False) -> float:  # noqa: N802

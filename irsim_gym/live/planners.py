@@ -29,8 +29,9 @@ class AStarPlanner:
     def planning(self, start_pose: Any, goal_pose: Any, show_animation: bool = False) -> Floats | None:
         """Return the way from the goal back to the start, as IR-SIM does, shape ``(2, n)`` [m].
 
-        A step leads from the centre of a cell to that of one beside or across, or a knight's move away, and cuts no
-        corner of an occupied cell; the given points come before the first and after the last.
+        A step leads from the centre of a cell to that of one beside or across, or a knight's move away, so that
+        all of it lies in free cells; two occupied cells that meet at a corner alone do not stop it. The given points
+        come before the first centre and after the last.
 
         Args:
             start_pose: x, y and perhaps more [m], flat or a column.

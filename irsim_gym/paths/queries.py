@@ -120,7 +120,8 @@ def touched_cells(
 def cells_way(blocked: Bytes, start: tuple[int, int], goal: tuple[int, int]) -> list[tuple[int, int]]:
     """Return row and column of the cells on a shortest way over free cells, start and goal included; none without one.
 
-    A step leads to a cell beside or across, or a knight's move away; no step cuts the corner of a blocked cell.
+    A step leads to a cell beside or across, or a knight's move away, through free cells alone; it may pass between two
+    blocked ones that meet at a corner.
 
     Args:
         blocked: 1 for a blocked cell, shape ``(rows, columns)``.
