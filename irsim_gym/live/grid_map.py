@@ -14,7 +14,7 @@ MOST_CELLS = 10_000_000
 OCCUPIED = 50.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GridMap:
     """The cells of a world.
 

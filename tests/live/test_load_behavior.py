@@ -153,3 +153,60 @@ def test_environments_and_scenarios_refuse_unknown_behaviours() -> None:
         irsim_gym.load_scenario(data)
     with pytest.raises(ScenarioError, match="no behavior named 'late'"):
         irsim_gym.make(data)
+
+
+BESIDE = """
+import numpy as np
+
+from {home} import register_behavior
+from {class_home} import register_behavior_class
+
+
+@register_behavior("omni", "late_round")
+def late_round(ego_object, external_objects=None, **kwargs):
+    away = ego_object.state[:2] - external_objects[0].state[:2]
+    return kwargs.get("pace", 1.0) * np.array([[-away[1, 0]], [away[0, 0]]]) / np.linalg.norm(away)
+
+
+@register_behavior_class("diff", "late_smooth")
+class Smooth:
+    def __init__(self, object_info, smoothing=0.3, **kwargs):
+        self.before, self.smoothing, self.name = np.zeros((2, 1)), smoothing, object_info.name
+
+    def __call__(self, ego_object, external_objects, **kwargs):
+        least, greatest = ego_object.get_vel_range()
+        ahead = ego_object.get_desired_omni_vel(normalized=True)
+        turn = np.arctan2(ahead[1, 0], ahead[0, 0]) - ego_object.state[2, 0]
+        wanted = np.array([[greatest[0, 0] * np.cos(turn)], [greatest[1, 0] * np.sign(turn)]])
+        self.before = self.smoothing * self.before + (1 - self.smoothing) * wanted
+        return np.clip(self.before, least, greatest)
+"""
+
+BESIDE_FILE = """
+world: {height: 10, width: 10, step_time: 0.1}
+robot:
+  - {kinematics: {name: diff}, shape: {name: circle, radius: 0.2}, state: [1, 2, 0.2], goal: [8, 7], acce: [1, 3],
+     behavior: {name: late_smooth, smoothing: 0.6}}
+  - {kinematics: {name: omni}, shape: {name: circle, radius: 0.2}, state: [5, 8, 0], goal: [9, 9], vel_max: [2, 2],
+     vel_min: [-2, -2], behavior: {name: late_round, pace: 0.7}}
+"""
+
+
+def test_a_module_written_for_irsim_moves_bodies_as_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    irsim = pytest.importorskip("irsim")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    registry = "irsim.lib.behavior.behavior_registry"
+    (tmp_path / "late_theirs.py").write_text(BESIDE.format(home="irsim.lib", class_home=registry))
+    (tmp_path / "late_ours.py").write_text(BESIDE.format(home="irsim_gym.irsim", class_home="irsim_gym.irsim"))
+    (tmp_path / "late_world.yaml").write_text(BESIDE_FILE)
+    theirs = irsim.make(str(tmp_path / "late_world.yaml"), display=False, disable_all_plot=True)
+    theirs.load_behavior("late_theirs")
+    ours = irsim_gym.load(tmp_path / "late_world.yaml")
+    ours.load_behavior("late_ours")
+    for _ in range(30):
+        theirs.step()
+        ours.step()
+        for there, here in zip(theirs.robot_list, ours.robots, strict=True):
+            assert here.state.tolist() == pytest.approx(there.state[:, 0].tolist(), abs=1e-12)
+    theirs.end(0)
+    assert abs(ours.robots[0].state[0] - 1) > 0.5
