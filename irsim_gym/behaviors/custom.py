@@ -12,6 +12,7 @@ import numpy as np
 
 from irsim_gym import families
 from irsim_gym.arraytypes import Floats
+from irsim_gym.behaviors.view_state import tell_missing
 from irsim_gym.behaviors.views import EgoView, ego_view, forget, name_of, others
 from irsim_gym.errors import BehaviorError
 from irsim_gym.registry import Registry
@@ -30,6 +31,7 @@ class PythonBehavior:
     """What all behaviours written in Python have in common: their options, and how they are called."""
 
     reads_neighbors: ClassVar[bool] = True
+    columns: ClassVar[bool] = False
 
     wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
     loop: bool = option(False, meaning="Begin again with the first goal after the last.")
@@ -76,6 +78,7 @@ class PythonGroupBehavior:
     """What all group behaviours written in Python have in common."""
 
     reads_neighbors: ClassVar[bool] = True
+    columns: ClassVar[bool] = False
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
@@ -109,6 +112,8 @@ def _told(group: Group, whose: str, state: WorldState, world: int) -> Iterator[N
     try:
         yield
     except Exception as error:
+        if isinstance(error, AttributeError):
+            tell_missing(error)
         step = int(state.step[world]) + 1
         error.add_note(f"in behavior '{group.kind.behavior_name}' for {whose}, step {step} of world {world}")
         raise

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any
 
 import numpy as np
 
@@ -56,19 +56,10 @@ class StateView:
 
     def __init__(self, group: Group, model: WorldModel, state: WorldState, world: int, body: int) -> None:
         self._group = group
-        self._columns = bool(getattr(group.kind, "columns", False))
+        self._columns: bool = group.kind.columns
         self._model, self._state, self._world = model, state, world
         self.id = body
         self.name = group.names[body] if group.names else f"body {body}"
-
-    if not TYPE_CHECKING:  # a checker of types would otherwise take any name for known
-
-        def __getattr__(self, name: str) -> NoReturn:
-            if name in dir(type(self)) or name.startswith("_"):
-                object.__getattribute__(self, name)  # tells what went wrong in a property
-            known = [one for one in dir(self) if not one.startswith("_")]
-            hint = f": {INSTEAD[name]}" if name in INSTEAD else suggestion(name, known)
-            raise AttributeError(f"a body in a behaviour has no '{name}'{hint}", name=name, obj=self)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, StateView):
@@ -214,3 +205,15 @@ class StateView:
     def _of(self, field: Any) -> Any:
         """Return the body's row of a constant that worlds may share."""
         return field[self._world % field.shape[0], self.id]
+
+
+def tell_missing(error: AttributeError) -> None:
+    """Let an error about a name that a view does not have say what to use.
+
+    Views have no ``__getattr__`` for it, which would make each of their names slower.
+    """
+    view, name = error.obj, error.name
+    if not isinstance(view, StateView) or name is None or name in dir(type(view)):
+        return
+    hint = f": {INSTEAD[name]}" if name in INSTEAD else suggestion(name, [one for one in dir(view) if one[0] != "_"])
+    error.args = (f"a body in a behaviour has no '{name}'{hint}",)
