@@ -13,6 +13,7 @@ from irsim_gym import errors
 from irsim_gym.envs.registration import make, make_vec, register_scenarios, register_shipped
 
 if TYPE_CHECKING:
+    from irsim_gym import irsim
     from irsim_gym.behaviors.custom import behavior, group_behavior
     from irsim_gym.engine.compile import compile
     from irsim_gym.envs import sb3
@@ -31,6 +32,7 @@ _LAZY = {
     "compile": ("irsim_gym.engine", "compile"),
     "evaluate": ("irsim_gym.training.comparison", "evaluate"),
     "group_behavior": ("irsim_gym.behaviors.custom", "group_behavior"),
+    "irsim": ("irsim_gym.irsim", None),
     "load": ("irsim_gym.live", "load"),
     "load_demonstrations": ("irsim_gym.training.demonstrations", "load_demonstrations"),
     "load_scenario": ("irsim_gym.scenario", "load_scenario"),
@@ -47,6 +49,7 @@ __all__ = [
     "errors",
     "evaluate",
     "group_behavior",
+    "irsim",
     "load",
     "load_demonstrations",
     "load_scenario",

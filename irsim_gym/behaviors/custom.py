@@ -13,10 +13,11 @@ import numpy as np
 from irsim_gym import families
 from irsim_gym.arraytypes import Floats
 from irsim_gym.behaviors import renewal
+from irsim_gym.behaviors.view_state import tell_missing
 from irsim_gym.behaviors.views import EgoView, ego_view, forget, name_of, others
 from irsim_gym.errors import BehaviorError
 from irsim_gym.registry import Registry
-from irsim_gym.scenario.options import REQUIRED, crossed_bounds, kind, option
+from irsim_gym.scenario.options import REQUIRED, crossed_bounds, kind, more_options, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import NO_DRIVE, OBSTACLE, OMNI_ANGULAR, ROBOT, WorldModel
 from irsim_gym.world.state import WorldState
@@ -31,6 +32,7 @@ class PythonBehavior:
     """What all behaviours written in Python have in common: their options, and how they are called."""
 
     reads_neighbors: ClassVar[bool] = True
+    columns: ClassVar[bool] = False
 
     wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
     loop: bool = option(False, meaning="Begin again with the first goal after the last.")
@@ -77,6 +79,7 @@ class PythonGroupBehavior:
     """What all group behaviours written in Python have in common."""
 
     reads_neighbors: ClassVar[bool] = True
+    columns: ClassVar[bool] = False
 
     wander: bool = renewal.WANDER
     loop: bool = renewal.LOOP
@@ -119,6 +122,8 @@ def _told(group: Group, whose: str, state: WorldState, world: int) -> Iterator[N
     try:
         yield
     except Exception as error:
+        if isinstance(error, AttributeError):
+            tell_missing(error)
         step = int(state.step[world]) + 1
         error.add_note(f"in behavior '{group.kind.behavior_name}' for {whose}, step {step} of world {world}")
         raise
@@ -132,7 +137,8 @@ def behavior(name: str, *, kinematics: Sequence[str] | None = None) -> Callable[
     ``EgoView``, ``others`` a list of ``BodyView``. Its keyword-only parameters are options in YAML with their types
     and defaults, besides ``wander``, ``loop``, ``target_roles``, ``range_low`` and ``range_high``. Whatever it has to
     remember belongs into ``ego.memory``, and random numbers come from ``ego.uniform`` and ``ego.normal``: then a seed
-    gives the same episode in any batch.
+    gives the same episode in any batch. With ``**more`` at the end of its parameters it takes whatever else the file
+    gives, unchecked.
 
     Args:
         name: Its name in YAML.
@@ -179,36 +185,70 @@ def _decorator(name: str, kinematics: Sequence[str] | None, base: type[Any], reg
 
 def _make_kind(name: str, function: Callable[..., Any], drives: tuple[str, ...], base: type[Any]) -> type[Any]:
     """Return a kind whose options are the keyword-only parameters of a function."""
-    options = _options(name, function, base)
-    keys = tuple(options)
+    parameters = _parameters(name, function)
+    options = _options(name, parameters, base)
+    keys, takes_more = tuple(options), any(one.kind is one.VAR_KEYWORD for one in parameters)
+
+    def own_options(chosen: Any) -> dict[str, Any]:
+        own = {key: getattr(chosen, key) for key in keys}
+        return {**own, **more_options(chosen)} if takes_more else own
+
+    return make_kind(
+        name,
+        function,
+        base,
+        options,
+        takes_more=takes_more,
+        kinematics=drives,
+        function=staticmethod(function),
+        own_options=staticmethod(own_options),
+    )
+
+
+def make_kind(
+    name: str, written: Callable[..., Any], base: type[Any], options: dict[str, tuple[Any, Any]], **members: Any
+) -> type[Any]:
+    """Return a kind of a behaviour that somebody has written.
+
+    Args:
+        name: Its name in YAML.
+        written: What was written, for its documentation.
+        base: What all such kinds have in common.
+        options: Type and declaration of each option.
+        **members: Further members of the class, such as ``function``.
+    """
     made = type(
         "".join(word.capitalize() for word in name.split("_")) + "Behavior",
         (base,),
         {
-            "__doc__": inspect.getdoc(function) or f"The behaviour '{name}'.",
-            "__module__": function.__module__,
+            "__doc__": inspect.getdoc(written) or f"The behaviour '{name}'.",
+            "__module__": written.__module__,
             "__annotations__": {key: hint for key, (hint, _) in options.items()},
             **{key: declared for key, (_, declared) in options.items()},
-            "kinematics": drives,
             "behavior_name": name,
-            "function": staticmethod(function),
-            "own_options": staticmethod(lambda chosen: {key: getattr(chosen, key) for key in keys}),
+            **members,
         },
     )
     return kind(made)
 
 
-def _options(name: str, function: Callable[..., Any], base: type[Any]) -> dict[str, tuple[Any, Any]]:
-    """Return type and declaration of each keyword-only parameter."""
+def _parameters(name: str, function: Callable[..., Any]) -> list[inspect.Parameter]:
     try:
-        parameters = list(inspect.signature(function, eval_str=True).parameters.values())
+        return list(inspect.signature(function, eval_str=True).parameters.values())
     except NameError as error:
         raise TypeError(f"behavior '{name}': the types of its parameters must exist when it runs ({error})") from None
+
+
+def _options(name: str, parameters: Sequence[inspect.Parameter], base: type[Any]) -> dict[str, tuple[Any, Any]]:
+    """Return type and declaration of each keyword-only parameter."""
     leading = [one for one in parameters if one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD)]
     keywords = [one for one in parameters if one.kind is one.KEYWORD_ONLY]
-    if len(leading) != 2 or len(leading) + len(keywords) != len(parameters):
+    more = [one for one in parameters if one.kind is one.VAR_KEYWORD]
+    if len(leading) != 2 or len(leading) + len(keywords) + len(more) != len(parameters):
         shown = ", ".join(str(one) for one in parameters)
-        raise TypeError(f"behavior '{name}': the parameters must be two, a '*', and the options, got ({shown})")
+        raise TypeError(
+            f"behavior '{name}': the parameters must be two, a '*', and the options, or '**' for any, got ({shown})"
+        )
     options = {}
     for one in keywords:
         if hasattr(base, one.name) or one.name == "name":

@@ -8,29 +8,24 @@ import numpy as np
 
 from irsim_gym import rng
 from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.behaviors.view_names import NamedView
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import ROBOT, WorldModel
+from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 
-class BodyView:
-    """A body at the moment. Arrays are copies: writing into them changes nothing."""
+class BodyView(NamedView):
+    """A body at the moment. Arrays are copies: writing into them changes nothing.
 
-    __slots__ = ("_model", "_state", "_world", "id", "name")
+    The names of ``world.robot`` that have a meaning here work as well, IR-SIM's among them. Arrays are flat; a function
+    of ``irsim_gym.register_behavior`` gets columns of shape ``(n, 1)`` under the names that IR-SIM has too.
+    """
 
-    def __init__(self, model: WorldModel, state: WorldState, world: int, body: int, name: str) -> None:
-        self._model, self._state, self._world = model, state, world
-        self.id = body
-        self.name = name
+    __slots__ = ()
 
     def __repr__(self) -> str:
         x, y, heading = self.pose
         return f"<{self.name} at ({x:g}, {y:g}), heading {heading:g}>"
-
-    @property
-    def role(self) -> str:
-        """``robot`` or ``obstacle``."""
-        return "robot" if self._model.role[self.id] == ROBOT else "obstacle"
 
     @property
     def pose(self) -> Floats:
@@ -39,13 +34,17 @@ class BodyView:
 
     @property
     def velocity(self) -> Floats:
-        """What is executed, in the drive's coordinates [m/s or rad/s], shape ``(3,)``; unused numbers are 0."""
-        return np.array(self._state.velocity[self._world, self.id])
+        """What is executed, in the drive's coordinates [m/s or rad/s], shape ``(3,)``; unused numbers are 0.
+
+        As a column it has only the numbers that the drive uses.
+        """
+        executed = self._state.velocity[self._world, self.id]
+        return self._vector(executed[: self._command_size] if self._columns else executed)
 
     @property
     def twist(self) -> Floats:
         """Velocity in the world frame: vx, vy [m/s], turn rate [rad/s]."""
-        return np.array(self._state.twist[self._world, self.id])
+        return self._vector(self._state.twist[self._world, self.id])
 
     @property
     def steering(self) -> float:
@@ -54,8 +53,14 @@ class BodyView:
 
     @property
     def goal(self) -> Floats | None:
-        """The next goal: x, y [m], heading [rad] (NaN: any); None without one."""
-        return np.array(self._state.goal[self._world, self.id]) if self._model.has_goal[self.id] else None
+        """The next goal: x, y [m], heading [rad]; None without one.
+
+        Where any heading will do it is NaN, and left out of a column.
+        """
+        if not self._model.has_goal[self.id]:
+            return None
+        goal = self._state.goal[self._world, self.id]
+        return self._vector(goal[:2] if self._columns and np.isnan(goal[2]) else goal)
 
     @property
     def goal_threshold(self) -> float:
@@ -70,10 +75,7 @@ class BodyView:
     @property
     def center(self) -> Floats:
         """Centre of the footprint's area in the world frame: x, y [m]."""
-        x, y, heading = self._state.pose[self._world, self.id]
-        ahead, left = self._of(self._model.centroid)
-        cosine, sine = np.cos(heading), np.sin(heading)
-        return np.array([x + cosine * ahead - sine * left, y + sine * ahead + cosine * left])
+        return np.array(self._middle())
 
     @property
     def segments(self) -> Floats:
@@ -112,9 +114,40 @@ class BodyView:
         """True while it is at its last goal."""
         return bool(self._state.arrived[self._world, self.id])
 
-    def _of(self, field: Any) -> Any:
-        """Return the body's row of a constant that worlds may share."""
-        return field[self._world % field.shape[0], self.id]
+    @property
+    def hit(self) -> BodyView | None:
+        """The body that it touched in the last step (the first one), or None."""
+        other = int(self._state.hit[self._world, self.id])
+        return None if other < 0 else self._other(other)
+
+    @property
+    def external_objects(self) -> list[BodyView]:
+        """All other bodies."""
+        return [self._other(int(b)) for b in np.flatnonzero(self._model.present[self._world]) if b != self.id]
+
+    @property
+    def rvo_neighbors(self) -> list[list[float]]:
+        """``rvo_neighbor_state`` of all other bodies but the unobstructed ones."""
+        return [body.rvo_neighbor_state for body in self.external_objects if not body.unobstructed]
+
+    def detected(self) -> list[BodyView]:
+        """Return the bodies in its field of view (``fov``, ``fov_radius``); nothing hides what is behind it.
+
+        Raises:
+            UnknownNameError: It has no field of view.
+        """
+        return [self._other(b) for b in self._numbers_in_view()]
+
+    def get_fov_detected_objects(self) -> list[BodyView]:
+        """Return the bodies in its field of view; see ``detected``."""
+        return self.detected()
+
+    def fov_detect_object(self, detected_object: BodyView) -> bool:
+        """Return whether a body is in its field of view; see ``detected``."""
+        return detected_object in self.detected()
+
+    def _other(self, body: int) -> BodyView:
+        return BodyView(self._group, self._model, self._state, self._world, body)
 
 
 class EgoView(BodyView):
@@ -123,9 +156,9 @@ class EgoView(BodyView):
     __slots__ = ("memory",)
 
     def __init__(
-        self, model: WorldModel, state: WorldState, world: int, body: int, name: str, memory: dict[str, Any]
+        self, group: Group, model: WorldModel, state: WorldState, world: int, body: int, memory: dict[str, Any]
     ) -> None:
-        super().__init__(model, state, world, body, name)
+        super().__init__(group, model, state, world, body)
         self.memory = memory
 
     @property
@@ -143,16 +176,6 @@ class EgoView(BodyView):
         """Greatest changes of the velocities per second [m/s2 or rad/s2], shape ``(3,)``; may be infinite."""
         return np.array(self._of(self._model.acceleration_limit))
 
-    @property
-    def time(self) -> float:
-        """Time since the start of the episode [s]."""
-        return float(self._state.time[self._world])
-
-    @property
-    def step_time(self) -> float:
-        """Duration of a step [s]."""
-        return float(self._model.step_time[0])
-
     def uniform(self, low: float, high: float) -> float:
         """Draw a number from low to high from the world's own stream, so that a seed gives the same episode again."""
         return float(rng.uniform(self._state.random, self._world, low, high))
@@ -167,7 +190,7 @@ def ego_view(group: Group, model: WorldModel, state: WorldState, world: int, bod
     memories = group.arrays["memory"]
     if memories[world, body] is None:
         memories[world, body] = {}
-    return EgoView(model, state, world, body, name_of(group, body), memories[world, body])
+    return EgoView(group, model, state, world, body, memories[world, body])
 
 
 def forget(group: Group, shard: Shard) -> None:
@@ -194,7 +217,7 @@ def others(group: Group, model: WorldModel, state: WorldState, world: int, unsee
     seen[unseen] = False
     if model.map_frame[4] >= 0:
         seen[int(model.map_frame[4])] = False
-    return [BodyView(model, state, world, int(b), name_of(group, int(b))) for b in np.flatnonzero(seen)]
+    return [BodyView(group, model, state, world, int(b)) for b in np.flatnonzero(seen)]
 
 
 def name_of(group: Group, body: int) -> str:

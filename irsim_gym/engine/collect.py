@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.engine import field_of_view
 from irsim_gym.engine.fog import lay_fog
 from irsim_gym.engine.measures import measure
 from irsim_gym.engine.parts import Parts
@@ -15,6 +16,7 @@ from irsim_gym.engine.turns import take_turns
 from irsim_gym.engine.ways import guard_ways
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
+from irsim_gym.world.company import Company
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import LOOP, WorldModel
 from irsim_gym.world.outline import Outline
@@ -36,8 +38,11 @@ def collect_parts(
     deciding = [(b, body.behavior) for b, body in bodies if body.behavior is not None and b not in led]
     behaviors = _behaviors([member for member in deciding if model.movable[member[0]]], model)
     names = tuple(body.name for _, body in bodies)
+    sensors = [(b, sensor) for b, body in bodies for sensor in body.sensors]
+    scanners = _sensors(sensors, outlines, model, n_slots)
+    company = Company(scenario.bodies, scanners, field_of_view.detect)
     for group in (*group_behaviors, *behaviors):
-        group.names = names
+        group.names, group.company = names, company
     for group in behaviors:
         group.kind.prepare(group, model, n_slots)
     kinematics = group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]])
@@ -47,10 +52,8 @@ def collect_parts(
     everyone = np.arange(len(bodies), dtype=np.int64)
     movers = np.flatnonzero(model.movable)
     in_order = scenario.world.update == "sequential"
-    sensors = [(b, sensor) for b, body in bodies for sensor in body.sensors]
     placed = [scenario.placements[body.entry].kind.gives_goal for _, body in bodies]
     single = np.array([gives or len(body.goal) <= 1 for gives, (_, body) in zip(placed, bodies, strict=True)], np.bool_)
-    scanners = _sensors(sensors, outlines, model, n_slots)
     return Parts(
         kinematics=kinematics,
         behaviors=behaviors,

@@ -17,6 +17,7 @@ from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.step import Orders, advance, refresh
 from irsim_gym.errors import UnknownNameError, suggestion
 from irsim_gym.scenario.spec import Scenario
+from irsim_gym.world.company import find_sensor
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -102,14 +103,7 @@ class Simulation:
             reading: What the sensor reads, such as ``"ranges"``.
             index: Which of these sensors, in the order of the file.
         """
-        wanted = [options for options in self.scenario.bodies[body].sensors if options.reading == reading]
-        if not 0 <= index < len(wanted):
-            return None
-        for group in self.parts.sensors:
-            for k in map(int, np.flatnonzero(group.members == body)):
-                if group.options[k] is wanted[index]:
-                    return group, k
-        return None
+        return find_sensor(self.scenario.bodies, self.parts.sensors, body, reading, index)
 
     def scan(self, body: int, index: int = 0) -> tuple[Group, int] | None:
         """Return the group and the member number of one of a body's range sensors, None without it."""

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live import hints
-from irsim_gym.live.moment import Moment
 from irsim_gym.live.reports import ObstacleInfo, RobotInfo
+from irsim_gym.live.view_names import ViewNames
 from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD
 
 if TYPE_CHECKING:
     from typing import Self
 
 
-class BodyNames(Moment):
+class BodyNames(ViewNames):
     """IR-SIM's names, and for those that are not here an error that says what to use."""
 
     __slots__ = ()
@@ -188,6 +188,6 @@ class BodyNames(Moment):
         """Return the bodies in its field of view; see ``detected``."""
         return self.detected()
 
-    def fov_detect_object(self, detected_object: Moment) -> bool:
+    def fov_detect_object(self, detected_object: ViewNames) -> bool:
         """Return whether a body is in its field of view; see ``detected``."""
         return detected_object in self.detected()

@@ -14,7 +14,7 @@ from irsim_gym.live.actions import Reference
 from irsim_gym.live.body import Body
 from irsim_gym.live.goals import Goals
 from irsim_gym.live.painted import PaintedBeams
-from irsim_gym.live.reports import ObstacleInfo, OccupancyGrid, RobotInfo, occupancy
+from irsim_gym.live.reports import ObstacleInfo, RobotInfo
 from irsim_gym.live.roster import Roster
 from irsim_gym.live.track import Track
 from irsim_gym.world.model import OBSTACLE, ROBOT
@@ -123,10 +123,6 @@ class Crowd(ABC):
     def dynamic_objects(self) -> list[Body]:
         """The bodies that can move."""
         return [body for body in self.objects if not body.static]
-
-    def get_map(self) -> OccupancyGrid | None:
-        """Return the obstacle map as cells, None without one; other bodies are not drawn into it."""
-        return occupancy(self.simulation)
 
     def get_object_by_name(self, name: str) -> Body | None:
         """Return the body of that name, None if there is none; ``world[name]`` raises then."""

@@ -82,14 +82,14 @@ def _is_inside(starts: Floats, ends: Floats) -> bool:
 
 
 def _touches_map(simulation: Simulation, x: float, y: float, radius: float) -> bool:
-    grid = reports.occupancy(simulation)
-    if grid is None:
+    occupied = simulation.scenario.occupied
+    if occupied is None:
         return False
-    (left, bottom), (width, height) = grid.origin, grid.cell_size
-    columns, rows = grid.occupied.shape
+    left, bottom, width, height = map(float, simulation.model.map_frame[:4])
+    columns, rows = occupied.shape
     first, last = (max(math.floor((x + side * radius - left) / width), 0) for side in (-1, 1))
     low, high = (max(math.floor((y + side * radius - bottom) / height), 0) for side in (-1, 1))
-    i, j = np.nonzero(grid.occupied[first : min(last, columns - 1) + 1, low : min(high, rows - 1) + 1])
+    i, j = np.nonzero(occupied[first : min(last, columns - 1) + 1, low : min(high, rows - 1) + 1])
     beside = x - np.clip(x, left + (i + first) * width, left + (i + first + 1) * width)
     above = y - np.clip(y, bottom + (j + low) * height, bottom + (j + low + 1) * height)
     return bool((np.hypot(beside, above) <= radius).any())

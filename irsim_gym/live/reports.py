@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
 from irsim_gym.engine.measures import measure_into
 from irsim_gym.families import FOOTPRINTS, KINEMATICS
-from irsim_gym.live.vectors import frozen, points, vector
+from irsim_gym.live.vectors import points, vector
 
 FLATTEST = 1e-9
 CORNERS = 64
@@ -129,30 +129,6 @@ def obstacle_info(simulation: Simulation, body: int, *, columns: bool = False) -
         cone_type=cone,
         convex_flag=cone is not None,
     )
-
-
-@dataclass(frozen=True)
-class OccupancyGrid:
-    """The obstacle map as cells.
-
-    Attributes:
-        occupied: Which cells are, shape ``(columns, rows)``: columns from the left, rows from the bottom.
-        origin: x, y of the lower left corner [m].
-        cell_size: Width and height of a cell [m].
-    """
-
-    occupied: Flags
-    origin: tuple[float, float]
-    cell_size: tuple[float, float]
-
-
-def occupancy(simulation: Simulation) -> OccupancyGrid | None:
-    """Return the obstacle map, None without one."""
-    cells = simulation.scenario.occupied
-    if cells is None:
-        return None
-    x, y, width, height = map(float, simulation.model.map_frame[:4])
-    return OccupancyGrid(frozen(cells), (x, y), (width, height))
 
 
 def is_map(simulation: Simulation, body: int) -> bool:

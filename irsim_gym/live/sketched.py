@@ -11,7 +11,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live import looks, places, strokes
 from irsim_gym.live.drawing import ARROW, GROUND_LAYER, LINE_LAYER, PATH, Drawing
-from irsim_gym.live.population import Population
+from irsim_gym.live.planned import Planned
 
 LINE_WORDS = {
     "color": "color", "c": "color", "linewidth": "width", "lw": "width", "linestyle": "style", "ls": "style",
@@ -30,7 +30,7 @@ THICK, THIN = 0.0075, 0.003
 ORIGIN_SIZE = 36.0
 
 
-class Sketched(Population):
+class Sketched(Planned):
     """What is drawn over a world by hand.
 
     ``draw`` is our way of saying it; the methods say it as IR-SIM's scripts do, with its arguments and defaults.

@@ -94,7 +94,7 @@ class World(Filmed):
         self._begin(self._loaded.world.status)
 
     def _read(self) -> None:
-        loaded = load_scenario(self._source, self._asked.parameters, strict=self._strict)
+        loaded = load_scenario(self._source, self._asked.parameters, strict=self._strict, may_pend=True)
         if self._asked.step_mode is not None:
             loaded = replace(loaded, world=replace(loaded.world, step_mode=self._asked.step_mode))
         self._loaded = loaded

@@ -6,12 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.arraytypes import Bytes, Flags, Floats
 from irsim_gym.paths.clearance import Outlines
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid
+from irsim_gym.paths.occupancy import mark_touched
 from irsim_gym.paths.pulling import path_length
 from irsim_gym.paths.reachability import is_reachable
+from irsim_gym.paths.spread import PARENT, clear_field, offer, spread
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -23,6 +25,11 @@ Point = Sequence[float] | Floats
 def standing_bodies(model: WorldModel, world: int) -> Flags:
     """Return which bodies are always in the way: present, standing and not unobstructed, shape ``(body,)``."""
     return np.asarray(model.present[world] & model.stands & ~model.unobstructed)
+
+
+def fixed_bodies(model: WorldModel, world: int) -> Flags:
+    """Return which bodies never move: present, without a way to move and not unobstructed, shape ``(body,)``."""
+    return np.asarray(model.present[world] & ~model.movable & ~model.unobstructed)
 
 
 def free_path(
@@ -89,6 +96,53 @@ def has_free_path(
     ends = float(start[0]), float(start[1]), float(goal[0]), float(goal[1])
     place = grid.origin_x, grid.origin_y, grid.cell
     return bool(is_reachable(*outlines, float(radius), *ends, *place, grid.blocked(), grid.runs()))
+
+
+def touched_cells(
+    model: WorldModel, state: WorldState, world: int, n_cells: tuple[int, int], *, blocks: Flags | None = None
+) -> Flags:
+    """Return which cells a body or an occupied cell of the map touches, shape ``(columns, rows)``.
+
+    Args:
+        model: Constants of the episode.
+        state: The moment.
+        world: Which world.
+        n_cells: Number of columns and rows over the world; columns from the left, rows from the bottom.
+        blocks: As for ``free_path``.
+    """
+    x_min, y_min, x_max, y_max = (float(value) for value in model.bounds)
+    touched = np.zeros(n_cells, np.bool_)
+    size = (x_max - x_min) / n_cells[0], (y_max - y_min) / n_cells[1]
+    mark_touched(*_outlines(model, state, world, blocks), x_min, y_min, *size, touched)
+    return touched
+
+
+def cells_way(blocked: Bytes, start: tuple[int, int], goal: tuple[int, int]) -> list[tuple[int, int]]:
+    """Return row and column of the cells on a shortest way over free cells, start and goal included; none without one.
+
+    A step leads to a cell beside or across, or a knight's move away, through free cells alone; it may pass between two
+    blocked ones that meet at a corner.
+
+    Args:
+        blocked: 1 for a blocked cell, shape ``(rows, columns)``.
+        start: Row and column.
+        goal: Row and column.
+    """
+    rows, columns = blocked.shape
+    inside = all(0 <= row < rows and 0 <= column < columns for row, column in (start, goal))
+    if not inside or blocked[start] or blocked[goal]:
+        return []
+    field, queue = np.zeros((rows, columns)), np.zeros((3, rows * columns + 8), np.int64)
+    clear_field(field, queue)
+    offer(field.reshape(-1), queue, goal[0] * columns + goal[1], 0.0, -1, 1.0)
+    spread(blocked, 1.0, *start, field, queue)
+    if not np.isfinite(field[start]):
+        return []
+    way, here = [], start[0] * columns + start[1]
+    while here >= 0:
+        way.append((here // columns, here % columns))
+        here = int(queue[PARENT, here])
+    return way
 
 
 def _outlines(model: WorldModel, state: WorldState, world: int, blocks: Flags | None) -> Outlines:

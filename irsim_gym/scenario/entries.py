@@ -12,6 +12,7 @@ from irsim_gym.registry import Registry
 from irsim_gym.scenario.images import image_problem
 from irsim_gym.scenario.messages import CONTACT_MESSAGE, CONTACT_SENSOR, show
 from irsim_gym.scenario.options import defaults, option_fields
+from irsim_gym.scenario.pending import is_pending, read_pending
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import RawEntry, depth, share
 from irsim_gym.scenario.source import Place
@@ -154,7 +155,10 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> Any:
     if key == "group_behavior" and not report.strict and isinstance(name, str) and name not in GROUP_BEHAVIORS:
         report.doubt(place, f"no group behavior named {show(name)}: each decides by itself, as in IR-SIM 2.12.0")
         return None
-    made = build_named(FAMILIES[key], value, place, report)
+    if report.may_pend and is_pending(key, value):
+        made: Any = read_pending(key, value, place, report)
+    else:
+        made = build_named(FAMILIES[key], value, place, report)
     return BAD if made is None else made
 
 

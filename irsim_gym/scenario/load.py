@@ -33,6 +33,7 @@ def load_scenario(
     *,
     strict: bool = True,
     warn: bool = True,
+    may_pend: bool = False,
 ) -> Scenario:
     """Read and check a scenario.
 
@@ -42,6 +43,7 @@ def load_scenario(
         strict: A key that nobody reads is an error; False: it is ignored, with an ``IgnoredKeyWarning``.
         warn: Warn of values that are hardly ever meant, such as degrees (``ScenarioWarning``), and of keys that are
             ignored (``IgnoredKeyWarning``).
+        may_pend: Behaviours may be registered later: one with an unknown name raises an error when it has to decide.
 
     Raises:
         ScenarioError: It cannot be used; the error lists every problem with its line. A file that does not exist
@@ -52,13 +54,15 @@ def load_scenario(
     if not isinstance(scenario, str | Path | Mapping):
         raise TypeError(f"a scenario is a name, a path or a mapping, got {type(scenario).__name__}")
     source = read_mapping(scenario) if isinstance(scenario, Mapping) else read_file(library.find(scenario))
-    loaded = read_scenario(source, parameters or {}, strict=strict)
+    loaded = read_scenario(source, parameters or {}, strict=strict, may_pend=may_pend)
     if warn:
         notes.warn(loaded)
     return loaded
 
 
-def read_scenario(source: Source, parameters: Mapping[str, Any] | None = None, *, strict: bool = True) -> Scenario:
+def read_scenario(
+    source: Source, parameters: Mapping[str, Any] | None = None, *, strict: bool = True, may_pend: bool = False
+) -> Scenario:
     """Check plain data and return the scenario that it describes; see ``load_scenario``.
 
     Raises:
@@ -67,6 +71,7 @@ def read_scenario(source: Source, parameters: Mapping[str, Any] | None = None, *
     """
     source, values = fill_in(source, parameters or {}, strict=strict)
     report = Report(source, strict=strict)
+    report.may_pend = may_pend
     _tell_repeats(report)
     sections, roots = split_sections(source.data, report)
     places = _places(sections, roots, report)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any, TypeVar, cast, dataclass_transform
@@ -46,10 +47,18 @@ def kind(cls: type[T]) -> type[T]:
     """Make a class a kind: a frozen, strictly validated dataclass of its options.
 
     A kind may have a method ``problems()`` that yields (key, message) for each option that does not fit the others;
-    the reader of scenarios tells them with their lines. An empty key means the kind as a whole.
+    the reader of scenarios tells them with their lines. An empty key means the kind as a whole. One with
+    ``takes_more = True`` takes options that it does not declare as well, unchecked: see ``more_options``.
     """
-    made: Any = pydantic_dataclass(frozen=True, kw_only=True, config=OPTIONS_CONFIG)(cls)
+    config = ConfigDict(**{**OPTIONS_CONFIG, "extra": "allow"}) if getattr(cls, "takes_more", False) else OPTIONS_CONFIG
+    made: Any = pydantic_dataclass(frozen=True, kw_only=True, config=config)(cls)
     return cast("type[T]", made)
+
+
+def more_options(options: Any) -> dict[str, Any]:
+    """Return what a file gives beyond the options that a kind declares, by key; a copy."""
+    declared = option_fields(type(options))
+    return {key: copy.deepcopy(value) for key, value in vars(options).items() if key not in declared}
 
 
 def defaults(cls: type[T]) -> T:

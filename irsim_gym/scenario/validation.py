@@ -49,6 +49,8 @@ class Report:
         self.source = source
         self.strict = strict
         self.could_be_lenient = False
+        self.may_pend = False
+        """Names of behaviours may be registered later."""
         self.problems: dict[Problem, None] = dict.fromkeys(source.problems)
         self.doubts: dict[Problem, None] = {}
         self.ignored: dict[Problem, None] = dict.fromkeys(source.ignored)
@@ -132,8 +134,10 @@ def build(
         report.add(place, f"must be a mapping of options, got {show(data)}{hint}")
         return None
     fields, ignored = option_fields(cls), set(skip)
-    spelt = check_keys(data, [*fields, *ignored], place, report)
-    values: dict[str, Any] = {}
+    open_ended = getattr(cls, "takes_more", False)
+    spelt = {} if open_ended else check_keys(data, [*fields, *ignored], place, report)
+    more = [key for key in data if key not in fields and key not in ignored] if open_ended else []
+    values: dict[str, Any] = {key: data[key] for key in more}
     is_good = True
     for key, info in fields.items():
         own = spelt.get(key, key)

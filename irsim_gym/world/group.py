@@ -5,12 +5,15 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints
+
+if TYPE_CHECKING:
+    from irsim_gym.world.company import Company
 
 
 @dataclass
@@ -37,6 +40,7 @@ class Group:
         params: Records of the members' numeric options, shape ``(n_members,)``.
         arrays: The kind's own arrays: readings, tables, scratch.
         names: Names of all bodies, for kinds that tell them; may be empty.
+        company: What else there is to tell of all bodies, for kinds that do; may be None.
     """
 
     kind: Any
@@ -45,6 +49,7 @@ class Group:
     params: Any = None
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
     names: tuple[str, ...] = ()
+    company: Company | None = None
 
     def __post_init__(self) -> None:
         if self.params is None:
@@ -53,7 +58,8 @@ class Group:
     def select(self, chosen: Ints) -> Group:
         """Return a group of some of the members, by their numbers in this one; it shares the arrays."""
         options = [self.options[k] for k in chosen]
-        return Group(self.kind, options, self.members[chosen], self.params[chosen], self.arrays, self.names)
+        params = self.params[chosen]
+        return Group(self.kind, options, self.members[chosen], params, self.arrays, self.names, self.company)
 
 
 def records(options: Sequence[Any]) -> Any:

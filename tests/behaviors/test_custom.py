@@ -107,7 +107,7 @@ def test_a_column_is_a_command_too() -> None:
     [
         (lambda ego: 0, "the parameters must be two"),
         (lambda ego, others, gain: 0, "the parameters must be two"),
-        (lambda ego, others, **options: 0, "the parameters must be two"),
+        (lambda ego, others, *more: 0, "the parameters must be two"),
         (lambda ego, others, *, gain: 0, "the option 'gain' needs a type"),
         (lambda ego, others, *, wander: 0, "every behaviour has 'wander' already"),
     ],

@@ -76,7 +76,7 @@ DECISIONS = {
     ),
     "python_behaviors": Decision(
         "register_behavior(kinematics, name) hands out the simulator's own objects; unknown options are ignored",
-        "irsim_gym.behavior(name) hands out read-only views; options and commands are checked",
+        "behaviours get read-only views; commands are checked, and the options of irsim_gym.behavior(name)",
         "a behaviour that writes into its neighbours depends on the order of the bodies",
         "section 8.6",
     ),

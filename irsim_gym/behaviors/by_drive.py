@@ -1,0 +1,163 @@
+"""Behaviours registered as for IR-SIM: by drive and name, called with its arguments, on columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from irsim_gym import families
+from irsim_gym.behaviors.custom import PythonBehavior, PythonGroupBehavior, make_kind
+from irsim_gym.behaviors.views import BodyView, EgoView
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.registry import Registry
+from irsim_gym.scenario.options import more_options, option_fields
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_HANDLER = "what register_behavior_class made"
+
+
+@dataclass(frozen=True)
+class _Written:
+    """What was written for one drive.
+
+    Attributes:
+        function: It decides, or it makes what decides.
+        makes: It makes what decides, once in each episode.
+    """
+
+    function: Callable[..., Any]
+    makes: bool
+
+
+def register_behavior(kinematics: str, action: str) -> Callable[[F], F]:
+    """Register a function as IR-SIM's ``register_behavior`` does, to be used as ``behavior: {name: action}``.
+
+    It is called as ``f(ego_object=..., external_objects=..., **options)`` and returns a command of the drive, flat or
+    as a column. The objects are an ``EgoView`` and a list of ``BodyView``, whose arrays are columns of shape ``(n, 1)``
+    under IR-SIM's names. The options are ``name`` and whatever else the file gives, unchecked. A behaviour may be
+    registered for several drives, each with a function of its own.
+
+    Args:
+        kinematics: Name of the drive, such as ``diff``.
+        action: Name of the behaviour in YAML.
+
+    Raises:
+        UnknownNameError: There is no such drive.
+        IrsimGymError: The name is taken for this drive.
+    """
+    return _decorator(families.BEHAVIORS, kinematics, action, makes=False)
+
+
+def register_behavior_class(kinematics: str, action: str) -> Callable[[F], F]:
+    """Register a class, or a function that makes an instance, as IR-SIM's ``register_behavior_class`` does.
+
+    It is called as ``f(object_info, **options)`` before the body's first decision in each episode, and what it returns
+    as a function of ``register_behavior`` in each step. ``object_info`` is the body's view.
+
+    Args:
+        kinematics: As for ``register_behavior``.
+        action: See there.
+
+    Raises:
+        UnknownNameError: There is no such drive.
+        IrsimGymError: The name is taken for this drive.
+    """
+    return _decorator(families.BEHAVIORS, kinematics, action, makes=True)
+
+
+def register_group_behavior(kinematics: str, action: str) -> Callable[[F], F]:
+    """Register a function as IR-SIM's ``register_group_behavior`` does, for ``group_behavior: {name: action}``.
+
+    It is called as ``f(members, **options)`` and returns a list with one command for each; else as
+    ``register_behavior``. The drive is that of the group's first member.
+
+    Args:
+        kinematics: As for ``register_behavior``.
+        action: See there.
+
+    Raises:
+        UnknownNameError: There is no such drive.
+        IrsimGymError: The name is taken for this drive.
+    """
+    return _decorator(families.GROUP_BEHAVIORS, kinematics, action, makes=False)
+
+
+def register_group_behavior_class(kinematics: str, action: str) -> Callable[[F], F]:
+    """Register a class, or a function that makes an instance, as IR-SIM's ``register_group_behavior_class`` does.
+
+    It is called as ``f(members, **options)`` before the group's first decision in each episode, and what it returns as
+    a function of ``register_group_behavior`` in each step.
+
+    Args:
+        kinematics: As for ``register_behavior``.
+        action: See there.
+
+    Raises:
+        UnknownNameError: There is no such drive.
+        IrsimGymError: The name is taken for this drive.
+    """
+    return _decorator(families.GROUP_BEHAVIORS, kinematics, action, makes=True)
+
+
+def _decorator(registry: Registry, drive: str, name: str, *, makes: bool) -> Callable[[F], F]:
+    families.load()
+    families.KINEMATICS.entry(drive)
+
+    def register(function: F) -> F:
+        made = registry.entry(name).kind if name in registry else None
+        if made is None or not hasattr(made, "by_drive"):
+            made = _make_kind(name, function, is_group=registry is families.GROUP_BEHAVIORS)
+            registry.register(name, made)
+        if drive in made.by_drive:
+            raise IrsimGymError(f"{registry.family} '{name}' is registered twice for kinematics '{drive}'")
+        made.by_drive[drive] = _Written(function, makes)
+        made.kinematics = tuple(made.by_drive)
+        return function
+
+    return register
+
+
+def _make_kind(name: str, function: Callable[..., Any], *, is_group: bool) -> type[Any]:
+    """Return a kind that takes any options; whom it asks depends on the drive."""
+    base = PythonGroupBehavior if is_group else PythonBehavior
+    by_drive: dict[str, _Written] = {}
+
+    def own_options(chosen: Any) -> dict[str, Any]:
+        given = {key: getattr(chosen, key) for key, field in option_fields(base).items()}
+        given = {key: value for key, value in given.items() if value != option_fields(base)[key].default}
+        return {"name": name, **given, **more_options(chosen)}
+
+    def decide(ego: EgoView, seen: list[BodyView], **options: Any) -> Any:
+        decider = _decider(by_drive[str(ego.kinematics)], ego, ego.memory, options)
+        return decider(ego_object=ego, external_objects=seen, **options)
+
+    def decide_together(members: list[EgoView], seen: list[BodyView], **options: Any) -> Any:
+        if not members:
+            return []
+        decider = _decider(by_drive[str(members[0].kinematics)], members, members[0].memory, options)
+        return decider(members, **options)
+
+    return make_kind(
+        name,
+        function,
+        base,
+        {},
+        takes_more=True,
+        columns=True,
+        kinematics=(),
+        by_drive=by_drive,
+        function=staticmethod(decide_together) if is_group else staticmethod(decide),
+        own_options=staticmethod(own_options),
+    )
+
+
+def _decider(written: _Written, whom: Any, memory: dict[str, Any], options: dict[str, Any]) -> Callable[..., Any]:
+    """Return what decides: the function itself, or what it makes, once in each episode."""
+    if not written.makes:
+        return written.function
+    if _HANDLER not in memory:
+        memory[_HANDLER] = written.function(whom, **options)
+    handler: Callable[..., Any] = memory[_HANDLER]
+    return handler

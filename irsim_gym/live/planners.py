@@ -1,0 +1,60 @@
+"""IR-SIM's planners on cells, as its scripts use them."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.live.grid_map import GridMap
+from irsim_gym.live.planned import point
+from irsim_gym.paths.queries import cells_way
+
+
+@final
+class AStarPlanner:
+    """Shortest ways over the free cells of a map.
+
+    The way is that of a point: for a robot of some size, ``world.path`` is what leaves room. It is found by spreading
+    from the goal, which gives what A* finds.
+
+    Args:
+        env_map: What ``world.get_map`` returns.
+    """
+
+    def __init__(self, env_map: GridMap) -> None:
+        self.env_map = env_map
+
+    def planning(self, start_pose: Any, goal_pose: Any, show_animation: bool = False) -> Floats | None:
+        """Return the way from the goal back to the start, as IR-SIM does, shape ``(2, n)`` [m].
+
+        A step leads from the centre of a cell to that of one beside or across, or a knight's move away, so that
+        all of it lies in free cells; two occupied cells that meet at a corner alone do not stop it. The given points
+        come before the first centre and after the last.
+
+        Args:
+            start_pose: x, y and perhaps more [m], flat or a column.
+            goal_pose: Likewise.
+            show_animation: Nothing is shown: there is no search to look at.
+
+        Returns:
+            The points, None where there is no way: also where start or goal is outside, or in an occupied cell.
+
+        Raises:
+            ValueError: A point is none.
+        """
+        start, goal = point(start_pose, "start_pose"), point(goal_pose, "goal_pose")
+        here, there = self.env_map.cell_of(*start), self.env_map.cell_of(*goal)
+        if here is None or there is None:
+            return None
+        blocked = np.ascontiguousarray(self.env_map.occupied.T, np.uint8)
+        way = cells_way(blocked, here[::-1], there[::-1])
+        if not way:
+            return None
+        centers = [self.env_map.center_of(column, row) for row, column in reversed(way)]
+        return np.array([goal, *centers, start]).T
+
+
+JPSPlanner = AStarPlanner
+"""Jump point search finds the same ways, so it is the same planner."""

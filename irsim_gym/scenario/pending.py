@@ -1,0 +1,114 @@
+"""Behaviours that a file names and nobody has registered yet: a world by hand waits for them until its first step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any, ClassVar, NoReturn
+
+from irsim_gym.errors import BehaviorError, ScenarioError, UnknownNameError
+from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
+from irsim_gym.registry import Registry
+from irsim_gym.scenario.checks import check_drive
+from irsim_gym.scenario.options import crossed_bounds, kind, option
+from irsim_gym.scenario.source import Place
+from irsim_gym.scenario.spec import BodySpec, Scenario
+from irsim_gym.scenario.validation import BAD, Report, build, build_named
+
+FAMILIES: dict[str, Registry] = {"behavior": BEHAVIORS, "group_behavior": GROUP_BEHAVIORS}
+RENEWAL = ("wander", "loop", "range_low", "range_high")
+
+
+@kind
+class PendingBehavior:
+    """A behaviour whose name is not known yet; it says so when it has to decide."""
+
+    reads_neighbors: ClassVar[bool] = False
+
+    wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
+    loop: bool = option(False, meaning="Begin again with the first goal after the last.")
+    range_low: tuple[float, float, float] = option(
+        (0.0, 0.0, -math.pi), unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
+    )
+    range_high: tuple[float, float, float] = option(
+        (10.0, 10.0, math.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
+    )
+    key: str = option("behavior", meaning="Where it stands: behavior or group_behavior.")
+    where: str = option("", meaning="File and line.")
+    place: tuple[Any, ...] = option((), meaning="Its path.")
+    data: Any = option(None, meaning="What stands there.")
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from crossed_bounds(self.range_low, self.range_high)
+
+    @staticmethod
+    def prepare(group: Any, model: Any, n_slots: int) -> None:
+        """Need nothing."""
+
+    @staticmethod
+    def begin(group: Any, shard: Any) -> None:
+        """Have nothing to begin with."""
+
+    @staticmethod
+    def decide(group: Any, model: Any, state: Any, shard: Any) -> NoReturn:
+        """Say that nobody has registered it.
+
+        Raises:
+            BehaviorError: Always.
+        """
+        pending = group.options[0]
+        try:
+            FAMILIES[pending.key].entry(pending.data["name"])
+        except UnknownNameError as error:
+            message = f"{error}; world.load_behavior('my_module') imports a module that registers it"
+        else:
+            message = f"'{pending.data['name']}' is registered now: world.load_behavior('its_module') takes it up"
+        raise BehaviorError(f"{pending.where}: {message}" if pending.where else message)
+
+
+def read_pending(key: str, data: Mapping[str, Any], place: Place, report: Report) -> PendingBehavior | None:
+    """Return what stands for a behaviour with an unknown name; None after telling what is wrong with its goals."""
+    made = build(PendingBehavior, {name: data[name] for name in RENEWAL if name in data}, place, report)
+    line = report.source.line((*place, "name"))
+    where = f"{report.source.title}:{line}" if line else report.source.title
+    return None if made is None else replace(made, key=key, where=where, place=place, data=data)
+
+
+def is_pending(key: str, data: Any) -> bool:
+    """Return whether this names a behaviour that nobody has registered."""
+    name = data.get("name") if isinstance(data, Mapping) else None
+    return key in FAMILIES and isinstance(name, str) and name not in FAMILIES[key]
+
+
+def settle(scenario: Scenario) -> Scenario:
+    """Return a scenario with the behaviours that have been registered since it was read.
+
+    Raises:
+        ScenarioError: What the file says of one of them cannot be used; the error lists every problem with its line.
+    """
+    report = Report(scenario.source)
+    made: dict[int, Any] = {}
+    bodies = tuple(_settled(body, made, report) for body in scenario.bodies)
+    if report.problems:
+        raise ScenarioError(scenario.source.title, list(report.problems))
+    return replace(scenario, bodies=bodies) if made else scenario
+
+
+def _settled(body: BodySpec, made: dict[int, Any], report: Report) -> BodySpec:
+    found: dict[str, PendingBehavior] = {}
+    for key, registry in FAMILIES.items():
+        pending = getattr(body, key)
+        if isinstance(pending, PendingBehavior) and not is_pending(key, pending.data):
+            found[key] = pending
+            if id(pending) not in made:
+                built = build_named(registry, pending.data, pending.place, report)
+                made[id(pending)] = BAD if built is None else built
+    new = {key: made[id(pending)] for key, pending in found.items()}
+    if not new or any(value is BAD for value in new.values()):
+        return body
+    settled = replace(body, **new)
+    values = {key: getattr(settled, key) for key in ("kinematics", "static", *FAMILIES)}
+    check_drive(values, {key: getattr(getattr(body, key), "place", ()) for key in FAMILIES}, report)
+    return settled

@@ -1,0 +1,263 @@
+"""Ways through a world by hand, and its map for planners."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import networkx
+import numpy as np
+import pytest
+import shapely
+
+import irsim_gym
+from irsim_gym.irsim import AStarPlanner, JPSPlanner, WrapTo2Pi, WrapToPi, relative_position
+
+DISC: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.3}}
+BLOCK = {"shape": {"name": "rectangle", "length": 2, "width": 4}, "state": [5, 4, 0]}
+WALL = {"shape": {"name": "linestring", "vertices": [[5, 0], [5, 7]]}, "state": [0, 0, 0]}
+
+
+def world(*obstacles: Any, robot: Any = None, **keys: Any) -> Any:
+    robots = {"robot": [{**DISC, "state": [1, 1, 0], **(robot or {})}]}
+    return irsim_gym.load({"world": {"height": 10, "width": 10, **keys}, **robots, "obstacle": list(obstacles)})
+
+
+def length(points: Any) -> float:
+    return float(np.hypot(*np.diff(points, axis=0).T).sum())
+
+
+def test_a_free_way_is_straight() -> None:
+    here = world({**DISC, "state": [5, 5, 0]}, robot={"goal": [9, 9]})  # a body that can move is not in the way
+    assert here.path([1, 1], [9, 9]).tolist() == [[1, 1], [9, 9]]
+    assert here.path(here.robot.state, here.robot.goal).tolist() == [[1, 1], [9, 9]]
+    assert here.path(np.array([[1.0], [1.0], [0.5]]), [[9.0], [9.0]]).tolist() == [[1, 1], [9, 9]]
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.3, 0.8])
+def test_a_way_around_a_block_has_the_length_worked_out_by_hand(radius: float) -> None:
+    """Around both upper corners, (4, 6) and (6, 6): two tangents, two arcs, and the straight way between them.
+
+    From (2, 4) the corner is at a distance of sqrt(8) under 45 degrees; the tangent to the disc of the radius about it
+    is sqrt(8 - r^2) long and steeper by asin(r / sqrt(8)); the arc turns from there to level.
+    """
+    tangent, angle = math.sqrt(8 - radius**2), math.pi / 4 + math.asin(radius / math.sqrt(8))
+    expected = 2 * (tangent + radius * angle) + 2
+    way = world(BLOCK).path([2, 4], [8, 4], radius)
+    assert way[0].tolist() == [2, 4]
+    assert way[-1].tolist() == [8, 4]
+    assert expected * (1 - 1e-9) <= length(way) <= expected * 1.005
+    assert shapely.LineString(way).distance(shapely.box(4, 2, 6, 6)) >= radius - 1e-9
+
+
+def test_the_first_robots_size_is_the_default() -> None:
+    here = world(WALL)
+    assert shapely.LineString(here.path([1, 1], [9, 1])).distance(shapely.LineString([(5, 0), (5, 7)])) >= 0.3 - 1e-9
+    offset = {"shape": {"name": "rectangle", "length": 0.8, "width": 0.6}}  # its corners are 0.5 m away
+    way = world(WALL, robot=offset).path([1, 1], [9, 1])
+    assert shapely.LineString(way).distance(shapely.LineString([(5, 0), (5, 7)])) >= 0.5 - 1e-9
+
+
+@pytest.mark.parametrize(("gap", "is_wide"), [(0.7, True), (0.59, False)])
+def test_a_gap_lets_through_what_fits(gap: float, is_wide: bool) -> None:
+    upper = {"shape": {"name": "linestring", "vertices": [[5, 4 + gap], [5, 10]]}, "state": [0, 0, 0]}
+    lower = {"shape": {"name": "linestring", "vertices": [[5, 0], [5, 4]]}, "state": [0, 0, 0]}
+    way = world(upper, lower).path([2, 2], [8, 2], 0.3)
+    assert (way is not None) == is_wide
+
+
+@pytest.mark.parametrize(
+    ("start", "goal"), [([5, 4], [9, 9]), ([1, 1], [5, 4]), ([3.8, 4], [1, 1]), ([1, 1], [6.2, 4])]
+)
+def test_there_is_no_way_from_or_to_where_it_cannot_stand(start: Any, goal: Any) -> None:
+    assert world(BLOCK).path(start, goal, 0.3) is None
+
+
+def test_the_map_and_added_bodies_are_in_the_way() -> None:
+    cells = [[0, 0, 0, 0, 0], [100, 100, 100, 100, 0], [0, 0, 0, 0, 0], [0, 0, 0, 0, 0], [0, 0, 0, 0, 0]]
+    here = world(obstacle_map=cells)  # the cells x = 2 to 4 m are occupied up to y = 8 m
+    way = here.path([1, 1], [5, 1], 0.4)
+    tangent, angle = math.sqrt(50 - 0.16), math.atan2(7, 1) + math.asin(0.4 / math.sqrt(50))
+    expected = 2 * (tangent + 0.4 * angle) + 2
+    assert expected * (1 - 1e-9) <= length(way) <= expected * 1.005
+    assert shapely.LineString(way).distance(shapely.box(2, 0, 4, 8)) >= 0.4 - 1e-9
+    here.add("obstacle", shape={"name": "circle", "radius": 1.2}, state=[3, 9, 0])
+    assert here.path([1, 1], [5, 1], 0.4) is None
+
+
+def test_unobstructed_bodies_are_not_in_the_way_and_static_robots_are() -> None:
+    assert len(world({**BLOCK, "unobstructed": True}).path([2, 4], [8, 4])) == 2
+    standing = {"robot": [{**DISC, "state": [1, 1, 0]}, {**DISC, "static": True, "state": [5, 1, 0]}]}
+    way = irsim_gym.load({"world": {"height": 10, "width": 10}, **standing}).path([3, 1], [7, 1])
+    assert shapely.LineString(way).distance(shapely.Point(5, 1)) >= 0.6 - 1e-9
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (([1], [2, 2]), r"start must be x and y \[m\], got \[1\]"),
+        (([1, 1], "there"), r"goal must be x and y \[m\], got 'there'"),
+        (([1, 1], [2, np.nan]), "goal must be"),
+        (([1, 1], [2, 2], -0.1), "radius must be >= 0 and resolution > 0, got -0.1"),
+        (([1, 1], [2, 2], np.inf), "got inf"),
+    ],
+)
+def test_what_is_no_point_or_size_is_told(arguments: Any, said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        world().path(*arguments)
+
+
+def test_cells_are_those_that_something_touches() -> None:
+    """Compared with shapely's intersections of squares and shapes."""
+    shapes = [
+        {"shape": {"name": "circle", "radius": 0.83}, "state": [2.1, 2.2, 0]},
+        {"shape": {"name": "polygon", "vertices": [[0, 0], [2.3, 0.2], [0.4, 1.9]]}, "state": [5, 1, 0.4]},
+        {"shape": {"name": "linestring", "vertices": [[0, 0], [3, 1], [3.2, 2.7]]}, "state": [1, 6, 0.1]},
+        {"shape": {"name": "rectangle", "length": 0.8, "width": 1.2}, "state": [8.5, 0.3, 0]},
+        {"shape": {"name": "rectangle", "length": 0.8, "width": 1.0}, "state": [8, 7, 0]},  # ends on edges of cells
+        {"shape": {"name": "linestring", "vertices": [[0, 0], [0, 1.1]]}, "state": [6, 4.1, 0]},  # lies on one
+        {**DISC, "state": [4, 4.5, 0]},
+    ]
+    here = world(*shapes, offset=[-1, -2], width=12, height=11)
+    cells = here.get_map(0.2)
+    assert (cells.width, cells.height, cells.world_offset, cells.grid.shape) == (12, 11, (-1, -2), (60, 55))
+    assert cells.grid_resolution == pytest.approx((0.2, 0.2))
+    bodies = []
+    for body in here.static_objects:
+        if body.shape == "circle":
+            bodies.append(shapely.Point(body.position).buffer(body.radius, 256))
+        elif body.shape == "linestring":
+            bodies.append(shapely.LineString([*body.segments[:, :2], body.segments[-1, 2:]]))
+        else:
+            bodies.append(shapely.Polygon(body.vertices))
+    whole = shapely.union_all(bodies)
+    touched = np.zeros((60, 55), bool)
+    for i in range(60):
+        for j in range(55):
+            x, y = -1 + 0.2 * i, -2 + 0.2 * j
+            touched[i, j] = shapely.box(x, y, x + 0.2, y + 0.2).distance(whole) < 1e-9
+    assert 200 < touched.sum() < 1000
+    np.testing.assert_array_equal(cells.occupied, touched)
+
+
+def test_the_map_keeps_its_cells_or_is_made_coarser() -> None:
+    drawn = np.zeros((8, 4))
+    drawn[2, 1] = drawn[5, 3] = 100
+    here = world(obstacle_map=drawn.tolist(), width=8, height=4, robot={"state": [0.5, 0.5, 0]})
+    cells = here.get_map()
+    assert (cells.resolution, cells.cell_size, cells.origin) == (1.0, (1.0, 1.0), (0.0, 0.0))
+    np.testing.assert_array_equal(cells.grid, drawn)
+    coarse = here.get_map(2.0)
+    assert np.argwhere(coarse.occupied).tolist() == [[1, 0], [2, 1]]
+    fine = here.get_map(0.5)
+    assert fine.occupied.sum() == 8
+    assert cells.grid_occupied(2.5, 1.5)
+    assert not cells.grid_occupied(3.5, 1.5)
+    assert cells.grid_occupied(3.5, 1.5, margin_x=0.2)
+    assert not cells.grid_occupied(3.5, 1.5, margin_y=0.2)
+    assert cells.grid_occupied(-0.1, 1.5)
+    assert cells.grid_occupied(2.5, 4.0)
+
+
+@pytest.mark.parametrize(("resolution", "said"), [(0, "must be > 0"), (-1.0, "must be > 0"), (1e-4, "too small")])
+def test_cells_that_cannot_be_are_told(resolution: float, said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        world().get_map(resolution)
+
+
+def shortest_over(free: Any, start: tuple[int, int], goal: tuple[int, int]) -> float:
+    """Return the length in cells of a shortest way over free cells, worked out by networkx."""
+    graph = networkx.Graph()
+    cells = {(int(i), int(j)) for i, j in np.argwhere(free)}
+    graph.add_nodes_from(cells)
+    passed = {
+        (2, 1): [(1, 0), (1, 1)],
+        (1, 2): [(0, 1), (1, 1)],
+        (2, -1): [(1, 0), (1, -1)],
+        (1, -2): [(0, -1), (1, -1)],
+    }
+    for i, j in cells:
+        for di, dj in [(1, 0), (0, 1), (1, 1), (1, -1), *passed]:
+            if {(i + a, j + b) for a, b in [(di, dj), *passed.get((di, dj), [])]} <= cells:
+                graph.add_edge((i, j), (i + di, j + dj), weight=math.hypot(di, dj))
+    return float(networkx.dijkstra_path_length(graph, start, goal))
+
+
+def test_a_star_finds_the_shortest_way_over_cells() -> None:
+    here = world(
+        BLOCK, {**WALL, "state": [3, 0, 0]}, {"shape": {"name": "circle", "radius": 0.9}, "state": [2.5, 6, 0]}
+    )
+    cells = here.get_map(0.25)
+    way = AStarPlanner(cells).planning(here.robot.state, [8.4, 4.1], show_animation=True)
+    assert way is not None
+    assert (way[:, 0].tolist(), way[:, -1].tolist()) == ([8.4, 4.1], [1, 1])  # from the goal back, as IR-SIM's
+    steps = (way[:, 1:-1].T - 0.125) / 0.25
+    assert np.allclose(steps, np.round(steps))
+    start, goal = tuple(map(int, np.round(steps[-1]))), tuple(map(int, np.round(steps[0])))
+    assert (start, goal) == ((4, 4), (33, 16))
+    found = shortest_over(~cells.occupied, (4, 4), (33, 16))
+    assert length(steps) == pytest.approx(found)
+    free = shapely.union_all([shapely.box(i, j, i + 1, j + 1) for i, j in np.argwhere(~cells.occupied)])
+    assert free.buffer(1e-6).contains(shapely.LineString(way.T / 0.25))
+    assert JPSPlanner is AStarPlanner
+
+
+def test_a_star_says_none_where_there_is_no_way() -> None:
+    cells = world(BLOCK).get_map(0.25)
+    planner = AStarPlanner(cells)
+    assert planner.planning([1, 1], [5, 4]) is None
+    assert planner.planning([5, 4], [1, 1]) is None
+    assert planner.planning([1, 1], [11, 1]) is None
+    cells.grid[:, 20] = 100
+    assert planner.planning([1, 1], [1, 9]) is None
+    cells.grid[39, 20] = 0
+    assert planner.planning([1, 1], [1, 9]) is not None
+    with pytest.raises(ValueError, match="goal_pose must be x and y"):
+        planner.planning([1, 1], [9])
+
+
+def test_a_star_takes_as_long_a_way_as_irsims(tmp_path: Any) -> None:
+    """IR-SIM's steps are those to the eight cells around, so its way is as long or longer, but not by much."""
+    irsim = pytest.importorskip("irsim")
+    from irsim.lib.path_planners import AStarPlanner as Theirs
+
+    file = tmp_path / "planned.yaml"
+    file.write_text(
+        "world: {height: 10, width: 10}\n"
+        "robot: {kinematics: {name: diff}, shape: {name: circle, radius: 0.2}, state: [1, 1, 0], goal: [9, 9, 0]}\n"
+        "obstacle:\n"
+        "  - {shape: {name: rectangle, length: 1.1, width: 6.3}, state: [3, 3.1, 0]}\n"
+        "  - {shape: {name: rectangle, length: 1.1, width: 6.3}, state: [6.5, 6.9, 0]}\n"
+    )
+    env = irsim.make(str(file), display=False, disable_all_plot=True)
+    theirs = Theirs(env.get_map(0.2)).planning(env.get_robot_state(), [9.0, 9.0], show_animation=False)
+    env.end(0)
+    here = irsim_gym.load(file)
+    ours = AStarPlanner(here.get_map(0.2)).planning(here.get_robot_state(), [9.0, 9.0], show_animation=False)
+    assert ours is not None
+    assert ours[:, 0].tolist() == theirs[:, 0].tolist()
+    assert ours[:, -1].tolist() == pytest.approx(theirs[:, -1].tolist())
+    assert 0.92 * length(theirs.T) <= length(ours.T) <= 1.03 * length(theirs.T)
+
+
+def test_planners_that_sample_say_what_to_use() -> None:
+    with pytest.raises(
+        ImportError, match=r"no 'RRTStar': planners that sample are not here: world\.path\(start, goal\)"
+    ):
+        from irsim_gym.irsim import RRTStar  # noqa: F401
+    with pytest.raises(AttributeError, match=r"no attribute 'AStarPlaner' \(did you mean 'AStarPlanner'\?\)"):
+        irsim_gym.irsim.AStarPlaner  # noqa: B018
+
+
+def test_small_functions_are_irsims() -> None:
+    theirs = pytest.importorskip("irsim.util.util")
+    for angle in (0.0, 3.0, np.pi, -np.pi, 4.0, -4.0, 10.0, np.inf, np.nan):
+        assert WrapToPi(angle) == theirs.WrapToPi(angle)
+        assert WrapToPi(angle, positive=True) == theirs.WrapToPi(angle, positive=True)
+        assert WrapTo2Pi(angle) == theirs.WrapTo2Pi(angle)
+    here = np.array([[1.0], [2.0], [0.3]])
+    for there in ([[4.0], [6.0]], [[-2.0], [2.0]], [[1.0], [-5.0]]):
+        expected = theirs.relative_position(here, np.array(there))
+        assert relative_position(here, np.array(there)) == expected
+        assert relative_position([1, 2], np.ravel(there)) == expected
+    assert relative_position([0, 0], [-1, 0], topi=False) == (1.0, np.pi)
