@@ -110,7 +110,7 @@ def _group_behaviors(scenario: Scenario, model: WorldModel, agents: tuple[int, .
         by_number.setdefault(body.group, []).append(b)
     for _, members in sorted(by_number.items()):
         options = scenario.bodies[members[0]].group_behavior
-        if options is None:
+        if options is None or not getattr(options, "is_known", True):
             continue
         group = Group(type(options), [options] * len(members), np.array(members, np.int64))
         group.arrays["decides"] = model.movable[members] & ~np.isin(members, agents)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import sys
+import warnings
 from pathlib import Path
 
+from irsim_gym.errors import NoEffectWarning
 from irsim_gym.live.carry import rebuild
 from irsim_gym.live.population import Population
 from irsim_gym.scenario import Scenario
-from irsim_gym.scenario.pending import settle
+from irsim_gym.scenario.pending import settle, unknown_groups
 
 
 class Taught(Population):
@@ -21,6 +23,14 @@ class Taught(Population):
     """
 
     _loaded: Scenario
+    _has_told = False
+
+    def _tell_of_unknown_groups(self) -> None:
+        """Warn, at the first step, of groups whose behaviour nobody has registered."""
+        self._has_told = True
+        for message in unknown_groups(self.simulation.scenario):
+            told = f"{message}; until then each member decides by itself, as in IR-SIM"
+            warnings.warn(told, NoEffectWarning, stacklevel=3)
 
     def load_behavior(self, behaviors: str) -> None:
         """Import a module that registers behaviours, and let those bodies have them whose file names them.

@@ -166,6 +166,8 @@ class World(Filmed):
         )
         if rows and self.simulation.parts.external:
             raise ValueError("step_mode is external: set_state moves the bodies, actions have no effect")
+        if not self._has_told:
+            self._tell_of_unknown_groups()
         bodies, commands = moves.commands(self.simulation, {**rows, **self._keys()})
         self._camera.leave()
         if len(bodies):

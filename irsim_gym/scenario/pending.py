@@ -22,9 +22,13 @@ RENEWAL = ("wander", "loop", "range_low", "range_high")
 
 @kind
 class PendingBehavior:
-    """A behaviour whose name is not known yet; it says so when it has to decide."""
+    """A behaviour whose name is not known yet; it says so when it has to decide.
+
+    A group without a known behaviour is no group: each member decides by itself, as in IR-SIM.
+    """
 
     reads_neighbors: ClassVar[bool] = False
+    is_known: ClassVar[bool] = False
 
     wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
     loop: bool = option(False, meaning="Begin again with the first goal after the last.")
@@ -58,14 +62,18 @@ class PendingBehavior:
         Raises:
             BehaviorError: Always.
         """
-        pending = group.options[0]
-        try:
-            FAMILIES[pending.key].entry(pending.data["name"])
-        except UnknownNameError as error:
-            message = f"{error}; world.load_behavior('my_module') imports a module that registers it"
-        else:
-            message = f"'{pending.data['name']}' is registered now: world.load_behavior('its_module') takes it up"
-        raise BehaviorError(f"{pending.where}: {message}" if pending.where else message)
+        raise BehaviorError(_missing(group.options[0]))
+
+
+def _missing(pending: PendingBehavior) -> str:
+    """Return where a behaviour is named that is not known, and what to do."""
+    try:
+        FAMILIES[pending.key].entry(pending.data["name"])
+    except UnknownNameError as error:
+        message = f"{error}; world.load_behavior('my_module') imports a module that registers it"
+    else:
+        message = f"'{pending.data['name']}' is registered now: world.load_behavior('its_module') takes it up"
+    return f"{pending.where}: {message}" if pending.where else message
 
 
 def read_pending(key: str, data: Mapping[str, Any], place: Place, report: Report) -> PendingBehavior | None:
@@ -80,6 +88,12 @@ def is_pending(key: str, data: Any) -> bool:
     """Return whether this names a behaviour that nobody has registered."""
     name = data.get("name") if isinstance(data, Mapping) else None
     return key in FAMILIES and isinstance(name, str) and name not in FAMILIES[key]
+
+
+def unknown_groups(scenario: Scenario) -> list[str]:
+    """Return what is to be said of groups whose behaviour nobody has registered."""
+    found = [body.group_behavior for body in scenario.bodies]
+    return list(dict.fromkeys(_missing(one) for one in found if isinstance(one, PendingBehavior)))
 
 
 def settle(scenario: Scenario) -> Scenario:

@@ -12,7 +12,7 @@ from small_world import DIFF
 
 import irsim_gym
 from irsim_gym import families
-from irsim_gym.errors import BehaviorError, ScenarioError
+from irsim_gym.errors import BehaviorError, NoEffectWarning, ScenarioError
 
 MODULE = """
 from irsim_gym.irsim import register_behavior
@@ -85,17 +85,44 @@ def test_what_happened_before_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert world.robot.state.tolist() == pytest.approx([1.15, 1, 0])
 
 
-@pytest.mark.parametrize("key", ["behavior", "group_behavior"])
-def test_the_first_step_says_what_is_missing(key: str, tmp_path: Path) -> None:
-    near, nearest = ("dahs", "dash") if key == "behavior" else ("orka", "orca")
-    (tmp_path / "world.yaml").write_text(FILE.replace("behavior", key).replace("late", near))
+def test_the_first_step_says_what_is_missing(tmp_path: Path) -> None:
+    (tmp_path / "world.yaml").write_text(FILE.replace("late", "dahs"))
     world = irsim_gym.load(tmp_path / "world.yaml")
     with pytest.raises(BehaviorError) as caught:
         world.step()
     told = str(caught.value)
-    assert told.startswith(f"{tmp_path / 'world.yaml'}:5: no {key.replace('_', ' ')} named '{near}'")
-    assert f"did you mean '{nearest}'?" in told
+    assert told.startswith(f"{tmp_path / 'world.yaml'}:5: no behavior named 'dahs'")
+    assert "did you mean 'dash'?" in told
     assert "world.load_behavior(" in told
+
+
+def test_members_of_an_unknown_group_decide_by_themselves(tmp_path: Path) -> None:
+    """As in IR-SIM, which looks for the group's behaviour at each step; here a warning tells it once."""
+    (tmp_path / "world.yaml").write_text(
+        "robot:\n"
+        "  - number: 2\n"
+        "    kinematics: {name: diff}\n"
+        "    state: [[1, 1, 0], [1, 5, 0]]\n"
+        "    goal: [[5, 1], [5, 5]]\n"
+        "    behavior: {name: dash}\n"
+        "    group_behavior: {name: orcas, weight: 2}\n"
+    )
+    world = irsim_gym.load(tmp_path / "world.yaml")
+    with pytest.warns(
+        NoEffectWarning, match=r"world\.yaml:7: no group behavior named 'orcas' .*'orca'"
+    ):
+        world.step()
+    world.step()
+    assert [robot.velocity[0] for robot in world.robot_list] == [1.0, 1.0]
+
+    @irsim_gym.group_behavior("orcas")
+    def orcas(members: Any, others: Any, *, weight: float = 1.0) -> Any:
+        return [[0.25 * weight, 0.0] for _ in members]
+
+    (tmp_path / "late_nothing.py").write_text("")
+    world.load_behavior("late_nothing")
+    world.step()
+    assert [robot.velocity[0] for robot in world.robot_list] == [0.5, 0.5]
 
 
 def test_who_never_decides_needs_no_behaviour() -> None:
