@@ -22,6 +22,8 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 MARGIN = 0.5
+WISHED_DISTANCE = 1.0
+"""Distance [m] between members of an entry that asks for none, which is given up where no place has it."""
 START_TRIES = 1000
 GOAL_TRIES = 100
 PATH_TRIES = 8
@@ -51,11 +53,12 @@ class RandomPlacement:
     goal_high: tuple[float, float, float] | None = option(
         None, unit="m, m, rad", meaning="Upper bounds of the goals; by default those of the starts."
     )
-    min_distance: float = option(
-        1.0,
+    min_distance: float | None = option(
+        None,
         ge=0.0,
         unit="m",
-        meaning="Least distance between the origins (and between the goals) of one entry.",
+        meaning="Least distance between the origins (and between the goals) of one entry; by default 1 m, but where "
+        "there is no room for that they only keep clear of each other.",
         consequence="As clearance.",
     )
     clearance: float = option(
@@ -229,17 +232,21 @@ def draw_start(
     reach, segment_start, segment_count, local_segments, disc_start, disc_count, local_discs = shapes[2:]
     pose, segments, discs, placed, _ = scene
     members, is_member, everyone = lists
-    for _ in range(START_TRIES):
+    is_wished = np.isnan(options.min_distance)
+    spacing = WISHED_DISTANCE if is_wished else options.min_distance
+    for attempt in range(2 * START_TRIES if is_wished else START_TRIES):
+        if attempt == START_TRIES:
+            spacing = 0.0
         for axis in range(3):
             pose[w, b, axis] = uniform(random, w, low[axis], high[axis])
         if near is None:
             peers, n_peers, others, n_others = members, members.shape[0], everyone, everyone.shape[0]
         else:
             frame, _, _, first, following, found = near
-            radius = max(options.min_distance, reach[w % reach.shape[0], b] + options.clearance + frame[5])
+            radius = max(spacing, reach[w % reach.shape[0], b] + options.clearance + frame[5])
             n_others = gather_nearby(pose[w, b, 0], pose[w, b, 1], radius, frame, first[w], following[w], found[w])
             peers, n_peers, others = found[w], n_others, found[w]
-        if not is_spaced(pose[w], peers, n_peers, is_member, b, options.min_distance, shapes[0][w], placed[w]):
+        if not is_spaced(pose[w], peers, n_peers, is_member, b, spacing, shapes[0][w], placed[w]):
             continue
         place_outline(
             local_segments[w % local_segments.shape[0]],
@@ -275,7 +282,11 @@ def draw_goal(
     """Draw a goal for body b that its footprint can stand on; return whether there is one."""
     waypoints, pose, members = targets[3], scene[0], lists[0]
     goal = waypoints[w, b, 0]
-    for _ in range(GOAL_TRIES):
+    is_wished = np.isnan(options.min_distance)
+    spacing = WISHED_DISTANCE if is_wished else options.min_distance
+    for attempt in range(2 * GOAL_TRIES if is_wished else GOAL_TRIES):
+        if attempt == GOAL_TRIES:
+            spacing = 0.0
         for axis in range(3):
             goal[axis] = uniform(random, w, low[axis], high[axis])
         dx, dy = goal[0] - pose[w, b, 0], goal[1] - pose[w, b, 1]
@@ -287,7 +298,7 @@ def draw_goal(
             members.shape[0],
             lists[1],
             b,
-            options.min_distance,
+            spacing,
             shapes[0][w],
             scene[3][w],
         ):

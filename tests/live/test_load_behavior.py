@@ -108,9 +108,7 @@ def test_members_of_an_unknown_group_decide_by_themselves(tmp_path: Path) -> Non
         "    group_behavior: {name: orcas, weight: 2}\n"
     )
     world = irsim_gym.load(tmp_path / "world.yaml")
-    with pytest.warns(
-        NoEffectWarning, match=r"world\.yaml:7: no group behavior named 'orcas' .*'orca'"
-    ):
+    with pytest.warns(NoEffectWarning, match=r"world\.yaml:7: no group behavior named 'orcas' .*'orca'"):
         world.step()
     world.step()
     assert [robot.velocity[0] for robot in world.robot_list] == [1.0, 1.0]

@@ -162,6 +162,23 @@ def test_one_world_does_not_remember_outlines_of_other_levels() -> None:
         assert one.state.pose[0].tolist() == two.state.pose[0].tolist()
 
 
+def test_a_distance_that_nobody_asked_for_is_given_up_where_there_is_no_room() -> None:
+    """Some 45 discs 1 m apart fit into 8 m x 8 m, 80 do not; those of a file that IR-SIM runs are so many."""
+    entry = {"number": 80, "shape": {"name": "circle", "radius": 0.1}}
+    spread = {"name": "random", "range_low": [1, 1, -3.14], "range_high": [9, 9, 3.14]}
+    sim = ig.compile(ig.load_scenario({"obstacle": [{**entry, "distribution": spread}]}), 3)
+    sim.reset(seed=0)
+    for places in sim.state.pose[:, :, :2]:
+        apart = np.linalg.norm(places[:, None] - places, axis=2)[np.triu_indices(80, 1)]
+        assert (apart >= 0.2).all()
+        near = np.count_nonzero(np.linalg.norm(places[:20, None] - places[:20], axis=2) < 1.0)
+        assert near == 20  # each to itself: the first ones have the room
+    with pytest.raises(PlacementError, match="min_distance"):
+        ig.compile(ig.load_scenario({"obstacle": [{**entry, "distribution": {**spread, "min_distance": 1}}]})).reset(
+            seed=0
+        )
+
+
 def crowded(n_obstacles: int) -> dict[str, Any]:
     """A world of many bodies of different sizes, some too large for buckets, some drawn anew, some given."""
     spread = {"name": "random", "clearance": 0.05, "min_distance": 0.6}
@@ -203,7 +220,11 @@ def test_levels_of_many_bodies_are_those_drawn_without_buckets(monkeypatch: pyte
 
 def test_each_draw_looks_at_the_neighbours_alone() -> None:
     """The world is too full for 10,000 at a distance of 1 m: some hundred thousand draws find no place."""
-    entry = {"number": 10_000, "shape": {"name": "circle", "radius": 0.1}, "distribution": {"name": "random"}}
+    entry = {
+        "number": 10_000,
+        "shape": {"name": "circle", "radius": 0.1},
+        "distribution": {"name": "random", "min_distance": 1},
+    }
     sim = ig.compile(ig.load_scenario({"world": {"width": 60, "height": 60}, "obstacle": [entry]}))
     frame = sim.model.bucket_frame
     found = np.zeros(10_000, np.int64)
