@@ -137,6 +137,26 @@ def test_walls_push_by_their_nearest_point(wall: str) -> None:
     assert sim.state.command[0, 0, :2] == pytest.approx([0, np.exp(-1)])
 
 
+@pytest.mark.parametrize(
+    ("shape", "place", "push"),
+    [
+        ({"name": "rectangle", "length": 6, "width": 1}, [5.5, 5.25, 0], [0, -1]),
+        ({"name": "rectangle", "length": 6, "width": 1}, [5.5, 4.75, 0], [0, 1]),
+        # The nearest edge is that from (4.5, 3.8) to (5.5, 5.8), which looks to the upper left.
+        ({"name": "polygon", "vertices": [[-1, -1], [1, -1], [0, 1]]}, [5.5, 4.8, 0], [-np.sqrt(0.8), np.sqrt(0.2)]),
+    ],
+)
+def test_who_stands_inside_an_outline_is_pushed_out_of_it(shape: Any, place: list[float], push: list[float]) -> None:
+    """0.1 s * 10 m/s2, out through the nearest point of the outline, which lies less than a radius away."""
+    robot = yaml.safe_load(STANDER)["robot"][0] | {"goal_threshold": 0.3, "vel_max": [1, 1]}
+    sim = compile(load_scenario({"robot": [robot], "obstacle": [{"shape": shape, "state": [8, 8, 0]}]}))
+    sim.reset(seed=0)
+    sim.state.pose[0, 1] = place
+    sim.place(np.array([1]))
+    sim.step()
+    assert sim.state.command[0, 0, :2] == pytest.approx(push)
+
+
 def test_a_map_pushes_once_for_each_direction() -> None:
     """A floor below and a wall to the right, both 1 m from the centre, whatever the number of cells; hidden by role."""
     cells = np.zeros((50, 50), np.bool_)

@@ -98,6 +98,35 @@ def test_stepping_needs_a_reset():
         envs.step(actions)
 
 
+def test_a_partial_reset_leaves_the_other_worlds_ended():
+    actions, first = np.zeros((2, 2), np.float32), np.array([True, False])
+    envs = gymnasium.make_vec(STILL, num_envs=2, max_steps=2, autoreset_mode="Disabled")
+    envs.reset(seed=0)
+    for _ in range(2):
+        *_, truncations, _ = envs.step(actions)
+    assert truncations.all()
+    envs.reset(options={"reset_mask": first})
+    with pytest.raises(AssertionError, match=r"worlds \[1\] have ended"):
+        envs.step(actions)
+    envs.reset(options={"reset_mask": ~first})
+    assert envs.step(actions)[-1]["steps"].tolist() == [1, 1]
+
+
+def test_a_partial_reset_between_steps_leaves_the_other_worlds_to_restart_by_themselves():
+    actions, first = np.zeros((2, 2), np.float32), np.array([True, False])
+    envs = gymnasium.make_vec(STILL, num_envs=2, max_steps=2, autoreset_mode="NextStep")
+    envs.reset(seed=0)
+    for _ in range(2):
+        envs.step(actions)
+    envs.reset(options={"reset_mask": first})
+    _, rewards, terminations, truncations, infos = envs.step(actions)
+    assert infos["steps"].tolist() == [1, 0]
+    assert rewards[0] < 0.0, "standing still costs time"
+    assert rewards[1] == 0.0
+    assert not (terminations | truncations).any()
+    assert envs.step(actions)[-1]["steps"].tolist() == [2, 1]
+
+
 @pytest.mark.parametrize(
     ("actions", "error"),
     [

@@ -84,3 +84,23 @@ def test_worlds_draw_nothing_for_bodies_that_begin_anew_in_others() -> None:
     respawn(alone, [[False, False, False, True]])
     respawn(both, [[False, False, False, True], [True, False, False, False]])
     assert alone.state.random[0] == both.state.random[0]
+
+
+def test_who_was_held_in_place_moves_in_its_first_step_after_it_begins_anew() -> None:
+    place = {"name": "random", "range_low": [2, 2, 0], "range_high": [2, 2, 0]}
+    wall = {"shape": {"name": "rectangle", "length": 1, "width": 6}, "state": [8, 5, 0]}
+    robot = {**DISC, "distribution": place, "vel_max": [1, 1]}
+    scenario = load_scenario({"world": {"collision_mode": "stop"}, "robot": [robot], "obstacle": [wall]})
+    simulation = compile(scenario, agents=scenario.robots)
+    simulation.reset()
+    simulation.state.pose[0, 0] = [7, 5, 0]
+    simulation.place(np.array([0]))
+    ahead = np.array([[[1.0, 0.0]]])
+    for _ in range(3):
+        simulation.step(ahead)
+    assert simulation.state.stopped[0, 0]
+    assert simulation.state.velocity[0, 0, 0] == 0.0
+    respawn(simulation, [[True]])
+    assert not simulation.state.stopped[0, 0]
+    simulation.step(ahead)
+    assert simulation.state.pose[0, 0].tolist() == [2.1, 2.0, 0.0]

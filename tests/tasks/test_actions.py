@@ -35,6 +35,18 @@ def test_the_episode_begins_with_the_action_of_standing_still() -> None:
     assert play({"vel_min": [0.5, -1], "vel_max": [1, 1]}).state.action[0, 0].tolist() == [-1.0, 0.0]
 
 
+def test_an_episode_knows_nothing_of_the_actions_of_the_one_before() -> None:
+    # The package reads previous_action in steps alone; an observation of one's own may read it when an episode begins.
+    episodes = play()
+    for again in (lambda: episodes.begin_next(np.arange(1)), lambda: episodes.respawn(np.ones((1, 1), np.bool_))):
+        drive(episodes, 1, 1)
+        drive(episodes, 0.5, 0.5)
+        assert episodes.state.previous_action[0, 0].tolist() == [1.0, 1.0]
+        again()
+        assert episodes.state.action[0, 0].tolist() == [-1.0, 0.0]
+        assert episodes.state.previous_action[0, 0].tolist() == [-1.0, 0.0]
+
+
 def test_discrete_choices_run_over_the_grid() -> None:
     episodes = play(task=DISCRETE)
     assert (episodes.action_kind, episodes.n_discrete) == ("discrete", 15)

@@ -140,6 +140,19 @@ def test_drives_of_different_size_share_padded_rows() -> None:
     assert (episodes.view.observation[0, 0][~episodes.feature_mask[0]] == 0.0).all()
 
 
+def test_smoothness_counts_the_components_that_a_drive_has() -> None:
+    # Each swings from end to end in all of its components: the largest change there is.
+    robots = [LANES[0], {**OMNI, "state": [2, 5, 0], "goal": [8, 5, 0]}]
+    episodes = team(robots, rewards=[{"name": "smoothness", "weight": 0.6}], max_steps=300)
+    drive(episodes, 1, 1, 1)
+    drive(episodes, -1, -1, -1)
+    column = episodes.reward_names.index("smoothness")
+    np.testing.assert_allclose(episodes.view.reward_terms[0, :, column], -0.6 / 300, rtol=1e-12)
+    # One component of two, one of three.
+    drive(episodes, 1, -1, -1)
+    np.testing.assert_allclose(episodes.view.reward_terms[0, :, column], [-0.6 / 300 / 2, -0.6 / 300 / 3], rtol=1e-12)
+
+
 def test_discrete_choices_of_different_drives() -> None:
     episodes = team([LANES[0], {**OMNI, "state": [2, 5, 0]}], action={"name": "discrete", "linear": 3, "angular": 3})
     episodes.step(np.array([[8, 8]]))
