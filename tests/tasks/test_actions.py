@@ -108,6 +108,16 @@ def test_an_omni_robot_is_driven_in_its_own_frame_unless_asked_otherwise(
     assert episodes.simulation.state.command[0, 0, :2] == pytest.approx(command, abs=1e-15)
 
 
+def test_an_omni_robot_that_faces_anywhere_observes_its_velocity_in_its_own_frame() -> None:
+    # The commands of an omni drive are velocities in the world frame; (0.3, -0.5) m/s over sqrt(2) m/s, turned by -0.6.
+    episodes = play({**OMNI, "state": [2, 5, 0.6]}, task={"name": "blank", "observations": ["velocity"]})
+    episodes.simulation.state.velocity[0, 0, :2] = episodes.simulation.state.twist[0, 0, :2] = [0.3, -0.5]
+    episodes._observe(episodes.simulation.shards.all[0])
+    ahead = 0.3 * np.cos(0.6) - 0.5 * np.sin(0.6)
+    left = -0.5 * np.cos(0.6) - 0.3 * np.sin(0.6)
+    np.testing.assert_allclose(episodes.view.observation[0, 0], np.array([ahead, left]) / np.sqrt(2), atol=1e-7)
+
+
 def test_choices_of_three_components() -> None:
     robot = {"kinematics": {"name": "omni_angular"}, "vel_min": [-1, -1, -2], "vel_max": [1, 1, 2]}
     task = {"name": "navigation", "action": {"name": "discrete", "linear": 3, "lateral": 2, "angular": 3}}

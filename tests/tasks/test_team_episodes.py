@@ -245,6 +245,15 @@ def test_the_state_of_the_team_by_hand() -> None:
     np.testing.assert_allclose(live, [-0.56, 0.0, 1, 0, 1, 0, 0.6, 0.0, 1, 1], atol=1e-6)
 
 
+def test_the_state_of_a_team_that_can_only_turn_has_no_speed() -> None:
+    turning = {**LANES[0], "vel_min": [0, -1.5], "vel_max": [0, 1.5]}
+    episodes = team([turning, LANES[1]])
+    drive(episodes, 1, 1)
+    states = episodes.team_state()
+    assert states[0, 4:6].tolist() == [0.0, 0.0]
+    assert states[0, 14] == np.float32(np.cos(0.15))  # the other one drives at its limit, in a bend
+
+
 def test_neighbors_by_hand() -> None:
     robots = [
         {**LANES[0], "state": [2, 2, np.pi / 2]},
