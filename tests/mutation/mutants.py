@@ -95,17 +95,19 @@ def mutants_of(source: str, module: str) -> list[MutationSpec]:
     """Return all mutations of a module but those of ``EXCLUDED``."""
     tree = get_ast(source)
     nodes = list(ast_nodes(tree))
+    leaves = {node.start_pos: node for node in nodes if isinstance(node, parso.tree.Leaf)}
     found = []
     for name, operator in operators().items():
         places = [place for node in nodes for place in operator.mutation_positions(node)]
         for occurrence, (start, end) in enumerate(places):
-            leaf = tree.get_leaf_for_position(start, include_prefixes=True)
-            if not _is_excluded(leaf, name):
+            if not _is_excluded(leaves[start], name):
                 found.append(MutationSpec(module, name, occurrence, start, end))
     return found
 
 
 def _is_excluded(leaf: Any, operator: str) -> bool:
+    if leaf.value in ("*", "**") and leaf.parent.type in ("argument", "dictorsetmaker", "testlist_star_expr"):
+        return True  # unpacks, which cosmic-ray takes for an operator
     node, inside_function = leaf, False
     while node.parent is not None:
         above = node.parent

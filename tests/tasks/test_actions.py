@@ -33,6 +33,7 @@ def test_the_episode_begins_with_the_action_of_standing_still() -> None:
     assert play().state.action[0, 0].tolist() == [-1.0, 0.0]
     assert play({"vel_min": [-1, -1], "vel_max": [3, 1]}).state.action[0, 0].tolist() == [-0.5, 0.0]
     assert play({"vel_min": [0.5, -1], "vel_max": [1, 1]}).state.action[0, 0].tolist() == [-1.0, 0.0]
+    assert play({"vel_min": [0, -1], "vel_max": [0, 1]}).state.action[0, 0].tolist() == [0.0, 0.0]
 
 
 def test_an_episode_knows_nothing_of_the_actions_of_the_one_before() -> None:

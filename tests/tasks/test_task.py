@@ -309,6 +309,7 @@ def test_rewards_that_make_a_crash_pay_are_refused() -> None:
     found = messages(scenario(task={"rewards": [{"name": "time", "weight": 4.5}]}))
     assert len(found) == 2
     assert all("one that goes on can cost 5.5" in text for text in found)
+    assert all("raise the former above 5.5, lower the latter, or say" in text for text in found)
     without = {"rewards": [{"name": "collision", "use": False}]}
     assert messages(scenario(task=without)) == [
         "task.rewards: an episode that ends as 'collided' costs 0, one that goes on can cost 3 "

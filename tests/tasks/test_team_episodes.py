@@ -275,6 +275,25 @@ def test_neighbors_by_hand() -> None:
     np.testing.assert_allclose(row, [0.6, -0.02, 0.0, -0.5, 0.04, 1, 0, 0, 0, 0, 0, 0], atol=1e-6)
 
 
+@pytest.mark.parametrize("name", ["neighbors", "nearest_bodies"])
+def test_without_a_range_the_diagonal_of_the_world_is_the_unit(name: str) -> None:
+    robots = [{**LANES[0], "state": [2, 2, 0]}, {**LANES[1], "state": [5, 2, 0]}]
+    task = {"name": "blank", "observations": [{"name": name, "count": 1}]}
+    episodes = play(robots, None, task, team=True, width=6, height=8)
+    ahead = 0.3 if name == "neighbors" else (5 - 2) / 10  # the disc's centre
+    np.testing.assert_allclose(episodes.view.observation[0, 0], [ahead, 0, 0, 0, 0.02, 1], atol=1e-6)
+
+
+def test_a_neighbor_that_has_gone_leaves_zeros() -> None:
+    neighbors = {"name": "neighbors", "count": 1, "range": 2.0}
+    robots = [{**LANES[0], "state": [2, 2, 0]}, {**LANES[1], "state": [3.8, 2, 0]}]
+    episodes = play(robots, None, {"name": "blank", "observations": [neighbors]}, team=True)
+    assert episodes.view.observation[0, 0, 0] == pytest.approx(0.9)
+    for _ in range(3):
+        episodes.step(np.array([[[-1.0, 0.0], [1.0, 0.0]]]))
+    assert episodes.view.observation[0, 0].tolist() == [0.0] * 6
+
+
 def test_each_agent_is_told_its_own_drive() -> None:
     omni = {**LANES[0], "kinematics": {"name": "omni"}, "vel_min": [-1, -1], "vel_max": [1, 1]}
     robots = [{**LANES[0]}, {**OMNI, "state": [2, 5, 0]}, {**omni, "state": [2, 8, 0]}]
