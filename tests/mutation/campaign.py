@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import difflib
 import os
+import shutil
 import signal
 import time
 from dataclasses import dataclass
@@ -18,7 +19,7 @@ from cosmic_ray.mutating import mutate_code
 from cosmic_ray.work_db import WorkDB
 from cosmic_ray.work_item import TestOutcome, WorkerOutcome, WorkItem, WorkResult
 from mutants import operators
-from selection import chosen_tests
+from selection import COMPILED, chosen_tests
 
 SLACK_S = 20.0
 """A mutant that needs this much more than twice the time of its tests [s of the processor] runs in circles."""
@@ -26,7 +27,32 @@ SLACK_S = 20.0
 PATIENCE = 15.0
 """A mutant that has not ended after so many times its processor time waits for something that never comes."""
 
+COMPILED_S = 600
+"""Time of the processor for a mutant that is played compiled [s]."""
+
+BY = "killed by "
 COMPOUND = ("if_stmt", "for_stmt", "while_stmt", "try_stmt", "with_stmt", "funcdef", "classdef")
+
+
+@dataclass(frozen=True)
+class Rules:
+    """How mutants are played.
+
+    Attributes:
+        repository: What is mutated, in memory alone.
+        folder: Where logs lie.
+        known: What ``selection.read`` returns.
+        budget: Seconds that the tests of a mutant may take, as they were measured.
+        workers: How many mutants are played at a time.
+        is_compiled: Play those of ``selection.COMPILED``, which are passed over else.
+    """
+
+    repository: Path
+    folder: Path
+    known: dict[str, Any]
+    budget: float = 15.0
+    workers: int = 2
+    is_compiled: bool = False
 
 
 @dataclass
@@ -45,45 +71,52 @@ class Slot:
         return self.folder / "log"
 
     @property
-    def killer(self) -> Path:
-        """Where the test that noticed the mutant is written."""
-        return self.folder / "killer"
+    def failures(self) -> Path:
+        """Where the tests that failed are written."""
+        return self.folder / "failures"
+
+    @property
+    def cache(self) -> Path:
+        """What is compiled: of each mutant by itself."""
+        return self.folder / "cache"
 
 
-def play(
-    repository: Path, folder: Path, db: WorkDB, known: dict[str, Any], names: set[str], budget: float, workers: int
-) -> None:
-    """Play the named mutants, and write each result into the database.
+def play(db: WorkDB, names: set[str], rules: Rules) -> None:
+    """Play the named mutants, and write each result into the database; then see whether their killers can be believed.
 
     Args:
-        repository: What is mutated, in memory alone.
-        folder: Where logs lie.
         db: The session; other mutants in it are left alone.
-        known: What ``selection.read`` returns.
         names: The mutants.
-        budget: Seconds that the tests of a mutant may take, as they were measured.
-        workers: How many mutants are played at a time.
+        rules: How.
     """
-    slots = [Slot(folder / f"slot-{k}") for k in range(workers)]
+    mine = (item for item in db.work_items if item.job_id in names and is_compiled(item) == rules.is_compiled)
+    waiting = sorted(mine, key=lambda item: item.job_id)
+    if not waiting:
+        return
+    slots = [Slot(rules.folder / f"slot-{k}") for k in range(rules.workers)]
     for slot in slots:
         slot.folder.mkdir(parents=True, exist_ok=True)
-    children.preload(repository, sorted({test.split("::")[0] for test in known["seconds"]}))
-    waiting = sorted((item for item in db.work_items if item.job_id in names), key=lambda item: item.job_id)
+    tests = (test for some in COMPILED.values() for test in some) if rules.is_compiled else rules.known["seconds"]
+    children.preload(rules.repository, sorted({test.split("::")[0] for test in tests}), rules.is_compiled)
     done, total, begun = 0, len(waiting), time.monotonic()
     while waiting or any(slot.item for slot in slots):
         for slot in slots:
-            found = (
-                _result(slot)
-                if slot.item
-                else _start(slot, waiting.pop(), repository, known, budget)
-                if waiting
-                else None
-            )
+            found = None
+            if slot.item:
+                found = _result(slot)
+            elif waiting:
+                found = _start(slot, waiting.pop(), rules)
             if found is not None:
                 db.set_result(*found)
                 done += 1
                 print(f"{done}/{total} {time.monotonic() - begun:.0f} s {found[0]}: {found[1].output}", flush=True)
         time.sleep(0.02)
+    _doubt(db, slots[0], rules)
+
+
+def is_compiled(item: WorkItem) -> bool:
+    """Return whether a mutant has to be played compiled."""
+    return item.mutations[0].module_path.as_posix() in COMPILED
 
 
 def statement_lines(source: str, position: tuple[int, int]) -> range:
@@ -98,31 +131,62 @@ def statement_lines(source: str, position: tuple[int, int]) -> range:
     return range(whole.start_pos[0], whole.end_pos[0] + 1)
 
 
-def _start(
-    slot: Slot, item: WorkItem, repository: Path, known: dict[str, Any], budget: float
-) -> tuple[str, WorkResult] | None:
+def _start(slot: Slot, item: WorkItem, rules: Rules) -> tuple[str, WorkResult] | None:
     """Fork a child for a mutant; return its result at once if no test reaches it."""
-    spec = item.mutations[0]
+    spec, known = item.mutations[0], rules.known
     module = spec.module_path.as_posix()
-    source = (repository / module).read_text(encoding="utf-8")
+    source = (rules.repository / module).read_text(encoding="utf-8")
     mutated = mutate_code(source, operators()[spec.operator_name], spec.occurrence)
     assert mutated is not None, item.job_id
     slot.diff = _diff(source, mutated)
-    tests = chosen_tests(known, module, statement_lines(source, spec.start_pos), budget)
+    if rules.is_compiled:
+        tests, limit = list(COMPILED[module]), COMPILED_S
+    else:
+        tests = chosen_tests(known, module, statement_lines(source, spec.start_pos), rules.budget)
+        limit = int(2.0 * sum(known["seconds"][test] for test in tests) + SLACK_S)
     if not tests:
         alive = WorkResult(WorkerOutcome.NORMAL, "no test reaches it", TestOutcome.SURVIVED, slot.diff)
         return item.job_id, alive
-    limit = int(2.0 * sum(known["seconds"][test] for test in tests) + SLACK_S)
-    slot.killer.unlink(missing_ok=True)
-    slot.item, slot.deadline = item, time.monotonic() + PATIENCE * limit
+    slot.item = item
+    _fork(slot, rules.repository, module, source, mutated, tests, limit)
+    return None
+
+
+def _fork(slot: Slot, repository: Path, module: str, source: str, mutated: str, tests: list[str], limit: int) -> None:
+    """Let a child of this process run tests, see ``children.run``."""
+    slot.failures.unlink(missing_ok=True)
+    shutil.rmtree(slot.cache, ignore_errors=True)
+    slot.deadline = time.monotonic() + PATIENCE * limit
     slot.pid = os.fork()
     if slot.pid == 0:
         os.setsid()
+        os.environ["NUMBA_CACHE_DIR"] = str(slot.cache)
         with slot.log.open("w") as log:
             for stream in (1, 2):
                 os.dup2(log.fileno(), stream)
-        children.run(repository, module, source, mutated, tests, slot.killer, limit)
-    return None
+        children.run(repository, module, source, mutated, tests, slot.failures, limit)
+
+
+def _doubt(db: WorkDB, slot: Slot, rules: Rules) -> None:
+    """Run the tests that killed something without any mutant; what one killed that fails then has survived."""
+    killers: dict[str, list[str]] = {}
+    items = {item.job_id: item for item in db.work_items}
+    for name, result in db.results:
+        if is_compiled(items[name]) == rules.is_compiled and result.output.startswith(BY):
+            killers.setdefault(result.output.removeprefix(BY), []).append(name)
+    if not killers:
+        return
+    _fork(slot, rules.repository, next(iter(COMPILED)), "", "", sorted(killers), COMPILED_S * 10)
+    _, status = os.waitpid(slot.pid, 0)
+    if os.waitstatus_to_exitcode(status) not in (0, 1):
+        raise RuntimeError(f"the tests could not be run without a mutant, see {slot.log}")
+    failed = slot.failures.read_text(encoding="utf-8").split("\n") if slot.failures.exists() else []
+    results = dict(db.results)
+    for test in filter(None, failed):
+        for name in killers.get(test, ()):
+            why = f"survived: {test} fails without it too"
+            print(f"{name}: {why}", flush=True)
+            db.set_result(name, WorkResult(WorkerOutcome.NORMAL, why, TestOutcome.SURVIVED, results[name].diff))
 
 
 def _result(slot: Slot) -> tuple[str, WorkResult] | None:
@@ -144,8 +208,8 @@ def _result(slot: Slot) -> tuple[str, WorkResult] | None:
         raise RuntimeError(f"no test was run for {name}, see {slot.log}")
     if code < 0:
         found = f"killed: signal {-code}, it does not end" if code in (-24, -9) else f"killed: signal {-code}"
-    elif slot.killer.exists():
-        found = f"killed by {slot.killer.read_text(encoding='utf-8')}"
+    elif slot.failures.exists():
+        found = BY + slot.failures.read_text(encoding="utf-8").split("\n")[0]
     else:
         found = f"killed: it cannot be imported, exit status {code}"
     return name, WorkResult(WorkerOutcome.NORMAL, found, TestOutcome.KILLED, slot.diff)

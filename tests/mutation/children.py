@@ -21,21 +21,22 @@ from selection import MARKS, PLAIN
 
 MEMORY = 12 << 30
 OPTIONS = (
-    "-x", "-q", "--tb=short", "--color=no", "-p", "no:cacheprovider", *MARKS,
+    "-q", "--tb=short", "--color=no", "-p", "no:cacheprovider", *MARKS,
     "-W", "ignore::pytest.PytestAssertRewriteWarning",  # of what was imported before the fork
 )  # fmt: skip
 
 
-class FirstFailure:
-    """Writes down which test noticed the mutant, as a plugin of pytest."""
+class Failures:
+    """Writes down which tests have failed, as a plugin of pytest."""
 
     def __init__(self, file: Path) -> None:
         self.file = file
 
     def pytest_runtest_logreport(self, report: Any) -> None:
         """Note a failure."""
-        if report.outcome == "failed" and not self.file.exists():
-            self.file.write_text(report.nodeid, encoding="utf-8")
+        if report.outcome == "failed":
+            with self.file.open("a", encoding="utf-8") as out:
+                out.write(report.nodeid + "\n")
 
 
 class OneModule(importlib.abc.MetaPathFinder, importlib.abc.SourceLoader):
@@ -62,11 +63,13 @@ class OneModule(importlib.abc.MetaPathFinder, importlib.abc.SourceLoader):
         return self.text.encode()
 
 
-def preload(root: Path, files: Sequence[str]) -> None:
+def preload(root: Path, files: Sequence[str], is_compiled: bool) -> None:
     """Import what children need: the package and the tests, as pytest does when it collects them."""
     import pytest
 
     os.environ.update(PLAIN, PYTHONPATH=str(root))
+    if is_compiled:
+        del os.environ["NUMBA_DISABLE_JIT"]
     os.chdir(root)
     sys.path.insert(0, str(root))
     code = pytest.main(["--collect-only", "-qq", "-p", "no:cacheprovider", *MARKS, *files])
@@ -74,16 +77,16 @@ def preload(root: Path, files: Sequence[str]) -> None:
         raise SystemExit("the tests cannot be collected")
 
 
-def run(root: Path, module: str, source: str, mutated: str, tests: Sequence[str], killer: Path, limit: int) -> None:
+def run(root: Path, module: str, source: str, mutated: str, tests: Sequence[str], failures: Path, limit: int) -> None:
     """Run the tests over a mutant in this process, which is a child, and end it with pytest's answer.
 
     Args:
         root: The repository.
         module: The mutated file.
         source: Its text.
-        mutated: The mutant's text.
+        mutated: The mutant's text; the same text for no mutant: then all tests run, else they end with a failure.
         tests: What to run, in this order.
-        killer: File for the name of the first test that fails.
+        failures: File for the names of tests that fail.
         limit: Time of the processor after which the process is ended [s].
     """
     code = 3
@@ -93,11 +96,12 @@ def run(root: Path, module: str, source: str, mutated: str, tests: Sequence[str]
         name = module.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what the compiler says of the mutant
-            if not change(sys.modules[name], source, mutated):
+            if mutated != source and not change(sys.modules[name], source, mutated):
                 _import_again(root, name, root / module, mutated)
         import pytest
 
-        code = int(pytest.main([*OPTIONS, *tests], plugins=[FirstFailure(killer)]))
+        options = OPTIONS if mutated == source else ("-x", *OPTIONS)
+        code = int(pytest.main([*options, *tests], plugins=[Failures(failures)]))
     except BaseException:
         traceback.print_exc()
     finally:

@@ -115,7 +115,7 @@ def _is_excluded(leaf: Any, operator: str) -> bool:
             return True
         if above.type == "annassign" and node is above.children[1]:
             return True
-        if above.type in ("param", "funcdef") and node is above.annotation:
+        if above.type == "tfpdef" or (above.type == "funcdef" and node is above.annotation):
             return True
         inside_function |= above.type == "funcdef"
         node = above

@@ -24,7 +24,7 @@ def main() -> None:
     """Measure, draw, play and report; what is done already in the folder is not done again."""
     options = _options()
     folder: Path = options.folder.resolve()
-    if options.tests or not (folder / "tests.json").exists():
+    if not options.compiled and (options.tests or not (folder / "tests.json").exists()):
         selection.measure(ROOT, folder, options.tests or selection.TESTS)
     known = selection.read(folder)
     session, about = folder / "session.sqlite", folder / "session.json"
@@ -38,8 +38,11 @@ def main() -> None:
             names |= {item.job_id for item in db.work_items}
         if options.only:
             names = {name for name in names if any(part in name for part in options.only)}
-        campaign.play(ROOT, folder, db, known, names, options.budget, options.workers)
+        rules = campaign.Rules(ROOT, folder, known, options.budget, options.workers, options.compiled)
+        campaign.play(db, names, rules)
         report.write(db, json.loads(about.read_text(encoding="utf-8")))
+    if not options.compiled:  # in a process of its own: whether kernels are compiled is settled when they are imported
+        subprocess.run([sys.executable, __file__, *sys.argv[1:], "--compiled"], check=True)
 
 
 def _options() -> argparse.Namespace:
@@ -52,6 +55,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--survivors", action="store_true", help="play those again that survived, with today's tests")
     parser.add_argument("--again", action="store_true", help="play all again")
     parser.add_argument("--only", nargs="+", help="play those alone whose names hold one of these")
+    parser.add_argument("--compiled", action="store_true", help="play those that nobody reaches in plain Python")
     parser.add_argument("--tests", nargs="*", help="measure these tests anew, and leave what is known of others")
     return parser.parse_args()
 

@@ -31,6 +31,13 @@ TESTS = (
 DECLARED = ("tests/scenario/test_reference_page.py", "tests/contracts/test_kinds.py::test_every_shipped_kind")
 """Tests of what kinds declare, which their modules say when they are imported."""
 
+COMPILED = {
+    "irsim_gym/engine/crew.py": ("tests/engine/test_crew.py",),
+    "irsim_gym/engine/direct.py": ("tests/envs/test_alone.py",),
+    "irsim_gym/engine/fused.py": ("tests/engine/test_crew.py", "tests/engine/test_fused.py"),
+}
+"""What nobody reaches in plain Python, where nothing is recorded: files, and the tests that reach them compiled."""
+
 SLOWEST = 6.0
 """A test that takes longer in plain Python [s] is left out."""
 
