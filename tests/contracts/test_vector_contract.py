@@ -228,6 +228,20 @@ def test_copies_go_on_alike(mode):
             assert_same(other, last)
 
 
+def test_seeds_are_kept_and_a_new_split_draws_from_them():
+    envs, levels = gymnasium.make_vec(STILL, num_envs=2), []
+    for _ in range(2):
+        envs.reset(seed=5)
+        assert envs.np_random_seed == (5, 6)
+        levels.append(envs.reset(options={"split": "dev"})[1]["level"].tolist())
+        assert envs.np_random_seed == (5, 6)
+    assert levels[0] == levels[1]
+    for w in range(2):
+        env = gymnasium.make(STILL)
+        env.reset(seed=5 + w)
+        assert env.reset(options={"split": "dev"})[1]["level"] == levels[0][w]
+
+
 def test_unseeded_environments_differ_and_report_their_seeds():
     envs, others = (gymnasium.make_vec(STILL, num_envs=2) for _ in range(2))
     assert (envs.reset()[0] != others.reset()[0]).any()

@@ -129,6 +129,10 @@ def test_large_seeds_are_folded(seed):
     assert env.reset(seed=seed)[1]["level"] == seed % 2**52
 
 
+def test_the_last_level_that_an_option_may_name():
+    assert WorldEnv("sparse_circles").reset(options={"level": 2**53 - 1})[1]["level"] == 2**53 - 1
+
+
 @pytest.mark.parametrize(
     ("options", "error"),
     [
@@ -137,6 +141,7 @@ def test_large_seeds_are_folded(seed):
         ({"level": -1}, ValueError),
         ({"level": 1.5}, ValueError),
         ({"level": True}, ValueError),
+        ({"level": 2**53}, ValueError),
     ],
 )
 def test_bad_options(options, error):

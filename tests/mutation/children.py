@@ -96,7 +96,7 @@ def run(root: Path, module: str, source: str, mutated: str, tests: Sequence[str]
         name = module.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what the compiler says of the mutant
-            if mutated != source and not change(sys.modules[name], source, mutated):
+            if mutated != source and not change(sys.modules.get(name), source, mutated):
                 _import_again(root, name, root / module, mutated)
         import pytest
 
@@ -120,14 +120,16 @@ def _import_again(root: Path, name: str, file: Path, text: str) -> None:
             del sys.modules[known]
 
 
-def change(module: ModuleType, source: str, mutated: str) -> bool:
-    """Give one function of an imported module the body that it has in the mutant.
+def change(module: ModuleType | None, source: str, mutated: str) -> bool:
+    """Give one function of a module that has been imported the body that it has in the mutant.
 
     Whoever has imported the function sees the change: it stays the same object.
 
     Returns:
         False, and nothing has changed, if more than the body of one function differs.
     """
+    if module is None:
+        return False
     file = str(module.__file__)
     found = difference(compile(source, file, "exec"), compile(mutated, file, "exec"))
     function = None if found is None else function_at(module, found.co_qualname)

@@ -264,10 +264,11 @@ def test_top_view_in_colours() -> None:
     assert tuple(other[8, 15]) == OTHER or other[8, 15].astype(int).sum() > sum(OTHER)
 
 
-def test_the_triangle_that_points_ahead() -> None:
+@pytest.mark.parametrize("heading", [0.0, np.pi / 2, 0.7])
+def test_the_triangle_that_points_ahead(heading: float) -> None:
     # 16 pixels for each metre: the disc has a radius of 8 pixels around (16, 16), ahead is up. The triangle's tip lies
     # 0.9 radii ahead, its base of one radius across the middle.
-    robot = {**ROBOT, "shape": {"name": "circle", "radius": 0.5}, "state": [5, 5, 0], "goal": [9, 5, 0]}
+    robot = {**ROBOT, "shape": {"name": "circle", "radius": 0.5}, "state": [5, 5, heading], "goal": [9, 5, 0]}
     seen = picture({**TOP, "metres": 2.0}, robot=robot)
     white = seen.astype(int).sum(axis=2) > sum(OWN) + 300
     for row in range(8, 24):
