@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from irsim_gym.engine import Simulation, compile
+from irsim_gym.engine import respawn as engine_respawn
 from irsim_gym.scenario import load_scenario
 
 DISC = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.4}}
@@ -104,3 +105,26 @@ def test_who_was_held_in_place_moves_in_its_first_step_after_it_begins_anew() ->
     assert not simulation.state.stopped[0, 0]
     simulation.step(ahead)
     assert simulation.state.pose[0, 0].tolist() == [2.1, 2.0, 0.0]
+
+
+def test_who_needs_no_way_takes_the_first_free_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engine_respawn, "_has_way", lambda *_: pytest.fail("a way is looked for"))
+    spot = {"name": "random", "range_low": [5, 5, 0], "range_high": [5, 5, 0]}
+    simulation = compile(load_scenario({"robot": [{**DISC, "distribution": spot}, {**DISC, "state": [2, 2, 0]}]}))
+    simulation.reset()
+    simulation.state.pose[0, 1] = [5, 5, 0]
+    simulation.place(np.array([1]))
+    simulation.run(lambda shard: simulation.respawn(shard, np.array([0]), np.array([[True]])), np.array([0]))
+    x, y = simulation.state.pose[0, 0, :2]
+    assert np.hypot(x - 5, y - 5) > 0.8
+    assert simulation.state.placed[0, 0]
+
+
+def test_the_others_move_on_as_they_did() -> None:
+    simulation = begun([{**DISC, "state": [3, 3, 0]}, {**DISC, "state": [7, 7, 1]}])
+    simulation.step(np.array([[[1.0, 1.0], [1.0, 1.0]]]))
+    before = simulation.state.twist[0, 1].copy()
+    assert before[2] == 1.0
+    respawn(simulation, [[True, False]])
+    assert simulation.state.twist[0, 1].tolist() == before.tolist()
+    assert simulation.state.twist[0, 0].tolist() == [0.0, 0.0, 0.0]

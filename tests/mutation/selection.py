@@ -91,7 +91,7 @@ def measure(root: Path, folder: Path, tests: Sequence[str] = TESTS) -> None:
     covered = _run(
         root, folder, f"--cov-config={settings}", "--cov=irsim_gym", "--cov-context=test", "--cov-report=", f"@{chosen}"
     )
-    merge(root, folder, data, {test: seconds[test] for test in covered})
+    merge(root, folder, data, {test: seconds[test] for test in covered if test in seconds})
 
 
 def merge(root: Path, folder: Path, data: Path, seconds: dict[str, float]) -> None:
