@@ -25,7 +25,7 @@ def main() -> None:
     options = _options()
     folder: Path = options.folder.resolve()
     if not options.compiled and (options.tests or not (folder / "tests.json").exists()):
-        selection.measure(ROOT, folder, options.tests or selection.TESTS)
+        selection.measure(ROOT, folder, options.tests or selection.TESTS, options.slowest)
     known = selection.read(folder)
     session, about = folder / "session.sqlite", folder / "session.json"
     with use_db(str(session)) as db:
@@ -57,6 +57,9 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--only", nargs="+", help="play those alone whose names hold one of these")
     parser.add_argument("--compiled", action="store_true", help="play those that nobody reaches in plain Python")
     parser.add_argument("--tests", nargs="*", help="measure these tests anew, and leave what is known of others")
+    parser.add_argument(
+        "--slowest", type=float, default=selection.SLOWEST, help="how long a measured test may take [s]"
+    )
     return parser.parse_args()
 
 

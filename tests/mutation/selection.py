@@ -39,7 +39,7 @@ COMPILED = {
 """What nobody reaches in plain Python, where nothing is recorded: files, and the tests that reach them compiled."""
 
 SLOWEST = 6.0
-"""A test that takes longer in plain Python [s] is left out."""
+"""A test that takes longer in plain Python [s] is left out, unless asked for."""
 
 PLAIN = {"NUMBA_DISABLE_JIT": "1", "MPLBACKEND": "Agg", "OMP_NUM_THREADS": "1"}
 MARKS = ("-m", "not slow and not gui")
@@ -77,13 +77,13 @@ def _run(root: Path, folder: Path, *arguments: str) -> dict[str, float]:
     return found
 
 
-def measure(root: Path, folder: Path, tests: Sequence[str] = TESTS) -> None:
-    """Time tests, then run the fast ones under coverage; what is known of others in ``folder`` stays.
+def measure(root: Path, folder: Path, tests: Sequence[str] = TESTS, slowest: float = SLOWEST) -> None:
+    """Time tests, then run those under coverage that take no longer than ``slowest`` [s]; what is known of others stays.
 
     Two runs, because a test cannot be interrupted safely while coverage is looking.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    seconds = _run(root, folder, f"--timeout={SLOWEST}", *tests)
+    seconds = _run(root, folder, f"--timeout={slowest}", *tests)
     chosen, data = folder / "chosen", folder / "coverage"
     chosen.write_text("\n".join(seconds), encoding="utf-8")
     settings = folder / "coveragerc"
