@@ -128,6 +128,8 @@ robot: [{kinematics: {name: omni}, shape: {name: circle, radius: 0.2}, state: [5
     [
         "obstacle: [{shape: {name: rectangle, length: 6, width: 1}, state: [5.5, 3.4, 0]}]",
         "obstacle: [{shape: {name: linestring, vertices: [[1, 3.9], [9, 3.9]]}, state: [0, 0, 0]}]",
+        """obstacle: [{shape: {name: compound, parts: [{name: circle, radius: 0.5, pose: [3, 0, 0]},
+                        {name: circle, radius: 0.5}]}, state: [5, 3.4, 0]}]""",
     ],
 )
 def test_walls_push_by_their_nearest_point(wall: str) -> None:
@@ -169,6 +171,39 @@ def test_a_map_pushes_once_for_each_direction() -> None:
         sim.reset(seed=0)
         sim.step()
         assert sim.state.command[0, 0, :2] == pytest.approx([-push, push])
+
+
+def test_the_edge_of_a_map_that_ends_beside_the_robot() -> None:
+    """All that is occupied lies eight metres away: nothing below the lower edge of the map, nothing pushes."""
+    cells = np.zeros((50, 50), np.bool_)
+    cells[:, -1] = cells[-1, :] = True
+    robot = yaml.safe_load(STANDER)["robot"][0] | {"state": [1, 1, 0], "goal": [1, 1, 0]}
+    sim = compile(load_scenario({"world": {"width": 10, "height": 10, "obstacle_map": cells}, "robot": [robot]}))
+    sim.reset(seed=0)
+    sim.step()
+    assert sim.state.command[0, 0].tolist() == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("behavior", ["sfm", "rvo"])
+def test_who_has_no_goal_stands_still(behavior: str) -> None:
+    robot = {"kinematics": {"name": "omni"}, "state": [5, 5, 0], "behavior": {"name": behavior}}
+    sim = compile(load_scenario({"robot": [robot]}))
+    sim.reset(seed=0)
+    sim.state.command[:] = 9.0
+    sim.step()
+    assert sim.state.command[0, 0].tolist() == [0.0, 0.0, 0.0]
+
+
+def test_two_in_the_same_place_do_not_push_each_other() -> None:
+    robots = {"number": 2, "kinematics": {"name": "omni"}, "state": [[5, 5, 0], [5, 5, 0]], "goal": [9, 5, 0]}
+    robots |= {"distribution": {"name": "manual"}, "behavior": {"name": "sfm", "vmax": 1.0}}
+    world = {"collision_mode": "unobstructed", "update": "simultaneous"}
+    sim = compile(load_scenario({"world": world, "robot": robots}, warn=False))
+    sim.reset(seed=0)
+    sim.step()
+    # The pull alone: (1 m/s - 0) / 0.54 s over a step of 0.1 s.
+    pull = 0.1 / sim.parts.turns[0].behaviors[0].params[0].relaxation_time
+    np.testing.assert_allclose(sim.state.command[0, :, :2], [[pull, 0.0]] * 2, rtol=1e-12)
 
 
 def walk(steps: int, world: dict[str, Any], obstacles: list[dict[str, Any]], goal: list[float]) -> Any:

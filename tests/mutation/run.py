@@ -57,9 +57,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--only", nargs="+", help="play those alone whose names hold one of these")
     parser.add_argument("--compiled", action="store_true", help="play those that nobody reaches in plain Python")
     parser.add_argument("--tests", nargs="*", help="measure these tests anew, and leave what is known of others")
-    parser.add_argument(
-        "--slowest", type=float, default=selection.SLOWEST, help="how long a measured test may take [s]"
-    )
+    parser.add_argument("--slowest", type=float, default=selection.SLOWEST, help="how long a test may take [s]")
     return parser.parse_args()
 
 

@@ -78,7 +78,7 @@ def _run(root: Path, folder: Path, *arguments: str) -> dict[str, float]:
 
 
 def measure(root: Path, folder: Path, tests: Sequence[str] = TESTS, slowest: float = SLOWEST) -> None:
-    """Time tests, then run those under coverage that take no longer than ``slowest`` [s]; what is known of others stays.
+    """Time tests, then run those under coverage that take at most ``slowest`` [s]; what is known of others stays.
 
     Two runs, because a test cannot be interrupted safely while coverage is looking.
     """
