@@ -93,7 +93,8 @@ def play(db: WorkDB, names: set[str], rules: Rules) -> None:
     waiting = sorted(mine, key=lambda item: item.job_id)
     if not waiting:
         return
-    slots = [Slot(rules.folder / f"slot-{k}") for k in range(rules.workers)]
+    kind = "compiled" if rules.is_compiled else "plain"
+    slots = [Slot(rules.folder / f"{kind}-{k}") for k in range(rules.workers)]
     for slot in slots:
         slot.folder.mkdir(parents=True, exist_ok=True)
     tests = (test for some in COMPILED.values() for test in some) if rules.is_compiled else rules.known["seconds"]

@@ -45,6 +45,12 @@ def write(db: WorkDB, about: dict[str, Any], folder: Path = HERE) -> None:
     (folder / "RESULTS.md").write_text(page(facts), encoding="utf-8")
 
 
+def equivalents() -> set[str]:
+    """Return the mutants that somebody has found to change nothing."""
+    words: dict[str, str] = json.loads(WORDS.read_text(encoding="utf-8"))
+    return {name for name, word in words.items() if word.startswith(EQUIVALENT)}
+
+
 def fate(row: dict[str, Any]) -> str:
     """Return ``killed``, ``equivalent``, ``alive`` or ``not played``."""
     if row["result"] == "not played" or row["result"].startswith("killed"):

@@ -33,7 +33,8 @@ def main() -> None:
             _draw(db, about, options.count, options.seed)
         names = {item.job_id for item in db.pending_work_items}
         if options.survivors:
-            names |= {job for job, result in db.results if result.test_outcome is TestOutcome.SURVIVED}
+            alive = {job for job, result in db.results if result.test_outcome is TestOutcome.SURVIVED}
+            names |= alive - report.equivalents()
         if options.again:
             names |= {item.job_id for item in db.work_items}
         if options.only:
@@ -52,7 +53,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=14, help="of their choice")
     parser.add_argument("--workers", type=int, default=2, help="mutants that are played at a time")
     parser.add_argument("--budget", type=float, default=15.0, help="seconds that the tests of a mutant may take")
-    parser.add_argument("--survivors", action="store_true", help="play those again that survived, with today's tests")
+    parser.add_argument("--survivors", action="store_true", help="play again what is alive, with today's tests")
     parser.add_argument("--again", action="store_true", help="play all again")
     parser.add_argument("--only", nargs="+", help="play those alone whose names hold one of these")
     parser.add_argument("--compiled", action="store_true", help="play those that nobody reaches in plain Python")
