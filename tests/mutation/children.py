@@ -91,8 +91,15 @@ def run(root: Path, module: str, source: str, mutated: str, tests: Sequence[str]
     """
     code = 3
     try:
+        from numba.core import config
+
+        from irsim_gym.jit_cache import cache_folder
+
         resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+        if not config.DISABLE_JIT:  # what was compiled of the file as it is must not be found
+            config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+            cache_folder.cache_clear()
         name = module.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what the compiler says of the mutant

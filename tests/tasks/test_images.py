@@ -92,6 +92,16 @@ def test_lines_have_a_thickness() -> None:
     assert middle_of(seen)[0] == pytest.approx(8, abs=0.01)
 
 
+@pytest.mark.parametrize("heading", [0.0, 0.6, 2.2])
+def test_slanted_lines_are_as_thick_as_others(heading: float) -> None:
+    """A line covers its length and its thickness at both ends, half of it each, times its thickness."""
+    line = {"shape": {"name": "linestring", "vertices": [[5.6, 5.3], [6.7, 6.1]]}}
+    seen = picture(BARE, (5, 5, heading), obstacle=line)[..., 0] / 255.0
+    assert seen.sum() == pytest.approx((4 * np.hypot(1.1, 0.8) + LINE) * LINE, rel=0.02)
+    middle = np.array([6.15 - 5, 5.7 - 5]) @ [[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]]
+    assert middle_of(seen) == pytest.approx((16 - 4 * middle[0], 16 - 4 * middle[1]), abs=0.1)
+
+
 @pytest.mark.parametrize(
     ("goal", "row", "column"),
     [

@@ -310,6 +310,8 @@ def test_what_is_said_to_be_used_is_used_whatever_lists_a_task_lacks() -> None:
     task = load_task(scenario(task={"name": "blank", "observations": ["goal"], "endings": [ending]}))
     assert names(task.endings) == ["LeftWorld"]
     assert names(task.rewards) == []
+    (found,) = messages(scenario(task={"rewards": 3, "endings": [ending]}))
+    assert found.startswith("task.rewards: ")
 
 
 def test_rewards_that_make_a_crash_pay_are_refused() -> None:
