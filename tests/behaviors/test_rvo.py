@@ -16,7 +16,7 @@ from beside_ir_sim import SAME, count_ties, crowd, decisions, ours, silent, thei
 
 from irsim_gym import compile, load_scenario
 from irsim_gym.behaviors.surroundings import map_walls, most_map_walls
-from irsim_gym.behaviors.velocity_obstacles import lay_samples, order_samples
+from irsim_gym.behaviors.velocity_obstacles import NEVER, lay_samples, order_samples, time_to_side
 from irsim_gym.engine.simulation import Simulation
 
 Description = dict[str, Any]
@@ -145,6 +145,30 @@ def test_the_most_walls_of_a_map_that_can_be_near() -> None:
         assert most_map_walls(model, threshold) == most
     world = {"width": 1, "height": 2, "obstacle_map": np.ones((4, 8), np.bool_)}
     assert most_map_walls(compile(load_scenario({"world": world})).model, 100.0) == 2 * 5 * 9 + 1
+
+
+@pytest.mark.parametrize(
+    ("place", "velocity", "expected"),
+    [
+        ([0, 0], [1, 0], 1.5),
+        ([0, 0], [2, 0], 0.75),
+        ([4, 0], [-1, 0], 1.5),  # from the other side
+        ([0, 0], [-1, 0], NEVER),
+        ([0, 0], [0, 1], NEVER),
+        ([0, 2.4], [1, 0], 1.5),  # beside its end, by less than the radius
+        ([0, 2.6], [1, 0], NEVER),
+        ([0, -2.4], [1, 0], 1.5),
+        ([0, -2.6], [1, 0], NEVER),
+        ([0, 5], [1, -2], 1.5),  # meets its line at y = 2
+        ([1.7, 0], [1, 0], 0.0),  # overlaps already
+    ],
+)
+def test_when_a_disc_meets_a_wall(place: list[float], velocity: list[float], expected: float) -> None:
+    """A disc of 0.5 m, and a wall from (2, -2) to (2, 2)."""
+    for wall in ([2.0, -2.0, 2.0, 2.0], [2.0, 2.0, 2.0, -2.0]):
+        x, y, vx, vy = (float(value) for value in [*place, *velocity])
+        assert time_to_side(x, y, 0.5, vx, vy, np.array(wall)) == pytest.approx(expected)
+    assert time_to_side(0.0, 0.0, 0.5, 1.0, 0.0, np.array([2.0, 0.0, 2.0, 0.0])) == NEVER
 
 
 def test_samples_are_visited_outwards() -> None:

@@ -159,6 +159,17 @@ def test_who_stands_inside_an_outline_is_pushed_out_of_it(shape: Any, place: lis
     assert sim.state.command[0, 0, :2] == pytest.approx(push)
 
 
+def test_a_disc_of_a_standing_compound_pushes_from_its_edge() -> None:
+    """Its centre is 0.9 m away, its edge 0.4 m: 0.1 s * 10 m/s2 * exp(-0.1 / 0.8)."""
+    parts = [{"name": "circle", "radius": 0.5}, {"name": "circle", "radius": 0.5, "pose": [3, 0, 0]}]
+    robot = yaml.safe_load(STANDER)["robot"][0]
+    obstacle = {"shape": {"name": "compound", "parts": parts}, "state": [5, 4.1, 0]}
+    sim = compile(load_scenario({"robot": [robot], "obstacle": [obstacle]}))
+    sim.reset(seed=0)
+    sim.step()
+    assert sim.state.command[0, 0, :2] == pytest.approx([0, np.exp(-0.125)])
+
+
 def test_a_map_pushes_once_for_each_direction() -> None:
     """A floor below and a wall to the right, both 1 m from the centre, whatever the number of cells; hidden by role."""
     cells = np.zeros((50, 50), np.bool_)

@@ -120,9 +120,12 @@ def test_who_needs_no_way_takes_the_first_free_place(monkeypatch: pytest.MonkeyP
     assert simulation.state.placed[0, 0]
 
 
-def test_the_others_move_on_as_they_did() -> None:
-    simulation = begun([{**DISC, "state": [3, 3, 0]}, {**DISC, "state": [7, 7, 1]}])
-    simulation.step(np.array([[[1.0, 1.0], [1.0, 1.0]]]))
+@pytest.mark.parametrize("drive", ["diff", "omni_angular"])
+def test_the_others_move_on_as_they_did(drive: str) -> None:
+    robot = {**DISC, "kinematics": {"name": drive}}
+    simulation = begun([{**robot, "state": [3, 3, 0]}, {**robot, "state": [7, 7, 1]}])
+    command = [1.0, 1.0] if drive == "diff" else [1.0, 0.5, 1.0]
+    simulation.step(np.array([[command, command]]))
     before = simulation.state.twist[0, 1].copy()
     assert before[2] == 1.0
     respawn(simulation, [[True, False]])

@@ -69,8 +69,10 @@ def page(facts: dict[str, Any]) -> str:
         "",
         f"Written by `make mutate`. {len(rows)} mutants of {sum(facts['population'].values())}, drawn with seed "
         f"{facts['seed']} from commit {facts['commit'][:10]}",
-        f"by {facts['tool']} under Python {facts['python']}. Not mutated: {'; '.join(facts['excluded'])}.",
-        "An equivalent mutant changes nothing that can be seen; the last column leaves those out.",
+        f"by {facts['tool']} under Python {facts['python']}, played by today's tests.",
+        "",
+        f"Not mutated: {'; '.join(facts['excluded'])}. An equivalent mutant changes",
+        "nothing that can be seen; the last column leaves those out.",
         "",
         "| folder | mutants | killed | equivalent | alive | killed of all | killed of those that can be |",
         "|---|---|---|---|---|---|---|",

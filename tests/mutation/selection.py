@@ -28,7 +28,10 @@ TESTS = (
 )
 """Folders of tests that are tried."""
 
-DECLARED = ("tests/scenario/test_reference_page.py", "tests/contracts/test_kinds.py::test_every_shipped_kind")
+DECLARED = (
+    "tests/scenario/test_reference_page.py::test_the_page_is_up_to_date",
+    "tests/contracts/test_kinds.py::test_every_shipped_kind",
+)
 """Tests of what kinds declare, which their modules say when they are imported."""
 
 COMPILED = {
@@ -125,17 +128,17 @@ def chosen_tests(known: dict[str, Any], module: str, lines: range, budget: float
         known: What ``read`` returns.
         module: The mutated file.
         lines: Lines of the statement; empty for one that runs when the module is imported, which all tests of the
-            module may notice.
+            module and of its folder may notice.
         budget: Seconds that all tests together may take.
     """
-    rows, folder = known["lines"].get(module, {}), module.split("/")[1]
-    reached = [rows.get(str(line), ()) for line in lines] if lines else list(rows.values())
+    rows, folder = known["lines"].get(module, {}), f"tests/{module.split('/')[1]}/"
+    reached = [rows.get(str(line), ()) for line in lines] if lines else rows.values()
     tests = {test for row in reached for test in row}
+    near: tuple[str, ...] = (folder,)
     if not lines:
-        tests |= {
-            test for test in known["seconds"] if test.startswith(DECLARED) or (not rows and f"/{folder}/" in test)
-        }
-    ordered = sorted((known["seconds"][test] * (1 if f"/{folder}/" in test else 3), test) for test in tests)
+        near = (*tests, *DECLARED)
+        tests |= {test for test in known["seconds"] if test.startswith((*DECLARED, folder))}
+    ordered = sorted((known["seconds"][test] * (1 if test.startswith(near) else 3), test) for test in tests)
     chosen, total = [], 0.0
     for _, test in ordered:
         total += known["seconds"][test]
