@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import irsim_gym as ig
-from irsim_gym.errors import UnknownNameError
+from irsim_gym.errors import ScenarioError, UnknownNameError
 
 DIFF: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}}
 
@@ -57,6 +57,11 @@ def test_a_sensor_without_noise_draws_nothing() -> None:
     stream = sim.state.random.copy()
     sim.step(np.zeros((1, 1, 2)))
     np.testing.assert_array_equal(sim.state.random, stream)
+
+
+def test_a_colour_has_a_name() -> None:
+    with pytest.raises(ScenarioError, match="no_hit_color"):
+        simulation([{"name": "fmcw_lidar2d", "no_hit_color": ""}], [])
 
 
 def test_a_single_beam_has_no_increment() -> None:
