@@ -27,8 +27,8 @@ SLACK_S = 20.0
 PATIENCE = 15.0
 """A mutant that has not ended after so many times its processor time waits for something that never comes."""
 
-COMPILED_S = 600
-"""Time of the processor for a mutant that is played compiled [s]."""
+COMPILED_S = 120
+"""Time of the processor for each file of tests of a mutant that is played compiled [s]."""
 
 BY = "killed by "
 COMPOUND = ("if_stmt", "for_stmt", "while_stmt", "try_stmt", "with_stmt", "funcdef", "classdef")
@@ -141,7 +141,8 @@ def _start(slot: Slot, item: WorkItem, rules: Rules) -> tuple[str, WorkResult] |
     assert mutated is not None, item.job_id
     slot.diff = _diff(source, mutated)
     if rules.is_compiled:
-        tests, limit = list(COMPILED[module]), COMPILED_S
+        tests = list(COMPILED[module])
+        limit = COMPILED_S * len(tests)
     else:
         tests = chosen_tests(known, module, statement_lines(source, spec.start_pos), rules.budget)
         limit = int(2.0 * sum(known["seconds"][test] for test in tests) + SLACK_S)
