@@ -71,8 +71,14 @@ def page(facts: dict[str, Any]) -> str:
         f"{facts['seed']} from commit {facts['commit'][:10]}",
         f"by {facts['tool']} under Python {facts['python']}, played by today's tests.",
         "",
-        f"Not mutated: {'; '.join(facts['excluded'])}. An equivalent mutant changes",
-        "nothing that can be seen; the last column leaves those out.",
+        "Not mutated:",
+        "",
+        *(f"- {what}" for what in facts["excluded"]),
+        "",
+        "An equivalent mutant changes nothing that can be seen; the last column leaves those out. Operators that leave no",
+        "program which may run, such as `<<` between floats, are not used (`mutants.py`), statements left out are added.",
+        "Tests ran in plain Python, those of `crew`, `direct` and `fused` compiled; each test that killed a mutant has",
+        "passed without one in the same way.",
         "",
         "| folder | mutants | killed | equivalent | alive | killed of all | killed of those that can be |",
         "|---|---|---|---|---|---|---|",
@@ -101,4 +107,4 @@ def _table_row(name: str, rows: Iterable[dict[str, Any]]) -> str:
 def _entry(row: dict[str, Any]) -> list[str]:
     word = row.get("word", "").removeprefix(EQUIVALENT) or row["result"]
     diff = [line if len(line) <= 110 else line[:107] + "..." for line in row["diff"].splitlines()]
-    return [f"- `{row['mutant']}`: {word}", "", "  ```diff", *(f"  {line}" for line in diff), "  ```", ""]
+    return [f"- `{row['mutant']}`:", f"  {word}", "", "  ```diff", *(f"  {line}" for line in diff), "  ```", ""]
