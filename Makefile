@@ -11,9 +11,10 @@ BIN         := $(VENV)/bin
 INSTALLED   := $(VENV)/.installed
 TESTS_READY := $(VENV)/.tests-ready
 GUI_READY   := $(VENV)/.gui-ready
+MUTATE_READY := $(VENV)/.mutate-ready
 INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
 
-.PHONY: help demo install lint test test-slow test-bounds test-gui bench peers clean
+.PHONY: help demo install lint test test-slow test-bounds test-gui mutate bench peers clean
 .DELETE_ON_ERROR:
 
 help:
@@ -22,6 +23,7 @@ help:
 	@echo "make test-slow   the longer checks too"
 	@echo "make test-bounds every shipped, documented and compared scenario, and random ones, with bounds checks"
 	@echo "make test-gui    real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
+	@echo "make mutate      do the tests notice when the code is wrong? hours, goes on where it was stopped (ARGS=...)"
 	@echo "make bench       the benchmarks (ARGS=... is passed on)"
 	@echo "make peers       the benchmarks beside ir-sim, navground, VMAS and JaxNav, each in build/peers (ARGS=...)"
 	@echo "make clean       remove caches and builds; .venv and runs stay"
@@ -49,6 +51,9 @@ test-gui: $(GUI_READY)
 	tests/gui/system_packages.sh
 	$(BIN)/python -m pytest -m gui tests/gui $(ARGS)
 
+mutate: $(MUTATE_READY)
+	$(BIN)/python tests/mutation/run.py $(ARGS)
+
 bench: $(TESTS_READY)
 	$(BIN)/python benchmarks/run.py $(ARGS)
 
@@ -72,4 +77,8 @@ $(TESTS_READY): $(INSTALLED)
 
 $(GUI_READY): $(TESTS_READY)
 	$(INSTALL) -e ".[test,test-gui]"
+	@touch $@
+
+$(MUTATE_READY): $(TESTS_READY)
+	$(INSTALL) -e ".[test,mutate]"
 	@touch $@

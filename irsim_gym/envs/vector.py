@@ -150,10 +150,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         self.worlds.begin_next(restarted)
         if self.render_mode == "human":
             self.worlds.pictures.refresh()
-        _, rewards, terminations, truncations, _ = step = self._transition()
-        rewards[restarted] = 0.0
-        terminations[restarted] = truncations[restarted] = self._ended[restarted] = False
-        return step
+        return self._transition()
 
     def _step_same(self, rows: NDArray[Any]) -> Step:
         """Step all worlds and restart those that end."""

@@ -85,6 +85,22 @@ def test_drives_that_it_cannot_command_are_refused() -> None:
         ig.behavior("other", kinematics=("omny",))
 
 
+def test_each_world_of_a_batch_shows_its_own_bodies() -> None:
+    seen = []
+
+    def own(ego: EgoView, others: list[BodyView]) -> Any:
+        seen.append((ego.radius, [other.radius for other in others], ego.velocity_max.tolist()))
+        return [0.0, 0.0]
+
+    register(own)
+    robot = {**OMNI, "shape": {"name": "circle", "radius": 0.3}, "vel_max": [2, 1], "behavior": {"name": "own"}}
+    data = {"robot": robot, "obstacle": {"shape": {"name": "circle", "radius": 0.5}, "state": [8, 8]}}
+    sim = ig.compile(ig.load_scenario(data), n_worlds=3)
+    sim.reset(seed=0)
+    sim.step()
+    assert [(round(r, 12), others, most[:2]) for r, others, most in seen] == [(0.3, [0.5], [2.0, 1.0])] * 3
+
+
 @pytest.mark.parametrize(
     "answer", [None, [1.0], [1.0, 2.0, 3.0], [np.nan, 0.0], [np.inf, 0.0], "fast", [[1.0], [2.0], [3.0]], {}]
 )

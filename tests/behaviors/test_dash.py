@@ -154,3 +154,13 @@ def test_drives_do_not_get_into_each_others_way() -> None:
             sim.step()
     for b, sim in enumerate(alone):
         np.testing.assert_array_equal(together.state.pose[0, b], sim.state.pose[0, 0])
+
+
+def test_one_without_a_goal_stands_and_those_behind_it_in_the_list_drive() -> None:
+    drive = {"kinematics": {"name": "omni_angular"}, "behavior": {"name": "dash"}}
+    robots = [{**drive, "state": [2, 2, 0]}, {**drive, "state": [2, 5, 0], "goal": [8, 5, 0]}]
+    sim = ig.compile(ig.load_scenario({"robot": robots}, warn=False))
+    sim.reset(seed=0)
+    sim.step()
+    assert sim.state.command[0, 0].tolist() == [0.0, 0.0, 0.0]
+    assert sim.state.command[0, 1, 0] > 0.0

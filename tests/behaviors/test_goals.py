@@ -96,3 +96,24 @@ def test_a_loop_goes_back_to_a_start_and_a_goal_that_were_drawn(distribution: st
         assert (heads_back | (sim.state.goal[:, :, :2] == goal).all(axis=-1)).all()
         back |= heads_back
     assert back.all()
+
+
+@pytest.mark.parametrize(
+    "behavior", [LOOP, {"name": "dash", "wander": True, "range_low": [1, 1, 0], "range_high": [9, 9, 0]}]
+)
+def test_who_is_held_in_place_keeps_its_goal(behavior: dict[str, Any]) -> None:
+    """IR-SIM neither asks a body that has stopped what it does nor gives it another goal."""
+    robot = {"kinematics": {"name": "omni"}, "state": [2, 5, 0], "goal": [3, 5, 0], "behavior": behavior}
+    stone = {"shape": {"name": "circle", "radius": 0.2}, "state": [8, 8, 0]}
+    sim = ig.compile(ig.load_scenario({"robot": robot, "obstacle": stone}))
+    sim.reset(seed=0)
+    goal = sim.state.goal[0, 0].copy()
+    sim.state.pose[0, :2] = [goal, [goal[0] + 0.3, goal[1], 0]]
+    sim.place(np.arange(2))
+    stream = sim.state.random.copy()
+    for _ in range(3):
+        sim.step()
+        assert sim.state.stopped[0, 0]
+        assert sim.state.arrived[0, 0]
+        assert sim.state.goal[0, 0].tolist() == goal.tolist()
+    np.testing.assert_array_equal(sim.state.random, stream)

@@ -246,3 +246,28 @@ def test_two_in_the_same_place_with_the_same_goal_part() -> None:
     first, second = sim.state.pose[0, :2, :2]
     assert np.hypot(*(second - first)) > 0.4
     assert first[0] > second[0]
+
+
+@pytest.mark.parametrize(("x", "y"), [(3.2, 5.0), (3.4, 4.1), (2.6, 7.3)])
+def test_a_wall_of_cells_is_kept_away_from_as_a_line_is(x: float, y: float) -> None:
+    """The left side of what is occupied is a wall at x = 4, from y = 1 to 9."""
+    cells = np.zeros((50, 50), np.bool_)
+    cells[20:, 5:45] = True
+    line = {"shape": {"name": "linestring", "vertices": [[4, 9], [4, 1]]}, "state": [0, 0, 0]}
+    robot = {
+        "kinematics": {"name": "omni"},
+        "shape": {"name": "circle", "radius": 0.2},
+        "state": [x, y, 0],
+        "goal": [9, 5, 0],
+        "velocity": [0.9, 0.1],
+        "group_behavior": {"name": "orca"},
+    }
+    found = []
+    for world, obstacles in (({"obstacle_map": cells}, []), ({}, [line]), ({}, [])):
+        data = {"world": {"width": 10, "height": 10, **world}, "robot": robot, "obstacle": obstacles}
+        sim = ig.compile(ig.load_scenario(data, warn=False))
+        sim.reset(seed=0)
+        sim.step()
+        found.append(sim.state.command[0, 0, :2].copy())
+    np.testing.assert_allclose(found[0], found[1], atol=1e-9)
+    assert found[2][0] > found[0][0] + 0.05, "without a wall it drives on"

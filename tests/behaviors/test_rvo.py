@@ -15,8 +15,8 @@ import pytest
 from beside_ir_sim import SAME, count_ties, crowd, decisions, ours, silent, theirs
 
 from irsim_gym import compile, load_scenario
-from irsim_gym.behaviors.surroundings import map_walls
-from irsim_gym.behaviors.velocity_obstacles import lay_samples, order_samples
+from irsim_gym.behaviors.surroundings import map_walls, most_map_walls
+from irsim_gym.behaviors.velocity_obstacles import NEVER, lay_samples, order_samples, time_to_side
 from irsim_gym.engine.simulation import Simulation
 
 Description = dict[str, Any]
@@ -78,6 +78,33 @@ def test_decisions_are_those_of_ir_sim(mode: str, drive: str, tmp_path: Path) ->
     assert ties <= 2
 
 
+@pytest.mark.parametrize("drive", ["diff", "omni"])
+@pytest.mark.parametrize(("mode", "factor", "gap"), [("rvo", 1.0, 0.75), ("hrvo", 3.0, 0.9), ("vo", 0.3, 1.1)])
+def test_where_no_velocity_is_free_the_least_penalty_is_that_of_ir_sim(
+    mode: str, factor: float, gap: float, drive: str, tmp_path: Path
+) -> None:
+    """Six that close in on a seventh between two walls: the one in the middle finds every velocity forbidden."""
+    random = np.random.default_rng(17)
+    around = np.arange(6) * np.pi / 3 + random.uniform(-0.2, 0.2, 6)
+    places = [[5.0, 5.0], *(5.0 + gap * np.stack([np.cos(around), np.sin(around)], axis=1)).tolist()]
+    headings = [random.uniform(-3, 3), *np.angle(-np.exp(1j * (around + random.uniform(-0.3, 0.3, 6))))]
+    behavior = {"mode": mode, "factor": factor, "neighbor_threshold": 4.0, "acce": 0.4}
+    robots = [
+        robot([*place, float(heading)], (10 - np.array(place)).tolist(), drive, **behavior)
+        | {"velocity": [0.9, 0.1], "vel_max": [1.5, 1.5], "vel_min": [-1.5, -1.5]}
+        for place, heading in zip(places, headings, strict=True)
+    ]
+    for one in robots:
+        one["kinematics"] |= {"frame": "body"} if drive == "omni" else {}
+    walls = [
+        {"shape": {"name": "linestring", "vertices": [[3, y], [7, y + 0.2]]}, "state": [0, 0, 0]}
+        for y in (5 - gap - 0.6, 5 + gap + 0.6)
+    ]
+    total, ties = count_ties({"robot": robots, "obstacle": walls}, tmp_path)
+    assert total == 7
+    assert ties <= 1
+
+
 def test_samples_are_those_of_arange() -> None:
     random = np.random.default_rng(3)
     for current, change, limit in [*random.uniform([-2, 0, 0], [2, 2, 2], (300, 3)), (0, 1, 1.5), (0.25, 0.3, 0.5)]:
@@ -85,6 +112,63 @@ def test_samples_are_those_of_arange() -> None:
         low, high = max(current - change, -limit), min(current + change, limit)
         expected = np.arange(low, high, 0.05) if high > low else np.clip([current], -limit, limit)
         assert [first + k * step for k in range(count)] == expected.tolist()
+
+
+@pytest.mark.parametrize("place", [[5.0, 5.0, 0.0], [5.6, 4.7, 1.0]])
+def test_a_standing_compound_of_discs_is_avoided_as_the_discs_are(place: list[float]) -> None:
+    mover = robot([3.2, 5.0, 0.0], [8, 5, 0], "omni") | {"velocity": [0.8, 0.1]}
+    turn = np.array([[np.cos(place[2]), -np.sin(place[2])], [np.sin(place[2]), np.cos(place[2])]])
+    offsets, radii = [np.array([0.0, 0.3]), np.array([0.5, -0.6])], [0.5, 0.3]
+    parts = [{"name": "circle", "radius": r, "pose": [*o, 0]} for o, r in zip(offsets, radii, strict=True)]
+    whole = {"shape": {"name": "compound", "parts": parts}, "state": place}
+    apart = [
+        {"shape": {"name": "circle", "radius": r}, "state": [*(np.array(place[:2]) + turn @ o), 0]}
+        for o, r in zip(offsets, radii, strict=True)
+    ]
+    found = []
+    for obstacles in ([whole], apart):
+        sim = simulation([mover], obstacles)
+        commands = []
+        for _ in range(8):
+            sim.step()
+            commands.append(sim.state.command[0, 0, :2].copy())
+        found.append(np.array(commands))
+    np.testing.assert_allclose(found[0], found[1], atol=1e-9)
+    assert np.abs(found[0][:, 1]).max() > 0.05, "they are in the way"
+
+
+def test_the_most_walls_of_a_map_that_can_be_near() -> None:
+    """Each of the cells' borders at most, those of one more row and column, and one: the rows that are set aside."""
+    for count, threshold, most in ((4, 100.0, 2 * 5 * 5 + 1), (40, 1.0, 2 * 11 * 11 + 1)):
+        world = {"width": count / 4, "height": count / 4, "obstacle_map": np.ones((count, count), np.bool_)}
+        model = compile(load_scenario({"world": world})).model
+        assert most_map_walls(model, threshold) == most
+    world = {"width": 1, "height": 2, "obstacle_map": np.ones((4, 8), np.bool_)}
+    assert most_map_walls(compile(load_scenario({"world": world})).model, 100.0) == 2 * 5 * 9 + 1
+
+
+@pytest.mark.parametrize(
+    ("place", "velocity", "expected"),
+    [
+        ([0, 0], [1, 0], 1.5),
+        ([0, 0], [2, 0], 0.75),
+        ([4, 0], [-1, 0], 1.5),  # from the other side
+        ([0, 0], [-1, 0], NEVER),
+        ([0, 0], [0, 1], NEVER),
+        ([0, 2.4], [1, 0], 1.5),  # beside its end, by less than the radius
+        ([0, 2.6], [1, 0], NEVER),
+        ([0, -2.4], [1, 0], 1.5),
+        ([0, -2.6], [1, 0], NEVER),
+        ([0, 5], [1, -2], 1.5),  # meets its line at y = 2
+        ([1.7, 0], [1, 0], 0.0),  # overlaps already
+    ],
+)
+def test_when_a_disc_meets_a_wall(place: list[float], velocity: list[float], expected: float) -> None:
+    """A disc of 0.5 m, and a wall from (2, -2) to (2, 2)."""
+    for wall in ([2.0, -2.0, 2.0, 2.0], [2.0, 2.0, 2.0, -2.0]):
+        x, y, vx, vy = (float(value) for value in [*place, *velocity])
+        assert time_to_side(x, y, 0.5, vx, vy, np.array(wall)) == pytest.approx(expected)
+    assert time_to_side(0.0, 0.0, 0.5, 1.0, 0.0, np.array([2.0, 0.0, 2.0, 0.0])) == NEVER
 
 
 def test_samples_are_visited_outwards() -> None:

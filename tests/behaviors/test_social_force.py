@@ -128,6 +128,8 @@ robot: [{kinematics: {name: omni}, shape: {name: circle, radius: 0.2}, state: [5
     [
         "obstacle: [{shape: {name: rectangle, length: 6, width: 1}, state: [5.5, 3.4, 0]}]",
         "obstacle: [{shape: {name: linestring, vertices: [[1, 3.9], [9, 3.9]]}, state: [0, 0, 0]}]",
+        """obstacle: [{shape: {name: compound, parts: [{name: circle, radius: 0.5, pose: [3, 0, 0]},
+                        {name: circle, radius: 0.5}]}, state: [5, 3.4, 0]}]""",
     ],
 )
 def test_walls_push_by_their_nearest_point(wall: str) -> None:
@@ -135,6 +137,37 @@ def test_walls_push_by_their_nearest_point(wall: str) -> None:
     sim = simulation(STANDER + wall)
     sim.step()
     assert sim.state.command[0, 0, :2] == pytest.approx([0, np.exp(-1)])
+
+
+@pytest.mark.parametrize(
+    ("shape", "place", "push"),
+    [
+        ({"name": "rectangle", "length": 6, "width": 1}, [5.5, 5.25, 0], [0, -1]),
+        ({"name": "rectangle", "length": 6, "width": 1}, [5.5, 4.75, 0], [0, 1]),
+        # The nearest edge is that from (4.5, 3.8) to (5.5, 5.8), which looks to the upper left.
+        ({"name": "polygon", "vertices": [[-1, -1], [1, -1], [0, 1]]}, [5.5, 4.8, 0], [-np.sqrt(0.8), np.sqrt(0.2)]),
+    ],
+)
+def test_who_stands_inside_an_outline_is_pushed_out_of_it(shape: Any, place: list[float], push: list[float]) -> None:
+    """0.1 s * 10 m/s2, out through the nearest point of the outline, which lies less than a radius away."""
+    robot = yaml.safe_load(STANDER)["robot"][0] | {"goal_threshold": 0.3, "vel_max": [1, 1]}
+    sim = compile(load_scenario({"robot": [robot], "obstacle": [{"shape": shape, "state": [8, 8, 0]}]}))
+    sim.reset(seed=0)
+    sim.state.pose[0, 1] = place
+    sim.place(np.array([1]))
+    sim.step()
+    assert sim.state.command[0, 0, :2] == pytest.approx(push)
+
+
+def test_a_disc_of_a_standing_compound_pushes_from_its_edge() -> None:
+    """Its centre is 0.9 m away, its edge 0.4 m: 0.1 s * 10 m/s2 * exp(-0.1 / 0.8)."""
+    parts = [{"name": "circle", "radius": 0.5}, {"name": "circle", "radius": 0.5, "pose": [3, 0, 0]}]
+    robot = yaml.safe_load(STANDER)["robot"][0]
+    obstacle = {"shape": {"name": "compound", "parts": parts}, "state": [5, 4.1, 0]}
+    sim = compile(load_scenario({"robot": [robot], "obstacle": [obstacle]}))
+    sim.reset(seed=0)
+    sim.step()
+    assert sim.state.command[0, 0, :2] == pytest.approx([0, np.exp(-0.125)])
 
 
 def test_a_map_pushes_once_for_each_direction() -> None:
@@ -149,6 +182,39 @@ def test_a_map_pushes_once_for_each_direction() -> None:
         sim.reset(seed=0)
         sim.step()
         assert sim.state.command[0, 0, :2] == pytest.approx([-push, push])
+
+
+def test_the_edge_of_a_map_that_ends_beside_the_robot() -> None:
+    """All that is occupied lies eight metres away: nothing below the lower edge of the map, nothing pushes."""
+    cells = np.zeros((50, 50), np.bool_)
+    cells[:, -1] = cells[-1, :] = True
+    robot = yaml.safe_load(STANDER)["robot"][0] | {"state": [1, 1, 0], "goal": [1, 1, 0]}
+    sim = compile(load_scenario({"world": {"width": 10, "height": 10, "obstacle_map": cells}, "robot": [robot]}))
+    sim.reset(seed=0)
+    sim.step()
+    assert sim.state.command[0, 0].tolist() == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("behavior", ["sfm", "rvo"])
+def test_who_has_no_goal_stands_still(behavior: str) -> None:
+    robot = {"kinematics": {"name": "omni"}, "state": [5, 5, 0], "behavior": {"name": behavior}}
+    sim = compile(load_scenario({"robot": [robot]}))
+    sim.reset(seed=0)
+    sim.state.command[:] = 9.0
+    sim.step()
+    assert sim.state.command[0, 0].tolist() == [0.0, 0.0, 0.0]
+
+
+def test_two_in_the_same_place_do_not_push_each_other() -> None:
+    robots = {"number": 2, "kinematics": {"name": "omni"}, "state": [[5, 5, 0], [5, 5, 0]], "goal": [9, 5, 0]}
+    robots |= {"distribution": {"name": "manual"}, "behavior": {"name": "sfm", "vmax": 1.0}}
+    world = {"collision_mode": "unobstructed", "update": "simultaneous"}
+    sim = compile(load_scenario({"world": world, "robot": robots}, warn=False))
+    sim.reset(seed=0)
+    sim.step()
+    # The pull alone: (1 m/s - 0) / 0.54 s over a step of 0.1 s.
+    pull = 0.1 / sim.parts.turns[0].behaviors[0].params[0].relaxation_time
+    np.testing.assert_allclose(sim.state.command[0, :, :2], [[pull, 0.0]] * 2, rtol=1e-12)
 
 
 def walk(steps: int, world: dict[str, Any], obstacles: list[dict[str, Any]], goal: list[float]) -> Any:

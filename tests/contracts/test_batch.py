@@ -182,6 +182,7 @@ def test_seeds_levels_and_errors():
         irsim_gym.make_batch(MEET, autoreset=False, respawn=True)
     with pytest.raises(ValueError, match="world_steps"):
         irsim_gym.make_batch(MEET, world_steps=3)
+    assert irsim_gym.make_batch(MEET, max_steps=25, respawn=True).world_steps == 4 * 25
     assert dataclasses.is_dataclass(one)
 
 

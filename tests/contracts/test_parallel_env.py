@@ -14,6 +14,8 @@ from pettingzoo.utils import wrappers
 from team_scenes import ahead, crossing, four_ends, mixed, robot, towards, world
 
 import irsim_gym
+from irsim_gym.envs.parallel import WorldParallelEnv
+from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.tasks import HitKind, Outcome
 
@@ -25,6 +27,14 @@ def test_a_list_of_actions_is_refused_in_words():
         env.step([[0, 0], [0, 0]])
     with pytest.raises(ValueError, match=r"n_worlds must be a whole number >= 1, got 2\.5"):
         irsim_gym.make_vec("empty_goal", 2.5)
+
+
+def test_spaces_are_those_of_each_drive_unless_asked_otherwise():
+    drives = (("diff", 2), ("omni_angular", 5))
+    robots = [{"kinematics": {"name": name}, "state": [2, y, 0], "goal": [8, y, 0]} for name, y in drives]
+    worlds = Worlds({"robot": robots}, team=True, task={"name": "blank", "agents": "all", "observations": ["velocity"]})
+    assert [space.shape for space in WorldParallelEnv(worlds).action_spaces.values()] == [(2,), (3,)]
+    assert [space.shape for space in WorldParallelEnv(worlds, padded=True).action_spaces.values()] == [(3,), (3,)]
 
 
 def test_each_ends_in_its_own_way():

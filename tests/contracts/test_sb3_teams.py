@@ -152,6 +152,7 @@ def test_a_respawned_robot_observes_its_new_start_and_its_end_is_kept():
     np.testing.assert_array_equal(observations[0], first[0])
     assert (infos[0]["terminal_observation"] != first[0]).any()
     assert infos[0]["goal_distance"] == pytest.approx(0.2)
+    assert 0.0 <= infos[0]["episode"]["t"] < 3600.0
     assert env.reset_infos[0]["goal_distance"] == pytest.approx(1.0)
     assert env.env_method("info", indices=[0, 1])[0]["steps"] == 0
     assert env.env_method("info", indices=[0, 1])[1]["steps"] == ARRIVES

@@ -98,6 +98,35 @@ def test_stepping_needs_a_reset():
         envs.step(actions)
 
 
+def test_a_partial_reset_leaves_the_other_worlds_ended():
+    actions, first = np.zeros((2, 2), np.float32), np.array([True, False])
+    envs = gymnasium.make_vec(STILL, num_envs=2, max_steps=2, autoreset_mode="Disabled")
+    envs.reset(seed=0)
+    for _ in range(2):
+        *_, truncations, _ = envs.step(actions)
+    assert truncations.all()
+    envs.reset(options={"reset_mask": first})
+    with pytest.raises(AssertionError, match=r"worlds \[1\] have ended"):
+        envs.step(actions)
+    envs.reset(options={"reset_mask": ~first})
+    assert envs.step(actions)[-1]["steps"].tolist() == [1, 1]
+
+
+def test_a_partial_reset_between_steps_leaves_the_other_worlds_to_restart_by_themselves():
+    actions, first = np.zeros((2, 2), np.float32), np.array([True, False])
+    envs = gymnasium.make_vec(STILL, num_envs=2, max_steps=2, autoreset_mode="NextStep")
+    envs.reset(seed=0)
+    for _ in range(2):
+        envs.step(actions)
+    envs.reset(options={"reset_mask": first})
+    _, rewards, terminations, truncations, infos = envs.step(actions)
+    assert infos["steps"].tolist() == [1, 0]
+    assert rewards[0] < 0.0, "standing still costs time"
+    assert rewards[1] == 0.0
+    assert not (terminations | truncations).any()
+    assert envs.step(actions)[-1]["steps"].tolist() == [2, 1]
+
+
 @pytest.mark.parametrize(
     ("actions", "error"),
     [
@@ -197,6 +226,20 @@ def test_copies_go_on_alike(mode):
         last, *others = (one.step(actions) for one in (envs, *twins))
         for other in others:
             assert_same(other, last)
+
+
+def test_seeds_are_kept_and_a_new_split_draws_from_them():
+    envs, levels = gymnasium.make_vec(STILL, num_envs=2), []
+    for _ in range(2):
+        envs.reset(seed=5)
+        assert envs.np_random_seed == (5, 6)
+        levels.append(envs.reset(options={"split": "dev"})[1]["level"].tolist())
+        assert envs.np_random_seed == (5, 6)
+    assert levels[0] == levels[1]
+    for w in range(2):
+        env = gymnasium.make(STILL)
+        env.reset(seed=5 + w)
+        assert env.reset(options={"split": "dev"})[1]["level"] == levels[0][w]
 
 
 def test_unseeded_environments_differ_and_report_their_seeds():

@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 import irsim_gym as ig
-from irsim_gym import families, jit, jit_doors, replay
+from irsim_gym import jit, jit_doors, replay
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Shard, Simulation, compile
 from irsim_gym.engine.fused import Fused, only_kernels
@@ -90,13 +90,6 @@ def test_every_task_is_recorded_and_stays_the_same(name: str) -> None:
     assert set(differing(*found)) <= scratch
     for one in (episodes._begin, episodes._play, episodes.simulation._draw):
         assert one.programs[0] is not None
-
-
-def test_every_shipped_kind_promises_it() -> None:
-    families.load()
-    kinds = [entry.kind for family in families.every() if family is not families.MAPS for entry in family]
-    loose = {kind.__name__ for kind in kinds if not only_kernels([kind])}
-    assert loose == {"Compound"}, "whose outline is never drawn"
 
 
 def test_what_is_derived_has_to_promise_for_itself() -> None:

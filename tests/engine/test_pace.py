@@ -55,6 +55,13 @@ def test_what_pays_goes_on(known: Pace) -> None:
         assert rest(known) == 0
 
 
+def test_who_begins_a_shared_job_is_given_a_moment(known: Pace) -> None:
+    shared(known, 0.010 + 0.5 * pace.FIRST_S)
+    assert rest(known) == 0
+    shared(known, 0.010 + 1.5 * pace.FIRST_S)
+    assert rest(known) == 3
+
+
 def test_what_does_not_pay_rests_longer_each_time_until_it_pays(known: Pace) -> None:
     found = []
     for seconds in (0.011, 0.011, 0.011, 0.009, 0.011):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from irsim_gym.engine import Simulation, compile
+from irsim_gym.engine import respawn as engine_respawn
 from irsim_gym.scenario import load_scenario
 
 DISC = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.4}}
@@ -84,3 +85,49 @@ def test_worlds_draw_nothing_for_bodies_that_begin_anew_in_others() -> None:
     respawn(alone, [[False, False, False, True]])
     respawn(both, [[False, False, False, True], [True, False, False, False]])
     assert alone.state.random[0] == both.state.random[0]
+
+
+def test_who_was_held_in_place_moves_in_its_first_step_after_it_begins_anew() -> None:
+    place = {"name": "random", "range_low": [2, 2, 0], "range_high": [2, 2, 0]}
+    wall = {"shape": {"name": "rectangle", "length": 1, "width": 6}, "state": [8, 5, 0]}
+    robot = {**DISC, "distribution": place, "vel_max": [1, 1]}
+    scenario = load_scenario({"world": {"collision_mode": "stop"}, "robot": [robot], "obstacle": [wall]})
+    simulation = compile(scenario, agents=scenario.robots)
+    simulation.reset()
+    simulation.state.pose[0, 0] = [7, 5, 0]
+    simulation.place(np.array([0]))
+    ahead = np.array([[[1.0, 0.0]]])
+    for _ in range(3):
+        simulation.step(ahead)
+    assert simulation.state.stopped[0, 0]
+    assert simulation.state.velocity[0, 0, 0] == 0.0
+    respawn(simulation, [[True]])
+    assert not simulation.state.stopped[0, 0]
+    simulation.step(ahead)
+    assert simulation.state.pose[0, 0].tolist() == [2.1, 2.0, 0.0]
+
+
+def test_who_needs_no_way_takes_the_first_free_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engine_respawn, "_has_way", lambda *_: pytest.fail("a way is looked for"))
+    spot = {"name": "random", "range_low": [5, 5, 0], "range_high": [5, 5, 0]}
+    simulation = compile(load_scenario({"robot": [{**DISC, "distribution": spot}, {**DISC, "state": [2, 2, 0]}]}))
+    simulation.reset()
+    simulation.state.pose[0, 1] = [5, 5, 0]
+    simulation.place(np.array([1]))
+    simulation.run(lambda shard: simulation.respawn(shard, np.array([0]), np.array([[True]])), np.array([0]))
+    x, y = simulation.state.pose[0, 0, :2]
+    assert np.hypot(x - 5, y - 5) > 0.8
+    assert simulation.state.placed[0, 0]
+
+
+@pytest.mark.parametrize("drive", ["diff", "omni_angular"])
+def test_the_others_move_on_as_they_did(drive: str) -> None:
+    robot = {**DISC, "kinematics": {"name": drive}}
+    simulation = begun([{**robot, "state": [3, 3, 0]}, {**robot, "state": [7, 7, 1]}])
+    command = [1.0, 1.0] if drive == "diff" else [1.0, 0.5, 1.0]
+    simulation.step(np.array([[command, command]]))
+    before = simulation.state.twist[0, 1].copy()
+    assert before[2] == 1.0
+    respawn(simulation, [[True, False]])
+    assert simulation.state.twist[0, 1].tolist() == before.tolist()
+    assert simulation.state.twist[0, 0].tolist() == [0.0, 0.0, 0.0]

@@ -50,3 +50,13 @@ def test_what_is_put_elsewhere_touches_there_and_no_longer_here() -> None:
         assert (sim.model.static_partner[two, 4] == partners[1]).all()
     np.testing.assert_array_equal(sim.model.static_partner, before)
     assert len(two) > 0
+
+
+def test_the_first_body_of_a_world_is_a_partner_like_any_other() -> None:
+    discs = [{"shape": {"name": "circle", "radius": 0.6}, "state": [x, 1, 0]} for x in (1, 2)]
+    sim = irsim_gym.compile(irsim_gym.load_scenario({"obstacle": discs}))
+    sim.reset(seed=0)
+    for _ in range(2):
+        sim.step()
+        assert sim.state.hit[0].tolist() == [1, 0]
+        assert sim.state.collided[0, 0] == sim.state.collided[0, 1]

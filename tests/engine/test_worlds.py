@@ -99,3 +99,13 @@ def test_splits_share_no_level() -> None:
 def test_senseless_sizes_are_refused(n_worlds: int, num_threads: int) -> None:
     with pytest.raises(ValueError, match=">= 1, got"):
         ig.compile(ig.load_scenario("empty_goal"), n_worlds, num_threads=num_threads)
+
+
+def test_without_a_seed_the_first_level_begins() -> None:
+    robot = {"kinematics": {"name": "diff"}, "distribution": {"name": "random"}}
+    seen = []
+    for given in ({}, {"seed": 0}, {"seed": 0, "split": "train", "episode": 0}, {"seed": 1}):
+        simulation = ig.compile(ig.load_scenario({"world": {"name": "first"}, "robot": robot}))
+        simulation.reset(**given)
+        seen.append(simulation.state.pose[0, 0].tolist())
+    assert seen[0] == seen[1] == seen[2] != seen[3]

@@ -36,6 +36,12 @@ def test_episodes_of_an_environment(tmp_path: Path) -> None:
         assert unpacked(agent["action"], 7)[1:] == pytest.approx(np.array([[0.5, 0.1]] * 6), abs=1e-3)
 
 
+def test_a_page_without_an_episode_is_not_written(tmp_path: Path) -> None:
+    env = irsim_gym.RecordReplay(irsim_gym.make("empty_goal"), tmp_path / "run.html")
+    env.close()
+    assert not list(tmp_path.iterdir())
+
+
 def test_recording_changes_nothing() -> None:
     found = []
     for recorded in (False, True):

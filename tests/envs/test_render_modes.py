@@ -138,7 +138,7 @@ def test_tiles_are_the_worlds_pictures() -> None:
     assert np.array_equal(envs.tiled(worlds=[2]), third)
     assert envs.tiled(1, room=(120, 300)).shape == (300, 120, 3)
     assert envs.tiled(3, [0, 1, 2], room=(354, 1000)).shape == (98, 354, 3)
-    for wrong in ({"columns": 0}, {"worlds": []}, {"worlds": [3]}):
+    for wrong in ({"columns": 0}, {"worlds": []}, {"worlds": [3]}, {"worlds": [0, -1]}):
         with pytest.raises(ValueError, match="at least"):
             envs.tiled(**wrong)
     silent = irsim_gym.make_vec({"world": WORLD, "robot": ROBOT}, 2)

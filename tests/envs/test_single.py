@@ -88,6 +88,22 @@ def test_levels():
     np.testing.assert_array_equal(env.reset(seed=4)[0], first)
 
 
+def test_a_reset_without_options_goes_on_in_the_split_of_the_one_before():
+    env = WorldEnv("sparse_circles")
+    env.reset(seed=3)
+    assert env.reset(options={"split": "test"})[1]["level"] < 2**52
+    _, info = env.reset()
+    assert info["level"] >= 2**52, "the level that follows, not the first one of another chain"
+    env.reset(options={"split": "test", "level": 4})
+    second, _ = env.reset()
+    third, _ = env.reset()
+    env.reset(options={"split": "test", "level": 4})
+    np.testing.assert_array_equal(env.reset(options={"split": "test"})[0], second)
+    np.testing.assert_array_equal(env.reset()[0], third)
+    env.reset(options={"level": 4})
+    assert (env.reset()[0] != second).any(), "a level alone is one of the train split"
+
+
 def test_a_new_split_without_level_draws_from_np_random():
     env = WorldEnv("sparse_circles")
     levels = []
@@ -113,6 +129,10 @@ def test_large_seeds_are_folded(seed):
     assert env.reset(seed=seed)[1]["level"] == seed % 2**52
 
 
+def test_the_last_level_that_an_option_may_name():
+    assert WorldEnv("sparse_circles").reset(options={"level": 2**53 - 1})[1]["level"] == 2**53 - 1
+
+
 @pytest.mark.parametrize(
     ("options", "error"),
     [
@@ -121,6 +141,7 @@ def test_large_seeds_are_folded(seed):
         ({"level": -1}, ValueError),
         ({"level": 1.5}, ValueError),
         ({"level": True}, ValueError),
+        ({"level": 2**53}, ValueError),
     ],
 )
 def test_bad_options(options, error):

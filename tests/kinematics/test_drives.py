@@ -155,3 +155,14 @@ def test_state_is_cut_or_filled_to_what_the_drive_has() -> None:
     assert sim.state.pose[0, 0].tolist() == [1, 2, 0.5]
     sim = simulation({"kinematics": DRIVES["acker"], "state": [1, 2], "state_dim": 4})
     assert np.append(sim.state.pose[0, 0], sim.state.steering[0, 0]).tolist() == [1, 2, 0, 0]
+
+
+def test_velocities_at_the_start_are_seen_in_the_world_frame() -> None:
+    # Facing +y: ahead 1.0 and 0.5 to the left are -0.5 in x and 1.0 in y.
+    given = {"state": [2, 5, np.pi / 2], "velocity": [1.0, 0.5]}
+    own = simulation({"kinematics": {"name": "omni", "frame": "body"}, **given})
+    assert own.state.twist[0, 0] == pytest.approx([-0.5, 1.0, 0.0])
+    turning = simulation({"kinematics": {"name": "omni_angular"}, **given, "velocity": [1.0, 0.5, 0.3]})
+    assert turning.state.twist[0, 0] == pytest.approx([-0.5, 1.0, 0.3])
+    ahead = simulation({"kinematics": {"name": "diff"}, "state": [2, 5, 2.0], "velocity": [0.7, 0.3]})
+    assert ahead.state.twist[0, 0] == pytest.approx([0.7 * np.cos(2.0), 0.7 * np.sin(2.0), 0.3])

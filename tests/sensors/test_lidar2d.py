@@ -48,6 +48,32 @@ def test_full_circle_begins_and_ends_behind() -> None:
     assert found == pytest.approx([2.0, 6.0, 6.0, 6.0, 2.0])
 
 
+def test_a_segment_on_the_line_of_a_beam_ends_it_at_its_nearer_end() -> None:
+    for vertices in ([[6, 5], [8, 5]], [[8, 5], [6, 5]]):
+        line = {"shape": {"name": "linestring", "vertices": vertices}}
+        assert ranges({}, [line], number=3, angle_range=1.0) == pytest.approx([6.0, 1.0, 6.0])
+    slanted = {"shape": {"name": "linestring", "vertices": [[5.6, 5.8], [6.2, 6.6]]}}
+    assert ranges({"state": [5, 5, np.arctan2(4, 3)]}, [slanted], number=1) == pytest.approx([1.0], abs=1e-5)
+
+
+def test_what_another_world_sees_from_within_a_disc_is_forgotten() -> None:
+    """In the first world the edge is half a metre ahead, in the second one three metres away all around."""
+    ring = {"shape": {"name": "circle", "radius": 3}, "state": [5, 5, 0], "kinematics": {"name": "diff"}}
+    sensor = {"name": "lidar2d", "range_max": 8, "number": 9, "angle_range": "2 * pi"}
+    sim = ig.compile(
+        ig.load_scenario({"robot": {**DIFF, "state": [9, 9, 0], "sensors": [sensor]}, "obstacle": ring}), 2
+    )
+    sim.reset(seed=0)
+    sim.state.pose[:, 0] = [[7.5, 5, 0], [5, 5, 0]]
+    sim.place(np.array([0]))
+    sim.refresh()
+    group, member = sim.scan(0)
+    found = group.arrays["ranges"][:, member]
+    assert found[0, 4] == pytest.approx(0.5, abs=1e-5)
+    assert found[0, 0] == pytest.approx(5.5, abs=1e-5)
+    assert found[1] == pytest.approx(np.full(9, 3.0), abs=1e-5)
+
+
 def test_linestrings_are_seen_from_both_sides() -> None:
     for vertices in ([[7, 4], [7, 6]], [[7, 6], [7, 4]]):
         assert ranges({}, [{"shape": {"name": "linestring", "vertices": vertices}}], number=1) == pytest.approx([2.0])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import irsim_gym as ig
-from irsim_gym.errors import UnknownNameError
+from irsim_gym.errors import ScenarioError, UnknownNameError
 
 DIFF: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}}
 
@@ -37,6 +37,31 @@ def test_a_report_has_ir_sims_keys() -> None:
     assert report["valid"].tolist() == [False, True, False]
     assert not report["velocity"].any()
     assert report["velocity"].shape == (2, 3)
+
+
+def test_radial_velocities_of_what_is_not_seen_any_more_are_zero() -> None:
+    sensor = {"name": "fmcw_lidar2d", "number": 3, "angle_range": 0.2, "range_max": 4}
+    mover = square(4, 5, kinematics={"name": "omni"}, velocity=[0.5, 0])
+    sim = simulation([sensor], [mover])
+    radial = sim.sensors[0].arrays["radial_velocity"]
+    assert radial[0, 0] == pytest.approx([0.5 * np.cos(0.1), 0.5, 0.5 * np.cos(0.1)], abs=1e-6)
+    sim.state.pose[0, 1] = [9, 9, 0]
+    sim.place(np.array([1]))
+    sim.refresh()
+    assert radial[0, 0].tolist() == [0.0, 0.0, 0.0]
+
+
+def test_a_sensor_without_noise_draws_nothing() -> None:
+    sensors = [{"name": "fmcw_lidar2d", "number": 5}, {"number": 5}]
+    sim = simulation(sensors, [square(5, 5)])
+    stream = sim.state.random.copy()
+    sim.step(np.zeros((1, 1, 2)))
+    np.testing.assert_array_equal(sim.state.random, stream)
+
+
+def test_a_colour_has_a_name() -> None:
+    with pytest.raises(ScenarioError, match="no_hit_color"):
+        simulation([{"name": "fmcw_lidar2d", "no_hit_color": ""}], [])
 
 
 def test_a_single_beam_has_no_increment() -> None:

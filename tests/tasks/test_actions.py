@@ -33,6 +33,19 @@ def test_the_episode_begins_with_the_action_of_standing_still() -> None:
     assert play().state.action[0, 0].tolist() == [-1.0, 0.0]
     assert play({"vel_min": [-1, -1], "vel_max": [3, 1]}).state.action[0, 0].tolist() == [-0.5, 0.0]
     assert play({"vel_min": [0.5, -1], "vel_max": [1, 1]}).state.action[0, 0].tolist() == [-1.0, 0.0]
+    assert play({"vel_min": [0, -1], "vel_max": [0, 1]}).state.action[0, 0].tolist() == [0.0, 0.0]
+
+
+def test_an_episode_knows_nothing_of_the_actions_of_the_one_before() -> None:
+    # The package reads previous_action in steps alone; an observation of one's own may read it when an episode begins.
+    episodes = play()
+    for again in (lambda: episodes.begin_next(np.arange(1)), lambda: episodes.respawn(np.ones((1, 1), np.bool_))):
+        drive(episodes, 1, 1)
+        drive(episodes, 0.5, 0.5)
+        assert episodes.state.previous_action[0, 0].tolist() == [1.0, 1.0]
+        again()
+        assert episodes.state.action[0, 0].tolist() == [-1.0, 0.0]
+        assert episodes.state.previous_action[0, 0].tolist() == [-1.0, 0.0]
 
 
 def test_discrete_choices_run_over_the_grid() -> None:
@@ -94,6 +107,16 @@ def test_an_omni_robot_is_driven_in_its_own_frame_unless_asked_otherwise(
     episodes = play(OMNI, task={"name": "navigation", "action": {"name": "velocity", "frame": frame}})
     drive(episodes, 1.0, -0.5)
     assert episodes.simulation.state.command[0, 0, :2] == pytest.approx(command, abs=1e-15)
+
+
+def test_an_omni_robot_that_faces_anywhere_observes_its_velocity_in_its_own_frame() -> None:
+    # The commands of an omni drive are velocities in the world frame; (0.3, -0.5) m/s over sqrt(2) m/s, turned by -0.6.
+    episodes = play({**OMNI, "state": [2, 5, 0.6]}, task={"name": "blank", "observations": ["velocity"]})
+    episodes.simulation.state.velocity[0, 0, :2] = episodes.simulation.state.twist[0, 0, :2] = [0.3, -0.5]
+    episodes._observe(episodes.simulation.shards.all[0])
+    ahead = 0.3 * np.cos(0.6) - 0.5 * np.sin(0.6)
+    left = -0.5 * np.cos(0.6) - 0.3 * np.sin(0.6)
+    np.testing.assert_allclose(episodes.view.observation[0, 0], np.array([ahead, left]) / np.sqrt(2), atol=1e-7)
 
 
 def test_choices_of_three_components() -> None:

@@ -121,7 +121,11 @@ def test_begin_clears_everything() -> None:
     first = episodes.view.observation.copy()
     drive(episodes, 1, 1)
     assert episodes.view.terminated[0, 0]
+    drive(episodes, 1, 1)
+    assert episodes.view.over[0, 0]
     episodes.begin(np.array([0]), np.array([0]))
+    assert not episodes.view.over[0, 0]
+    assert not episodes.state.began.any()
     assert (episodes.view.observation == first).all()
     assert not episodes.view.terminated[0, 0]
     assert episodes.view.reward[0, 0] == 0.0
@@ -129,6 +133,24 @@ def test_begin_clears_everything() -> None:
     assert (infos["outcome"], infos["steps"], infos["hit"], infos["path_length"]) == (0, 0, -1, 0.0)
     assert infos["goal_distance"] == pytest.approx(3.75)
     assert infos["min_clearance"] == pytest.approx(0.05)
+    episodes.begin(np.array([0]), np.array([7]))
+    assert episodes.view.infos["level"][0, 0] == 7
+
+
+@pytest.mark.parametrize(
+    ("place", "is_outside"),
+    [
+        ([-0.15, 5], False), ([-0.25, 5], True), ([10.15, 5], False), ([10.25, 5], True),
+        ([5, -0.15], False), ([5, -0.25], True), ([5, 10.15], False), ([5, 10.25], True),
+    ],
+)  # fmt: skip
+def test_who_is_beyond_an_edge_by_more_than_a_radius_has_left_the_world(place: list[float], is_outside: bool) -> None:
+    episodes = play()
+    episodes.simulation.state.pose[0, 0, :2] = place
+    episodes.simulation.place(np.array([0]))
+    drive(episodes, -1, 0)  # stands still
+    outcome = Outcome.LEFT_WORLD if is_outside else Outcome.RUNNING
+    assert episodes.view.infos["outcome"][0, 0] == outcome
 
 
 def test_stepping_some_worlds_leaves_the_others() -> None:

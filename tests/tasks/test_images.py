@@ -92,6 +92,16 @@ def test_lines_have_a_thickness() -> None:
     assert middle_of(seen)[0] == pytest.approx(8, abs=0.01)
 
 
+@pytest.mark.parametrize("heading", [0.0, 0.6, 2.2])
+def test_slanted_lines_are_as_thick_as_others(heading: float) -> None:
+    """A line covers its length and its thickness at both ends, half of it each, times its thickness."""
+    line = {"shape": {"name": "linestring", "vertices": [[5.6, 5.3], [6.7, 6.1]]}}
+    seen = picture(BARE, (5, 5, heading), obstacle=line)[..., 0] / 255.0
+    assert seen.sum() == pytest.approx((4 * np.hypot(1.1, 0.8) + LINE) * LINE, rel=0.02)
+    middle = np.array([6.15 - 5, 5.7 - 5]) @ [[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]]
+    assert middle_of(seen) == pytest.approx((16 - 4 * middle[0], 16 - 4 * middle[1]), abs=0.1)
+
+
 @pytest.mark.parametrize(
     ("goal", "row", "column"),
     [
@@ -179,6 +189,22 @@ def test_a_lidar_that_is_mounted_aside_and_turned() -> None:
         assert middle_of(free) == pytest.approx((16, 12 - 6 * 4 * np.sqrt(2) / (3 * np.pi)), abs=0.1)
 
 
+def test_a_scan_turns_with_the_robot() -> None:
+    """The same room around a robot that faces another way gives the same picture, of which ahead is up."""
+    lidar = {"name": "lidar2d", "number": 61, "angle_range": 2.0, "range_max": 3.5, "offset": [0.3, -0.4, 0.5]}
+    seen = []
+    for heading in (0.0, 0.83, 2.6):
+        turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
+        posts = [np.array([5.0, 5.0]) + turn @ place for place in ([2.2, 0.7], [1.5, -0.6])]
+        scene = [{**BALL, "shape": {"name": "circle", "radius": 0.4}, "state": [*post, 0]} for post in posts]
+        robot = {**ROBOT, "shape": {"name": "circle", "radius": 0.2}, "sensors": [lidar], "state": [5, 5, heading]}
+        seen.append(picture({**BARE, "from_scan": True}, robot=robot, obstacle=scene)[..., 0].astype(int))
+    assert (seen[0] == 255).any()
+    assert (seen[0] == 0).any()
+    for other in seen[1:]:
+        assert np.abs(other - seen[0]).max() <= 2
+
+
 SCENE: dict[str, Any] = {
     "obstacle": [
         {"shape": {"name": "circle", "radius": 0.7}, "state": [6.6, 6.1, 0]},
@@ -246,6 +272,23 @@ def test_top_view_in_colours() -> None:
     other = picture(TOP, agent=1, **scene)
     assert tuple(other[16, 15]) == OWN
     assert tuple(other[8, 15]) == OTHER or other[8, 15].astype(int).sum() > sum(OTHER)
+
+
+@pytest.mark.parametrize("heading", [0.0, np.pi / 2, 0.7])
+def test_the_triangle_that_points_ahead(heading: float) -> None:
+    # 16 pixels for each metre: the disc has a radius of 8 pixels around (16, 16), ahead is up. The triangle's tip lies
+    # 0.9 radii ahead, its base of one radius across the middle.
+    robot = {**ROBOT, "shape": {"name": "circle", "radius": 0.5}, "state": [5, 5, heading], "goal": [9, 5, 0]}
+    seen = picture({**TOP, "metres": 2.0}, robot=robot)
+    white = seen.astype(int).sum(axis=2) > sum(OWN) + 300
+    for row in range(8, 24):
+        half = 4.0 * (1 - (16 - (row + 0.5)) / 7.2) if 8.8 < row + 0.5 < 16 else 0.0
+        for column in range(8, 24):
+            aside = abs(column + 0.5 - 16)
+            if aside < half - 0.8:
+                assert white[row, column], (row, column)
+            elif aside > half + 0.8 and np.hypot(row + 0.5 - 16, aside) < 7:
+                assert tuple(seen[row, column]) == OWN, (row, column)
 
 
 def test_top_view_of_the_whole_world() -> None:

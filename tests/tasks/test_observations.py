@@ -139,6 +139,24 @@ def test_scan_bounds_are_tight() -> None:
     assert (scan <= high).all()
 
 
+@pytest.mark.parametrize(
+    ("observation", "low"),
+    [
+        ("goal", [0, -1, -1, 0]),
+        ("last_action", [-1, -1]),
+        ({"name": "nearest_bodies", "count": 2}, [-1, -1, -1, -1, 0, 0] * 2),
+        ({"name": "neighbors", "count": 2}, [-1, -1, -1, -1, 0, 0] * 2),
+    ],
+)
+def test_bounds_of_what_has_a_sign_and_of_what_has_none(observation: Any, low: list[float]) -> None:
+    episodes = play(task=only(observation))
+    (_, least, greatest), *others = episodes.observation_terms
+    assert not others
+    assert least.tolist() == low
+    assert greatest.tolist() == [1.0] * len(low)
+    assert (least.dtype, greatest.dtype) == (np.float32, np.float32)
+
+
 def test_scan_linear_and_narrow() -> None:
     sensor = {"name": "lidar2d", "number": 5, "angle_range": 1.0, "range_max": 4}
     episodes = play({"state": [2.5, 5, 0], "sensors": [sensor]}, BALL, only({"name": "scan", "code": "linear"}))

@@ -52,3 +52,12 @@ def test_learners_must_share_their_kind_of_sensor() -> None:
     robots = [{**ROBOT, "state": [2, y, 0], "sensors": [{**AHEAD, "noise": y > 4}]} for y in (2, 5)]
     with pytest.raises(ScenarioError, match="sensors of one kind with the same beams, all noisy or none"):
         play(robots, BALL, {"agents": "all", "observations": ONLY_SCAN}, team=True)
+
+
+def test_sensors_that_differ_are_told_once() -> None:
+    robots = [{**ROBOT, "state": [2, y, 0], "sensors": [{**AHEAD, "number": y}]} for y in (2, 5, 8)]
+    with pytest.raises(ScenarioError) as caught:
+        play(robots, BALL, {"name": "blank", "agents": "all", "observations": ONLY_SCAN}, team=True)
+    (problem,) = caught.value.problems
+    assert "robot_0 has {name: lidar2d, number: 2" in problem.message
+    assert "robot_1 has {name: lidar2d, number: 5" in problem.message

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from task_tools import BALL, drive, play
 
+from irsim_gym.tasks.rewards.collision import Collision
+
 DIAGONAL = np.sqrt(200.0)
 
 
@@ -92,6 +94,13 @@ def test_arrival_pays_once() -> None:
     assert episodes.view.infos["is_success"][0, 0]
     drive(episodes, 1, 0)
     assert episodes.view.reward_terms[0, 0].tolist() == [0.0] * 7
+
+
+def test_the_cheapest_collision() -> None:
+    assert Collision(weight=4.0).least() == 4.0
+    assert Collision(weight=4.0, robot=2.0, map=3.0).least() == 2.0
+    assert Collision(weight=4.0, robot=2.0, map=3.0).least(["obstacle", "map"]) == 3.0
+    assert Collision(weight=4.0, robot=2.0, obstacle=5.0).least(["moving_obstacle", "obstacle"]) == 5.0
 
 
 def test_collision_costs_in_the_step_in_which_it_begins() -> None:

@@ -305,10 +305,20 @@ def test_mistakes_of_meaning(section: dict[str, Any], message: str) -> None:
     assert any(message in text for text in messages(scenario(task=section)))
 
 
+def test_what_is_said_to_be_used_is_used_whatever_lists_a_task_lacks() -> None:
+    ending = {"name": "left_world", "use": True}
+    task = load_task(scenario(task={"name": "blank", "observations": ["goal"], "endings": [ending]}))
+    assert names(task.endings) == ["LeftWorld"]
+    assert names(task.rewards) == []
+    (found,) = messages(scenario(task={"rewards": 3, "endings": [ending]}))
+    assert found.startswith("task.rewards: ")
+
+
 def test_rewards_that_make_a_crash_pay_are_refused() -> None:
     found = messages(scenario(task={"rewards": [{"name": "time", "weight": 4.5}]}))
     assert len(found) == 2
     assert all("one that goes on can cost 5.5" in text for text in found)
+    assert all("raise the former above 5.5, lower the latter, or say" in text for text in found)
     without = {"rewards": [{"name": "collision", "use": False}]}
     assert messages(scenario(task=without)) == [
         "task.rewards: an episode that ends as 'collided' costs 0, one that goes on can cost 3 "

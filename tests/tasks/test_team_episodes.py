@@ -140,6 +140,19 @@ def test_drives_of_different_size_share_padded_rows() -> None:
     assert (episodes.view.observation[0, 0][~episodes.feature_mask[0]] == 0.0).all()
 
 
+def test_smoothness_counts_the_components_that_a_drive_has() -> None:
+    # Each swings from end to end in all of its components: the largest change there is.
+    robots = [LANES[0], {**OMNI, "state": [2, 5, 0], "goal": [8, 5, 0]}]
+    episodes = team(robots, rewards=[{"name": "smoothness", "weight": 0.6}], max_steps=300)
+    drive(episodes, 1, 1, 1)
+    drive(episodes, -1, -1, -1)
+    column = episodes.reward_names.index("smoothness")
+    np.testing.assert_allclose(episodes.view.reward_terms[0, :, column], -0.6 / 300, rtol=1e-12)
+    # One component of two, one of three.
+    drive(episodes, 1, -1, -1)
+    np.testing.assert_allclose(episodes.view.reward_terms[0, :, column], [-0.6 / 300 / 2, -0.6 / 300 / 3], rtol=1e-12)
+
+
 def test_discrete_choices_of_different_drives() -> None:
     episodes = team([LANES[0], {**OMNI, "state": [2, 5, 0]}], action={"name": "discrete", "linear": 3, "angular": 3})
     episodes.step(np.array([[8, 8]]))
@@ -232,6 +245,15 @@ def test_the_state_of_the_team_by_hand() -> None:
     np.testing.assert_allclose(live, [-0.56, 0.0, 1, 0, 1, 0, 0.6, 0.0, 1, 1], atol=1e-6)
 
 
+def test_the_state_of_a_team_that_can_only_turn_has_no_speed() -> None:
+    turning = {**LANES[0], "vel_min": [0, -1.5], "vel_max": [0, 1.5]}
+    episodes = team([turning, LANES[1]])
+    drive(episodes, 1, 1)
+    states = episodes.team_state()
+    assert states[0, 4:6].tolist() == [0.0, 0.0]
+    assert states[0, 14] == np.float32(np.cos(0.15))  # the other one drives at its limit, in a bend
+
+
 def test_neighbors_by_hand() -> None:
     robots = [
         {**LANES[0], "state": [2, 2, np.pi / 2]},
@@ -251,6 +273,25 @@ def test_neighbors_by_hand() -> None:
     row = episodes.view.observation[0, 0]
     # robot_1 is 3 m ahead and 0.1 m to the right, and drives to the right at 1 m/s; robot_2 is out of range.
     np.testing.assert_allclose(row, [0.6, -0.02, 0.0, -0.5, 0.04, 1, 0, 0, 0, 0, 0, 0], atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["neighbors", "nearest_bodies"])
+def test_without_a_range_the_diagonal_of_the_world_is_the_unit(name: str) -> None:
+    robots = [{**LANES[0], "state": [3, 7, 0]}, {**LANES[1], "state": [6, 7, 0]}]
+    task = {"name": "blank", "observations": [{"name": name, "count": 1}]}
+    episodes = play(robots, None, task, team=True, width=6, height=8, offset=[1, 5])
+    ahead = 0.3 if name == "neighbors" else (5 - 2) / 10  # the disc's centre
+    np.testing.assert_allclose(episodes.view.observation[0, 0], [ahead, 0, 0, 0, 0.02, 1], atol=1e-6)
+
+
+def test_a_neighbor_that_has_gone_leaves_zeros() -> None:
+    neighbors = {"name": "neighbors", "count": 1, "range": 2.0}
+    robots = [{**LANES[0], "state": [2, 2, 0]}, {**LANES[1], "state": [3.8, 2, 0]}]
+    episodes = play(robots, None, {"name": "blank", "observations": [neighbors]}, team=True)
+    assert episodes.view.observation[0, 0, 0] == pytest.approx(0.9)
+    for _ in range(3):
+        episodes.step(np.array([[[-1.0, 0.0], [1.0, 0.0]]]))
+    assert episodes.view.observation[0, 0].tolist() == [0.0] * 6
 
 
 def test_each_agent_is_told_its_own_drive() -> None:

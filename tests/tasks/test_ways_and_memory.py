@@ -57,6 +57,14 @@ def test_a_wall_alongside_does_not_shorten_the_way_but_with_a_margin_it_does() -
     assert observe({"state": [5, 5, 0]}, [side], "free_travel", horizon=6, directions=2, margin=0.15)[1] > inverse(0.3)
 
 
+def test_a_sensor_far_ahead_that_looks_back_sees_what_is_near_the_robot() -> None:
+    sensor = {"name": "lidar2d", "number": 31, "angle_range": 0.1, "range_max": 8, "offset": [6, 0, np.pi]}
+    robot = {"state": [2, 5, 0], "sensors": [sensor]}
+    # A wall 0.05 m before the robot's disc of 0.2 m, 5.75 m from the sensor.
+    ways = observe(robot, [wall(2.25, 4, 6)], "free_travel", horizon=0.1, directions=2)
+    assert ways == pytest.approx([inverse(0.1), inverse(0.05)], abs=2e-3)
+
+
 def test_the_mount_of_the_sensor_does_not_matter() -> None:
     sensor = {**ROBOT["sensors"][0], "number": 721, "offset": [0.1, 0.05, 1.0]}
     moved = observe({"state": [5, 5, 0.3], "sensors": [sensor]}, [wall(7, 0, 10)], "free_travel")
