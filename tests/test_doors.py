@@ -47,7 +47,7 @@ sys.path.insert(0, FOLDER)
 import numpy as np
 import mine
 from numba.core import event
-from irsim_gym.replay import NotRecordableError, _packed
+from irsim_gym.replay import NotRecordableError, Packer
 
 class Count(event.Listener):
     n = 0
@@ -57,8 +57,9 @@ class Count(event.Listener):
 def play(worlds, function, *arguments):
     "Call a kernel by address, as a recorded step does; returns Numba's status."
     some, given = np.zeros(1, np.int64), np.array(worlds)
-    door, words = _packed(function, (some, *arguments), some)
-    packed = np.array(words)
+    packer = Packer(some)
+    door, _ = packer.add(function, (some, *arguments))
+    packed = np.array(packer.words, np.int64)
     call = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_int64] * 3)(door)
     return call(packed.ctypes.data, given.ctypes.data, len(given))
 

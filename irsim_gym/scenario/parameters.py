@@ -22,7 +22,7 @@ ARGUMENTS = frozenset(
     (
         *("scenario", "id", "name", "task", "parameters", "seed", "split", "level", "mode", "team", "kwargs"),
         *("num_envs", "n_envs", "n_worlds", "num_threads", "render_mode", "render_backend"),
-        *("record", "save_ani", "wrappers"),
+        *("record", "save_ani", "columns", "wrappers"),
         *("max_steps", "max_episode_steps", "max_cycles", "outer_limit", "autoreset_mode", "autoreset"),
         *("respawn", "world_steps", "padded", "team_state", "strict"),
         *("disable_env_checker", "vectorization_mode", "vector_kwargs"),
