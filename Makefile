@@ -39,7 +39,7 @@ lint: $(TESTS_READY)
 	$(BIN)/python -m mypy
 
 test: lint
-	$(BIN)/python -m pytest -n auto -m "not slow and not gui" $(ARGS)
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow and not gui" $(ARGS)
 
 test-slow: lint
 	$(BIN)/python -m pytest -m "not gui" $(ARGS)

@@ -11,9 +11,9 @@ import irsim_gym
 FORBIDDEN = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3", "shapely", "pygame")
 SCRIPT = """
 import json, sys, time
-begin = time.perf_counter()
+begin = time.process_time()
 import irsim_gym
-elapsed = time.perf_counter() - begin
+elapsed = time.process_time() - begin
 import gymnasium
 ids = [one for one in gymnasium.registry if one.startswith("irsim_gym/")]
 print(json.dumps([elapsed, sorted(sys.modules), ids]))

@@ -235,10 +235,10 @@ def test_d21_a_thousand_bodies_step_faster_than_its_154_ms() -> None:
         f"robot: {{number: 1000, {DIFF}, distribution: {{name: random, min_distance: 0}}, behavior: {{name: dash}}}}"
     )
     simulation = run(text)
-    begin = time.perf_counter()
+    begin = time.process_time()
     for _ in range(5):
         simulation.step()
-    assert (time.perf_counter() - begin) / 5 < 0.154
+    assert (time.process_time() - begin) / 5 < 0.154
 
 
 def test_d22_noise_is_in_the_motion_not_in_the_reported_velocity() -> None:
