@@ -18,6 +18,7 @@ from irsim_gym.behaviors.by_drive import (
     register_group_behavior,
     register_group_behavior_class,
 )
+from irsim_gym.behaviors.views import BodyView as ObjectBase
 from irsim_gym.errors import suggestion
 from irsim_gym.live.planners import AStarPlanner, JPSPlanner
 from irsim_gym.live.world import ScenarioSource, World, load
@@ -25,6 +26,7 @@ from irsim_gym.live.world import ScenarioSource, World, load
 __all__ = [
     "AStarPlanner",
     "JPSPlanner",
+    "ObjectBase",
     "WrapTo2Pi",
     "WrapToPi",
     "make",

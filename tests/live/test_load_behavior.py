@@ -15,11 +15,12 @@ from irsim_gym import families
 from irsim_gym.errors import BehaviorError, NoEffectWarning, ScenarioError
 
 MODULE = """
-from irsim_gym.irsim import register_behavior
+from irsim_gym.irsim import ObjectBase, register_behavior
 
 
 @register_behavior("diff", "late")
-def late(ego_object, external_objects, **kwargs):
+def late(ego_object: ObjectBase, external_objects: list[ObjectBase], **kwargs):
+    assert isinstance(ego_object, ObjectBase)
     return [[kwargs["speed"]], [0.0]]
 """
 
