@@ -22,7 +22,7 @@ STRIP = 256
 
 @kind
 class ImageMap:
-    """Each pixel is a cell; the picture is stretched over the world."""
+    """Each pixel is a cell, 4,000,000 at most after ``mdownsample``; the picture is stretched over the world."""
 
     is_random: ClassVar[bool] = False
 
