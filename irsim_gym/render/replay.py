@@ -68,6 +68,7 @@ class Recording:
         self.name, self._details = "", dict(details or {})
         self._agents = tuple(agents)
         self._last: Scene | None = None
+        self._fixed: Sequence[BodyView] | None = None
         self._times: list[float] = []
         self._centers: list[tuple[float, float]] = []
         self._styles = Styles()
@@ -175,7 +176,8 @@ class Recording:
         }
 
     def _note_bodies(self, scene: Scene, poses: Floats, moment: int) -> None:
-        still = self._last is not None and scene.fixed is self._last.fixed
+        still = scene.fixed is self._fixed
+        self._fixed = scene.fixed
         fields = {id(view.style): (view.span, view.radius) for view in scene.fields}
         if still:
             for view in scene.fixed:

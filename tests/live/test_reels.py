@@ -47,6 +47,17 @@ def test_a_page_holds_all_episodes(tmp_path: Path) -> None:
     assert len(read_html(here.save_html(tmp_path / "again.html"))["episodes"]) == 2
 
 
+def test_a_page_has_a_body_that_was_added_before_something_was_drawn(tmp_path: Path) -> None:
+    here = world(world=SMALL, record=True)
+    here.add("obstacle", name="pillar", shape={"name": "circle", "radius": 0.4}, state=[8, 2, 0])
+    here.draw.path([[1, 1], [2, 2]])
+    for _ in range(2):
+        here.step()
+    (episode,) = read_html(here.save_html(tmp_path / "run.html"))["episodes"]
+    pillar = next(body for body in episode["bodies"] if body["name"] == "pillar")
+    assert unpacked(pillar["poses"][0], 3)[1:, :2].tolist() == [[8, 2], [8, 2]]
+
+
 def test_a_sheet_shows_what_was_filmed(tmp_path: Path) -> None:
     here = world(world=SMALL, record=True)
     frames = [here.render()]
