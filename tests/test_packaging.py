@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
+import re
 import subprocess
 import sys
 import sysconfig
 import tarfile
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -85,6 +88,50 @@ def test_the_sdist_holds_what_builds_and_tests(built: Path) -> None:
     assert not [name for name in names if name.startswith(("runs/", ".venv"))]
 
 
+@pytest.mark.parametrize(
+    ("origin", "shown"),
+    [
+        ("https://github.com/me/irsim_gym.git", "https://raw.githubusercontent.com/me/irsim_gym/{commit}/docs/a.png"),
+        ("git@github.com:me/irsim_gym.git", "https://raw.githubusercontent.com/me/irsim_gym/{commit}/docs/a.png"),
+        ("https://example.org/me/irsim_gym", None),
+        (None, None),
+    ],
+)
+def test_an_index_shows_no_broken_links(origin: str | None, shown: str | None, tmp_path: Path) -> None:
+    text = "![A robot](docs/a.png) [design](DESIGN.md#6) [web](https://a.b/c) [below](#more)\n"
+    (tmp_path / "README.md").write_text(text, encoding="utf-8")
+    git = ("git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b")
+    _run(*git, "init", "-q")
+    _run(*git, "add", ".")
+    _run(*git, "commit", "-q", "-m", "a page")
+    if origin is not None:
+        _run(*git, "remote", "add", "origin", origin)
+    commit = _run(*git, "rev-parse", "HEAD").strip()
+    written = _build_hook().description(tmp_path)
+    kept = "[web](https://a.b/c) [below](#more)\n"
+    if shown is None:
+        assert written == f" design {kept}"
+    else:
+        page = f"https://github.com/me/irsim_gym/blob/{commit}/DESIGN.md#6"
+        assert written == f"![A robot]({shown.format(commit=commit)}) [design]({page}) {kept}"
+
+
+def test_wheel_and_sdist_describe_the_package_alike(built: Path) -> None:
+    (wheel,), (sdist,) = built.glob("*.whl"), built.glob("*.tar.gz")
+    with zipfile.ZipFile(wheel) as archive:
+        metadata = next(name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
+        of_wheel = archive.read(metadata).decode("utf-8")
+    with tarfile.open(sdist) as archive:
+        info = next(name for name in archive.getnames() if name.endswith("/PKG-INFO"))
+        stream = archive.extractfile(info)
+        assert stream is not None
+        of_sdist = stream.read().decode("utf-8")
+    assert of_wheel.split("\n\n", 1)[1] == of_sdist.split("\n\n", 1)[1]
+    assert not re.findall(r"\]\((?!https://|#)", of_wheel)
+    first = (ROOT / "README.md").read_text(encoding="utf-8").split("```python\n")[1].split("```")[0]
+    assert first in of_wheel
+
+
 def test_the_installed_command_lists_scenarios(environment: Path, tmp_path: Path) -> None:
     command = _python(environment).parent / "irsim-gym"
     listed = _run(str(command), "list", cwd=tmp_path)
@@ -100,6 +147,15 @@ def test_the_installed_package_makes_an_env(environment: Path, tmp_path: Path) -
 def test_the_installed_package_finds_its_hyperparameters(environment: Path, tmp_path: Path) -> None:
     code = "from irsim_gym.training.hyperparameters import load_hyperparameters as f; print(f('ppo', 'cluttered_room'))"
     assert _run(str(_python(environment)), "-c", code, cwd=tmp_path)
+
+
+def _build_hook() -> Any:
+    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def _python(environment: Path) -> Path:
