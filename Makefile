@@ -12,9 +12,10 @@ INSTALLED   := $(VENV)/.installed
 TESTS_READY := $(VENV)/.tests-ready
 GUI_READY   := $(VENV)/.gui-ready
 MUTATE_READY := $(VENV)/.mutate-ready
+VERSIONS_READY := $(VENV)/.versions-ready
 INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
 
-.PHONY: help demo install lint test test-slow test-bounds test-gui mutate bench peers clean
+.PHONY: help demo install lint test test-slow test-bounds test-gui test-versions mutate bench peers clean
 .DELETE_ON_ERROR:
 
 help:
@@ -23,6 +24,7 @@ help:
 	@echo "make test-slow   the longer checks too"
 	@echo "make test-bounds every shipped, documented and compared scenario, and random ones, with bounds checks"
 	@echo "make test-gui    real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
+	@echo "make test-versions  the contracts with the lowest and the newest of every dependency, in build/versions (gigabytes)"
 	@echo "make mutate      do the tests notice when the code is wrong? hours, goes on where it was stopped (ARGS=...)"
 	@echo "make bench       the benchmarks (ARGS=... is passed on)"
 	@echo "make peers       the benchmarks beside ir-sim, navground, VMAS and JaxNav, each in build/peers (ARGS=...)"
@@ -51,6 +53,9 @@ test-gui: $(GUI_READY)
 	tests/gui/system_packages.sh
 	$(BIN)/python -m pytest -m gui tests/gui $(ARGS)
 
+test-versions: $(VERSIONS_READY)
+	PIP_ARGS="$(PIP_ARGS)" $(BIN)/python tests/versions/run.py $(ARGS)
+
 mutate: $(MUTATE_READY)
 	$(BIN)/python tests/mutation/run.py $(ARGS)
 
@@ -77,6 +82,10 @@ $(TESTS_READY): $(INSTALLED)
 
 $(GUI_READY): $(TESTS_READY)
 	$(INSTALL) -e ".[test,test-gui]"
+	@touch $@
+
+$(VERSIONS_READY): $(TESTS_READY)
+	$(INSTALL) -e ".[test,versions]"
 	@touch $@
 
 $(MUTATE_READY): $(TESTS_READY)

@@ -11,6 +11,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, ExitStack
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -20,8 +21,10 @@ import numba
 import numpy as np
 from numba.core import compiler, serialize
 from numba.core import config as numba_config
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.runtime.nrt import rtsys
 
+from irsim_gym.jit_lock import lock
 from irsim_gym.jit_trust import make_private_folder, read_trusted, write_private
 
 config: Any = numba_config
@@ -30,7 +33,11 @@ PACKAGE = Path(__file__).parent
 KEPT_FOLDERS = 4
 KEPT_S = 3600.0
 """Folders of other sources stay that long [s] after their last use, the newest ``KEPT_FOLDERS`` for good."""
-WITHOUT_KERNELS = {"scenario", "envs", "evaluation", "training", "render", "live", "__init__.py"}
+WITHOUT_KERNELS = {"scenario", "envs", "evaluation", "training", "render", "live", "__init__.py"} | {
+    "jit_lock.py",
+    "jit_trust.py",
+    "jit_watch.py",
+}
 SETTINGS = ("OPT", "BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE", "DEBUGINFO_DEFAULT")
 
 
@@ -44,7 +51,8 @@ def keep_on_disk(dispatcher: Any, form: str, restore: Callable[[Any, Any], Any] 
     """
     options, files = dispatcher.targetoptions, files_of(dispatcher.py_func, dispatcher.targetoptions, form)
     if files is not None:
-        dispatcher._cache = KernelCache(files, options["_nrt"], restore)
+        cache = dispatcher._cache = KernelCache(files, options["_nrt"], restore)
+        dispatcher.compile = cache.in_turn(dispatcher.compile)
 
 
 def files_of(function: Any, options: Mapping[str, Any], form: str) -> Files | None:
@@ -76,6 +84,10 @@ class Files:
         key = [*map(str, signature), *map(str, codegen.magic_tuple()), *settings, self._options, self._key]
         digest = hashlib.blake2b("\n".join(key).encode(), digest_size=10).hexdigest()
         return (cache_folder() or Path()) / f"{self._name}-{digest}.nbc"
+
+    def lock(self, file: Path) -> AbstractContextManager[None]:
+        """Return the lock of a file that is not there: who holds it compiles, and others wait."""
+        return lock(file, is_ordered=self.is_own)
 
     @staticmethod
     def read(file: Path) -> bytes | None:
@@ -123,6 +135,18 @@ class KernelCache:
         self._files = files
         self._allocates = allocates
         self._restore = restore
+        self._turns: list[ExitStack] = []
+
+    def in_turn(self, make: Callable[[Any], Any]) -> Callable[[Any], Any]:
+        """Return Numba's function that loads or compiles, which gives back the lock of a file at its end."""
+
+        def made(signature: Any) -> Any:
+            with global_compiler_lock, ExitStack() as turn:
+                self._turns.append(turn)
+                turn.callback(self._turns.pop)
+                return make(signature)
+
+        return made
 
     @property
     def cache_path(self) -> str:
@@ -130,7 +154,7 @@ class KernelCache:
         return str(cache_folder() or "")
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Return the compiled code for some types of arguments, None if it has to be compiled.
+        """Return the compiled code for some types of arguments, None if it has to be compiled, by this process.
 
         Numba would prepare to compile in any case, which takes a third of a warm start: with SciPy installed, it
         imports that. Kernels of the package need at most memory; others may have types that come with extensions.
@@ -139,7 +163,15 @@ class KernelCache:
             target.refresh()
         elif self._allocates:
             rtsys.initialize(target)
-        content = self._files.read(self._files.file(signature, target.codegen()))
+        file = self._files.file(signature, target.codegen())
+        found = self._restored(file, signature, target)
+        if found is None and self._turns:
+            self._turns[-1].enter_context(self._files.lock(file))
+            found = self._restored(file, signature, target)  # another process may have written it by now
+        return found
+
+    def _restored(self, file: Path, signature: Any, target: Any) -> Any:
+        content = self._files.read(file)
         if content is None:
             return None
         try:

@@ -71,15 +71,16 @@ class Doors:
         file = files.file(signature, machine)
         # The whole name, as kernels with the same types have the same digest; not the folder, which may be moved.
         name = f"door_{hashlib.blake2b(file.name.encode(), digest_size=10).hexdigest()}"
-        kept = files.read(file)
-        if kept == b"":
-            return 0
-        found = _load(machine, name, kept) if kept else 0
-        if found:
+        found = _load(machine, name, files.read(file))
+        if found is not None:
             return found
-        address, made = self._compile(signature, order, name)
-        if made is not None:
-            files.write(file, made)
+        with files.lock(file):
+            found = _load(machine, name, files.read(file))
+            if found is not None:
+                return found
+            address, made = self._compile(signature, order, name)
+            if made is not None:
+                files.write(file, made)
         return address
 
     def _compile(self, signature: tuple[Any, ...], order: str, name: str) -> tuple[int, bytes | None]:
@@ -94,11 +95,13 @@ class Doors:
         return library.get_pointer_to_function(name), None if library.is_bound else library._get_compiled_object()
 
 
-def _load(machine: Any, name: str, code: bytes) -> int:
-    """Return the address of a doorway in machine code, 0 if there is none of that name."""
+def _load(machine: Any, name: str, code: bytes | None) -> int | None:
+    """Return the address of a doorway in machine code, 0 if it is known that there is none; None without such code."""
+    if not code:
+        return None if code is None else 0
     engine: Any = machine._engine._ee
     engine.add_object_file(binding.object_file.ObjectFileRef.from_data(code))
-    return int(engine.get_function_address(name))
+    return int(engine.get_function_address(name)) or None
 
 
 class DoorCompiler(Compiler):  # type: ignore[misc]

@@ -45,6 +45,19 @@ def write_private(file: Path, content: bytes) -> None:
         opened.write(content)
 
 
+def open_private(file: Path) -> int:
+    """Open a file for its owner alone, make it if need be, and return its descriptor; nothing in it is ever read.
+
+    Raises:
+        OSError: It cannot be made, is a link, or may be written by others.
+    """
+    descriptor = os.open(file, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), PRIVATE_FILE)
+    if not may_be_run(file, os.fstat(descriptor)):
+        os.close(descriptor)
+        raise PermissionError(file)
+    return descriptor
+
+
 def may_be_run(path: Path, found: os.stat_result) -> bool:
     """Return whether a file or folder belongs to this user and nobody else may write it; warn if not."""
     if not HAS_OWNERS:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import functools
 import gc
+import os
 import sys
 import time
-from typing import Any
 
 from numba.core import event
 
@@ -24,16 +24,19 @@ class Watch(event.Listener):
     Attributes:
         compiled: How many kernels have been compiled.
         spent: How long that took [s].
+        waited: How long this process has waited for others that compile [s].
         said: Nothing more is to be said.
     """
 
     def __init__(self) -> None:
         self.compiled = 0
         self.spent = 0.0
+        self.waited = 0.0
         self.said = False
         self._depth = 0
         self._begun = 0.0
         self._collects = False
+        self._is_shown = False
 
     def on_start(self, event: event.Event) -> None:
         """Pause the garbage collector, which finds next to nothing and takes a tenth of the time; say what goes on."""
@@ -42,7 +45,11 @@ class Watch(event.Listener):
             self._begun = time.perf_counter()
             self._collects = gc.isenabled()
             gc.disable()
-        self._say(event.data["dispatcher"], self.spent + time.perf_counter() - self._begun)
+        spent = self.spent + time.perf_counter() - self._begun
+        function = event.data["dispatcher"].py_func
+        if function.__module__.startswith("irsim_gym"):
+            what = f"compiling kernels for this machine, once: {self.compiled} done in {spent:.0f} s"
+            self._say(spent, f"irsim_gym: {what}, now {function.__name__}", NOTE)
 
     def on_end(self, event: event.Event) -> None:
         """Let the collector work again."""
@@ -50,14 +57,61 @@ class Watch(event.Listener):
         self.compiled += 1
         if self._depth == 0:
             self.spent += time.perf_counter() - self._begun
+            self._clear()
             if self._collects:
                 gc.enable()
 
-    def _say(self, dispatcher: Any, spent: float) -> None:
-        """Say once, as a line that stays, that it takes a while: when a while has gone, and there is more to do."""
-        if spent > PATIENCE_S and not self.said and dispatcher.py_func.__module__.startswith("irsim_gym"):
+    def on_wait(self, seconds: float) -> None:
+        """Say that another process compiles what this one needs, while that lasts; off a terminal it says so itself."""
+        self.waited += seconds
+        what = f"another process compiles kernels for this machine, once: waiting for {self.waited:.0f} s"
+        self._say(self.waited, f"irsim_gym: {what}")
+
+    def on_wait_end(self) -> None:
+        """Nothing is waited for any more."""
+        if self._depth == 0:
+            self._clear()
+
+    def _say(self, spent: float, line: str, note: str = "") -> None:
+        """Say what takes a while: on a terminal in a line that changes and goes, elsewhere once, in a line that stays.
+
+        Args:
+            spent: For how long it has been going on [s].
+            line: For a terminal.
+            note: For other places, nothing by default.
+        """
+        if spent <= PATIENCE_S or self.said:
+            return
+        if self._is_shown or is_terminal():
+            self._is_shown = True
+            write_over(line)
+        elif note:
             self.said = True
-            print(NOTE, file=sys.stderr, flush=True)
+            print(note, file=sys.stderr, flush=True)
+
+    def _clear(self) -> None:
+        if self._is_shown:
+            self._is_shown = False
+            write_over("")
+
+
+def is_terminal() -> bool:
+    """Return whether a line on the screen can be written over."""
+    file = getattr(sys.stderr, "rich_proxied_file", sys.stderr)
+    return file is not None and file.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def write_over(line: str) -> None:
+    """Write a line over the last one of the terminal, and stay in it."""
+    from rich.console import Console
+    from rich.control import Control
+    from rich.segment import ControlType
+    from rich.text import Text
+
+    # A progress bar collects what others write until a line ends; bars draw themselves anew, so this may lie over one.
+    screen = Console(file=getattr(sys.stderr, "rich_proxied_file", sys.stderr))
+    screen.control(Control(ControlType.CARRIAGE_RETURN, (ControlType.ERASE_IN_LINE, 2)))
+    screen.print(Text(line, end="", no_wrap=True, overflow="ellipsis"), end="", soft_wrap=False)
 
 
 @functools.cache

@@ -8,6 +8,8 @@ import os
 import pkgutil
 import subprocess
 import sys
+from graphlib import TopologicalSorter
+from pathlib import Path
 
 import pytest
 
@@ -69,6 +71,24 @@ for _ in range(60):
     env.step(np.ones(env.action_space.shape, np.float32))
 """
 
+COMMANDS = """
+import sys
+from pathlib import Path
+from irsim_gym.jit_watch import compilation
+from irsim_gym.training.commands import run_rollout
+from irsim_gym.training.look import draw_level
+from irsim_gym.training.trial import Reading, play
+from irsim_gym.training.warmup import warm_up
+
+name, folder = "empty_goal", Path(FOLDER)
+warm_up([name])
+ready = compilation().compiled
+play(name, Reading({}))
+draw_level(name, 0, "dev", None, folder / "level.png")
+run_rollout(name, "dash", 1, "dev", None, None)
+print(ready, compilation().compiled - ready)
+"""
+
 
 def run(code: str, **environment: str) -> str:
     command = [sys.executable, "-W", "error", "-c", code]
@@ -107,3 +127,28 @@ def test_no_kernel_leaves_its_arrays() -> None:
     assert run(CHECKED, NUMBA_BOUNDSCHECK="1") == ""
     with pytest.raises(AssertionError, match="IndexError"):
         run("import numpy, irsim_gym.rng as rng; rng.next_bits(numpy.zeros(1, 'u8'), 1)", NUMBA_BOUNDSCHECK="1")
+
+
+@pytest.mark.slow
+def test_commands_share_what_warmup_compiles(tmp_path: Path) -> None:
+    """``check``, ``draw`` and ``rollout`` compile nothing any more."""
+    done = run(COMMANDS.replace("FOLDER", repr(str(tmp_path))), NUMBA_CACHE_DIR=str(tmp_path), MPLBACKEND="Agg")
+    before, after = map(int, done.splitlines()[-1].split())
+    assert before > 50
+    assert after == 0
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason="kernels are plain functions")
+def test_kernels_call_each_other_in_one_direction() -> None:
+    """Processes that compile wait for each other along these calls (``jit_lock``)."""
+    found = kernels()
+    calls = {
+        name: {
+            called.__name__
+            for word in kernel._function.__code__.co_names
+            if isinstance(called := kernel._function.__globals__.get(word), Kernel)
+        }
+        for name, kernel in found.items()
+    }
+    assert sum(map(len, calls.values())) > 200
+    TopologicalSorter(calls).prepare()

@@ -47,6 +47,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         "render_fps": 10,
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
+    closed = True  # until it is made: Gymnasium before 1.3 closes one whose arguments were refused
 
     def __init__(
         self,
@@ -92,6 +93,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         self._all_begun = False
         self._seeds: list[int | None] = [None] * num_envs
         self._generators: list[np.random.Generator | None] = [None] * num_envs
+        self.closed = False
 
     def reset(
         self,

@@ -26,9 +26,7 @@ STEPS = np.array(
 )
 """Rows and columns to the neighbours."""
 
-VIA = np.array(
-    [[[np.fix(dy / 2), np.fix(dx / 2)], [dy - np.fix(dy / 2), dx - np.fix(dx / 2)]] for dy, dx in STEPS], np.int64
-)
+VIA = np.array([[[int(dy / 2), int(dx / 2)], [dy - int(dy / 2), dx - int(dx / 2)]] for dy, dx in STEPS], np.int64)
 """Rows and columns of the two cells that a step passes (for a short step: the cell itself and the neighbour)."""
 
 LENGTHS = np.sqrt(np.sum(STEPS * STEPS, axis=1))

@@ -94,7 +94,8 @@ def _in_a_process(files: Sequence[str], reading: Reading) -> tuple[Failures, str
 def _wait(child: subprocess.Popen[bytes], files: Sequence[str]) -> int:
     with suppress(subprocess.TimeoutExpired):
         return child.wait(PATIENCE_S)
-    print(f"irsim_gym: playing {', '.join(files)} for some steps, to see whether it runs", file=sys.stderr)
+    over = "\r\x1b[2K" if sys.stderr.isatty() else ""  # the other process may show there what it compiles
+    print(f"{over}irsim_gym: playing {', '.join(files)} for some steps, to see whether it runs", file=sys.stderr)
     return child.wait()
 
 

@@ -14,12 +14,17 @@ from irsim_gym.engine import compile
 from irsim_gym.envs.batch import make_batch
 from irsim_gym.envs.single import WorldEnv
 from irsim_gym.errors import ScenarioError
+from irsim_gym.evaluation.behavior_policies import UnfitBehaviorError
 from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.evaluation.protocol import drive
+from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN, reference_policy
 from irsim_gym.jit_cache import cache_folder
 from irsim_gym.jit_watch import compilation
 from irsim_gym.scenario.library import scenario_names
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
+from irsim_gym.tasks import Episodes
+from irsim_gym.training.look import begin_level
 from irsim_gym.training.run import scenario_name
 
 
@@ -45,7 +50,7 @@ def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
 
 
 def use(scenario: Scenario) -> None:
-    """Do once what is done with a scenario: step it by itself, with one learner, as a team, and measure a path."""
+    """Do once what commands do with a scenario: step it by itself, with one learner, as a team, and draw it."""
     simulation = compile(scenario, 1)
     simulation.reset(seed=0)
     simulation.step()
@@ -53,8 +58,27 @@ def use(scenario: Scenario) -> None:
         env = WorldEnv(scenario)
         env.reset(seed=0)
         env.step(env.action_space.sample())
-        Optima("train").of(env.worlds.episodes, 0, 0)
+        _drive(env.worlds.episodes)
     with suppress(ScenarioError):  # or not as a team
         batch = make_batch(scenario)
         batch.reset(seed=0)
         batch.step(np.stack([[batch.action_space.sample()] * batch.n_agents]))
+    _draw(scenario)
+
+
+def _drive(episodes: Episodes) -> None:
+    """Measure the shortest way and play a level with each reference that every evaluation shows, where it can."""
+    Optima("train").of(episodes, 0, 0)
+    for name in ALWAYS_SHOWN:
+        with suppress(UnfitBehaviorError):
+            next(drive(reference_policy(name), episodes, 1, "train"), None)
+
+
+def _draw(scenario: Scenario) -> None:
+    from irsim_gym.render import make_renderer
+
+    level = begin_level(scenario)
+    parts = level.model, level.state, level.sensors
+    renderer = make_renderer("matplotlib", scenario, *parts, learners=level.agents.tolist(), explored=level.explored)
+    renderer.frame(0)
+    renderer.close()

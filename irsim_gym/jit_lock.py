@@ -1,0 +1,115 @@
+"""One process compiles a kernel, others wait for what it writes.
+
+A lock is the operating system's, on a file beside the one that will be written, so it ends with the process that holds
+it, however that ends. Whoever cannot have it goes on without: then a kernel is compiled twice, and nothing else.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from pathlib import Path
+
+from irsim_gym.jit_trust import open_private
+from irsim_gym.jit_watch import compilation
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
+
+PATIENCE_S = 60.0
+"""Nobody waits longer than that for one kernel [s]: its process may have been stopped."""
+LOOK_S = 0.01
+"""Time between two looks [s]."""
+TAKEN = (errno.EACCES, errno.EAGAIN)
+
+_held: ContextVar[tuple[Path, ...]] = ContextVar("held", default=())
+
+
+@contextmanager
+def lock(file: Path, *, is_ordered: bool) -> Iterator[None]:
+    """Hold the lock of a file of compiled code, if it can be had; look for the file again after that.
+
+    Args:
+        file: What will be written.
+        is_ordered: Whether a process that holds some locks may wait for this one. It may if all of them belong to
+            kernels that call each other in one direction, as those of the package do; else two processes could wait for
+            each other.
+    """
+    held = _held.get()
+    path = file.with_suffix(".lock")
+    descriptor = None if path in held else _acquire(path, PATIENCE_S if is_ordered or not held else 0.0)
+    if descriptor is None:
+        yield
+        return
+    before = _held.set((*held, path))
+    try:
+        yield
+    finally:
+        _held.reset(before)
+        _release(path, descriptor)
+
+
+def _acquire(path: Path, patience: float) -> int | None:
+    """Return the descriptor of a locked file; None where there is no lock, or its holder has just done the work."""
+    try:
+        descriptor = open_private(path)
+    except OSError:
+        return None
+    try:
+        taken = _wait(descriptor, patience)
+        # Who is through removes the file; who was killed leaves it, and leaves the work too.
+        if taken and os.fstat(descriptor).st_nlink:
+            return descriptor
+    except OSError:  # a file system without locks
+        pass
+    except BaseException:
+        os.close(descriptor)
+        raise
+    os.close(descriptor)
+    return None
+
+
+def _wait(descriptor: int, patience: float) -> bool:
+    """Lock an open file; return whether that was possible in time."""
+    begun = time.monotonic()
+    try:
+        while not _try(descriptor):
+            if time.monotonic() - begun >= patience:
+                return False
+            time.sleep(LOOK_S)
+            compilation().on_wait(LOOK_S)
+    finally:
+        compilation().on_wait_end()
+    return True
+
+
+def _try(descriptor: int) -> bool:
+    try:
+        if sys.platform == "win32":
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        else:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno in TAKEN:
+            return False
+        raise
+    return True
+
+
+def _release(path: Path, descriptor: int) -> None:
+    """Remove the file, and unlock it: a forked child may hold the descriptor too, so closing is not enough."""
+    with suppress(OSError):  # elsewhere than on POSIX a file that others wait for stays
+        path.unlink()
+    with suppress(OSError):
+        if sys.platform == "win32":
+            msvcrt.locking(descriptor, msvcrt.LK_UNLCK, 1)
+        else:
+            fcntl.flock(descriptor, fcntl.LOCK_UN)
+    os.close(descriptor)
