@@ -12,10 +12,12 @@ from rich.text import Text
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import print_table
+from irsim_gym.families import ACTIONS
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.tasks import load_task
 from irsim_gym.tasks.term import IsImage
+from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.hyperparameters import load_hyperparameters
@@ -51,8 +53,11 @@ def new_settings(
     asked = {"n_timesteps": steps, "team": team}
     overrides = {name: value for name, value in asked.items() if value is not None}
     named = lasting(scenario_name(scenario))
+    chosen = find_algorithm(algorithm)
     loaded = load_scenario(named, parameters, strict=strict, warn=False)
-    images = any(isinstance(term, IsImage) for term in load_task(loaded, task, team=True).observations)
+    learned = load_task(loaded, task, team=True)
+    chosen.check_action(learned.action, ACTIONS.name_of(type(learned.action)))
+    images = any(isinstance(term, IsImage) for term in learned.observations)
     found = load_hyperparameters(
         algorithm, environment_id(scenario), images=images, file=hyperparameters, overrides=overrides
     )

@@ -14,7 +14,6 @@ import numpy as np
 from gymnasium import Space
 from gymnasium.spaces import Dict, Discrete
 from numpy.typing import NDArray
-from stable_baselines3 import A2C, DQN, PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.preprocessing import is_image_space, is_image_space_channels_first
 from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
@@ -25,6 +24,7 @@ from irsim_gym.errors import IrsimGymError, suggestion
 from irsim_gym.evaluation.policy import ObservationPolicy, Policy, by_world, percepts
 from irsim_gym.evaluation.reference_policies import REFERENCES, reference_policy
 from irsim_gym.tasks import Episodes
+from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint import NORMALIZATION, POLICY, newest_checkpoint
 from irsim_gym.training.run import Run
 from irsim_gym.training.trusted import harmless_objects, load_pickle
@@ -36,8 +36,8 @@ CHUNK = 64
 """Rows of one pass through the network: always as many, since sums may be rounded otherwise in another size."""
 
 
-OFF_POLICY: dict[str, type[BaseAlgorithm]] = {"sac": SAC, "td3": TD3, "dqn": DQN}
-"""Algorithms by the part of Stable-Baselines3 in which the classes of their policies are."""
+OFF_POLICY = ("sac", "td3", "tqc", "dqn")
+"""Algorithms that are called like the module in which the classes of their policies are."""
 
 
 class SavedPolicy:
@@ -194,17 +194,9 @@ def _algorithm(path: Path) -> type[BaseAlgorithm]:
         raise IrsimGymError(f"{path} is no policy of Stable-Baselines3: {error}") from error
     module = str(data["policy_class"].get("__module__", ""))
     if "recurrent" in module:
-        return _recurrent(path)
-    off_policy = next((algorithm for name, algorithm in OFF_POLICY.items() if f".{name}." in module), None)
-    return off_policy or (PPO if "clip_range" in data else A2C)
-
-
-def _recurrent(path: Path) -> type[BaseAlgorithm]:
-    try:
-        from sb3_contrib import RecurrentPPO
-    except ImportError as error:
-        raise IrsimGymError(f"{path} is a recurrent policy: pip install sb3-contrib") from error
-    return RecurrentPPO
+        return find_algorithm("recurrent_ppo").load()
+    off_policy = next((name for name in OFF_POLICY if f".{name}." in module), None)
+    return find_algorithm(off_policy or ("ppo" if "clip_range" in data else "a2c")).load()
 
 
 def _normalization(path: Path) -> VecNormalize | None:

@@ -4,30 +4,23 @@ from __future__ import annotations
 
 import shutil
 import signal
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import torch
-from gymnasium import Space
-from gymnasium.spaces import Dict
 from rich.console import Console
-from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
-from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
-from stable_baselines3.common.preprocessing import is_image_space
 
-from irsim_gym.envs.sb3 import buffers_for
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import remove_leftovers, write_bytes, write_csv
 from irsim_gym.training import checkpoint as files
-from irsim_gym.training.environment import build_environment, compile_kernels, restore_worlds
+from irsim_gym.training.environment import compile_kernels
+from irsim_gym.training.models import new_model, restored_model
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.watch import StopLearningError, StopRequest, Watch
 
-CLASSES: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "sac": SAC}
 WRITTEN = ("config.json", "training.csv", files.NORMALIZATION, "policy.zip", "curve.json", "curve.csv", "curve.png")
 """Files in a run's folder that are written under another name first."""
 LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success", "idle_share")
@@ -75,7 +68,7 @@ def train(settings: Settings, folder: Path, *, resume: bool = False, console: Co
     torch.set_num_threads(settings.hyperparameters.torch_threads)
     compile_kernels(settings)
     newest = files.newest_checkpoint(run.checkpoints)
-    model, progress = _new(settings) if newest is None else _restored(settings, newest)
+    model, progress = (new_model(settings), files.Progress()) if newest is None else restored_model(settings, newest)
     try:
         _learn(run, settings, model, progress, screen)
     finally:
@@ -96,70 +89,6 @@ def _open(run: Run, settings: Settings, resume: bool) -> None:
         raise IrsimGymError(f"{run.folder} holds an unfinished run; go on with it by --resume or name another folder")
     for name in WRITTEN:
         remove_leftovers(run.folder / name)
-
-
-def algorithm_class(settings: Settings) -> type[BaseAlgorithm]:
-    """Return the algorithm of a run, one that leaves out waiting robots where a team learns.
-
-    Raises:
-        IrsimGymError: sb3-contrib is not installed.
-    """
-    if settings.algorithm in CLASSES:
-        return CLASSES[settings.algorithm]
-    try:
-        from sb3_contrib import RecurrentPPO
-
-        from irsim_gym.envs.sb3_recurrent import MaskedRecurrentPPO
-    except ImportError as error:
-        raise IrsimGymError("recurrent PPO needs sb3-contrib: pip install irsim_gym[recurrent]") from error
-    return RecurrentPPO if settings.hyperparameters.team is None else MaskedRecurrentPPO
-
-
-def network(space: Space[Any]) -> str:
-    """Return what Stable-Baselines3 calls the networks for a space of observations."""
-    if isinstance(space, Dict):
-        return "MultiInput"
-    return "Cnn" if is_image_space(space) else "Mlp"
-
-
-def for_dicts(policy: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a policy as one for dicts calls them: ``features_dim`` is that of each picture there."""
-    given = dict(policy.get("features_extractor_kwargs") or {})
-    if "features_dim" not in given or "features_extractor_class" in policy:
-        return dict(policy)
-    given["cnn_output_dim"] = given.pop("features_dim")
-    return {**policy, "features_extractor_kwargs": given}
-
-
-def _new(settings: Settings) -> tuple[BaseAlgorithm, files.Progress]:
-    env = build_environment(settings)
-    arguments = settings.hyperparameters.algorithm_arguments()
-    algorithm = algorithm_class(settings)
-    policy = f"{network(env.observation_space)}{'Lstm' * (settings.algorithm == 'recurrent_ppo')}Policy"
-    if policy.startswith("MultiInput"):
-        arguments["policy_kwargs"] = for_dicts(arguments["policy_kwargs"])
-    if settings.hyperparameters.team is not None:
-        arguments = {**buffers_for(algorithm, env), **arguments}
-    model = algorithm(arguments.pop("policy", policy), env, seed=settings.seed, device="cpu", **arguments)
-    env.seed(settings.first_level)
-    return model, files.Progress()
-
-
-def _restored(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, files.Progress]:
-    try:
-        state = files.load_state(newest)
-    except Exception as error:
-        raise IrsimGymError(f"cannot go on from {newest}, perhaps another version wrote it: {error}") from error
-    normalization = newest / files.NORMALIZATION
-    env = build_environment(settings, normalization if normalization.is_file() else None)
-    env = restore_worlds(env, state["worlds"])
-    kind: Any = algorithm_class(settings)
-    model: BaseAlgorithm = kind.load(newest / files.POLICY, env=env, device="cpu", force_reset=False)
-    if isinstance(model, OffPolicyAlgorithm):
-        model.load_replay_buffer(newest / files.REPLAY_BUFFER, truncate_last_traj=False)
-    files.restore_memories(model, state)
-    files.restore_random(model, state)
-    return model, files.load_progress(newest)
 
 
 def _learn(run: Run, settings: Settings, model: BaseAlgorithm, progress: files.Progress, console: Console) -> None:

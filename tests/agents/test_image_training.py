@@ -19,10 +19,11 @@ from irsim_gym.tasks import load_task
 from irsim_gym.training.commands import new_settings
 from irsim_gym.training.demonstrations import load_demonstrations
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
+from irsim_gym.training.models import for_dicts, network
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.recorder import record_demonstrations
 from irsim_gym.training.run import Settings
-from irsim_gym.training.train import for_dicts, network, train
+from irsim_gym.training.train import train
 
 TINY = {"n_timesteps": 128, "n_envs": 4, "n_steps": 16, "batch_size": 32, "n_epochs": 1}
 NET = {"policy_kwargs": {"features_extractor_kwargs": {"features_dim": 16}, "net_arch": [16]}}

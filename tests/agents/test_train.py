@@ -15,9 +15,9 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.training import train as module
 from irsim_gym.training.checkpoint import list_checkpoints, load_progress, newest_checkpoint
 from irsim_gym.training.hyperparameters import Hyperparameters, Linear
+from irsim_gym.training.models import algorithm_class
 from irsim_gym.training.run import Run, Settings, environment_id, scenario_name
 from irsim_gym.training.train import TrainingInterruptedError, train
 from irsim_gym.training.watch import Watch
@@ -36,7 +36,7 @@ def settings(algorithm: str = "ppo", **own: Any) -> Settings:
 
 
 def weights(run: Run) -> dict[str, torch.Tensor]:
-    model: BaseAlgorithm = module.CLASSES[run.settings().algorithm].load(run.policy, device="cpu")
+    model: BaseAlgorithm = algorithm_class(run.settings()).load(run.policy, device="cpu")
     return model.policy.state_dict()
 
 
