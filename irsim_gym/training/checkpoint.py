@@ -132,7 +132,7 @@ def _state(model: BaseAlgorithm) -> dict[str, Any]:
             "python": random.getstate(),
             "numpy": np.random.get_state(),  # noqa: NPY002
             "torch": torch.get_rng_state(),
-            "cuda": torch.cuda.get_rng_state_all() if torch.cuda.is_initialized() else None,
+            "cuda": torch.cuda.get_rng_state_all() if torch.cuda.is_available() else None,
             "actions": model.action_space.np_random.bit_generator.state,
         },
     }
