@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource
+from irsim_gym.errors import ChangedScenarioWarning
 from irsim_gym.training.evaluate import WORLDS, Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.policies import Source
+from irsim_gym.training.remembered import change_told, changes_since
 
 
 def evaluate(
@@ -46,6 +49,9 @@ def evaluate(
         parameters: Values for the scenario's parameters.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
 
+    Warns:
+        ChangedScenarioWarning: The scenario is not what it was when a policy's run was trained in it.
+
     Raises:
         ValueError: There is no level to drive.
         IrsimGymError: There is no such policy, or it does not fit the task.
@@ -56,6 +62,11 @@ def evaluate(
     sources: Any = list(policies.values()) if isinstance(policies, Mapping) else policies
     if not isinstance(sources, Sequence) or isinstance(sources, str):
         sources = [sources]
+    if isinstance(scenario, str | Path) and not isinstance(task, Mapping):
+        for source in (one for one in sources if isinstance(one, str | Path)):
+            found = changes_since(scenario, source, task, strict=strict)
+            if found:
+                warnings.warn(change_told(scenario, source, found), ChangedScenarioWarning, stacklevel=2)
     evaluated = evaluate_team_policies if team else evaluate_policies
     return evaluated(
         scenario,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -138,12 +138,27 @@ def load_hyperparameters(
         UnknownNameError: No such algorithm.
         IrsimGymError: The algorithm is not installed.
     """
+    given = dict(overrides or {})
+    stated = stated_hyperparameters(algorithm, environment_id, images=images, file=file, given=given)
+    usual = {"device": "auto"} if images else {}
+    return Hyperparameters.from_plain({**usual, **stated, **given})
+
+
+def stated_hyperparameters(
+    algorithm: str, environment_id: str, *, images: bool = False, file: Path | None = None, given: Iterable[str] = ()
+) -> dict[str, Any]:
+    """Return what stands in a hyper-parameter file for an environment; see ``load_hyperparameters``.
+
+    Args:
+        algorithm: The algorithm.
+        environment_id: The entry that is laid over the default.
+        images: Observations hold pictures.
+        file: A file of one's own in place of the shipped one.
+        given: Keys that are given elsewhere, so that the file need not have them.
+    """
     chosen = find_algorithm(algorithm)
     chosen.load()
-    given = dict(overrides or {})
-    found = read_hyperparameters(file or _shipped(algorithm, images), chosen, environment_id, given)
-    usual = {"device": "auto"} if images else {}
-    return Hyperparameters.from_plain({**usual, **found, **given})
+    return read_hyperparameters(file or _shipped(algorithm, images), chosen, environment_id, given)
 
 
 def _shipped(algorithm: str, images: bool) -> Path:

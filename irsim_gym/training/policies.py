@@ -82,10 +82,10 @@ class SavedPolicy:
             ("observations", model.observation_space, observed),
             ("actions", model.action_space, acted),
         ):
-            if _form(learnt) not in (_form(here), _form(_channels_first(here))):
+            if form_of(learnt) not in (form_of(here), form_of(_channels_first(here))):
                 raise IrsimGymError(
-                    f"the policy was trained with {what} {_form(learnt)}, but those of task '{episodes.task.name}' in "
-                    f"'{episodes.simulation.scenario.name}' are {_form(here)}"
+                    f"the policy was trained with {what} {form_of(learnt)}, but those of task '{episodes.task.name}' "
+                    f"in '{episodes.simulation.scenario.name}' are {form_of(here)}"
                 )
 
     def _chunk(self, seen: Any, slots: Ints) -> NDArray[Any]:
@@ -118,10 +118,10 @@ def _channels_first(space: Space[Any]) -> Space[Any]:
     return VecTransposeImage.transpose_space(space) if is_picture else space  # type: ignore[arg-type]
 
 
-def _form(space: Space[Any]) -> str:
+def form_of(space: Space[Any]) -> str:
     """Return what a space has to have in common with another one, in words."""
     if isinstance(space, Dict):
-        return ", ".join(f"{name} {_form(part)}" for name, part in space.spaces.items())
+        return ", ".join(f"{name} {form_of(part)}" for name, part in space.spaces.items())
     return f"from 0 to {space.n - 1}" if isinstance(space, Discrete) else f"of shape {space.shape}"
 
 
@@ -155,6 +155,20 @@ def load_policy(source: Source) -> Policy:
         raise TypeError(f"a policy is a function, a model, a file or a name, got {type(source).__name__}")
     if str(source) in REFERENCES:
         return reference_policy(str(source))
+    path = policy_file(source)
+    model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
+    return SavedPolicy(model, _normalization(path.parent / NORMALIZATION))
+
+
+def policy_file(source: str | Path) -> Path:
+    """Return the file of a policy.
+
+    Args:
+        source: The file itself, or a run's folder: its policy, or the newest checkpoint's if it is not finished.
+
+    Raises:
+        IrsimGymError: There is none.
+    """
     path = Path(source)
     if path.is_dir():
         newest = newest_checkpoint(Run(path).checkpoints)
@@ -164,8 +178,7 @@ def load_policy(source: Source) -> Policy:
         raise IrsimGymError(
             f"no policy at {source}{near}; give a .zip, a run's folder, or one of {', '.join(REFERENCES)}"
         )
-    model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
-    return SavedPolicy(model, _normalization(path.parent / NORMALIZATION))
+    return path
 
 
 def policy_names(sources: Sequence[Source]) -> list[str]:

@@ -7,7 +7,7 @@ from torch.cuda import is_available as cuda
 
 from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.training.algorithms import ALGORITHMS
-from irsim_gym.training.commands import new_settings
+from irsim_gym.training.asked import Asked
 from irsim_gym.training.hyperparameters import Hyperparameters, Linear, load_hyperparameters
 from irsim_gym.training.models import device_of
 
@@ -135,7 +135,7 @@ def test_networks_for_pictures_look_for_a_graphics_card() -> None:
 )
 def test_an_algorithm_that_does_not_fit_the_action(algorithm: str, task: str | None, said: str) -> None:
     with pytest.raises(IrsimGymError, match=said):
-        new_settings("empty_goal", algorithm, 0, None, task, None)
+        Asked("empty_goal", algorithm, 0, None, task, None).settings()
 
 
 def test_an_algorithm_that_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
