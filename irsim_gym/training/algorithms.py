@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
 
 CONTINUOUS, DISCRETE = "continuous", "discrete"
-SMALL = "discrete_navigation"
-"""Shipped task with discrete actions."""
+SHIPPED_TASK = "discrete_navigation"
+"""The shipped task with discrete actions."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Algorithm:
             return
         others = ", ".join(one.name for one in ALGORITHMS.values() if kind in one.actions)
         if kind == CONTINUOUS:
-            what, way = "one of several commands", f"give the task `action: discrete` (--task {SMALL})"
+            what, way = "one of several commands", f"give the task `action: discrete` (--task {SHIPPED_TASK})"
         else:
             what, way = "numbers", "give the task `action: velocity`"
         raise IrsimGymError(

@@ -115,7 +115,7 @@ def run_evaluation(
     parameters = remembered_parameters(scenario, policies, parameters, strict=strict)
     if out is not None and has_results(out) and not overwrite:
         raise IrsimGymError(f"{out} holds results: name another folder by --out, or replace them by --overwrite")
-    folder = out or evaluation_folder(scenario, split, parameters, team)
+    folder = out or evaluation_folder(scenario, split, parameters, team, overwrite=overwrite)
     tell_changes(scenario, policies, task, strict=strict)
     evaluated = evaluate_team_policies if team else evaluate_policies
     found = evaluated(

@@ -34,7 +34,8 @@ def evaluate(
     A policy is a function, a model of Stable-Baselines3, a ``policy.zip``, the folder of a run, a name such as
     ``"dash"``, or an ``irsim_gym.evaluation.policy.Policy``, if it has a memory. A function gets what the environment
     observes, stacked for n robots (float32 ``(n, n_features)``, or a dict of such arrays), and returns the actions of
-    ``env.step``, ``(n, action_dim)`` or ``(n,)``.
+    ``env.step``, ``(n, action_dim)`` or ``(n,)``. A scenario that has changed since a run was trained in it is told by a
+    ``ChangedScenarioWarning``.
 
     Args:
         scenario: Shipped name, id, path of a YAML file, plain data or a loaded scenario.
@@ -49,9 +50,6 @@ def evaluate(
         parameters: Values for the scenario's parameters.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
 
-    Warns:
-        ChangedScenarioWarning: The scenario is not what it was when a policy's run was trained in it.
-
     Raises:
         ValueError: There is no level to drive.
         IrsimGymError: There is no such policy, or it does not fit the task.
@@ -62,11 +60,7 @@ def evaluate(
     sources: Any = list(policies.values()) if isinstance(policies, Mapping) else policies
     if not isinstance(sources, Sequence) or isinstance(sources, str):
         sources = [sources]
-    if isinstance(scenario, str | Path) and not isinstance(task, Mapping):
-        for source in (one for one in sources if isinstance(one, str | Path)):
-            found = changes_since(scenario, source, task, strict=strict)
-            if found:
-                warnings.warn(change_told(scenario, source, found), ChangedScenarioWarning, stacklevel=2)
+    _warn_of_changes(scenario, sources, task, strict)
     evaluated = evaluate_team_policies if team else evaluate_policies
     return evaluated(
         scenario,
@@ -81,3 +75,13 @@ def evaluate(
         parameters=parameters,
         strict=strict,
     )
+
+
+def _warn_of_changes(scenario: ScenarioSource, sources: Sequence[Source], task: TaskSource, strict: bool) -> None:
+    """Warn whoever called ``evaluate`` of a scenario that is not what it was when policies were trained in it."""
+    if not isinstance(scenario, str | Path) or not isinstance(task, str | Path | None):
+        return
+    for source in sources:
+        found = changes_since(scenario, source, task, strict=strict) if isinstance(source, str | Path) else []
+        if found:
+            warnings.warn(change_told(scenario, str(source), found), ChangedScenarioWarning, stacklevel=3)

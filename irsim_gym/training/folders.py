@@ -41,12 +41,17 @@ def default_folder(
 
 
 def evaluation_folder(
-    scenario: str, split: str, parameters: Mapping[str, Any] | None = None, team: bool = False
+    scenario: str,
+    split: str,
+    parameters: Mapping[str, Any] | None = None,
+    team: bool = False,
+    *,
+    overwrite: bool = False,
 ) -> Path:
-    """Return the folder of an evaluation that was given none: one that holds no results yet."""
+    """Return the folder of an evaluation that was given none: one that holds no results yet, or, to overwrite, any."""
     whose = "-team" if team else ""
     first = Path("runs") / f"evaluation-{labelled(scenario, parameters)}{whose}-{split}"
-    return next(folder for folder in _numbered(first) if not has_results(folder))
+    return next(folder for folder in _numbered(first) if overwrite or not has_results(folder))
 
 
 def has_results(folder: Path) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -84,8 +83,10 @@ def tell_changes(scenario: str, sources: Sequence[str | Path], task: str | None 
 
 def change_told(scenario: str | Path, source: str | Path, found: list[str]) -> str:
     """Return what is said of a scenario that has changed."""
-    copied = _run_of(source).own_settings().scenario
-    return f"{scenario} has changed since {source} was trained: {listed(found)}. As it was: {os.path.relpath(copied)}"
+    run = _run_of(source)
+    copied = run.snapshot()
+    assert copied is not None
+    return f"{scenario} has changed since {source} was trained: {listed(found)}. As it was: {run.copy / copied.file}"
 
 
 def _run_of(source: str | Path) -> Run:
