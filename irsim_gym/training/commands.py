@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -56,8 +56,8 @@ def run_training(
     what = f"{settings.algorithm.upper()} on {named}, seed {settings.seed}"
     after = "" if settings.origin is None else f", from {settings.origin['policy']}"
     console.print(f"training {what}{after}, in {run.folder}", **PLAIN)
-    if settings.hyperparameters.team is not None and _team_size(settings) == 1:
-        console.print("note: this team has one robot; --team is for several", **PLAIN)
+    for note in _notes(settings):
+        console.print(f"note: {note}", **PLAIN)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": asked.device, "console": console}
     try:
         with ctrl_c_told("stopped at once; what the newest checkpoint holds is kept"):
@@ -70,6 +70,16 @@ def run_training(
         print_table(marks_table(points))
     print(f"policy: {run.policy}")
     return run
+
+
+def _notes(settings: Settings) -> Iterator[str]:
+    """Yield what is allowed but hardly meant."""
+    wanted = settings.hyperparameters
+    if wanted.team is not None and _team_size(settings) == 1:
+        yield "this team has one robot; --team is for several"
+    starts = wanted.arguments.get("learning_starts", 0)
+    if starts >= wanted.n_timesteps:
+        yield f"nothing is learned: learning_starts is {starts:,}, and the run has {wanted.n_timesteps:,} steps"
 
 
 def _team_size(settings: Settings) -> int:

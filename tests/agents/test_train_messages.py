@@ -72,6 +72,13 @@ def test_a_demonstration_that_is_stopped(monkeypatch: pytest.MonkeyPatch, capsys
     assert capsys.readouterr().err == "stopped. The same command goes on from here.\n"
 
 
+def test_a_run_that_ends_before_learning_starts_is_noted(train: Train) -> None:
+    Path("ppo.yaml").write_text("default: {n_timesteps: 64, n_envs: 4, learning_starts: 100, buffer_size: 100}")
+    status, said = train("empty_goal", "--dev-levels", "0", "--algorithm", "sac")
+    assert status == 0
+    assert said[1] == "note: nothing is learned: learning_starts is 100, and the run has 64 steps"
+
+
 def test_a_team_of_one_is_noted(train: Train) -> None:
     status, said = train("empty_goal", "--dev-levels", "0", "--team", "episode")
     assert status == 0
