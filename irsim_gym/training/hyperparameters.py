@@ -129,7 +129,7 @@ def load_hyperparameters(
         environment_id: E.g. ``"irsim_gym/cluttered_room-v0"``; one that is not in the file gets the default.
         images: Observations hold pictures; where the algorithm has a file for these, ``ALGORITHM_images.yaml``, it is
             read in place of the other. The networks are then on a graphics card where there is one, unless ``device``
-            says otherwise; small networks for vectors are faster on the processor.
+            says otherwise.
         file: A file of one's own in place of the shipped one.
         overrides: Values that replace those of the file.
 
