@@ -9,7 +9,30 @@ from typing import Annotated, Any
 
 import typer
 
-from irsim_gym.cli_tools import import_modules, print_options, print_shipped, progress, read_parameters
+from irsim_gym.cli_options import (
+    Algorithm,
+    Backend,
+    BeginAnew,
+    Device,
+    DevLevels,
+    Given,
+    Hyperparameters,
+    Imports,
+    Lenient,
+    Levels,
+    Origin,
+    Reference,
+    Resume,
+    RunFolder,
+    Scenario,
+    Seed,
+    Split,
+    Steps,
+    Task,
+    Team,
+    TeamMode,
+)
+from irsim_gym.cli_tools import print_options, print_shipped, progress, read_parameters
 from irsim_gym.errors import IrsimGymError
 
 app = typer.Typer(
@@ -18,36 +41,6 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-
-Scenario = Annotated[str, typer.Argument(help="Shipped name, environment id, or path of a YAML file.")]
-Task = Annotated[str | None, typer.Option(help="Shipped task or a file, in place of the scenario's own.")]
-Levels = Annotated[int, typer.Option(min=1, help="Number of levels.")]
-Split = Annotated[str, typer.Option(help="train, dev or test.")]
-Steps = Annotated[
-    int | None,
-    typer.Option(min=1, help="Training steps over all worlds, in place of the file's; rounded up to whole rollouts."),
-]
-Seed = Annotated[int, typer.Option(min=0, help="Seed of networks, exploration and training levels.")]
-Reference = Annotated[str, typer.Option(help="random, dash, rvo, orca, a run's folder or a policy.zip.")]
-Given = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the scenario, e.g. n_robots=8; may be repeated."),
-]
-Team = Annotated[
-    bool, typer.Option("--team", help="A policy drives all robots (or those that the task names), not one.")
-]
-Lenient = Annotated[bool, typer.Option("--lenient", help="Ignore keys of the file that nobody reads, with a warning.")]
-Backend = Annotated[str, typer.Option(help="Who draws frames: matplotlib or raster.")]
-Imports = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--import",
-        callback=import_modules,
-        is_eager=True,
-        metavar="MODULE|FILE.py",
-        help="Imported first, e.g. to register behaviours of your own; may be repeated.",
-    ),
-]
 
 
 @app.command("list")
@@ -112,29 +105,40 @@ def schema() -> None:
 @app.command()
 def train(
     scenario: Scenario,
-    algorithm: Annotated[str, typer.Option(help="ppo, sac or recurrent_ppo.")] = "ppo",
+    algorithm: Algorithm = None,
     seed: Seed = 0,
     steps: Steps = None,
     task: Task = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder of the run (default: runs/SCENARIO-ALGORITHM[-TEAM]-SEED).")
-    ] = None,
-    hyperparameters: Annotated[Path | None, typer.Option(help="YAML file in place of the shipped one.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
-    dev_levels: Annotated[int, typer.Option(min=0, help="dev levels per checkpoint afterwards; 0 scores none.")] = 1000,
-    team: Annotated[
-        str | None,
-        typer.Option(help="All robots learn one policy; those that end wait (episode) or begin anew (respawn)."),
-    ] = None,
+    out: RunFolder = None,
+    hyperparameters: Hyperparameters = None,
+    resume: Resume = False,
+    overwrite: BeginAnew = False,
+    origin: Origin = None,
+    device: Device = None,
+    dev_levels: DevLevels = 1000,
+    team: TeamMode = None,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
     """Train an agent, then score its checkpoints. Ctrl-C leaves a checkpoint for --resume."""
+    from irsim_gym.training.asked import Asked
     from irsim_gym.training.commands import run_training
 
-    chosen: dict[str, Any] = {"parameters": read_parameters(given), "strict": not lenient}
-    run_training(scenario, algorithm, seed, steps, task, out, hyperparameters, resume, dev_levels, team, **chosen)
+    asked = Asked(
+        scenario,
+        algorithm,
+        seed,
+        steps,
+        task,
+        hyperparameters,
+        team,
+        read_parameters(given),
+        not lenient,
+        device,
+        origin,
+    )
+    run_training(asked, out, resume=resume, overwrite=overwrite, dev_levels=dev_levels)
 
 
 @app.command()
@@ -149,8 +153,11 @@ def evaluate(
     task: Task = None,
     out: Annotated[
         Path | None,
-        typer.Option(help="Folder for rows, figures and table (default: runs/evaluation-SCENARIO[-team]-SPLIT)."),
+        typer.Option(
+            help="Folder for rows, figures and table (default: runs/evaluation-SCENARIO[-team]-SPLIT, numbered)."
+        ),
     ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
     references: Annotated[bool, typer.Option(help="Add the rows random and dash; of teams, rvo and orca too.")] = True,
     team: Team = False,
     given: Given = None,
@@ -161,6 +168,7 @@ def evaluate(
     from irsim_gym.training.commands import run_evaluation
 
     chosen: dict[str, Any] = {"parameters": read_parameters(given), "team": team, "strict": not lenient}
+    chosen["overwrite"] = overwrite
     run_evaluation(scenario, policies or [], levels, split, task, out, references, **chosen)
 
 

@@ -28,7 +28,7 @@ class Problem:
 
 
 class ScenarioError(IrsimGymError, ValueError):
-    """A scenario or task file that cannot be used; it lists all its problems at once."""
+    """A scenario, task or hyper-parameter file that cannot be used; it lists all its problems at once."""
 
     def __init__(self, file: str, problems: Sequence[Problem]) -> None:
         self.file = file
@@ -65,6 +65,10 @@ class IgnoredKeyWarning(ScenarioWarning):
 
 class WaitingRobotsWarning(UserWarning):
     """An algorithm learns from rows in which robots waited for their world, which are no experience."""
+
+
+class ChangedScenarioWarning(UserWarning):
+    """A scenario is not what it was when a policy was trained in it."""
 
 
 class UntrustedCodeWarning(UserWarning):

@@ -150,6 +150,21 @@ def load_task(
     )
 
 
+def merged_task(scenario: Scenario, task: str | Path | Mapping[str, Any] | None = None) -> tuple[str, dict[str, Any]]:
+    """Return a task's name, and as plain data what its files and sections say, laid over each other.
+
+    Args:
+        scenario: Where it is played.
+        task: As ``load_task`` takes it.
+
+    Raises:
+        ScenarioError: A file cannot be read.
+        UnknownNameError: ``task`` is no shipped name.
+    """
+    name, layers = _layers(scenario, task)
+    return name, merge(layers, strict=scenario.strict).data
+
+
 def checked_limit(max_steps: int) -> int:
     """Return a time limit [steps] that can be used; ValueError for others."""
     if isinstance(max_steps, bool) or not isinstance(max_steps, int) or max_steps < 1:

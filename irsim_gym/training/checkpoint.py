@@ -111,13 +111,15 @@ def restore_random(model: BaseAlgorithm, state: dict[str, Any]) -> None:
     random.setstate(saved["python"])
     np.random.set_state(saved["numpy"])  # noqa: NPY002  (Stable-Baselines3 shuffles with the global generator)
     torch.set_rng_state(saved["torch"])
+    if saved.get("cuda") is not None and torch.cuda.device_count() == len(saved["cuda"]):
+        torch.cuda.set_rng_state_all(saved["cuda"])
     model.action_space.np_random.bit_generator.state = saved["actions"]
 
 
 def restore_memories(model: BaseAlgorithm, state: dict[str, Any]) -> None:
     """Give a recurrent policy back what it remembers of the episodes under way."""
     if state.get("memories") is not None:
-        model._last_lstm_states = state["memories"]  # type: ignore[attr-defined]
+        model._last_lstm_states = _moved(state["memories"], model.device)  # type: ignore[attr-defined]
 
 
 def _state(model: BaseAlgorithm) -> dict[str, Any]:
@@ -125,11 +127,22 @@ def _state(model: BaseAlgorithm) -> dict[str, Any]:
     assert env is not None, "a model in training has an environment"
     return {
         "worlds": worlds_state(env),
-        "memories": getattr(model, "_last_lstm_states", None),
+        "memories": _moved(getattr(model, "_last_lstm_states", None), torch.device("cpu")),
         "random": {
             "python": random.getstate(),
             "numpy": np.random.get_state(),  # noqa: NPY002
             "torch": torch.get_rng_state(),
+            "cuda": torch.cuda.get_rng_state_all() if torch.cuda.is_available() else None,
             "actions": model.action_space.np_random.bit_generator.state,
         },
     }
+
+
+def _moved(value: Any, device: torch.device) -> Any:
+    """Return tensors, also inside (named) tuples, on another device, so that any machine can read them."""
+    if isinstance(value, torch.Tensor):
+        return value.to(device)
+    if isinstance(value, tuple):
+        parts = [_moved(part, device) for part in value]
+        return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+    return value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,20 +15,12 @@ from irsim_gym.evaluation.tables import print_table
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.tasks import load_task
-from irsim_gym.tasks.term import IsImage
+from irsim_gym.training.asked import Asked
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
-from irsim_gym.training.hyperparameters import load_hyperparameters
-from irsim_gym.training.remembered import remembered_parameters
-from irsim_gym.training.run import (
-    Run,
-    Settings,
-    default_folder,
-    environment_id,
-    evaluation_folder,
-    lasting,
-    scenario_name,
-)
+from irsim_gym.training.folders import evaluation_folder, has_results
+from irsim_gym.training.remembered import remembered_parameters, tell_changes
+from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import MARKS, Point, reached, score_run
 from irsim_gym.training.train import TrainingInterruptedError, ctrl_c_told, train
 
@@ -36,81 +28,40 @@ Parameters = Mapping[str, Any] | None
 PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
 
 
-def new_settings(
-    scenario: str,
-    algorithm: str,
-    seed: int,
-    steps: int | None,
-    task: str | None,
-    hyperparameters: Path | None,
-    team: str | None = None,
-    parameters: Parameters = None,
-    strict: bool = True,
-) -> Settings:
-    """Put the settings of a run together from what was asked for and the hyper-parameter file."""
-    asked = {"n_timesteps": steps, "team": team}
-    overrides = {name: value for name, value in asked.items() if value is not None}
-    named = lasting(scenario_name(scenario))
-    loaded = load_scenario(named, parameters, strict=strict, warn=False)
-    images = any(isinstance(term, IsImage) for term in load_task(loaded, task, team=True).observations)
-    found = load_hyperparameters(
-        algorithm, environment_id(scenario), images=images, file=hyperparameters, overrides=overrides
-    )
-    return Settings(named, algorithm, seed, None if task is None else lasting(task), found, loaded.parameters, strict)
-
-
-def settings_to_resume(run: Run, asked: Settings, steps: int | None, team: str | None = None) -> Settings:
-    """Return the settings that a run began with, which later changes of the shipped files leave alone.
-
-    Raises:
-        IrsimGymError: The run in the folder is for something else.
-    """
-    begun = run.settings()
-    names = ("scenario", "parameters", "algorithm", "seed", "task")
-    pairs = {name: (getattr(begun, name), getattr(asked, name)) for name in names}
-    if steps is not None:
-        pairs["steps"] = (begun.hyperparameters.n_timesteps, steps)
-    if team is not None:
-        pairs["team"] = (begun.hyperparameters.team, team)
-    other = [f"{name} {old} (asked for: {new})" for name, (old, new) in pairs.items() if old != new]
-    if other:
-        found = ", ".join(other)
-        raise IrsimGymError(
-            f"{run.folder} holds a run with {found}: its schedule cannot change midway; name another folder by --out"
-        )
-    return begun
-
-
 def run_training(
-    scenario: str,
-    algorithm: str,
-    seed: int,
-    steps: int | None,
-    task: str | None,
-    out: Path | None,
-    hyperparameters: Path | None,
-    resume: bool,
-    dev_levels: int,
-    team: str | None = None,
-    parameters: Parameters = None,
-    strict: bool = True,
+    asked: Asked, out: Path | None = None, *, resume: bool = False, overwrite: bool = False, dev_levels: int = 1000
 ) -> Run:
-    """Train, score the checkpoints and say what came out."""
+    """Train, score the checkpoints and say what came out.
+
+    Args:
+        asked: What is trained.
+        out: Folder of the run; None for one whose name tells what is trained.
+        resume: Go on with the run in the folder.
+        overwrite: Begin anew in the place of the run in the folder.
+        dev_levels: Levels of ``dev`` for each checkpoint; 0 scores none.
+    """
+    if resume and overwrite:
+        raise IrsimGymError("--resume goes on with a run and --overwrite begins anew: give one of them")
     console = Console(stderr=True)
-    settings = new_settings(scenario, algorithm, seed, steps, task, hyperparameters, team, parameters, strict)
-    run = Run(out or default_folder(scenario, algorithm, seed, parameters, settings.hyperparameters.team))
+    settings = asked.settings()
+    folder, said = (out, "") if out is not None else asked.place(settings, resume, overwrite)
+    run = Run(folder)
     if resume and run.exists():
-        settings = settings_to_resume(run, settings, steps, team)
+        settings = asked.to_resume(run, settings)
     elif resume:
         console.print(f"no run in {run.folder} to go on with: a new one begins", **PLAIN)
+    if said:
+        console.print(said, **PLAIN)
     named = with_parameters(settings.scenario, settings.parameters)
     what = f"{settings.algorithm.upper()} on {named}, seed {settings.seed}"
-    console.print(f"training {what}, in {run.folder}", **PLAIN)
-    if settings.hyperparameters.team is not None and _team_size(settings) == 1:
-        console.print("note: this team has one robot; --team is for several", **PLAIN)
+    after = "" if settings.origin is None else f", from {settings.origin['policy']}"
+    console.print(f"training {what}{after}, in {run.folder}", **PLAIN)
+    for note in _notes(settings):
+        console.print(f"note: {note}", **PLAIN)
+    how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": asked.device, "console": console}
     try:
         with ctrl_c_told("stopped at once; what the newest checkpoint holds is kept"):
-            train(settings, run.folder, resume=resume, console=console)
+            train(settings, run.folder, **how)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(f"{stop}. Go on with the same command and --resume.", stop.signal) from None
     if dev_levels:
@@ -119,6 +70,16 @@ def run_training(
         print_table(marks_table(points))
     print(f"policy: {run.policy}")
     return run
+
+
+def _notes(settings: Settings) -> Iterator[str]:
+    """Yield what is allowed but hardly meant."""
+    wanted = settings.hyperparameters
+    if wanted.team is not None and _team_size(settings) == 1:
+        yield "this team has one robot; --team is for several"
+    starts = wanted.arguments.get("learning_starts", 0)
+    if starts >= wanted.n_timesteps:
+        yield f"nothing is learned: learning_starts is {starts:,}, and the run has {wanted.n_timesteps:,} steps"
 
 
 def _team_size(settings: Settings) -> int:
@@ -152,12 +113,20 @@ def run_evaluation(
     parameters: Parameters = None,
     team: bool = False,
     strict: bool = True,
+    overwrite: bool = False,
 ) -> Evaluation | TeamEvaluation:
-    """Evaluate policies, of one robot or of teams, print the table and write the files."""
+    """Evaluate policies, of one robot or of teams, print the table and write the files.
+
+    Raises:
+        IrsimGymError: There is nothing to evaluate, or ``out`` holds results already.
+    """
     if not policies and not references:
         raise IrsimGymError("nothing to evaluate: name a policy, or leave the reference rows on")
     parameters = remembered_parameters(scenario, policies, parameters, strict=strict)
-    folder = out or evaluation_folder(scenario, split, parameters, team)
+    if out is not None and has_results(out) and not overwrite:
+        raise IrsimGymError(f"{out} holds results: name another folder by --out, or replace them by --overwrite")
+    folder = out or evaluation_folder(scenario, split, parameters, team, overwrite=overwrite)
+    tell_changes(scenario, policies, task, strict=strict)
     evaluated = evaluate_team_policies if team else evaluate_policies
     found = evaluated(
         scenario,
@@ -201,6 +170,7 @@ def run_rollout(
     if team and record is not None:
         raise IrsimGymError("--record keeps what one robot sees and does: leave --team out")
     used = remembered_parameters(scenario, [policy], parameters, strict=strict)
+    tell_changes(scenario, [policy], task, strict=strict)
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
     if team:
         of_teams = evaluate_team_policies(scenario, [policy], levels=levels, references=False, **chosen)
@@ -253,6 +223,7 @@ def run_record(
     from irsim_gym.training.record import record_film, record_html, record_sheet
 
     used = remembered_parameters(scenario, policies, parameters, strict=strict)
+    tell_changes(scenario, policies, task, strict=strict)
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
     chosen |= {"team": team, "backend": backend}
     asked_by_name = out is not None and out.suffix.lower() == ".html"

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource
+from irsim_gym.errors import ChangedScenarioWarning
 from irsim_gym.training.evaluate import WORLDS, Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.policies import Source
+from irsim_gym.training.remembered import change_told, changes_since
 
 
 def evaluate(
@@ -31,7 +34,8 @@ def evaluate(
     A policy is a function, a model of Stable-Baselines3, a ``policy.zip``, the folder of a run, a name such as
     ``"dash"``, or an ``irsim_gym.evaluation.policy.Policy``, if it has a memory. A function gets what the environment
     observes, stacked for n robots (float32 ``(n, n_features)``, or a dict of such arrays), and returns the actions of
-    ``env.step``, ``(n, action_dim)`` or ``(n,)``.
+    ``env.step``, ``(n, action_dim)`` or ``(n,)``. A ``ChangedScenarioWarning`` tells of a scenario that
+    has changed since a run was trained in it.
 
     Args:
         scenario: Shipped name, id, path of a YAML file, plain data or a loaded scenario.
@@ -56,6 +60,7 @@ def evaluate(
     sources: Any = list(policies.values()) if isinstance(policies, Mapping) else policies
     if not isinstance(sources, Sequence) or isinstance(sources, str):
         sources = [sources]
+    _warn_of_changes(scenario, sources, task, strict)
     evaluated = evaluate_team_policies if team else evaluate_policies
     return evaluated(
         scenario,
@@ -70,3 +75,13 @@ def evaluate(
         parameters=parameters,
         strict=strict,
     )
+
+
+def _warn_of_changes(scenario: ScenarioSource, sources: Sequence[Source], task: TaskSource, strict: bool) -> None:
+    """Warn whoever called ``evaluate`` of a scenario that is not what it was when policies were trained in it."""
+    if not isinstance(scenario, str | Path) or not isinstance(task, str | Path | None):
+        return
+    for source in sources:
+        found = changes_since(scenario, source, task, strict=strict) if isinstance(source, str | Path) else []
+        if found:
+            warnings.warn(change_told(scenario, str(source), found), ChangedScenarioWarning, stacklevel=3)

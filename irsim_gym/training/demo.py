@@ -8,8 +8,8 @@ from pathlib import Path
 from rich.console import Console
 
 from irsim_gym.evaluation.tables import write_bytes
+from irsim_gym.training.asked import Asked
 from irsim_gym.training.checkpoint import NORMALIZATION
-from irsim_gym.training.commands import new_settings, settings_to_resume
 from irsim_gym.training.evaluate import evaluate_policies
 from irsim_gym.training.record import record_film
 from irsim_gym.training.run import Run
@@ -48,9 +48,10 @@ def run_demo(
 
 def _stages(folder: Path, scenario: str, steps: int | None, levels: int, seed: int) -> None:
     screen, run = Console(stderr=True), Run(folder / "run")
-    settings = new_settings(scenario, "ppo", seed, steps, None, None)
+    asked = Asked(scenario, "ppo", seed, steps)
+    settings = asked.settings()
     if run.exists():
-        settings = settings_to_resume(run, settings, steps)
+        settings = asked.to_resume(run, settings)
     _say(screen, 1, f"training PPO on {scenario}, {settings.hyperparameters.n_timesteps:,} steps", run.finished())
     try:
         train(settings, run.folder, resume=True, console=screen)

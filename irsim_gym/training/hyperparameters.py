@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from irsim_gym.errors import IrsimGymError, suggestion
+from irsim_gym.training.algorithm_options import ACTIVATIONS
+from irsim_gym.training.algorithms import find_algorithm
+from irsim_gym.training.hyperparameter_files import read_hyperparameters
 
-ALGORITHMS = ("ppo", "sac", "recurrent_ppo")
 TEAM_MODES = ("episode", "respawn")
 PACKAGE = Path(__file__).parent.parent
 
@@ -44,6 +44,7 @@ class Hyperparameters:
         checkpoint_every: Steps between checkpoints.
         reward_scale: Factor on the rewards that the algorithm sees.
         normalize: Arguments of ``VecNormalize``; None to go without.
+        device: Where the networks are: ``"cpu"``, ``"auto"``, ``"cuda"``, ``"cuda:1"`` or ``"mps"``.
         arguments: The algorithm's own arguments, as plain data.
     """
 
@@ -54,6 +55,7 @@ class Hyperparameters:
     checkpoint_every: int = 100_000
     reward_scale: float = 1.0
     normalize: Mapping[str, Any] | None = None
+    device: str = "cpu"
     arguments: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
@@ -81,8 +83,13 @@ class Hyperparameters:
         return {**data, **arguments}
 
     def algorithm_arguments(self) -> dict[str, Any]:
-        """Return the arguments with schedules and activation functions made from their names."""
+        """Return the arguments with schedules and activation functions made from their names.
+
+        ``action_noise`` stays a number, because the noise of Stable-Baselines3 has as many components as the action.
+        """
         arguments = {name: _schedule(value) for name, value in self.arguments.items()}
+        if isinstance(arguments.get("train_freq"), list):
+            arguments["train_freq"] = tuple(arguments["train_freq"])
         policy = dict(arguments.get("policy_kwargs") or {})
         if isinstance(policy.get("activation_fn"), str):
             policy["activation_fn"] = _activation(policy["activation_fn"])
@@ -96,10 +103,9 @@ def _schedule(value: Any) -> Any:
 def _activation(name: str) -> Any:
     from torch import nn
 
-    known = {"relu": nn.ReLU, "tanh": nn.Tanh, "elu": nn.ELU, "silu": nn.SiLU}
-    if name not in known:
-        raise IrsimGymError(f"no activation function named '{name}'{suggestion(name, known)}")
-    return known[name]
+    if name not in ACTIVATIONS:
+        raise IrsimGymError(f"no activation function named '{name}'{suggestion(name, ACTIVATIONS)}")
+    return getattr(nn, ACTIVATIONS[name])
 
 
 def hyperparameters_folder() -> Path:
@@ -119,28 +125,40 @@ def load_hyperparameters(
     """Read the hyper-parameters of an algorithm for an environment.
 
     Args:
-        algorithm: ``"ppo"``, ``"sac"`` or ``"recurrent_ppo"``.
+        algorithm: One of ``algorithms.ALGORITHMS``, e.g. ``"ppo"``.
         environment_id: E.g. ``"irsim_gym/cluttered_room-v0"``; one that is not in the file gets the default.
         images: Observations hold pictures; where the algorithm has a file for these, ``ALGORITHM_images.yaml``, it is
-            read in place of the other.
+            read in place of the other. The networks are then on a graphics card where there is one, unless ``device``
+            says otherwise.
         file: A file of one's own in place of the shipped one.
         overrides: Values that replace those of the file.
 
     Raises:
-        IrsimGymError: No such algorithm or file, or the file is not a mapping of mappings.
+        ScenarioError: The file cannot be used; the error lists every problem with its line.
+        UnknownNameError: No such algorithm.
+        IrsimGymError: The algorithm is not installed.
     """
-    if algorithm not in ALGORITHMS:
-        near = suggestion(algorithm, ALGORITHMS)
-        raise IrsimGymError(f"no algorithm named '{algorithm}'{near}; there are {', '.join(ALGORITHMS)}")
-    path = file or _shipped(algorithm, images)
-    try:
-        content = yaml.safe_load(path.read_text())
-    except (OSError, yaml.YAMLError) as error:
-        raise IrsimGymError(f"cannot read the hyper-parameters {path}: {error}") from error
-    if not isinstance(content, dict) or not all(isinstance(entry, dict) for entry in content.values()):
-        raise IrsimGymError(f"{path}: expected one mapping of hyper-parameters per environment id")
-    chosen = {**content.get("default", {}), **content.get(environment_id, {}), **(overrides or {})}
-    return Hyperparameters.from_plain(chosen)
+    given = dict(overrides or {})
+    stated = stated_hyperparameters(algorithm, environment_id, images=images, file=file, given=given)
+    usual = {"device": "auto"} if images else {}
+    return Hyperparameters.from_plain({**usual, **stated, **given})
+
+
+def stated_hyperparameters(
+    algorithm: str, environment_id: str, *, images: bool = False, file: Path | None = None, given: Iterable[str] = ()
+) -> dict[str, Any]:
+    """Return what stands in a hyper-parameter file for an environment; see ``load_hyperparameters``.
+
+    Args:
+        algorithm: The algorithm.
+        environment_id: The entry that is laid over the default.
+        images: Observations hold pictures.
+        file: A file of one's own in place of the shipped one.
+        given: Keys that are given elsewhere, so that the file need not have them.
+    """
+    chosen = find_algorithm(algorithm)
+    chosen.load()
+    return read_hyperparameters(file or _shipped(algorithm, images), chosen, environment_id, given)
 
 
 def _shipped(algorithm: str, images: bool) -> Path:

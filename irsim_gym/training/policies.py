@@ -14,7 +14,6 @@ import numpy as np
 from gymnasium import Space
 from gymnasium.spaces import Dict, Discrete
 from numpy.typing import NDArray
-from stable_baselines3 import A2C, DQN, PPO, SAC, TD3
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.preprocessing import is_image_space, is_image_space_channels_first
 from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
@@ -25,6 +24,7 @@ from irsim_gym.errors import IrsimGymError, suggestion
 from irsim_gym.evaluation.policy import ObservationPolicy, Policy, by_world, percepts
 from irsim_gym.evaluation.reference_policies import REFERENCES, reference_policy
 from irsim_gym.tasks import Episodes
+from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint import NORMALIZATION, POLICY, newest_checkpoint
 from irsim_gym.training.run import Run
 from irsim_gym.training.trusted import harmless_objects, load_pickle
@@ -36,8 +36,8 @@ CHUNK = 64
 """Rows of one pass through the network: always as many, since sums may be rounded otherwise in another size."""
 
 
-OFF_POLICY: dict[str, type[BaseAlgorithm]] = {"sac": SAC, "td3": TD3, "dqn": DQN}
-"""Algorithms by the part of Stable-Baselines3 in which the classes of their policies are."""
+OFF_POLICY = ("sac", "td3", "tqc", "dqn")
+"""Algorithms that are called like the module in which the classes of their policies are."""
 
 
 class SavedPolicy:
@@ -82,10 +82,10 @@ class SavedPolicy:
             ("observations", model.observation_space, observed),
             ("actions", model.action_space, acted),
         ):
-            if _form(learnt) not in (_form(here), _form(_channels_first(here))):
+            if form_of(learnt) not in (form_of(here), form_of(_channels_first(here))):
                 raise IrsimGymError(
-                    f"the policy was trained with {what} {_form(learnt)}, but those of task '{episodes.task.name}' in "
-                    f"'{episodes.simulation.scenario.name}' are {_form(here)}"
+                    f"the policy was trained with {what} {form_of(learnt)}, but those of task '{episodes.task.name}' "
+                    f"in '{episodes.simulation.scenario.name}' are {form_of(here)}"
                 )
 
     def _chunk(self, seen: Any, slots: Ints) -> NDArray[Any]:
@@ -118,10 +118,10 @@ def _channels_first(space: Space[Any]) -> Space[Any]:
     return VecTransposeImage.transpose_space(space) if is_picture else space  # type: ignore[arg-type]
 
 
-def _form(space: Space[Any]) -> str:
+def form_of(space: Space[Any]) -> str:
     """Return what a space has to have in common with another one, in words."""
     if isinstance(space, Dict):
-        return ", ".join(f"{name} {_form(part)}" for name, part in space.spaces.items())
+        return ", ".join(f"{name} {form_of(part)}" for name, part in space.spaces.items())
     return f"from 0 to {space.n - 1}" if isinstance(space, Discrete) else f"of shape {space.shape}"
 
 
@@ -155,6 +155,20 @@ def load_policy(source: Source) -> Policy:
         raise TypeError(f"a policy is a function, a model, a file or a name, got {type(source).__name__}")
     if str(source) in REFERENCES:
         return reference_policy(str(source))
+    path = policy_file(source)
+    model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
+    return SavedPolicy(model, _normalization(path.parent / NORMALIZATION))
+
+
+def policy_file(source: str | Path) -> Path:
+    """Return the file of a policy.
+
+    Args:
+        source: The file itself, or a run's folder: its policy, or the newest checkpoint's if it is not finished.
+
+    Raises:
+        IrsimGymError: There is none.
+    """
     path = Path(source)
     if path.is_dir():
         newest = newest_checkpoint(Run(path).checkpoints)
@@ -164,8 +178,7 @@ def load_policy(source: Source) -> Policy:
         raise IrsimGymError(
             f"no policy at {source}{near}; give a .zip, a run's folder, or one of {', '.join(REFERENCES)}"
         )
-    model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
-    return SavedPolicy(model, _normalization(path.parent / NORMALIZATION))
+    return path
 
 
 def policy_names(sources: Sequence[Source]) -> list[str]:
@@ -194,17 +207,9 @@ def _algorithm(path: Path) -> type[BaseAlgorithm]:
         raise IrsimGymError(f"{path} is no policy of Stable-Baselines3: {error}") from error
     module = str(data["policy_class"].get("__module__", ""))
     if "recurrent" in module:
-        return _recurrent(path)
-    off_policy = next((algorithm for name, algorithm in OFF_POLICY.items() if f".{name}." in module), None)
-    return off_policy or (PPO if "clip_range" in data else A2C)
-
-
-def _recurrent(path: Path) -> type[BaseAlgorithm]:
-    try:
-        from sb3_contrib import RecurrentPPO
-    except ImportError as error:
-        raise IrsimGymError(f"{path} is a recurrent policy: pip install sb3-contrib") from error
-    return RecurrentPPO
+        return find_algorithm("recurrent_ppo").load()
+    off_policy = next((name for name in OFF_POLICY if f".{name}." in module), None)
+    return find_algorithm(off_policy or ("ppo" if "clip_range" in data else "a2c")).load()
 
 
 def _normalization(path: Path) -> VecNormalize | None:

@@ -1,4 +1,4 @@
-"""The parameters that runs were trained with, for commands that are given their policies."""
+"""What runs were trained with, for commands that are given their policies: parameters, and the scenario itself."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.reference_policies import REFERENCES
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.training.run import Run, lasting, scenario_name
+from irsim_gym.training.snapshot import differences, listed, take_snapshot
 
 
 def remembered_parameters(
@@ -45,9 +47,58 @@ def remembered_parameters(
     return {**asked, **used}
 
 
+def changes_since(
+    scenario: str | Path, source: str | Path, task: str | Path | None = None, *, strict: bool = True
+) -> list[str]:
+    """Return what has changed in a scenario and its task since a run was trained in it.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        source: A run's folder, or a policy in it. Nothing is known of other policies, nor of another scenario's.
+        task: Shipped name or path of a task; that of the run is compared where it is the same one.
+        strict: False ignores keys that nobody reads.
+    """
+    run = _run_of(source)
+    before = run.snapshot()
+    if before is None or str(source) in REFERENCES:
+        return []
+    settings = run.settings()
+    named = lasting(scenario_name(str(scenario)))
+    if settings.scenario != named or settings.task != (None if task is None else lasting(str(task))):
+        return []
+    try:
+        now = take_snapshot(named, settings.task, settings.parameters, strict=strict)
+    except IrsimGymError as error:
+        return [f"it cannot be read with the run's parameters: {str(error).splitlines()[0]}"]
+    return differences(before, now)
+
+
+def tell_changes(scenario: str, sources: Sequence[str | Path], task: str | None = None, *, strict: bool = True) -> None:
+    """Say on standard error where a scenario is not what it was when the policies were trained, a line for each run."""
+    for source in sources:
+        found = changes_since(scenario, source, task, strict=strict)
+        if found:
+            _say(change_told(scenario, source, found))
+
+
+def change_told(scenario: str | Path, source: str | Path, found: list[str]) -> str:
+    """Return what is said of a scenario that has changed."""
+    run = _run_of(source)
+    copied = run.snapshot()
+    assert copied is not None
+    return f"{scenario} has changed since {source} was trained: {listed(found)}. As it was: {run.copy / copied.file}"
+
+
+def _run_of(source: str | Path) -> Run:
+    """Return the run that a policy is from: its folder, the one with its file, or that of its checkpoint."""
+    path = Path(source)
+    folder = path if path.is_dir() else path.parent
+    return Run(folder.parent.parent if folder.parent.name == "checkpoints" else folder)
+
+
 def _trained_with(scenario: str, source: Path) -> dict[str, Any]:
     """Return the parameters of the run that a policy is from; none where that is unknown or another scenario's."""
-    run = Run(source if source.is_dir() else source.parent)
+    run = _run_of(source)
     try:
         settings = json.loads(run.config.read_text())["settings"]
         same = settings["scenario"] == lasting(scenario_name(scenario))

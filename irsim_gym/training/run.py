@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import os
 import platform
-import re
+import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -16,8 +16,13 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import write_json
 from irsim_gym.scenario.library import SUFFIXES
 from irsim_gym.training.hyperparameters import Hyperparameters
+from irsim_gym.training.snapshot import Snapshot, read_snapshot, take_snapshot
 
 SEED_STRIDE = 1_000_000
+FILES = ("policy.zip", "vecnormalize.pkl", "training.csv", "curve.json", "curve.csv", "curve.png", "config.json")
+"""Files that a run writes; the settings are the last to go."""
+FOLDERS = ("checkpoints", "tensorboard", "scenario")
+"""Folders that a run writes."""
 
 
 @dataclass(frozen=True)
@@ -26,12 +31,13 @@ class Settings:
 
     Attributes:
         scenario: Shipped name, or path of a scenario file.
-        algorithm: ``"ppo"``, ``"sac"`` or ``"recurrent_ppo"``.
+        algorithm: One of ``algorithms.ALGORITHMS``, e.g. ``"ppo"``.
         seed: Seed of the networks, the exploration and the choice of levels.
         task: Shipped name or path of a task; None for the scenario's own.
         hyperparameters: How it is trained.
         parameters: Values of the scenario's parameters by name.
         strict: Keys of the scenario that nobody reads are errors.
+        origin: The policy that it went on from: ``policy``, its file, and ``sha256`` of that; None for fresh weights.
     """
 
     scenario: str
@@ -41,6 +47,11 @@ class Settings:
     hyperparameters: Hyperparameters
     parameters: Mapping[str, Any] = field(default_factory=dict)
     strict: bool = True
+    origin: Mapping[str, str] | None = None
+
+    def snapshot(self) -> Snapshot:
+        """Return the scenario and its task as they are now."""
+        return take_snapshot(self.scenario, self.task, self.parameters, strict=self.strict)
 
     @property
     def first_level(self) -> int:
@@ -57,6 +68,7 @@ class Settings:
             "task": self.task,
             "hyperparameters": self.hyperparameters.to_plain(),
             **({} if self.strict else {"strict": False}),
+            **({} if self.origin is None else {"from": dict(self.origin)}),
         }
 
     @classmethod
@@ -65,7 +77,7 @@ class Settings:
         values = {name: data[name] for name in ("scenario", "algorithm", "seed", "task")}
         wanted = Hyperparameters.from_plain(data["hyperparameters"])
         others = {"parameters": data.get("parameters", {}), "strict": data.get("strict", True)}
-        return cls(**values, hyperparameters=wanted, **others)
+        return cls(**values, hyperparameters=wanted, origin=data.get("from"), **others)
 
 
 @dataclass(frozen=True)
@@ -78,6 +90,11 @@ class Run:
     def config(self) -> Path:
         """The settings and the versions they ran with."""
         return self.folder / "config.json"
+
+    @property
+    def copy(self) -> Path:
+        """The folder with a copy of the scenario and its task."""
+        return self.folder / "scenario"
 
     @property
     def checkpoints(self) -> Path:
@@ -113,9 +130,46 @@ class Run:
         except (OSError, ValueError, KeyError) as error:
             raise IrsimGymError(f"{self.folder} holds no training run: {error}") from error
 
-    def begin(self, settings: Settings) -> None:
-        """Write the settings down."""
-        write_json(self.config, {"settings": settings.to_plain(), "machine": machine()})
+    def begin(self, settings: Settings, now: Snapshot | None = None) -> None:
+        """Write down the settings, and a copy of the scenario and its task.
+
+        Args:
+            settings: What the run trains.
+            now: The scenario and its task; None to look at them.
+        """
+        now = now or settings.snapshot()
+        now.write(self.copy)
+        copied = {"file": now.file, "sha256": now.digest}
+        write_json(self.config, {"settings": settings.to_plain(), "copy": copied, "machine": machine()})
+
+    def snapshot(self) -> Snapshot | None:
+        """Return the scenario and its task as they were when the run began; None for runs that kept no copy."""
+        try:
+            file = json.loads(self.config.read_text())["copy"]["file"]
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+        return read_snapshot(self.copy, file)
+
+    def own_settings(self) -> Settings:
+        """Return the settings with the run's own copy of its scenario, if it has one, in the place of the scenario."""
+        settings, copied = self.settings(), self.snapshot()
+        if copied is None:
+            return settings
+        return replace(settings, scenario=str((self.copy / copied.file).resolve()), task=None, parameters={})
+
+    def clear(self) -> None:
+        """Remove what a run writes; files that are not its own stay.
+
+        Raises:
+            IrsimGymError: There is no run in the folder.
+        """
+        self.settings()
+        for name in (*FOLDERS, *FILES):
+            path = self.folder / name
+            if path.is_dir() and not path.is_symlink():
+                shutil.rmtree(path)
+            else:
+                path.unlink(missing_ok=True)
 
 
 def scenario_name(scenario: str) -> str:
@@ -133,32 +187,6 @@ def environment_id(scenario: str) -> str:
 def lasting(source: str) -> str:
     """Make the path of a file absolute, so that a run can be resumed from another folder."""
     return str(Path(source).resolve()) if Path(source).suffix in SUFFIXES else source
-
-
-def default_folder(
-    scenario: str,
-    algorithm: str,
-    seed: int,
-    parameters: Mapping[str, Any] | None = None,
-    team: str | None = None,
-) -> Path:
-    """Return the folder of a run that was given none."""
-    mode = "" if team is None else f"-{team}"
-    return Path("runs") / f"{labelled(scenario, parameters)}-{algorithm}{mode}-{seed}"
-
-
-def evaluation_folder(
-    scenario: str, split: str, parameters: Mapping[str, Any] | None = None, team: bool = False
-) -> Path:
-    """Return the folder of an evaluation that was given none."""
-    whose = "-team" if team else ""
-    return Path("runs") / f"evaluation-{labelled(scenario, parameters)}{whose}-{split}"
-
-
-def labelled(scenario: str, parameters: Mapping[str, Any] | None = None) -> str:
-    """Return the name of a scenario with its given parameters, as part of a file's name."""
-    given = "".join(f"-{name}={value}" for name, value in (parameters or {}).items())
-    return re.sub(r"[^\w.=-]", "_", f"{Path(scenario_name(scenario)).stem}{given}")
 
 
 def machine() -> dict[str, Any]:

@@ -45,12 +45,13 @@ def score_run(run: Run, *, levels: int = DEV_LEVELS, console: Console | None = N
     waiting = [path for path in list_checkpoints(run.checkpoints) if int(path.name) not in points]
     if waiting:
         is_team = settings.hyperparameters.team is not None
+        own = run.own_settings()
         episodes = make_episodes(
-            settings.scenario,
-            task=settings.task,
+            own.scenario,
+            task=own.task,
             n_worlds=max(1, min(WORLDS, levels)),
-            parameters=settings.parameters,
-            strict=settings.strict,
+            parameters=own.parameters,
+            strict=own.strict,
             team=is_team,
         )
         screen, optima = console or Console(stderr=True), Optima("dev")

@@ -4,30 +4,27 @@ from __future__ import annotations
 
 import shutil
 import signal
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import torch
-from gymnasium import Space
-from gymnasium.spaces import Dict
 from rich.console import Console
-from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
-from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
-from stable_baselines3.common.preprocessing import is_image_space
 
-from irsim_gym.envs.sb3 import buffers_for
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import remove_leftovers, write_bytes, write_csv
 from irsim_gym.training import checkpoint as files
-from irsim_gym.training.environment import build_environment, compile_kernels, restore_worlds
+from irsim_gym.training.environment import compile_kernels
+from irsim_gym.training.fine_tuning import take_weights
+from irsim_gym.training.folders import replaceable, setting_differences
+from irsim_gym.training.models import device_of, new_model, restored_model
 from irsim_gym.training.run import Run, Settings
+from irsim_gym.training.snapshot import Snapshot, differences, listed
 from irsim_gym.training.watch import StopLearningError, StopRequest, Watch
 
-CLASSES: dict[str, type[BaseAlgorithm]] = {"ppo": PPO, "sac": SAC}
 WRITTEN = ("config.json", "training.csv", files.NORMALIZATION, "policy.zip", "curve.json", "curve.csv", "curve.png")
 """Files in a run's folder that are written under another name first."""
 LOG_COLUMNS = ("steps", "training_seconds", "episode_return", "episode_steps", "success", "idle_share")
@@ -58,24 +55,50 @@ def ctrl_c_told(message: str) -> Iterator[None]:
         raise TrainingInterruptedError(message, signal.SIGINT) from None
 
 
-def train(settings: Settings, folder: Path, *, resume: bool = False, console: Console | None = None) -> Run:
+def train(
+    settings: Settings,
+    folder: Path,
+    *,
+    resume: bool = False,
+    overwrite: bool = False,
+    device: str | None = None,
+    console: Console | None = None,
+) -> Run:
     """Train an agent and leave checkpoints, logs and the final policy in ``folder``.
 
     A finished run is left as it is. A run that was interrupted goes on from its newest checkpoint with ``resume``;
-    for PPO the result equals that of a run that was never interrupted.
+    for PPO the result equals that of a run that was never interrupted. It goes on with its own copy of the scenario,
+    and says so where the scenario has changed. Nothing is written before the model is made.
+
+    Args:
+        settings: What is trained.
+        folder: The run's folder.
+        resume: Go on with the run in the folder.
+        overwrite: Begin anew in the place of the run in the folder.
+        device: Where the networks are this time; None for what the settings say.
+        console: Where progress is shown; None for standard error.
 
     Raises:
         IrsimGymError: The folder holds another run, or one that should be resumed.
         TrainingInterruptedError: Ctrl-C or SIGTERM; a checkpoint was written.
     """
     run, screen = Run(folder), console or Console(stderr=True)
-    _open(run, settings, resume)
-    if run.finished():
+    now = settings.snapshot()
+    if overwrite:
+        replaceable(run)
+    elif run.exists():
+        _check(run, settings, now, resume, screen)
+    goes_on = run.exists() and not overwrite
+    if goes_on and run.finished():
+        _tidy(run)
         return run
-    torch.set_num_threads(settings.hyperparameters.torch_threads)
-    compile_kernels(settings)
-    newest = files.newest_checkpoint(run.checkpoints)
-    model, progress = _new(settings) if newest is None else _restored(settings, newest)
+    used = run.own_settings() if goes_on else settings
+    model, progress = _model(used, files.newest_checkpoint(run.checkpoints) if goes_on else None, device)
+    if not goes_on:
+        if run.exists():
+            run.clear()
+        run.begin(settings, now)
+    _tidy(run)
     try:
         _learn(run, settings, model, progress, screen)
     finally:
@@ -86,80 +109,40 @@ def train(settings: Settings, folder: Path, *, resume: bool = False, console: Co
     return run
 
 
-def _open(run: Run, settings: Settings, resume: bool) -> None:
-    """Begin a run, or make sure that the one in the folder is the same; what it left half written goes."""
-    if not run.exists():
-        run.begin(settings)
-    elif run.settings() != settings:
-        raise IrsimGymError(f"{run.folder} holds a run with other settings; name another folder")
-    elif not resume and not run.finished() and files.list_checkpoints(run.checkpoints):
-        raise IrsimGymError(f"{run.folder} holds an unfinished run; go on with it by --resume or name another folder")
+def _tidy(run: Run) -> None:
+    """Remove what a killed process left half written."""
     for name in WRITTEN:
         remove_leftovers(run.folder / name)
 
 
-def algorithm_class(settings: Settings) -> type[BaseAlgorithm]:
-    """Return the algorithm of a run, one that leaves out waiting robots where a team learns.
-
-    Raises:
-        IrsimGymError: sb3-contrib is not installed.
-    """
-    if settings.algorithm in CLASSES:
-        return CLASSES[settings.algorithm]
-    try:
-        from sb3_contrib import RecurrentPPO
-
-        from irsim_gym.envs.sb3_recurrent import MaskedRecurrentPPO
-    except ImportError as error:
-        raise IrsimGymError("recurrent PPO needs sb3-contrib: pip install irsim_gym[recurrent]") from error
-    return RecurrentPPO if settings.hyperparameters.team is None else MaskedRecurrentPPO
+def _check(run: Run, settings: Settings, now: Snapshot, resume: bool, screen: Console) -> None:
+    """Make sure that the run in the folder is the one that is asked for, and may be gone on with."""
+    before = run.snapshot()
+    changed = [] if before is None else differences(before, now)
+    found = [*setting_differences(run.settings(), settings), *([] if resume else changed)]
+    ways = "name another folder by --out, or begin anew by --overwrite"
+    if found:
+        raise IrsimGymError(f"{run.folder} holds a run with other settings ({listed(found)}); {ways}")
+    if not resume and not run.finished() and files.list_checkpoints(run.checkpoints):
+        raise IrsimGymError(f"{run.folder} holds an unfinished run; go on with it by --resume, {ways}")
+    if changed:
+        told = f"the scenario has changed since this run began ({listed(changed)}); it keeps to its copy, {run.copy}"
+        screen.print(told, markup=False, highlight=False, soft_wrap=True)
 
 
-def network(space: Space[Any]) -> str:
-    """Return what Stable-Baselines3 calls the networks for a space of observations."""
-    if isinstance(space, Dict):
-        return "MultiInput"
-    return "Cnn" if is_image_space(space) else "Mlp"
-
-
-def for_dicts(policy: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a policy as one for dicts calls them: ``features_dim`` is that of each picture there."""
-    given = dict(policy.get("features_extractor_kwargs") or {})
-    if "features_dim" not in given or "features_extractor_class" in policy:
-        return dict(policy)
-    given["cnn_output_dim"] = given.pop("features_dim")
-    return {**policy, "features_extractor_kwargs": given}
-
-
-def _new(settings: Settings) -> tuple[BaseAlgorithm, files.Progress]:
-    env = build_environment(settings)
-    arguments = settings.hyperparameters.algorithm_arguments()
-    algorithm = algorithm_class(settings)
-    policy = f"{network(env.observation_space)}{'Lstm' * (settings.algorithm == 'recurrent_ppo')}Policy"
-    if policy.startswith("MultiInput"):
-        arguments["policy_kwargs"] = for_dicts(arguments["policy_kwargs"])
-    if settings.hyperparameters.team is not None:
-        arguments = {**buffers_for(algorithm, env), **arguments}
-    model = algorithm(arguments.pop("policy", policy), env, seed=settings.seed, device="cpu", **arguments)
-    env.seed(settings.first_level)
+def _model(settings: Settings, newest: Path | None, device: str | None) -> tuple[BaseAlgorithm, files.Progress]:
+    """Return the model that learns, a new one or that of a checkpoint, and how far it is."""
+    if device is not None:
+        settings = replace(settings, hyperparameters=replace(settings.hyperparameters, device=device))
+    torch.set_num_threads(settings.hyperparameters.torch_threads)
+    device_of(settings.hyperparameters.device)
+    compile_kernels(settings)
+    if newest is not None:
+        return restored_model(settings, newest)
+    model = new_model(settings)
+    if settings.origin is not None:
+        take_weights(model, settings)
     return model, files.Progress()
-
-
-def _restored(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, files.Progress]:
-    try:
-        state = files.load_state(newest)
-    except Exception as error:
-        raise IrsimGymError(f"cannot go on from {newest}, perhaps another version wrote it: {error}") from error
-    normalization = newest / files.NORMALIZATION
-    env = build_environment(settings, normalization if normalization.is_file() else None)
-    env = restore_worlds(env, state["worlds"])
-    kind: Any = algorithm_class(settings)
-    model: BaseAlgorithm = kind.load(newest / files.POLICY, env=env, device="cpu", force_reset=False)
-    if isinstance(model, OffPolicyAlgorithm):
-        model.load_replay_buffer(newest / files.REPLAY_BUFFER, truncate_last_traj=False)
-    files.restore_memories(model, state)
-    files.restore_random(model, state)
-    return model, files.load_progress(newest)
 
 
 def _learn(run: Run, settings: Settings, model: BaseAlgorithm, progress: files.Progress, console: Console) -> None:

@@ -53,6 +53,7 @@ HARMLESS: dict[str, frozenset[str]] = {
         "stable_baselines3.td3.policies": "CnnPolicy MultiInputPolicy TD3Policy",
         "sb3_contrib.common.recurrent.policies": "RecurrentActorCriticCnnPolicy RecurrentActorCriticPolicy "
         "RecurrentMultiInputActorCriticPolicy",
+        "sb3_contrib.tqc.policies": "CnnPolicy MultiInputPolicy TQCPolicy",
         "torch.nn.modules.activation": "ELU GELU LeakyReLU ReLU SiLU Sigmoid Tanh",
         "torch.optim.adam": "Adam",
         "torch.optim.adamw": "AdamW",

@@ -224,7 +224,7 @@ def test_train_resume_evaluate_and_record(
     monkeypatch.chdir(tmp_path)
     train = ["train", "empty_goal", "--steps", "16384", "--dev-levels", "3"]
     assert run(monkeypatch, *train) == 0
-    folder = tmp_path / "runs" / "empty_goal-ppo-0"
+    folder = tmp_path / "runs" / "empty_goal-ppo-steps=16384-0"
     assert {file.name for file in folder.glob("curve.*")} == {"curve.csv", "curve.json", "curve.png"}
     assert "end:" in capsys.readouterr().out
     assert run(monkeypatch, *train, "--resume") == 0
@@ -234,7 +234,7 @@ def test_train_resume_evaluate_and_record(
     lines = Path("evaluation/episodes.csv").read_text().splitlines()
     assert len(lines) == 1 + 3 * 5
     summary = json.loads(Path("evaluation/summary.json").read_text())
-    assert [row["policy"] for row in summary["policies"]] == ["empty_goal-ppo-0", "random", "dash"]
+    assert [row["policy"] for row in summary["policies"]] == ["empty_goal-ppo-steps=16384-0", "random", "dash"]
     assert summary["conditions"]["goal_tolerance"] > 0.0
     table = Path("evaluation/table.txt").read_text()
     assert "empty_goal: 5 test levels" in table

@@ -1,10 +1,15 @@
+import sys
 from pathlib import Path
 
 import pytest
 from torch import nn
+from torch.cuda import is_available as cuda
 
-from irsim_gym.errors import IrsimGymError
-from irsim_gym.training.hyperparameters import ALGORITHMS, Hyperparameters, Linear, load_hyperparameters
+from irsim_gym.errors import IrsimGymError, ScenarioError
+from irsim_gym.training.algorithms import ALGORITHMS
+from irsim_gym.training.asked import Asked
+from irsim_gym.training.hyperparameters import Hyperparameters, Linear, load_hyperparameters
+from irsim_gym.training.models import device_of
 
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
@@ -33,16 +38,107 @@ def test_entry_is_laid_over_the_default(tmp_path: Path) -> None:
     assert (special.arguments["gamma"], special.n_envs, special.normalize) == (0.5, 4, {})
 
 
-def test_mistakes_are_named(tmp_path: Path) -> None:
+COMPLETE = "default: {n_timesteps: 10, n_envs: 2, "
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "text", "line", "said"),
+    [
+        (
+            "ppo",
+            COMPLETE + "leaning_rate: 1e-3}",
+            1,
+            "leaning_rate: unknown key .did you mean 'learning_rate'",
+        ),
+        ("ppo", "default:\n  n_timesteps: 10\n  n_envs: sixteen", 3, "n_envs: must be a whole number, got 'sixteen'"),
+        ("ppo", COMPLETE + "n_steps: 0}", 1, "n_steps: must be >= 1, got 0"),
+        ("ppo", COMPLETE + "learning_rate: linear_0.001}", 1, r"got 'linear_0.001' \(did you mean 'lin_0.001'\?\)"),
+        ("ppo", COMPLETE + "learning_rate: lin_0}", 1, "must be a number > 0, or lin_<number>"),
+        ("ppo", COMPLETE + "gamma: null}", 1, "gamma: must be a number, got nothing"),
+        ("ppo", COMPLETE + "buffer_size: 9}", 1, "buffer_size: is a key of sac, td3, tqc, dqn, not of ppo"),
+        ("ppo", COMPLETE + "ent_coef: auto}", 1, "ent_coef: must be a number, got 'auto'"),
+        ("sac", COMPLETE + "ent_coef: auto_x}", 1, "ent_coef: must be a number, auto or auto_<number>, got 'auto_x'"),
+        ("sac", COMPLETE + "train_freq: [1, episode]}", 1, "train_freq: counts episodes with one world only"),
+        ("ppo", COMPLETE + "batch_size: 1}", 1, "batch_size: makes minibatches of one row"),
+        ("ppo", COMPLETE + "seed: 1}", 1, "seed: is given by --seed"),
+        ("ppo", COMPLETE + "gamma: 0.9, gamma: 0.8}", 1, "gamma: given twice"),
+        ("ppo", COMPLETE + "device: gpu}", 1, r"device: must be auto, cpu, cuda, .* got 'gpu' \(did you mean 'cuda'"),
+        ("ppo", COMPLETE + "normalize: {norm_rewards: true}}", 1, "of VecNormalize .did you mean 'norm_reward'"),
+        ("ppo", COMPLETE + "policy_kwargs: {net_ach: [8]}}", 1, r"policy_kwargs.net_ach: .*\(did you mean 'net_arch'"),
+        ("ppo", COMPLETE + "policy_kwargs: {net_arch: [8, wide]}}", 1, "must be a list of widths of layers"),
+        (
+            "ppo",
+            COMPLETE + "policy_kwargs: {activation_fn: rellu}}",
+            1,
+            "got 'rellu' .did you mean 'relu'",
+        ),
+        ("ppo", COMPLETE + "policy_kwargs: {optimizer_class: Adam}}", 1, "is a class, which a file cannot hold"),
+        ("ppo", COMPLETE + "gamma: 0.9", 1, "not valid YAML"),
+        ("ppo", "gamma: 0.9", 1, "gamma: no entry .it belongs below 'default:'"),
+        ("ppo", "defualt: {n_envs: 2}", 1, "defualt: no entry .did you mean 'default'"),
+        ("ppo", "- 1", 1, r"must be a mapping with the entry 'default', got \[1\]"),
+        ("ppo", "default: {}", 1, "default.n_envs: is required"),
+    ],
+)
+def test_mistakes_are_told_with_line_and_key(algorithm: str, text: str, line: int, said: str, tmp_path: Path) -> None:
+    file = tmp_path / "own.yaml"
+    file.write_text(text)
+    with pytest.raises(ScenarioError, match=rf"own\.yaml:{line} .*{said}"):
+        load_hyperparameters(algorithm, "irsim_gym/x-v0", file=file)
+
+
+def test_all_mistakes_are_told_at_once_those_of_other_entries_too(tmp_path: Path) -> None:
+    file = tmp_path / "own.yaml"
+    file.write_text("default:\n  n_timesteps: 9\n  n_envs: x\n  gama: 1\nirsim_gym/y-v0:\n  batch_size: 0.5\n")
+    with pytest.raises(ScenarioError) as found:
+        load_hyperparameters("ppo", "irsim_gym/x-v0", file=file)
+    assert [problem.line for problem in found.value.problems] == [3, 4, 6]
+
+
+def test_numbers_that_yaml_takes_for_text(tmp_path: Path) -> None:
+    file = tmp_path / "own.yaml"
+    file.write_text(
+        "default: {n_timesteps: 1e6, n_envs: 2.0, learning_rate: 1e-3, policy_kwargs: {optimizer_kwargs: {eps: 1e-5}}}"
+    )
+    found = load_hyperparameters("ppo", "irsim_gym/x-v0", file=file)
+    assert (found.n_timesteps, found.n_envs, found.arguments["learning_rate"]) == (1_000_000, 2, 0.001)
+    assert isinstance(found.n_timesteps, int)
+    assert found.arguments["policy_kwargs"]["optimizer_kwargs"]["eps"] == 1e-5
+
+
+def test_what_there_is_not() -> None:
     with pytest.raises(IrsimGymError, match="did you mean 'ppo'"):
         load_hyperparameters("ppoo", "x")
-    with pytest.raises(IrsimGymError, match="cannot read"):
-        load_hyperparameters("ppo", "x", file=tmp_path / "none.yaml")
-    (tmp_path / "flat.yaml").write_text("gamma: 0.9\n")
-    with pytest.raises(IrsimGymError, match="one mapping"):
-        load_hyperparameters("ppo", "x", file=tmp_path / "flat.yaml")
-    (tmp_path / "empty.yaml").write_text("default: {}\n")
-    with pytest.raises(IrsimGymError, match="lack n_envs, n_timesteps"):
-        load_hyperparameters("ppo", "x", file=tmp_path / "empty.yaml")
+    with pytest.raises(ScenarioError, match="no such file"):
+        load_hyperparameters("ppo", "x", file=Path("none.yaml"))
     with pytest.raises(IrsimGymError, match="activation"):
         Hyperparameters(1, 1, arguments={"policy_kwargs": {"activation_fn": "rellu"}}).algorithm_arguments()
+    if not cuda():
+        with pytest.raises(IrsimGymError, match=r"device cuda: PyTorch \S+ finds none here"):
+            device_of("cuda")
+    assert device_of("cpu") == "cpu"
+    assert device_of("auto") == ("cuda" if cuda() else "cpu")
+
+
+def test_networks_for_pictures_look_for_a_graphics_card() -> None:
+    assert load_hyperparameters("ppo", "x").device == "cpu"
+    assert load_hyperparameters("ppo", "x", images=True).device == "auto"
+    assert load_hyperparameters("ppo", "x", images=True, overrides={"device": "cpu"}).device == "cpu"
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "task", "said"),
+    [
+        ("dqn", None, r"action 'velocity' is continuous: .*--task discrete_navigation.*\(ppo, sac, td3, tqc, a2c"),
+        ("sac", "discrete_navigation", r"action 'discrete' is discrete: .*another algorithm \(ppo, dqn, a2c"),
+    ],
+)
+def test_an_algorithm_that_does_not_fit_the_action(algorithm: str, task: str | None, said: str) -> None:
+    with pytest.raises(IrsimGymError, match=said):
+        Asked("empty_goal", algorithm, 0, None, task, None).settings()
+
+
+def test_an_algorithm_that_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "sb3_contrib", None)
+    with pytest.raises(IrsimGymError, match=r"tqc needs sb3-contrib: pip install irsim_gym\[contrib\]"):
+        load_hyperparameters("tqc", "x")

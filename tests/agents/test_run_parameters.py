@@ -11,10 +11,11 @@ import pytest
 
 from irsim_gym import cli
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.training.commands import new_settings, settings_to_resume
+from irsim_gym.training.asked import Asked
 from irsim_gym.training.environment import make_worlds
+from irsim_gym.training.folders import default_folder, evaluation_folder
 from irsim_gym.training.remembered import remembered_parameters
-from irsim_gym.training.run import Run, Settings, default_folder, evaluation_folder
+from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.worlds import conditions, make_episodes
 
 FILE = """
@@ -38,7 +39,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def asked(file: str, **parameters: Any) -> Settings:
-    return new_settings(file, "ppo", 0, 512, None, None, parameters=parameters)
+    return Asked(file, "ppo", 0, 512, None, None, parameters=parameters).settings()
 
 
 def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
@@ -64,9 +65,10 @@ def test_settings_hold_all_values(file: str) -> None:
 def test_a_run_is_resumed_with_its_own(file: str) -> None:
     run = Run(Path("run"))
     run.begin(asked(file, n_robots=3))
-    assert settings_to_resume(run, asked(file, n_robots="3"), None).parameters["n_robots"] == 3
-    with pytest.raises(IrsimGymError, match=r"parameters \{'n_robots': 3, .* \(asked for: \{'n_robots': 4"):
-        settings_to_resume(run, asked(file, n_robots=4), None)
+    plain = Asked(file, "ppo", steps=512)
+    assert plain.to_resume(run, asked(file, n_robots="3")).parameters["n_robots"] == 3
+    with pytest.raises(IrsimGymError, match=r"run with parameters.n_robots 3, asked for: 4: its .* --from run"):
+        plain.to_resume(run, asked(file, n_robots=4))
 
 
 def test_given_parameters_name_the_folder(file: str) -> None:

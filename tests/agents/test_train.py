@@ -15,9 +15,10 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.training import train as module
 from irsim_gym.training.checkpoint import list_checkpoints, load_progress, newest_checkpoint
 from irsim_gym.training.hyperparameters import Hyperparameters, Linear
+from irsim_gym.training.models import algorithm_class
+from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.run import Run, Settings, environment_id, scenario_name
 from irsim_gym.training.train import TrainingInterruptedError, train
 from irsim_gym.training.watch import Watch
@@ -26,17 +27,26 @@ PPO: dict[str, Any] = {"n_steps": 16, "batch_size": 32, "n_epochs": 2, "learning
 PPO["policy_kwargs"] = {"net_arch": [16], "activation_fn": "relu"}
 SAC: dict[str, Any] = {"learning_starts": 16, "batch_size": 8, "buffer_size": 500, "gradient_steps": 1}
 SAC["policy_kwargs"] = {"net_arch": [16]}
+ARGUMENTS: dict[str, dict[str, Any]] = {
+    "ppo": PPO,
+    "sac": SAC,
+    "td3": {**SAC, "action_noise": 0.2},
+    "tqc": SAC,
+    "dqn": {**SAC, "target_update_interval": 50, "exploration_fraction": 0.9},
+    "a2c": {"n_steps": 16, "learning_rate": "lin_3e-3", "policy_kwargs": {"net_arch": [16]}},
+}
+TASKS = {"dqn": "discrete_navigation"}
 NORMALIZED = {"normalize": {"norm_reward": True}, "reward_scale": 2.0}
 
 
 def settings(algorithm: str = "ppo", **own: Any) -> Settings:
-    arguments = PPO if algorithm == "ppo" else SAC
     steps = {"n_timesteps": 512, "n_envs": 4, "checkpoint_every": 192, **own}
-    return Settings("empty_goal", algorithm, 3, None, Hyperparameters.from_plain({**steps, **arguments}))
+    wanted = Hyperparameters.from_plain({**steps, **ARGUMENTS[algorithm]})
+    return Settings("empty_goal", algorithm, 3, TASKS.get(algorithm), wanted)
 
 
 def weights(run: Run) -> dict[str, torch.Tensor]:
-    model: BaseAlgorithm = module.CLASSES[run.settings().algorithm].load(run.policy, device="cpu")
+    model: BaseAlgorithm = algorithm_class(run.settings()).load(run.policy, device="cpu")
     return model.policy.state_dict()
 
 
@@ -65,7 +75,11 @@ def interrupt(monkeypatch: pytest.MonkeyPatch) -> Callable[[int, int], None]:
     return arrange
 
 
-@pytest.mark.parametrize(("algorithm", "own"), [("ppo", {}), ("ppo", NORMALIZED), ("sac", {}), ("sac", NORMALIZED)])
+@pytest.mark.parametrize(
+    ("algorithm", "own"),
+    [("ppo", {}), ("ppo", NORMALIZED), ("sac", {}), ("sac", NORMALIZED)]
+    + [(name, {}) for name in ("td3", "tqc", "dqn", "a2c")],
+)
 def test_resumed_run_equals_an_uninterrupted_one(
     algorithm: str, own: dict[str, Any], tmp_path: Path, interrupt: Callable[[int, int], None]
 ) -> None:
@@ -83,6 +97,9 @@ def test_resumed_run_equals_an_uninterrupted_one(
     torch.manual_seed(99)
     train(asked, tmp_path / "parts", resume=True)
     assert_equal_weights(whole, parts)
+    policy = load_policy(parts.folder)
+    assert isinstance(policy, SavedPolicy)
+    assert type(policy.model) is algorithm_class(asked)
 
 
 def test_another_seed_gives_other_weights(tmp_path: Path) -> None:

@@ -64,12 +64,19 @@ def test_a_second_ctrl_c_is_told_too(train: Train, monkeypatch: pytest.MonkeyPat
 
 
 def test_a_demonstration_that_is_stopped(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("irsim_gym.training.demo.new_settings", stop)
+    monkeypatch.setattr("irsim_gym.training.demo.Asked", stop)
     monkeypatch.setattr(sys, "argv", ["irsim-gym", "demo"])
     with pytest.raises(SystemExit) as end:
         main()
     assert end.value.code == 130
     assert capsys.readouterr().err == "stopped. The same command goes on from here.\n"
+
+
+def test_a_run_that_ends_before_learning_starts_is_noted(train: Train) -> None:
+    Path("ppo.yaml").write_text("default: {n_timesteps: 64, n_envs: 4, learning_starts: 100, buffer_size: 100}")
+    status, said = train("empty_goal", "--dev-levels", "0", "--algorithm", "sac")
+    assert status == 0
+    assert said[1] == "note: nothing is learned: learning_starts is 100, and the run has 64 steps"
 
 
 def test_a_team_of_one_is_noted(train: Train) -> None:

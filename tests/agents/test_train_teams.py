@@ -13,10 +13,12 @@ import yaml
 from irsim_gym.cli import main
 from irsim_gym.envs import sb3
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.environment import build_environment
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
+from irsim_gym.training.models import algorithm_class
 from irsim_gym.training.run import Run, Settings
-from irsim_gym.training.train import CLASSES, TrainingInterruptedError, algorithm_class, train
+from irsim_gym.training.train import TrainingInterruptedError, train
 from irsim_gym.training.watch import Watch
 
 PLACES = {"name": "random", "range_low": [0.5, 0.5, -3.14], "range_high": [4.5, 4.5, 3.14]}
@@ -119,7 +121,7 @@ def test_the_command_line_trains_a_team(
     log = (out / "training.csv").read_text().splitlines()
     assert 0.0 < float(log[-1].split(",")[-1]) < 0.6  # idle_share
     assert "policy.zip" in capsys.readouterr().out
-    model = CLASSES["ppo"].load(out / "policy.zip", device="cpu")
+    model = find_algorithm("ppo").load().load(out / "policy.zip", device="cpu")
     assert model.rollout_buffer_class is sb3.MaskedRolloutBuffer
 
 

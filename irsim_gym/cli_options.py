@@ -1,0 +1,64 @@
+"""Arguments and options of the command line, each declared once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from irsim_gym.cli_tools import import_modules
+
+Scenario = Annotated[str, typer.Argument(help="Shipped name, environment id, or path of a YAML file.")]
+Task = Annotated[str | None, typer.Option(help="Shipped task or a file, in place of the scenario's own.")]
+Levels = Annotated[int, typer.Option(min=1, help="Number of levels.")]
+Split = Annotated[str, typer.Option(help="train, dev or test.")]
+Steps = Annotated[
+    int | None,
+    typer.Option(min=1, help="Training steps over all worlds, in place of the file's; rounded up to whole rollouts."),
+]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of networks, exploration and training levels.")]
+Reference = Annotated[str, typer.Option(help="random, dash, rvo, orca, a run's folder or a policy.zip.")]
+Given = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the scenario, e.g. n_robots=8; may be repeated."),
+]
+Team = Annotated[
+    bool, typer.Option("--team", help="A policy drives all robots (or those that the task names), not one.")
+]
+Lenient = Annotated[bool, typer.Option("--lenient", help="Ignore keys of the file that nobody reads, with a warning.")]
+Backend = Annotated[str, typer.Option(help="Who draws frames: matplotlib or raster.")]
+Imports = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--import",
+        callback=import_modules,
+        is_eager=True,
+        metavar="MODULE|FILE.py",
+        help="Imported first, e.g. to register behaviours of your own; may be repeated.",
+    ),
+]
+
+Algorithm = Annotated[
+    str | None, typer.Option(help="ppo, sac, td3, tqc, dqn, a2c or recurrent_ppo (default: ppo, or that of --from).")
+]
+RunFolder = Annotated[
+    Path | None,
+    typer.Option(
+        help="Folder of the run (default: runs/SCENARIO-ALGORITHM[-TEAM]-SEED, with what else differs in its name)."
+    ),
+]
+Hyperparameters = Annotated[Path | None, typer.Option(help="YAML file in place of the shipped one.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")]
+BeginAnew = Annotated[bool, typer.Option("--overwrite", help="Begin anew in the place of the run in the folder.")]
+Origin = Annotated[
+    str | None,
+    typer.Option("--from", metavar="RUN", help="Begin with the weights of a run's folder or policy.zip."),
+]
+Device = Annotated[
+    str | None, typer.Option(help="Where the networks are: auto, cpu, cuda, cuda:1, mps (default: the file's).")
+]
+DevLevels = Annotated[int, typer.Option(min=0, help="dev levels per checkpoint afterwards; 0 scores none.")]
+TeamMode = Annotated[
+    str | None, typer.Option(help="All robots learn one policy; those that end wait (episode) or begin anew (respawn).")
+]

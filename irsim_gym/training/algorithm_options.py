@@ -1,0 +1,112 @@
+"""What hyper-parameter files may say: our own keys, those of algorithms and those of their networks.
+
+Which of the latter an algorithm takes follows from its signature; what stands here is what a value has to be.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from irsim_gym.scenario.options import kind, option
+
+ACTIVATIONS = {
+    "relu": "ReLU",
+    "tanh": "Tanh",
+    "elu": "ELU",
+    "silu": "SiLU",
+    "gelu": "GELU",
+    "leaky_relu": "LeakyReLU",
+}
+"""Activation functions, and their classes in ``torch.nn``."""
+SCHEDULES = ("learning_rate", "clip_range", "clip_range_vf")
+"""Keys that take ``lin_<number>`` as well."""
+AUTOMATIC = ("ent_coef", "target_entropy")
+"""Keys that take ``auto`` as well where an algorithm adjusts them itself."""
+GIVEN_ELSEWHERE = {
+    "env": "is made from the scenario",
+    "seed": "is given by --seed",
+    "tensorboard_log": "is the folder tensorboard/ of the run",
+    "_init_setup_model": "is for Python",
+}
+"""Arguments of algorithms that no file may give, and why."""
+HARDLY_IN_FILES = "is a class, which a file cannot hold"
+
+
+@kind
+class RunKeys:
+    """Keys that are ours."""
+
+    n_timesteps: int = option(ge=1, unit="steps", meaning="Steps of the whole run, over all worlds and robots.")
+    n_envs: int = option(ge=1, le=1_000_000, meaning="Worlds in the batch.")
+    team: Literal["episode", "respawn"] | None = option(
+        None, meaning="All robots learn; those that have ended wait for their world, or begin anew."
+    )
+    torch_threads: int = option(1, ge=1, le=1024, meaning="Threads of PyTorch.")
+    checkpoint_every: int = option(100_000, ge=1, unit="steps", meaning="Steps between checkpoints.")
+    reward_scale: float = option(1.0, gt=0.0, meaning="Factor on the rewards that the algorithm sees.")
+    normalize: Any = option(None, meaning="Arguments of VecNormalize; true for its defaults, false to go without.")
+    device: str = option("cpu", min_length=1, meaning="Where the networks are: auto, cpu, cuda, cuda:1 or mps.")
+
+
+@kind
+class AlgorithmKeys:
+    """Arguments of the algorithms of Stable-Baselines3 and sb3-contrib."""
+
+    policy: str = option(min_length=1, meaning="Name of the policy's class, e.g. MlpPolicy.")
+    learning_rate: float = option(gt=0.0, meaning="Step width of the optimiser.")
+    n_steps: int = option(ge=1, meaning="Steps of each world in a rollout, or of an n-step return.")
+    batch_size: int = option(ge=1, meaning="Rows of a minibatch.")
+    n_epochs: int = option(ge=1, meaning="Passes over a rollout.")
+    gamma: float = option(ge=0.0, le=1.0, meaning="Discount.")
+    gae_lambda: float = option(ge=0.0, le=1.0, meaning="Between one-step and whole-episode advantages.")
+    clip_range: float = option(gt=0.0, meaning="How far a policy may move in an update.")
+    clip_range_vf: float | None = option(gt=0.0, meaning="The same of the values.")
+    normalize_advantage: bool = option(meaning="Advantages of a minibatch get mean 0 and deviation 1.")
+    ent_coef: float = option(ge=0.0, meaning="Weight of the entropy.")
+    vf_coef: float = option(ge=0.0, meaning="Weight of the values' loss.")
+    max_grad_norm: float = option(gt=0.0, meaning="Longest gradient.")
+    target_kl: float | None = option(gt=0.0, meaning="An update stops when the policy has moved so far.")
+    use_sde: bool = option(meaning="Noise that depends on the state.")
+    sde_sample_freq: int = option(ge=-1, meaning="Steps after which that noise is drawn anew; -1: per rollout.")
+    use_sde_at_warmup: bool = option(meaning="Use it before learning starts.")
+    rms_prop_eps: float = option(gt=0.0, meaning="Stabiliser of RMSProp.")
+    use_rms_prop: bool = option(meaning="RMSProp in place of Adam.")
+    buffer_size: int = option(ge=1, meaning="Transitions that are kept.")
+    learning_starts: int = option(ge=0, unit="steps", meaning="Steps of random actions at first.")
+    tau: float = option(gt=0.0, le=1.0, meaning="Share of the networks in the targets' update.")
+    train_freq: Any = option(meaning="Steps of all worlds between updates; or [1, episode] with one world.")
+    gradient_steps: int = option(ge=-1, meaning="Updates each time; -1: one per transition.")
+    action_noise: float | None = option(ge=0.0, meaning="Standard deviation of noise on actions in [-1, 1].")
+    optimize_memory_usage: bool = option(meaning="Store each observation once.")
+    target_update_interval: int = option(ge=1, meaning="Steps between updates of the targets.")
+    target_entropy: float = option(meaning="Entropy that ent_coef: auto aims at.")
+    exploration_fraction: float = option(gt=0.0, le=1.0, meaning="Share of the run in which exploring falls.")
+    exploration_initial_eps: float = option(ge=0.0, le=1.0, meaning="Share of random actions at first.")
+    exploration_final_eps: float = option(ge=0.0, le=1.0, meaning="Share of random actions later.")
+    policy_delay: int = option(ge=1, meaning="Updates of the critics for each of the actor.")
+    target_policy_noise: float = option(ge=0.0, meaning="Noise on the actions in targets.")
+    target_noise_clip: float = option(ge=0.0, meaning="Bound of that noise.")
+    top_quantiles_to_drop_per_net: int = option(ge=0, meaning="Quantiles that estimates leave out.")
+    stats_window_size: int = option(ge=1, meaning="Episodes in the log's means.")
+    verbose: int = option(ge=0, le=2, meaning="How much the algorithm prints.")
+
+
+@kind
+class PolicyKeys:
+    """Arguments of the policies: the section ``policy_kwargs``."""
+
+    ortho_init: bool = option(meaning="Orthogonal weights at first.")
+    use_sde: bool = option(meaning="Noise that depends on the state.")
+    log_std_init: float = option(meaning="Logarithm of the actions' deviation at first.")
+    full_std: bool = option(meaning="A deviation for each feature.")
+    use_expln: bool = option(meaning="expln in place of exp for deviations.")
+    squash_output: bool = option(meaning="Squash actions by tanh.")
+    share_features_extractor: bool = option(meaning="Actor and critic share the extractor.")
+    normalize_images: bool = option(meaning="Divide pictures by 255.")
+    clip_mean: float = option(ge=0.0, meaning="Bound of the mean action with use_sde.")
+    n_critics: int = option(ge=1, meaning="Number of critics.")
+    n_quantiles: int = option(ge=1, meaning="Quantiles of each critic.")
+    lstm_hidden_size: int = option(ge=1, meaning="Width of the LSTM.")
+    n_lstm_layers: int = option(ge=1, meaning="Layers of the LSTM.")
+    shared_lstm: bool = option(meaning="Actor and critic share the LSTM.")
+    enable_critic_lstm: bool = option(meaning="The critic has an LSTM of its own.")

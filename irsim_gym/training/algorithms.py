@@ -1,0 +1,112 @@
+"""The algorithms that agents are trained with: where they come from, and which actions they take."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
+
+if TYPE_CHECKING:
+    from stable_baselines3.common.base_class import BaseAlgorithm
+
+CONTINUOUS, DISCRETE = "continuous", "discrete"
+SHIPPED_TASK = "discrete_navigation"
+"""The shipped task with discrete actions."""
+
+
+@dataclass(frozen=True)
+class Algorithm:
+    """One algorithm of Stable-Baselines3 or sb3-contrib.
+
+    Attributes:
+        name: As ``--algorithm`` takes it.
+        module: Module of the class.
+        class_name: Name of the class.
+        actions: Which kinds of actions it takes: ``continuous``, ``discrete``.
+        team_module: Module of the class that leaves out waiting robots, where the algorithm needs one of its own.
+        policy_suffix: What its policies' names have before ``Policy``.
+    """
+
+    name: str
+    module: str
+    class_name: str
+    actions: frozenset[str]
+    team_module: str = ""
+    policy_suffix: str = ""
+
+    def load(self, team: bool = False) -> type[BaseAlgorithm]:
+        """Return the class.
+
+        Args:
+            team: The one for teams, where robots wait for others.
+
+        Raises:
+            IrsimGymError: sb3-contrib is not installed.
+        """
+        module, name = self.module, self.class_name
+        if team and self.team_module:
+            module, name = self.team_module, f"Masked{name}"
+        try:
+            found: type[BaseAlgorithm] = getattr(importlib.import_module(module), name)
+        except ModuleNotFoundError as error:
+            if error.name != "sb3_contrib":
+                raise
+            raise IrsimGymError(f"{self.name} needs sb3-contrib: pip install irsim_gym[contrib]") from error
+        return found
+
+    def check_action(self, action: Any, named: str) -> None:
+        """Make sure that it can learn with a task's action.
+
+        Args:
+            action: The task's action.
+            named: What the action is called.
+
+        Raises:
+            IrsimGymError: It cannot; the message names algorithms that can, and what to change in the task.
+        """
+        kind = DISCRETE if action.n_choices else CONTINUOUS
+        if kind in self.actions:
+            return
+        others = ", ".join(one.name for one in ALGORITHMS.values() if kind in one.actions)
+        if kind == CONTINUOUS:
+            what, way = "one of several commands", f"give the task `action: discrete` (--task {SHIPPED_TASK})"
+        else:
+            what, way = "numbers", "give the task `action: velocity`"
+        raise IrsimGymError(
+            f"{self.name} learns actions that are {what}, but the task's action '{named}' is {kind}: "
+            f"{way}, or take another algorithm ({others})"
+        )
+
+
+_BOTH = frozenset({CONTINUOUS, DISCRETE})
+_ONLY_NUMBERS = frozenset({CONTINUOUS})
+
+
+def _listed() -> Iterator[Algorithm]:
+    yield Algorithm("ppo", "stable_baselines3", "PPO", _BOTH)
+    yield Algorithm("sac", "stable_baselines3", "SAC", _ONLY_NUMBERS)
+    yield Algorithm("td3", "stable_baselines3", "TD3", _ONLY_NUMBERS)
+    yield Algorithm("tqc", "sb3_contrib", "TQC", _ONLY_NUMBERS)
+    yield Algorithm("dqn", "stable_baselines3", "DQN", frozenset({DISCRETE}))
+    yield Algorithm("a2c", "stable_baselines3", "A2C", _BOTH)
+    masked = "irsim_gym.envs.sb3_recurrent"
+    yield Algorithm("recurrent_ppo", "sb3_contrib", "RecurrentPPO", _BOTH, masked, "Lstm")
+
+
+ALGORITHMS: Mapping[str, Algorithm] = MappingProxyType({one.name: one for one in _listed()})
+
+
+def find_algorithm(name: str) -> Algorithm:
+    """Return the algorithm of a name.
+
+    Raises:
+        UnknownNameError: There is none; the message offers the nearest.
+    """
+    if name not in ALGORITHMS:
+        near = suggestion(name, ALGORITHMS)
+        raise UnknownNameError(f"no algorithm named '{name}'{near}; there are {', '.join(ALGORITHMS)}")
+    return ALGORITHMS[name]

@@ -1,0 +1,175 @@
+"""From what was asked for to the settings of a run, and to its folder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.families import ACTIONS
+from irsim_gym.scenario.load import load_scenario
+from irsim_gym.tasks import Task, load_task
+from irsim_gym.tasks.term import IsImage
+from irsim_gym.training.algorithms import find_algorithm
+from irsim_gym.training.folders import as_name, begun_folders, default_folder, free_folder, setting_differences
+from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters, stated_hyperparameters
+from irsim_gym.training.policies import policy_names
+from irsim_gym.training.run import Run, Settings, environment_id, lasting, scenario_name
+from irsim_gym.training.snapshot import listed
+
+FEW = 2
+Parameters = Mapping[str, Any] | None
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What ``irsim-gym train`` is asked for.
+
+    Attributes:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        algorithm: The algorithm; None for that of ``origin``, else PPO.
+        seed: Seed of networks, exploration and levels.
+        steps: Training steps in place of the file's.
+        task: Shipped name or path of a task in place of the scenario's own.
+        hyperparameters: A file in place of the shipped one.
+        team: What robots that have ended do while others learn on.
+        parameters: Values for the scenario's parameters.
+        strict: False ignores keys of the scenario that nobody reads.
+        device: Where the networks are, in place of the file's.
+        origin: A run's folder or a ``policy.zip`` to go on from.
+    """
+
+    scenario: str
+    algorithm: str | None = None
+    seed: int = 0
+    steps: int | None = None
+    task: str | None = None
+    hyperparameters: Path | None = None
+    team: str | None = None
+    parameters: Parameters = None
+    strict: bool = True
+    device: str | None = None
+    origin: str | None = None
+
+    @property
+    def overrides(self) -> dict[str, Any]:
+        """Hyper-parameters that are given by themselves."""
+        asked = {"n_timesteps": self.steps, "team": self.team, "device": self.device}
+        return {name: value for name, value in asked.items() if value is not None}
+
+    def settings(self) -> Settings:
+        """Put the settings of a run together from this and the hyper-parameter file.
+
+        Raises:
+            IrsimGymError: Something of it is not right, or it does not fit together.
+        """
+        if self.origin is None:
+            return self._settings(self.algorithm or "ppo")
+        from irsim_gym.training.fine_tuning import algorithm_of, inheriting, load_origin
+
+        file, policy = load_origin(self.origin)
+        return inheriting(self._settings(self.algorithm or algorithm_of(policy)), file, policy)
+
+    def _settings(self, algorithm: str) -> Settings:
+        named = lasting(scenario_name(self.scenario))
+        chosen = find_algorithm(algorithm)
+        loaded = load_scenario(named, self.parameters, strict=self.strict, warn=False)
+        learned = load_task(loaded, self.task, team=True)
+        chosen.check_action(learned.action, ACTIONS.name_of(type(learned.action)))
+        names = algorithm, environment_id(self.scenario)
+        images = _looks(learned)
+        found = load_hyperparameters(*names, images=images, file=self.hyperparameters, overrides=self.overrides)
+        task = None if self.task is None else lasting(self.task)
+        return Settings(named, algorithm, self.seed, task, found, loaded.parameters, self.strict)
+
+    def folder(self, settings: Settings) -> Path:
+        """Return the folder of a run that was given none: its name tells what is not as usual."""
+        marks = [] if self.task is None else [Path(self.task).stem]
+        marks += self._changed(settings)
+        marks += [] if self.origin is None else [f"from={policy_names([self.origin])[0]}"]
+        mode = settings.hyperparameters.team
+        return default_folder(self.scenario, settings.algorithm, self.seed, self.parameters, mode, marks=marks)
+
+    def _changed(self, settings: Settings) -> list[str]:
+        """Return which hyper-parameters differ from the shipped ones: a few by value, else by the file's name."""
+        if self.hyperparameters is None and self.steps is None:
+            return []
+        loaded = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
+        names = settings.algorithm, environment_id(self.scenario)
+        chosen: dict[str, Any] = {"images": _looks(load_task(loaded, self.task, team=True)), "given": self.overrides}
+        usual = stated_hyperparameters(*names, **chosen)
+        stated = stated_hyperparameters(*names, **chosen, file=self.hyperparameters)
+        changed = _changed_values(usual, stated)
+        marks = [f"{name}={value}" for name, value in changed.items()]
+        if len(changed) > FEW or any(isinstance(value, Mapping | list) for value in changed.values()):
+            assert self.hyperparameters is not None
+            marks = [] if self.hyperparameters.stem == settings.algorithm else [self.hyperparameters.stem]
+        if self.steps is None or self.steps == stated.get("n_timesteps"):
+            return marks
+        return [*(mark for mark in marks if not mark.startswith("n_timesteps=")), f"steps={self.steps}"]
+
+    def to_resume(self, run: Run, settings: Settings) -> Settings:
+        """Return the settings that a run began with, which later changes of the shipped files leave alone.
+
+        Raises:
+            IrsimGymError: The run in the folder is for something else.
+        """
+        begun = run.settings()
+        wanted = replace(
+            settings,
+            origin=begun.origin if self.origin is None else settings.origin,
+            algorithm=begun.algorithm if self.algorithm is None else settings.algorithm,
+            hyperparameters=self._hyperparameters_of(begun, settings),
+        )
+        other = setting_differences(begun, wanted)
+        if other:
+            raise IrsimGymError(
+                f"{run.folder} holds a run with {listed(other)}: its schedule cannot change midway; name another "
+                f"folder by --out, or go on from its policy with other settings by --from {run.folder}"
+            )
+        return begun
+
+    def _hyperparameters_of(self, begun: Settings, settings: Settings) -> Hyperparameters:
+        """Return the hyper-parameters of a run, with those that were asked for in their places."""
+        if self.hyperparameters is not None:
+            return replace(settings.hyperparameters, device=begun.hyperparameters.device)
+        own = {name: value for name, value in self.overrides.items() if name != "device"}
+        return replace(begun.hyperparameters, **own)
+
+    def place(self, settings: Settings, resume: bool, overwrite: bool) -> tuple[Path, str]:
+        """Return the folder of a run that was given none, and what is to be said of it.
+
+        Args:
+            settings: What it trains.
+            resume: It goes on: the newest run of that name whose settings are these, an unfinished one first.
+            overwrite: It takes the place of the one of that name.
+        """
+        first = self.folder(settings)
+        if overwrite:
+            return first, ""
+        if not resume:
+            return free_folder(first, settings, settings.snapshot())
+        begun = begun_folders(first)
+        fitting = [folder for folder in begun if self._fits(Run(folder), settings)]
+        unfinished = [folder for folder in fitting if not Run(folder).finished()]
+        return (unfinished or fitting or begun or [first])[-1], ""
+
+    def _fits(self, run: Run, settings: Settings) -> bool:
+        try:
+            self.to_resume(run, settings)
+        except IrsimGymError:
+            return False
+        return True
+
+
+def _looks(task: Task) -> bool:
+    """Return whether observations hold pictures."""
+    return any(isinstance(term, IsImage) for term in task.observations)
+
+
+def _changed_values(usual: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the hyper-parameters that differ, those that are missing as None."""
+    names = [name for name in dict.fromkeys([*usual, *given]) if usual.get(name) != given.get(name)]
+    return {as_name(name): given.get(name) for name in names if name not in ("team", "device")}

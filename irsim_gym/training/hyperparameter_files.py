@@ -1,0 +1,293 @@
+"""Hyper-parameter files, checked as scenarios are: every problem at once, with line and nearest name."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.errors import IrsimGymError, ScenarioError, nearest, suggestion
+from irsim_gym.scenario.expressions import evaluate
+from irsim_gym.scenario.messages import choices, show
+from irsim_gym.scenario.options import option_fields
+from irsim_gym.scenario.source import Place, read_file
+from irsim_gym.scenario.validation import Report, read_field
+from irsim_gym.training.algorithm_options import (
+    ACTIVATIONS,
+    AUTOMATIC,
+    GIVEN_ELSEWHERE,
+    HARDLY_IN_FILES,
+    SCHEDULES,
+    AlgorithmKeys,
+    PolicyKeys,
+    RunKeys,
+)
+from irsim_gym.training.algorithms import ALGORITHMS, Algorithm
+
+DEFAULT = "default"
+MOST_NAMES = 24
+_ENTRY = re.compile(r"irsim_gym/.+-v\d+")
+_PLAIN_NUMBER = re.compile(r"(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+_DEVICE = re.compile(r"auto|cpu|mps|cuda(:\d+)?")
+
+
+def read_hyperparameters(file: Path, algorithm: Algorithm, environment_id: str, given: Iterable[str]) -> dict[str, Any]:
+    """Return what a file says of an environment: its entry, laid over ``default``.
+
+    Args:
+        file: The YAML file; all its entries are checked.
+        algorithm: For which it is.
+        environment_id: Name of the entry.
+        given: Keys that are given elsewhere, so that the file need not have them.
+
+    Raises:
+        ScenarioError: The file cannot be used; the error lists every problem with its line.
+    """
+    source = read_file(file)
+    report = Report(source)
+    for problem, _ in source.repeats:
+        report.problems[problem] = None
+    entries: dict[str, dict[str, Any]] = {}
+    if isinstance(source.data, Mapping):
+        for name, entry in source.data.items():
+            entries[name] = _entry(name, entry, algorithm, report)
+    else:
+        report.add((), f"must be a mapping with the entry '{DEFAULT}', got {show(source.data)}")
+    chosen = {**entries.get(DEFAULT, {}), **entries.get(environment_id, {})}
+    if not report.problems:
+        required = [name for name, info in option_fields(RunKeys).items() if info.is_required()]
+        for name in (name for name in required if name not in chosen and name not in given):
+            report.add((DEFAULT, name), "is required")
+        _check_together(chosen, algorithm, environment_id if environment_id in entries else DEFAULT, report)
+    if report.problems:
+        raise ScenarioError(source.title, list(report.problems))
+    return chosen
+
+
+def _entry(name: str, entry: Any, algorithm: Algorithm, report: Report) -> dict[str, Any]:
+    """Return the checked values of one entry."""
+    if name != DEFAULT and not _ENTRY.fullmatch(name):
+        is_key = name in option_fields(RunKeys) or name in _arguments(algorithm)
+        hint = f" (it belongs below '{DEFAULT}:')" if is_key else suggestion(name, [DEFAULT])
+        report.add(
+            (name,), f"no entry{hint}; entries are '{DEFAULT}' and environment ids such as irsim_gym/cluttered_room-v0"
+        )
+        if is_key:
+            return {}
+    if not isinstance(entry, Mapping):
+        report.add((name,), f"must be a mapping of hyper-parameters, got {show(entry)}")
+        return {}
+    own, arguments = option_fields(RunKeys), _arguments(algorithm)
+    values: dict[str, Any] = {}
+    for key, value in entry.items():
+        place: Place = (name, key)
+        if key in own:
+            values[key] = _own_value(key, value, place, report)
+        elif key in GIVEN_ELSEWHERE:
+            report.add(place, GIVEN_ELSEWHERE[key])
+        elif key.endswith("_class"):
+            report.add(place, HARDLY_IN_FILES)
+        elif key == "policy_kwargs":
+            values[key] = _policy(value, algorithm, place, report)
+        elif key in arguments:
+            values[key] = _argument(key, value, algorithm, place, report)
+        else:
+            report.add(place, _unknown(key, [*own, *arguments], algorithm))
+    return values
+
+
+def _unknown(key: str, known: list[str], algorithm: Algorithm) -> str:
+    others = [one.name for one in ALGORITHMS.values() if one is not algorithm and key in _arguments(one)]
+    if others:
+        return f"is a key of {', '.join(others)}, not of {algorithm.name}"
+    near = nearest(key, known)
+    if near is not None:
+        return f"unknown key (did you mean '{near}'?)"
+    return f"unknown key of {algorithm.name}; known: {', '.join(sorted(known))}"
+
+
+@functools.cache
+def _arguments(algorithm: Algorithm) -> tuple[str, ...]:
+    """Return the arguments of an algorithm that a file may give; none of one that is not installed."""
+    try:
+        found = inspect.signature(algorithm.load()).parameters
+    except IrsimGymError:  # its package is missing
+        return ()
+    return tuple(
+        name for name in found if name not in GIVEN_ELSEWHERE and name != "device" and not name.endswith("_class")
+    )
+
+
+def _own_value(key: str, value: Any, place: Place, report: Report) -> Any:
+    if key == "normalize":
+        return _normalize(value, place, report)
+    info = option_fields(RunKeys)[key]
+    found = read_field(info, _whole(value) if info.annotation is int else value, place, report)
+    if key == "device" and isinstance(found, str) and not _DEVICE.fullmatch(found):
+        near = suggestion("cuda" if found.lower() == "gpu" else found, ["auto", "cpu", "cuda", "mps"])
+        report.add(place, f"must be auto, cpu, cuda, cuda:1 (and so on) or mps, got {show(found)}{near}")
+    return found
+
+
+def _argument(key: str, value: Any, algorithm: Algorithm, place: Place, report: Report) -> Any:
+    """Return an argument of the algorithm, as plain data."""
+    info = option_fields(AlgorithmKeys).get(key)
+    if info is None:
+        return value  # new in the library, or a mapping that it looks at itself
+    if key == "train_freq":
+        return _train_freq(value, place, report)
+    if isinstance(value, str) and key in SCHEDULES and evaluate(value) is None:
+        return _schedule(value, place, report)
+    if isinstance(value, str) and key in AUTOMATIC and evaluate(value) is None:
+        return _automatic(key, value, algorithm, place, report)
+    is_whole = info.annotation is int
+    return read_field(info, _whole(value) if is_whole else _number(value), place, report)
+
+
+def _whole(value: Any) -> Any:
+    """Return a whole number that is written in another way (``1e6``, which YAML reads as text) as one."""
+    number = evaluate(value) if isinstance(value, str) else value
+    return int(number) if isinstance(number, float) and number.is_integer() else value
+
+
+def _number(value: Any) -> Any:
+    """Return a number that YAML reads as text (``1e-3``) as one; other values as they are."""
+    number = evaluate(value) if isinstance(value, str) else None
+    return value if number is None else number
+
+
+def _schedule(value: str, place: Place, report: Report) -> Any:
+    kind, _, number = value.rpartition("_")
+    is_number = _PLAIN_NUMBER.fullmatch(number) is not None and float(number) > 0
+    if kind == "lin" and is_number:
+        return value
+    near = f" (did you mean 'lin_{number}'?)" if kind and is_number else ""
+    report.add(place, f"must be a number > 0, or lin_<number> for a linear fall to 0, got {show(value)}{near}")
+    return value
+
+
+def _automatic(key: str, value: str, algorithm: Algorithm, place: Place, report: Report) -> Any:
+    adjusts = "target_entropy" in _arguments(algorithm)
+    number = evaluate(value.removeprefix("auto_")) if value.startswith("auto_") and key == "ent_coef" else None
+    if adjusts and (value == "auto" or (number is not None and number > 0)):
+        return value
+    form = " or auto_<number>" if key == "ent_coef" else ""
+    report.add(place, f"must be a number{f', auto{form}' if adjusts else ''}, got {show(value)}")
+    return value
+
+
+def _train_freq(value: Any, place: Place, report: Report) -> Any:
+    number = _whole(value[0] if isinstance(value, list) and len(value) == 2 else value)
+    is_number = isinstance(number, int) and not isinstance(number, bool) and number >= 1
+    if is_number and not isinstance(value, list):
+        return number
+    if is_number and value[1] in ("step", "episode"):
+        return [number, value[1]]
+    report.add(place, f"must be a whole number >= 1 (steps), or such as [1, episode], got {show(value)}")
+    return value
+
+
+def _normalize(value: Any, place: Place, report: Report) -> Any:
+    if value is None or isinstance(value, bool):
+        return value
+    if not isinstance(value, Mapping):
+        report.add(place, f"must be true, false or a mapping of arguments of VecNormalize, got {show(value)}")
+        return None
+    from stable_baselines3.common.vec_env import VecNormalize
+
+    known = [name for name in inspect.signature(VecNormalize).parameters if name != "venv"]
+    for key, one in value.items():
+        wants = "a list" if key == "norm_obs_keys" else "true or false" if key in ("training", *known[1:3]) else ""
+        wants = wants or "a number > 0"
+        number = _number(one)
+        is_number = isinstance(number, int | float) and not isinstance(number, bool) and number > 0
+        is_right = {"a list": isinstance(one, list), "true or false": isinstance(one, bool)}.get(wants, is_number)
+        if key not in known:
+            report.add((*place, key), f"unknown argument of VecNormalize{suggestion(key, known)}")
+        elif not is_right:
+            report.add((*place, key), f"must be {wants}, got {show(one)}")
+    return {key: _number(one) for key, one in value.items()}
+
+
+def _policy(value: Any, algorithm: Algorithm, place: Place, report: Report) -> Any:
+    """Return the checked arguments of the policy."""
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping):
+        report.add(place, f"must be a mapping of arguments of the policy, got {show(value)}")
+        return {}
+    known, fields = _policy_arguments(algorithm), option_fields(PolicyKeys)
+    values: dict[str, Any] = {}
+    for key, one in value.items():
+        where = (*place, key)
+        values[key] = one
+        if key.endswith("_class"):
+            report.add(where, HARDLY_IN_FILES)
+        elif known and key not in known:
+            report.add(where, f"unknown argument of the policy{suggestion(key, known) or f'; known: {_few(known)}'}")
+        elif key == "net_arch":
+            _check_layers(one, where, report)
+        elif key == "activation_fn":
+            if one not in ACTIVATIONS:
+                near = suggestion(one, ACTIVATIONS) if isinstance(one, str) else ""
+                report.add(where, f"must be {choices(ACTIVATIONS)}, got {show(one)}{near}")
+        elif key.endswith("_kwargs"):
+            values[key] = _numbers(one, where, report)
+        elif key in fields:
+            info = fields[key]
+            values[key] = read_field(info, _whole(one) if info.annotation is int else _number(one), where, report)
+    return values
+
+
+def _few(names: Iterable[str]) -> str:
+    return ", ".join(sorted(names)[:MOST_NAMES])
+
+
+@functools.cache
+def _policy_arguments(algorithm: Algorithm) -> tuple[str, ...]:
+    """Return the arguments of an algorithm's policies; none where they are not known."""
+    try:
+        policies = algorithm.load().policy_aliases.values()
+    except IrsimGymError:  # its package is missing
+        return ()
+    names = {name: None for policy in policies for name in inspect.signature(policy).parameters}
+    return tuple(
+        name
+        for name in names
+        if name not in ("observation_space", "action_space", "lr_schedule") and not name.endswith("_class")
+    )
+
+
+def _numbers(value: Any, place: Place, report: Report) -> Any:
+    """Return a mapping of further arguments with numbers that YAML reads as text."""
+    if not isinstance(value, Mapping):
+        report.add(place, f"must be a mapping, got {show(value)}")
+        return {}
+    return {key: _number(one) for key, one in value.items()}
+
+
+def _check_layers(value: Any, place: Place, report: Report) -> None:
+    parts = value.items() if isinstance(value, Mapping) else [("", value)]
+    for key, layers in parts:
+        where = (*place, key) if key else place
+        if key not in ("", "pi", "vf", "qf"):
+            report.add(where, f"must be pi, vf or qf{suggestion(key, ('pi', 'vf', 'qf'))}")
+        is_list = isinstance(layers, list) and all(
+            isinstance(one, int) and not isinstance(one, bool) and one >= 1 for one in layers
+        )
+        if not is_list:
+            report.add(where, f"must be a list of widths of layers such as [64, 64], got {show(layers)}")
+
+
+def _check_together(chosen: Mapping[str, Any], algorithm: Algorithm, entry: str, report: Report) -> None:
+    """Tell values that do not fit each other."""
+    frequency, n_envs = chosen.get("train_freq"), chosen.get("n_envs", 1)
+    if isinstance(frequency, list) and frequency[1] == "episode" and n_envs > 1:
+        report.add((entry, "train_freq"), f"counts episodes with one world only (n_envs is {n_envs}); give steps")
+    if "n_epochs" in _arguments(algorithm) and chosen.get("normalize_advantage", True):
+        for name, rows in (("batch_size", chosen.get("batch_size", 2)), ("n_steps", chosen.get("n_steps", 2) * n_envs)):
+            if rows < 2:
+                report.add((entry, name), "makes minibatches of one row, whose advantages cannot be normalised")

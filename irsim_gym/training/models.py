@@ -1,0 +1,120 @@
+"""Models of Stable-Baselines3 for the settings of a run: new ones, and those that go on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from gymnasium import Space
+from gymnasium.spaces import Dict
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.noise import NormalActionNoise
+from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
+from stable_baselines3.common.preprocessing import is_image_space
+from stable_baselines3.common.vec_env import VecEnv
+
+from irsim_gym.envs.sb3 import buffers_for
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.training import checkpoint as files
+from irsim_gym.training.algorithms import find_algorithm
+from irsim_gym.training.environment import build_environment, restore_worlds
+from irsim_gym.training.run import Settings
+
+
+def algorithm_class(settings: Settings) -> type[BaseAlgorithm]:
+    """Return the algorithm of a run, one that leaves out waiting robots where a team learns.
+
+    Raises:
+        IrsimGymError: There is none, or it is not installed.
+    """
+    return find_algorithm(settings.algorithm).load(settings.hyperparameters.team is not None)
+
+
+def device_of(wanted: str) -> str:
+    """Return the device that PyTorch calls so.
+
+    Raises:
+        IrsimGymError: It is not there.
+    """
+    if wanted == "auto":
+        return "cuda" if torch.cuda.is_available() else "cpu"
+    kind, _, number = wanted.partition(":")
+    there = {"cpu": True, "cuda": torch.cuda.is_available(), "mps": torch.backends.mps.is_available()}
+    if kind not in there:
+        raise IrsimGymError(f"device must be auto, cpu, cuda, cuda:1 (and so on) or mps, got '{wanted}'")
+    if not there[kind]:
+        raise IrsimGymError(f"device {wanted}: PyTorch {torch.__version__} finds none here; take cpu or auto")
+    if kind == "cuda" and number and not int(number) < torch.cuda.device_count():
+        raise IrsimGymError(f"device {wanted}: there are cuda:0 to cuda:{torch.cuda.device_count() - 1} here")
+    return wanted
+
+
+def network(space: Space[Any]) -> str:
+    """Return what Stable-Baselines3 calls the networks for a space of observations."""
+    if isinstance(space, Dict):
+        return "MultiInput"
+    return "Cnn" if is_image_space(space) else "Mlp"
+
+
+def for_dicts(policy: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of a policy as one for dicts calls them: ``features_dim`` is that of each picture there."""
+    given = dict(policy.get("features_extractor_kwargs") or {})
+    if "features_dim" not in given or "features_extractor_class" in policy:
+        return dict(policy)
+    given["cnn_output_dim"] = given.pop("features_dim")
+    return {**policy, "features_extractor_kwargs": given}
+
+
+def new_model(settings: Settings) -> BaseAlgorithm:
+    """Make a model with fresh weights in the worlds of a run."""
+    kind = algorithm_class(settings)
+    device = device_of(settings.hyperparameters.device)
+    arguments = settings.hyperparameters.algorithm_arguments()
+    env = build_environment(settings)
+    policy = f"{network(env.observation_space)}{find_algorithm(settings.algorithm).policy_suffix}Policy"
+    if policy.startswith("MultiInput"):
+        arguments["policy_kwargs"] = for_dicts(arguments["policy_kwargs"])
+    if settings.hyperparameters.team is not None:
+        arguments = {**buffers_for(kind, env), **arguments}
+    if arguments.get("action_noise") is not None:
+        arguments["action_noise"] = _noise(env, arguments["action_noise"])
+    try:
+        model = kind(arguments.pop("policy", policy), env, seed=settings.seed, device=device, **arguments)
+    except (TypeError, ValueError, AssertionError, KeyError) as error:
+        env.close()
+        raise IrsimGymError(f"{settings.algorithm} does not take these hyper-parameters: {error}") from error
+    env.seed(settings.first_level)
+    return model
+
+
+def _noise(env: VecEnv, deviation: float) -> NormalActionNoise:
+    """Return independent noise on each component of the action."""
+    size = env.action_space.shape
+    assert size is not None
+    return NormalActionNoise(np.zeros(size, np.float32), np.full(size, deviation, np.float32))
+
+
+def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, files.Progress]:
+    """Return the model of a checkpoint, with its worlds in the midst of their episodes, and how far it is.
+
+    Raises:
+        IrsimGymError: The checkpoint cannot be read.
+    """
+    try:
+        state = files.load_state(newest)
+    except Exception as error:
+        raise IrsimGymError(f"cannot go on from {newest}, perhaps another version wrote it: {error}") from error
+    normalization = newest / files.NORMALIZATION
+    device = device_of(settings.hyperparameters.device)
+    env = build_environment(settings, normalization if normalization.is_file() else None)
+    env = restore_worlds(env, state["worlds"])
+    kind: Any = algorithm_class(settings)
+    model: BaseAlgorithm = kind.load(newest / files.POLICY, env=env, device=device, force_reset=False)
+    if isinstance(model, OffPolicyAlgorithm):
+        model.load_replay_buffer(newest / files.REPLAY_BUFFER, truncate_last_traj=False)
+    files.restore_memories(model, state)
+    files.restore_random(model, state)
+    return model, files.load_progress(newest)
