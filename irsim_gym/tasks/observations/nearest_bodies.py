@@ -56,7 +56,7 @@ class NearestBodies:
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds, five for each body."""
-        far: Any = np.float32(sight(model.bounds, np.nan if self.range is None else self.range))
+        far: Any = np.float32(_sight(self.range, model))
         least = encoded(far, code_number(self.code), np.float32(self.near), np.float32(self.zero), far)
         low = np.array([-1.0, -1.0, least, -1.0, -1.0], np.float32)
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
@@ -64,17 +64,15 @@ class NearestBodies:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the bodies' numbers."""
-        given = term.options.range
         write_nearest(
             shard.worlds,
             term.agents,
             term.column,
-            np.nan if given is None else given,
+            _sight(term.options.range, model),
             term.options.speed,
             code_number(term.options.code),
             term.options.near,
             term.options.zero,
-            model.bounds,
             model.present,
             model.unobstructed,
             model.cells,
@@ -94,17 +92,21 @@ class NearestBodies:
         )
 
 
+def _sight(given: float | None, model: WorldModel) -> float:
+    """Return how far bodies are seen [m]: the world's diagonal where nothing is given."""
+    return float(np.hypot(*(model.bounds[2:] - model.bounds[:2]))) if given is None else given
+
+
 @kernel
 def write_nearest(
     worlds: Ints,
     agents: Ints,
     column: int,
-    seen: float,
+    far: float,
     speed: float,
     code: int,
     near: float,
     zero: float,
-    bounds: Floats,
     present: Flags,
     unobstructed: Flags,
     cells: CellMap | None,
@@ -128,12 +130,11 @@ def write_nearest(
         worlds: The worlds to treat.
         agents: Body of each agent, ``(n_agents,)``.
         column: First column of ``out``.
-        seen: How far bodies are seen [m]; NaN: the diagonal of ``bounds``.
+        far: How far bodies are seen [m].
         speed: Relative speed that counts as 1 [m/s].
         code: INVERSE or LINEAR.
         near: See ``NearestBodies`` [m].
         zero: See ``NearestBodies`` [1/m].
-        bounds: World rectangle [m].
         present: See WorldModel, as are the next arrays up to ``disc_count``.
         unobstructed: Bodies that are not seen.
         cells: The obstacle map, which counts as one body at its nearest point.
@@ -144,14 +145,13 @@ def write_nearest(
         disc_count: Number of its discs.
         segments: Outlines in the world frame [m], ``(n_worlds, n_segments, 4)``.
         discs: The same, ``(n_worlds, n_discs, 3)``.
-        pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
-        twist: Velocities in the world frame [m/s].
-        stopped: Bodies that are held in place.
+        pose: See WorldState, as are the next two.
+        twist: See ``pose``.
+        stopped: See ``pose``.
         distance: Scratch, ``(count,)``.
         found: Scratch, ``(count, 4)``.
         out: Written, ``(n_worlds, n_agents, n_features)``.
     """
-    far = sight(bounds, seen)
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
@@ -165,27 +165,26 @@ def write_nearest(
                 nearest_possible = np.sqrt(dx * dx + dy * dy) - reach[w % reach.shape[0], b]
                 if nearest_possible >= distance[distance.shape[0] - 1]:
                     continue
-                first, last = disc_start[b], disc_start[b] + disc_count[w % disc_count.shape[0], b]
+                first, last = span(disc_start, disc_count, w, b)
                 gap, px, py = nearest_on_discs(discs[w, first:last], x, y)
-                first, last = segment_start[b], segment_start[b] + segment_count[w % segment_count.shape[0], b]
+                first, last = span(segment_start, segment_count, w, b)
                 edge_gap, ex, ey = nearest_point(segments[w, first:last], x, y)
-                if edge_gap < gap:
-                    gap, px, py = edge_gap, ex, ey
+                gap, px, py = (edge_gap, ex, ey) if edge_gap < gap else (gap, px, py)
                 keep(gap, px - x, py - y, b, distance, found)
             keep_cell(cells, x, y, distance, found)
-            first, last = disc_start[own], disc_start[own] + disc_count[w % disc_count.shape[0], own]
+            first, last = span(disc_start, disc_count, w, own)
             own_discs = discs[w, first:last]
-            first, last = segment_start[own], segment_start[own] + segment_count[w % segment_count.shape[0], own]
+            first, last = span(segment_start, segment_count, w, own)
             row = out[w, a, column : column + WIDTH * found.shape[0]]
             write_gaps(segments[w, first:last], own_discs, x, y, distance, found, code, near, zero, far, row)
             write_motions(w, own, found, speed, pose, twist, stopped, row)
 
 
 @kernel
-def sight(bounds: Floats, seen: float) -> float:
-    """Return how far bodies are seen [m]: the diagonal of ``bounds`` where ``seen`` is NaN."""
-    width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
-    return float(np.sqrt(width * width + height * height)) if np.isnan(seen) else seen
+def span(start: Ints, count: Ints, w: int, body: int) -> tuple[int, int]:
+    """Return the first row of a body's outline in a table, and the row after its last one."""
+    first = int(start[body])
+    return first, first + int(count[w % count.shape[0], body])
 
 
 @kernel
