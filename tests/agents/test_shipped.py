@@ -52,8 +52,8 @@ QUICK_START: dict[str, Any] = {
         },
     ],
 }
-"""A world with the features of IR-SIM's Quick Start: no sensor, the default limits and goal threshold (0.1 m), one start
-and goal, and large obstacles anywhere, which leave dead ends."""
+"""A world with the features of IR-SIM's Quick Start: no sensor, the default limits and goal threshold (0.1 m), one
+start and goal, and large obstacles anywhere, which leave dead ends."""
 
 
 def _script() -> Any:
