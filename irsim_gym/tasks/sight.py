@@ -16,7 +16,7 @@ OF_ROBOTS = frozenset({"neighbors"})
 def unseen(scenario: Scenario, task: Task) -> str:
     """Return what the learners may run into although no observation shows it, in words; "" where there is nothing.
 
-    An observation that is not of this package is taken to show everything.
+    A map counts as an obstacle; an observation that is not of this package is taken to show everything.
     """
     if not any(ending.outcome == Outcome.COLLISION for ending in task.endings):
         return ""
@@ -33,6 +33,4 @@ def unseen(scenario: Scenario, task: Task) -> str:
         parts.append("other robots")
     if obstacles:
         parts.append("the obstacles")
-    if scenario.world.obstacle_map is not None:
-        parts.append("the map")
     return " and ".join(parts)
