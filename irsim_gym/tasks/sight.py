@@ -23,7 +23,7 @@ def unseen(scenario: Scenario, task: Task) -> str:
     shown = {OBSERVATIONS.name_of(type(item)) for item in task.observations} - OF_ITSELF
     if shown - OF_ROBOTS:
         return ""
-    robots = set(scenario.robots) - ({task.agents[0]} if len(task.agents) == 1 else set())
+    robots = set(scenario.robots)
     others = [b for b, body in enumerate(scenario.bodies) if b not in task.agents and not body.unobstructed]
     obstacles = [b for b in others if b not in robots]
     parts = []
