@@ -201,7 +201,7 @@ def write_route(
             to_x, to_y = goal[w, b, 0], goal[w, b, 1]
             way = np.sqrt((to_x - x) * (to_x - x) + (to_y - y) * (to_y - y))
             first = entry(length[w, a], grid, columns, x, y)
-            if first >= 0 and way > ahead:
+            if first >= 0 and float(length[w, a, first]) > ahead:
                 way = float(length[w, a, first])
                 to_x, to_y = point_ahead(onward[w, a], grid, columns, first, ahead, to_x, to_y)
             dx, dy = to_x - x, to_y - y
