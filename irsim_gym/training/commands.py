@@ -138,7 +138,8 @@ def _verdict_lines(settings: Settings, run: Run, last: Point) -> list[str]:
     """Return what a training that ended near 0 % looks like and what to try; nothing for any other."""
     team = settings.hyperparameters.team is not None
     scenario, task = _task_of(settings, team=team)
-    return verdict(last, scenario, task, look_command(settings.scenario, run.folder, team=team))
+    look = look_command(settings.scenario, run.folder, team=team, task=settings.task)
+    return verdict(last, scenario, task, look)
 
 
 def marks_table(points: Sequence[Point]) -> Table:

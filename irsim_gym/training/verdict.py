@@ -70,10 +70,11 @@ def verdict(point: Mapping[str, float], scenario: Scenario, task: Task, look: st
     return [*lines, "what to try:", *(f"  - {hint}" for hint in _hints(point, scenario, task)), f"  - look: {look}"]
 
 
-def look_command(scenario: str, folder: Path, *, team: bool) -> str:
+def look_command(scenario: str, folder: Path, *, team: bool, task: str | None = None) -> str:
     """Return the command that draws what a run's policy does on some ``dev`` levels."""
     levels = " ".join(f"--level {level}" for level in range(3))
-    return f"irsim-gym record {scenario} {folder} --split dev {levels}{' --team' if team else ''} --strobe"
+    asked = f"{' --team' if team else ''}{'' if task is None else f' --task {task}'}"
+    return f"irsim-gym record {scenario} {folder} --split dev {levels}{asked} --strobe"
 
 
 def _ends(point: Mapping[str, float]) -> str:
