@@ -79,12 +79,11 @@ def rows() -> list[dict[str, Any]]:
 
 def test_every_shipped_scenario_has_reached_its_mark() -> None:
     found = rows()
-    for name in LEARNED:
-        mark, _ = SCRIPT.MARKS.get(name, (SCRIPT.MARK, ""))
-        reached = [row["success"]["value"] for row in found if row["scenario"] == name]
-        assert reached, f"{name}: train it, see agents/summarize_shipped.py"
-        assert min(reached) >= mark, name
-    assert all(row["conditions"]["levels"] == LEVELS for row in found)
+    missing = set(LEARNED) - {row["scenario"] for row in found}
+    assert not missing, "train them, see agents/summarize_shipped.py"
+    for row in found:
+        assert row["success"]["value"] >= SCRIPT.MARKS.get(row["scenario"], SCRIPT.MARK), row["scenario"]
+        assert row["conditions"]["levels"] == LEVELS
     for name in SCRIPT.ELSEWHERE:
         assert (AGENTS / "results" / f"{name}.json").is_file()
 
@@ -116,12 +115,11 @@ def trained(scenario: str, folder: Path) -> float:
 @pytest.mark.parametrize("name", LEARNED)
 def test_what_ships_is_learned(name: str, tmp_path: Path) -> None:
     """One of them: `pytest -k "learned and quick_start"`. SHIPPED_RUNS names a folder where runs stay and go on."""
-    mark, _ = SCRIPT.MARKS.get(name, (SCRIPT.MARK, ""))
-    assert trained(name, Path(os.environ.get("SHIPPED_RUNS", tmp_path)) / name) >= mark
+    assert trained(name, Path(os.environ.get("SHIPPED_RUNS", tmp_path)) / name) >= SCRIPT.MARK
 
 
 @pytest.mark.slow
 def test_a_world_like_irsims_quick_start_is_learned(tmp_path: Path) -> None:
     file = tmp_path / f"{BY_HAND}.yaml"
     file.write_text(yaml.safe_dump(QUICK_START))
-    assert trained(str(file), Path(os.environ.get("SHIPPED_RUNS", tmp_path)) / BY_HAND) >= 0.9
+    assert trained(str(file), Path(os.environ.get("SHIPPED_RUNS", tmp_path)) / BY_HAND) >= SCRIPT.MARKS[BY_HAND]
