@@ -92,10 +92,10 @@ def check_fit(
     given = [type(item) for _, item in terms["observations"]]
     fitting = []
     for place, item in terms["observations"]:
-        fit = _substitute(place, item, bodies, merged.report) if item.needs_scan else item
-        if fit is item or type(fit) not in given:
-            fitting.append((place, fit))
-            given.append(type(fit))
+        for fit in _substitutes(place, item, bodies, merged.report) if item.needs_scan else [item]:
+            if fit is item or type(fit) not in given:
+                fitting.append((place, fit))
+                given.append(type(fit))
     return fitting
 
 
@@ -133,14 +133,18 @@ def _term_name(term: Any) -> str:
     return type(term).__name__
 
 
-def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Report) -> Any:
+def _substitutes(place: Place, item: Any, bodies: Sequence[BodySpec], report: Report) -> list[Any]:
     """Return an observation that needs a range sensor, or what takes its place where there is none."""
+    names = [item.without_sensor] if isinstance(item.without_sensor, str) else item.without_sensor
+    wanted = [name for name in names if name]
     scanners = [[sensor for sensor in body.sensors if sensor.reading == "ranges"] for body in bodies]
     without = [body.name for body, found in zip(bodies, scanners, strict=True) if not found]
-    if item.without_sensor and item.without_sensor not in OBSERVATIONS:
-        message = f"no observation named '{item.without_sensor}'{suggestion(item.without_sensor, OBSERVATIONS.names())}"
+    unknown = [name for name in wanted if name not in OBSERVATIONS]
+    for name in unknown:
+        message = f"no observation named '{name}'{suggestion(name, OBSERVATIONS.names())}"
         report.add((*place, "without_sensor"), message)
-        return item
+    if unknown:
+        return [item]
     if not without:
         first = scanners[0][0]
         for body, (found, *_) in zip(bodies, scanners, strict=True):
@@ -149,18 +153,17 @@ def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Rep
                 rule = "learners of one task need range sensors of one kind with the same beams, all noisy or none"
                 report.add(place, f"{rule}: {both}; task: {{agents: [NAME, ...]}} says who learns")
                 break
-        return item
-    if not item.without_sensor:
+        return [item]
+    if not wanted:
         report.add(
             place,
             f"'{without[0]}' has no range sensor: add one, or a substitute such as 'without_sensor: nearest_bodies'",
         )
-        return item
-    substitute = OBSERVATIONS.entry(item.without_sensor).kind()
-    if substitute.needs_scan:
-        report.add((*place, "without_sensor"), f"'{item.without_sensor}' needs a range sensor itself")
-        return item
-    return substitute
+        return [item]
+    blind = [name for name in wanted if OBSERVATIONS.entry(name).kind.needs_scan]
+    for name in blind:
+        report.add((*place, "without_sensor"), f"'{name}' needs a range sensor itself")
+    return [item] if blind else [OBSERVATIONS.entry(name).kind() for name in wanted]
 
 
 def _described(sensor: Any) -> str:

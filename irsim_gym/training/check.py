@@ -5,11 +5,12 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from irsim_gym.errors import IrsimGymError, ScenarioError
+from irsim_gym.errors import IrsimGymError, Problem, ScenarioError
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.notes import notes
 from irsim_gym.scenario.parameters import describe_parameters
 from irsim_gym.tasks import Task
+from irsim_gym.tasks.sight import unseen
 from irsim_gym.training.look import fitting_task, refused_as_team
 from irsim_gym.training.trial import Reading, try_out
 
@@ -59,8 +60,21 @@ def _describe(file: str, read: Read, *, team: bool) -> None:
         print("\n".join(f"  {line}" for line in str(refused).splitlines()))
     for line in describe_parameters(scenario.source, scenario.parameters):
         print(f"  {line}")
-    found = notes(scenario)
+    found = (*notes(scenario), *_blind_spots(scenario, task))
     for note in found:
         print(f"  {file}:{note.line}   {note.path}: {note.message}")
     if found:
         print("  (notes only: the file can be used, and the exit status stays 0)")
+
+
+def _blind_spots(scenario: Scenario, task: Task | None) -> list[Problem]:
+    """Return a note where learners may run into what no observation shows."""
+    hidden = "" if task is None else unseen(scenario, task)
+    if task is None or not hidden:
+        return []
+    body = scenario.bodies[task.agents[0]]
+    message = (
+        f"whoever learns here observes nothing of {hidden}: a sensor and the observation scan, "
+        "or nearest_bodies, which needs none, would show it"
+    )
+    return [Problem(body.line, body.name, message)]

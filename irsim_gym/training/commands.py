@@ -14,7 +14,8 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import print_table
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
-from irsim_gym.tasks import load_task
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.tasks import Task, load_task
 from irsim_gym.training.asked import Asked
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
@@ -23,6 +24,7 @@ from irsim_gym.training.remembered import remembered_parameters, tell_changes
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import MARKS, Point, reached, score_run
 from irsim_gym.training.train import TrainingInterruptedError, ctrl_c_told, train
+from irsim_gym.training.verdict import look_command, verdict
 
 Parameters = Mapping[str, Any] | None
 PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
@@ -68,6 +70,8 @@ def run_training(
         with ctrl_c_told("the training is finished, its scoring is not: the same command goes on with it."):
             points = score_run(run, levels=dev_levels, console=console)
         print_table(marks_table(points))
+        for line in _verdict_lines(settings, run, points[-1]):
+            console.print(line, **PLAIN)
     print(f"policy: {run.policy}")
     return run
 
@@ -83,8 +87,20 @@ def _notes(settings: Settings) -> Iterator[str]:
 
 
 def _team_size(settings: Settings) -> int:
+    return len(_task_of(settings, team=True)[1].agents)
+
+
+def _task_of(settings: Settings, *, team: bool) -> tuple[Scenario, Task]:
     scenario = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
-    return len(load_task(scenario, settings.task, team=True).agents)
+    return scenario, load_task(scenario, settings.task, team=team)
+
+
+def _verdict_lines(settings: Settings, run: Run, last: Point) -> list[str]:
+    """Return what a training that ended near 0 % looks like and what to try; nothing for any other."""
+    team = settings.hyperparameters.team is not None
+    scenario, task = _task_of(run.own_settings(), team=team)
+    look = look_command(settings.scenario, run.folder, team=team, task=settings.task)
+    return verdict(last, scenario, task, look)
 
 
 def marks_table(points: Sequence[Point]) -> Table:

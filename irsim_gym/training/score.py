@@ -15,7 +15,7 @@ from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.tables import plain, write_csv, write_json
 from irsim_gym.evaluation.team_metrics import summarize_team
-from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.evaluation.teams import evaluate_team, top_speed
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.checkpoint import Progress as RunProgress
@@ -24,6 +24,7 @@ from irsim_gym.training.evaluate import WORLDS
 from irsim_gym.training.pictures import draw_curve
 from irsim_gym.training.policies import load_policy
 from irsim_gym.training.run import Run
+from irsim_gym.training.verdict import COLUMNS, failures
 from irsim_gym.training.worlds import make_episodes
 
 DEV_LEVELS = 1000
@@ -41,7 +42,8 @@ def score_run(run: Run, *, levels: int = DEV_LEVELS, console: Console | None = N
         A point per checkpoint, in the order of steps.
     """
     settings = run.settings()
-    points = {int(point["steps"]): point for point in read_curve(run) if point["levels"] == levels}
+    whole = [point for point in read_curve(run) if point["levels"] == levels and set(COLUMNS) <= set(point)]
+    points = {int(point["steps"]): point for point in whole}
     waiting = [path for path in list_checkpoints(run.checkpoints) if int(path.name) not in points]
     if waiting:
         is_team = settings.hyperparameters.team is not None
@@ -105,7 +107,8 @@ def _point(progress: RunProgress, figures: Point) -> Point:
 
 
 def _figures(policy: Policy, episodes: Episodes, levels: int, optima: Optima) -> Point:
-    summary = summarize("", evaluate(policy, episodes, levels, "dev", optima=optima))
+    rows = evaluate(policy, episodes, levels, "dev", optima=optima)
+    summary = summarize("", rows)
     return {
         "levels": summary.episodes,
         "success": summary.success.value,
@@ -115,12 +118,15 @@ def _figures(policy: Policy, episodes: Episodes, levels: int, optima: Optima) ->
         "timeout": summary.timeout.value,
         "left_world": summary.left_world.value,
         "spl": summary.spl,
+        **failures(rows, [top_speed(episodes, 0, 0)] * len(rows), _limit(episodes)),
     }
 
 
 def _team_figures(policy: Policy, episodes: Episodes, levels: int, optima: Optima) -> Point:
     """Return the figures of a team; its ``success`` is that of all robots together, the rest are shares of robots."""
-    summary = summarize_team("", evaluate_team(policy, episodes, levels, "dev", optima=optima))
+    teams = evaluate_team(policy, episodes, levels, "dev", optima=optima)
+    summary = summarize_team("", teams)
+    agents = [agent for team in teams for agent in team.agents]
     return {
         "levels": summary.levels,
         "success": summary.cooperative_success.value,
@@ -133,7 +139,13 @@ def _team_figures(policy: Policy, episodes: Episodes, levels: int, optima: Optim
         "deadlocked": summary.deadlocked.value,
         "makespan": summary.makespan,
         "spl": summary.spl,
+        **failures([agent.episode for agent in agents], [agent.top_speed for agent in agents], _limit(episodes)),
     }
+
+
+def _limit(episodes: Episodes) -> float:
+    """Return the time limit of an episode [s]."""
+    return episodes.task.max_steps * float(episodes.simulation.model.step_time[0])
 
 
 def _write(run: Run, points: list[Point]) -> None:

@@ -24,13 +24,14 @@ from irsim_gym.training.train import train
 
 PLACES = {"name": "random", "range_low": [0.5, 0.5, -3.14], "range_high": [5.5, 5.5, 3.14]}
 ROBOT = {"shape": {"name": "circle", "radius": 0.2}, "distribution": PLACES, "goal_threshold": 0.4}
+OWN_TASK = {"max_steps": 25, "observations": ["goal", {"name": "scan", "use": False}]}
 SCENARIO = {
     "world": {"width": 6, "height": 6, "step_time": 0.1},
     "robot": [
         {**ROBOT, "number": 2, "kinematics": {"name": "diff"}, "vel_min": [0, -2], "vel_max": [2, 2]},
         {**ROBOT, "kinematics": {"name": "omni_angular"}, "vel_min": [-1, -1, -1], "vel_max": [1, 1, 1]},
     ],
-    "task": {"max_steps": 25, "observations": ["goal", {"name": "scan", "use": False}]},
+    "task": OWN_TASK,
 }
 TINY = {"n_timesteps": 384, "n_envs": 4, "n_steps": 16, "batch_size": 64, "n_epochs": 1, "checkpoint_every": 192}
 
@@ -64,7 +65,7 @@ def test_a_policy_of_another_task_is_told_apart(scenario: Path) -> None:
         IrsimGymError, match=r"observations of shape \(\d+,\), but those of task 'blank' in 'three' are"
     ):
         evaluate_team(policy, Worlds(scenario, team=True, task=blank).episodes, 1)
-    choices = {"action": {"name": "discrete", "linear": 3, "angular": 3}}
+    choices = {**OWN_TASK, "action": {"name": "discrete", "linear": 3, "angular": 3}}
     with pytest.raises(IrsimGymError, match=r"actions of shape \(3,\), but .* are from 0 to 8"):
         evaluate_team(policy, Worlds(scenario, team=True, task=choices).episodes, 1)
 

@@ -144,7 +144,8 @@ def test_scan_bounds_are_tight() -> None:
     [
         ("goal", [0, -1, -1, 0]),
         ("last_action", [-1, -1]),
-        ({"name": "nearest_bodies", "count": 2}, [-1, -1, -1, -1, 0, 0] * 2),
+        ({"name": "nearest_bodies", "count": 2, "code": "linear"}, [-1, -1, 0, -1, -1] * 2),
+        ("route", [-1, -1, 0]),
         ({"name": "neighbors", "count": 2}, [-1, -1, -1, -1, 0, 0] * 2),
     ],
 )
@@ -230,9 +231,13 @@ def test_velocity_is_what_was_executed() -> None:
 # --- nearest_bodies
 
 
+NOBODY = [0, 0, (1 / 10.5 - 0.3) / 1.7, 0, 0]
+"""What is read for a body that is not there; it sees 10 m far."""
+
+
 def nearest(robot: Any, obstacle: Any, **options: Any) -> Any:
     episodes = play(robot, obstacle, only({"name": "nearest_bodies", "count": 3, "range": 10, **options}))
-    return episodes, part(episodes, "nearest_bodies").reshape(-1, 6)
+    return episodes, part(episodes, "nearest_bodies").reshape(-1, 5)
 
 
 def test_nearest_bodies_in_the_agents_frame() -> None:
@@ -240,18 +245,37 @@ def test_nearest_bodies_in_the_agents_frame() -> None:
         {"shape": {"name": "circle", "radius": 1.0}, "state": [2, 9, 0]},
         {"shape": {"name": "circle", "radius": 0.5}, "state": [4, 5, 0]},
     ]
-    _, rows = nearest({"state": [2, 5, np.pi / 2]}, balls)
-    assert rows[0] == pytest.approx([0, -0.2, 0, 0, 0.05, 1], abs=1e-6)
-    assert rows[1] == pytest.approx([0.4, 0, 0, 0, 0.1, 1], abs=1e-6)
-    assert rows[2].tolist() == [0] * 6
+    _, rows = nearest({"state": [2, 5, np.pi / 2]}, balls)  # its radius is 0.2
+    assert rows[0] == pytest.approx([0, -1, inverse(1.3), 0, 0], abs=1e-6)
+    assert rows[1] == pytest.approx([1, 0, inverse(2.8), 0, 0], abs=1e-6)
+    assert rows[2] == pytest.approx(NOBODY)
 
 
 def test_nearest_bodies_shows_the_nearest_point_of_walls_and_boxes() -> None:
     wall = {"shape": {"name": "linestring", "vertices": [[0, 0], [10, 0]]}}
     box = {"shape": {"name": "rectangle", "length": 2, "width": 2}, "state": [5, 5, np.pi / 2]}
     _, rows = nearest({"state": [2, 5.5, 0]}, [wall, box])
-    assert rows[0] == pytest.approx([0.2, 0, 0, 0, 0, 1], abs=1e-6)
-    assert rows[1] == pytest.approx([0, -0.55, 0, 0, 0, 1], abs=1e-6)
+    assert rows[0] == pytest.approx([1, 0, inverse(1.8), 0, 0], abs=1e-6)
+    assert rows[1] == pytest.approx([0, -1, inverse(5.3), 0, 0], abs=1e-6)
+
+
+@pytest.mark.parametrize(("ball", "gap"), [([2, 9], 4 - 0.5 - 0.3), ([8, 5], 6 - 0.5 - 1.5), ([2, 1], 4 - 0.5 - 0.3)])
+def test_nearest_bodies_are_as_far_as_the_agents_own_outline(ball: list[float], gap: float) -> None:
+    """A box of 2 m x 0.6 m whose origin is 0.5 m from its rear, looking along x."""
+    box = {"name": "polygon", "vertices": [[-0.5, -0.3], [1.5, -0.3], [1.5, 0.3], [-0.5, 0.3]]}
+    sphere = {"shape": {"name": "circle", "radius": 0.5}, "state": [*ball, 0]}
+    _, rows = nearest({"state": [2, 5, 0], "shape": box}, sphere)
+    assert rows[0, 2] == pytest.approx(inverse(gap), abs=1e-6)
+
+
+def test_nearest_bodies_code_is_that_of_the_scan() -> None:
+    ball = {"shape": {"name": "circle", "radius": 1.0}, "state": [6.2, 5, 0]}
+    _, rows = nearest({"state": [2, 5, 0]}, ball, code="linear")
+    assert rows[:, 2] == pytest.approx([1 - 3.0 / 10, 0, 0])
+    _, rows = nearest({"state": [2, 5, 0]}, ball, near=0.25, zero=0.0)
+    assert rows[0, 2] == pytest.approx(0.25 / 3.25)
+    _, rows = nearest([ROBOT, {**ROBOT, "state": [2.3, 5, 0]}], None)
+    assert rows[0] == pytest.approx([1, 0, 1, 0, 0])  # in contact, 0.1 m deep
 
 
 def test_nearest_bodies_move_relative_to_the_agent() -> None:
@@ -259,8 +283,8 @@ def test_nearest_bodies_move_relative_to_the_agent() -> None:
     robots = [{**ROBOT, "state": [2, 5, 0]}, mover]
     episodes, _ = nearest(robots, None)
     drive(episodes, 0, 0)  # 0.5 m/s towards each other's 1 m/s
-    rows = part(episodes, "nearest_bodies").reshape(-1, 6)
-    assert rows[0] == pytest.approx([(4.9 - 2.05) / 10, 0, -0.75, 0, 0.02, 1], abs=1e-6)
+    rows = part(episodes, "nearest_bodies").reshape(-1, 5)
+    assert rows[0] == pytest.approx([1, 0, inverse(4.9 - 2.05 - 0.4), -0.75, 0], abs=1e-6)
 
 
 def test_nearest_bodies_shows_the_nearest_cell_of_a_map() -> None:
@@ -269,26 +293,136 @@ def test_nearest_bodies_shows_the_nearest_cell_of_a_map() -> None:
     cells[2, 3] = True
     task = only({"name": "nearest_bodies", "count": 3, "range": 10})
     episodes = play({"state": [3, 4, np.pi / 2]}, BALL | {"state": [3, 9, 0]}, task, obstacle_map=cells)
-    rows = part(episodes, "nearest_bodies").reshape(-1, 6)
-    assert rows[0].tolist() == pytest.approx([0.2, -0.1, 0, 0, 0, 1], abs=1e-6)
-    assert rows[1, 0] == pytest.approx(0.5)
-    assert rows[2, 5] == 0
+    rows = part(episodes, "nearest_bodies").reshape(-1, 5)
+    far = 5**0.5
+    assert rows[0].tolist() == pytest.approx([2 / far, -1 / far, inverse(far - 0.2), 0, 0], abs=1e-6)
+    assert rows[1, :2] == pytest.approx([1, 0])
+    assert rows[2] == pytest.approx(NOBODY)
 
 
 def test_nearest_bodies_keeps_the_nearest_in_order() -> None:
     places = [[9, 9, 0], [2, 6, 0], [7, 5, 0], [2, 2, 0], [4, 5, 0]]
     balls = [{"shape": {"name": "circle", "radius": 0.1}, "state": place} for place in places]
     _, rows = nearest({"state": [2, 5, 0]}, balls)
-    assert rows[:, :2] * 10 == pytest.approx(np.array([[0, 1], [2, 0], [0, -3]]), abs=1e-5)
+    assert rows[:, :3] == pytest.approx(
+        np.array([[0, 1, inverse(0.7)], [1, 0, inverse(1.7)], [0, -1, inverse(2.7)]]), abs=1e-5
+    )
     _, rows = nearest({"state": [2, 5, 0]}, balls, range=1.5)
-    assert rows[:, 5].tolist() == [1, 0, 0]
+    assert rows[:, :2].tolist() == [[0, 1], [0, 0], [0, 0]]
+
+
+# --- exact_free_travel
+
+
+def ways(robot: Any, obstacle: Any, *, n: int = 8, **world: Any) -> Any:
+    """Return how far a robot may go in each direction [m], the first one straight behind."""
+    options = {"directions": n, "horizon": 4.0, "code": "linear"}
+    episodes = play(robot, obstacle, only({"name": "exact_free_travel", **options}), **world)
+    return 4.0 * (1.0 - part(episodes, "exact_free_travel"))
+
+
+def test_exact_free_travel_ends_where_discs_touch() -> None:
+    """The ball lies 3 m ahead and 0.4 m to the left; their radii are 0.2 m and 0.5 m."""
+    ball = {"shape": {"name": "circle", "radius": 0.5}, "state": [1.6, 8, 0]}
+    found = ways({"state": [2, 5, np.pi / 2], "sensors": []}, ball)
+    assert found == pytest.approx([4, 4, 4, 4, 3 - (0.7**2 - 0.4**2) ** 0.5, 4, 4, 4], abs=1e-5)
+
+
+def test_exact_free_travel_ends_at_sides_and_at_ends_of_walls() -> None:
+    """A wall 2 m ahead that ends 0.1 m to the right: its side straight ahead, its end for a disc beside it."""
+    wall = {"shape": {"name": "linestring", "vertices": [[4, 4.9], [4, 9]]}}
+    found = ways({"state": [2, 5, 0], "sensors": []}, wall)
+    slanted = (2 - 0.2) * 2**0.5  # at 45 degrees to the left
+    assert found == pytest.approx([4, 4, 4, 4, 1.8, slanted, 4, 4], abs=1e-5)
+    passing = ways({"state": [2, 4.75, 0], "sensors": []}, wall)  # 0.15 m past the end: its corner is in the way
+    assert passing[4] == pytest.approx(2 - (0.2**2 - 0.15**2) ** 0.5, abs=1e-5)
+    assert ways({"state": [2, 4.65, 0], "sensors": []}, wall)[4] == pytest.approx(4)
+
+
+def test_exact_free_travel_leaves_what_it_touches() -> None:
+    wall = {"shape": {"name": "linestring", "vertices": [[2.2001, 0], [2.2001, 10]]}}
+    found = ways({"state": [2, 5, 0], "sensors": []}, wall)
+    assert found == pytest.approx([4, 4, 4, 0, 0, 0, 4, 4], abs=1e-3)
+
+
+def test_exact_free_travel_ignores_what_nobody_touches() -> None:
+    mark = {"shape": {"name": "circle", "radius": 0.5}, "state": [4, 5, 0], "unobstructed": True}
+    assert ways({"state": [2, 5, 0], "sensors": []}, mark) == pytest.approx([4] * 8)
+
+
+def test_exact_free_travel_ends_at_a_map() -> None:
+    # 50 x 50 cells of 0.2 m; a wall at x 4 to 4.2 below y = 5.
+    cells = np.zeros((50, 50), np.bool_)
+    cells[20, :25] = True
+    found = ways({"state": [2, 4.5, 0], "sensors": []}, None, obstacle_map=cells)
+    assert found[4] == pytest.approx(1.8, abs=0.015)
+    assert found[[0, 1, 2, 6, 7]] == pytest.approx([4] * 5)
+    assert found[5] == pytest.approx(4)  # it passes the corner at 45 degrees, 1.06 m from it
+    assert found[3] == pytest.approx(1.8 * 2**0.5, abs=0.03)
+
+
+def test_exact_free_travel_agrees_with_that_of_a_fine_scan() -> None:
+    lidar = [{"name": "lidar2d", "number": 3600, "angle_range": 2 * np.pi, "range_max": 8}]
+    box = {"number": 8, "shape": {"name": "rectangle", "length": 1.2, "width": 0.5}, "distribution": {"name": "random"}}
+    options = {"directions": 32, "horizon": 4.0, "code": "linear"}
+    both = only({"name": "free_travel", **options}, {"name": "exact_free_travel", **options})
+    episodes = play({"sensors": lidar, "distribution": {"name": "random"}}, box, both, n_worlds=8)
+    measured, exact = (episodes.view.observation[:, 0, i : i + 32] for i in (0, 32))
+    assert np.ptp(exact) > 0.5
+    assert (np.abs(measured - exact) < 0.01).mean() > 0.98  # a scan may miss the corner that is just touched
+
+
+# --- route
+
+
+def route(robot: Any, obstacle: Any, **world: Any) -> Any:
+    episodes = play({"sensors": [], **robot}, obstacle, {"name": "blank", "observations": ["route"]}, **world)
+    return part(episodes, "route")
+
+
+def test_route_is_the_straight_way_where_nothing_is_in_it() -> None:
+    found = route({"state": [2, 2, np.pi / 2], "goal": [8, 2, 0]}, None)
+    assert found[:2] == pytest.approx([0, -1], abs=0.1)
+    assert found[2] == pytest.approx(6 / 200**0.5, abs=0.02)
+
+
+@pytest.mark.parametrize("kind", ["wall", "map"])
+def test_route_leads_around_what_stands(kind: str) -> None:
+    """A wall from (5, 0) to (5, 8): the shortest way goes over its upper end, 0.2 m off."""
+    cells = np.zeros((50, 50), np.bool_)
+    cells[25, :40] = True
+    wall = {"shape": {"name": "linestring", "vertices": [[5, 0], [5, 8]]}}
+    given = {"obstacle": wall} if kind == "wall" else {"obstacle": None, "obstacle_map": cells}
+    found = route({"state": [4, 2, 0], "goal": [6.2, 2, 0]}, **given)
+    assert found[1] > np.cos(np.radians(27))  # up along the wall, as exactly as a step to 16 neighbours can tell
+    assert found[2] == pytest.approx(1.0, abs=0.1)  # some 12.5 m, over 14.1 m
+
+
+def test_route_without_a_way_is_straight() -> None:
+    ring = {"shape": {"name": "circle", "radius": 1.0}, "state": [8, 5, 0]}  # the goal lies in it
+    assert route({"state": [2, 5, 0], "goal": [8, 5, 0]}, ring) == pytest.approx([1, 0, 6 / 200**0.5])
+
+
+def test_route_leads_to_the_next_goal() -> None:
+    """The second goal is up; the first is reached within two steps."""
+    robot = {"state": [2, 5, 0], "goal": [[[2.3, 5, 0], [2.2, 9, 0]]], "goal_threshold": 0.3, "sensors": []}
+    episodes = play(robot, None, {"name": "blank", "observations": ["route"]})
+    assert part(episodes, "route")[0] == pytest.approx(1)
+    for _ in range(2):
+        drive(episodes, 0, 0)
+    assert part(episodes, "route")[1] > 0.97
+    assert part(episodes, "route")[2] == pytest.approx(4 / 200**0.5, abs=0.02)
 
 
 # --- the whole
 
 
 @pytest.mark.parametrize(
-    "observations", [["velocity", "goal_heading", "nearest_bodies"], [{"name": "scan", "code": "linear"}]]
+    "observations",
+    [
+        ["velocity", "goal_heading", "nearest_bodies", "exact_free_travel"],
+        [{"name": "scan", "code": "linear"}, "route"],
+    ],
 )
 def test_all_observations_stay_within_their_bounds(observations: list[Any]) -> None:
     task = {"observations": observations}

@@ -177,19 +177,20 @@ def test_a_distribution_gives_goals() -> None:
 
 def test_without_a_range_sensor_navigation_observes_bodies() -> None:
     episodes = play({"sensors": None}, BALL)
-    rest = ["goal", "last_action", "goal_record", "trail"]
-    assert [name for name, _, _ in episodes.observation_terms] == ["nearest_bodies", *rest]
-    both = {"observations": ["nearest_bodies"]}
+    shown = ["nearest_bodies", "goal", "last_action", "exact_free_travel", "route", "goal_record", "trail"]
+    assert [name for name, _, _ in episodes.observation_terms] == shown
+    both = {"observations": ["nearest_bodies", "route"]}
     found = names(load_task(scenario({"sensors": None}), both).observations)
-    assert found == ["Goal", "LastAction", "GoalRecord", "Trail", "NearestBodies"]
+    assert found == ["Goal", "LastAction", "ExactFreeTravel", "GoalRecord", "Trail", "NearestBodies", "Route"]
     assert messages(scenario({"sensors": None}), {"name": "blank", "observations": ["scan"]}) == [
         "observations[0]: 'robot_0' has no range sensor: add one, or a substitute such as "
         "'without_sensor: nearest_bodies'"
     ]
-    circular = {"name": "blank", "observations": [{"name": "scan", "without_sensor": "free_travel"}]}
-    assert messages(scenario({"sensors": None}), circular) == [
-        "observations[0].without_sensor: 'free_travel' needs a range sensor itself"
-    ]
+    for given in ("free_travel", ["route", "free_travel"]):
+        circular = {"name": "blank", "observations": [{"name": "scan", "without_sensor": given}]}
+        assert messages(scenario({"sensors": None}), circular) == [
+            "observations[0].without_sensor: 'free_travel' needs a range sensor itself"
+        ]
 
 
 def test_learners_need_the_same_beams() -> None:

@@ -278,10 +278,11 @@ def test_neighbors_by_hand() -> None:
 @pytest.mark.parametrize("name", ["neighbors", "nearest_bodies"])
 def test_without_a_range_the_diagonal_of_the_world_is_the_unit(name: str) -> None:
     robots = [{**LANES[0], "state": [3, 7, 0]}, {**LANES[1], "state": [6, 7, 0]}]
-    task = {"name": "blank", "observations": [{"name": name, "count": 1}]}
+    code = {"code": "linear"} if name == "nearest_bodies" else {}
+    task = {"name": "blank", "observations": [{"name": name, "count": 1, **code}]}
     episodes = play(robots, None, task, team=True, width=6, height=8, offset=[1, 5])
-    ahead = 0.3 if name == "neighbors" else (5 - 2) / 10  # the disc's centre
-    np.testing.assert_allclose(episodes.view.observation[0, 0], [ahead, 0, 0, 0, 0.02, 1], atol=1e-6)
+    expected = [0.3, 0, 0, 0, 0.02, 1] if name == "neighbors" else [1, 0, 1 - (3 - 2 * 0.2) / 10, 0, 0]
+    np.testing.assert_allclose(episodes.view.observation[0, 0], expected, atol=1e-6)
 
 
 def test_a_neighbor_that_has_gone_leaves_zeros() -> None:

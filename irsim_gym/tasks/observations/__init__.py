@@ -2,6 +2,7 @@
 
 from irsim_gym.families import OBSERVATIONS
 from irsim_gym.tasks.observations.drive import Drive
+from irsim_gym.tasks.observations.exact_free_travel import ExactFreeTravel
 from irsim_gym.tasks.observations.free_travel import FreeTravel
 from irsim_gym.tasks.observations.goal import Goal
 from irsim_gym.tasks.observations.goal_heading import GoalHeading
@@ -11,6 +12,7 @@ from irsim_gym.tasks.observations.nearest_bodies import NearestBodies
 from irsim_gym.tasks.observations.neighbors import Neighbors
 from irsim_gym.tasks.observations.occupancy_image import OccupancyImage
 from irsim_gym.tasks.observations.past_scans import PastScans
+from irsim_gym.tasks.observations.route import Route
 from irsim_gym.tasks.observations.scan import Scan
 from irsim_gym.tasks.observations.top_view import TopView
 from irsim_gym.tasks.observations.trail import Trail
@@ -19,6 +21,7 @@ from irsim_gym.tasks.observations.velocity import Velocity
 OBSERVATIONS.register("scan", Scan)
 OBSERVATIONS.register("past_scans", PastScans)
 OBSERVATIONS.register("free_travel", FreeTravel)
+OBSERVATIONS.register("exact_free_travel", ExactFreeTravel)
 OBSERVATIONS.register("goal", Goal)
 OBSERVATIONS.register("goal_heading", GoalHeading)
 OBSERVATIONS.register("velocity", Velocity)
@@ -27,6 +30,7 @@ OBSERVATIONS.register("drive", Drive)
 OBSERVATIONS.register("nearest_bodies", NearestBodies)
 OBSERVATIONS.register("neighbors", Neighbors)
 OBSERVATIONS.register("goal_record", GoalRecord)
+OBSERVATIONS.register("route", Route)
 OBSERVATIONS.register("trail", Trail)
 OBSERVATIONS.register("occupancy_image", OccupancyImage)
 OBSERVATIONS.register("top_view", TopView)

@@ -36,8 +36,8 @@ class FreeTravel:
     code: Code = option("inverse", meaning="How a way becomes a number; see scan.")
     near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: way at which the code has half its slope.")
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (way + near) that becomes 0.")
-    without_sensor: str = option(
-        "", meaning="Observation that takes the place of this one, with its defaults, where a learner has no sensor."
+    without_sensor: str | tuple[str, ...] = option(
+        "", meaning="Observation, or a list, in place of this one, with their defaults, where a learner has no sensor."
     )
 
     def problems(self) -> list[tuple[str, str]]:

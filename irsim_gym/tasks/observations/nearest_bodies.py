@@ -12,22 +12,26 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.cells import nearest_cell_point
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encoded
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
-WIDTH = 6
+WIDTH = 5
+FOUND = 4
+"""Columns of the scratch memory: way to the nearest point (x, y), body, and whether there is one."""
 
 
 @kind
 class NearestBodies:
-    """The nearest other bodies, nearest first, six numbers each; zeros for a body that is not there.
+    """The nearest other bodies, nearest first, five numbers each.
 
-    x, y of the body's nearest part in the agent's frame (the centre of a disc, with its radius; the nearest point
-    of an edge, with radius 0) over ``range``; relative velocity in the agent's frame over ``speed``; that radius
-    over ``range``; and 1 for "there is one". Bodies whose surface is further away than ``range`` are not seen.
+    Cosine and sine of the direction of the body's nearest point in the agent's frame; the gap between that point and
+    the agent's own outline, encoded as by ``scan``: 1 in contact, steep where it matters; and the relative velocity in
+    the agent's frame over ``speed``. Bodies whose surface is farther from the agent's origin than ``range`` are not
+    seen; one that is not there reads 0, 0, the code of ``range``, 0, 0.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -37,28 +41,38 @@ class NearestBodies:
     count: int = option(6, ge=1, le=64, meaning="Number of bodies observed.")
     range: float | None = option(None, gt=0.0, unit="m", meaning="How far it sees; none: the world's diagonal.")
     speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that counts as 1; faster is cut to it.")
+    code: Code = option("inverse", meaning="How a gap becomes a number; see scan, with range for range_max.")
+    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: gap at which the code has half its slope.")
+    zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (gap + near) that becomes 0.")
+
+    def problems(self) -> list[tuple[str, str]]:
+        """Return what is wrong with options that are right one by one: key and message."""
+        return code_problems(self)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
         """Return scratch memory for the nearest bodies found so far, one row for each shard."""
         slots = simulation.shards.n_slots
-        return {"distance": np.zeros((slots, self.count)), "found": np.zeros((slots, self.count, WIDTH))}
+        return {"distance": np.zeros((slots, self.count)), "found": np.zeros((slots, self.count, FOUND))}
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
-        """Return the bounds, six for each body."""
-        low = np.array([-1.0, -1.0, -1.0, -1.0, 0.0, 0.0], np.float32)
+        """Return the bounds, five for each body."""
+        far: Any = np.float32(_sight(self.range, model))
+        least = encoded(far, code_number(self.code), np.float32(self.near), np.float32(self.zero), far)
+        low = np.array([-1.0, -1.0, least, -1.0, -1.0], np.float32)
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the bodies' numbers."""
-        given = term.options.range
         write_nearest(
             shard.worlds,
             term.agents,
             term.column,
-            np.nan if given is None else given,
+            _sight(term.options.range, model),
             term.options.speed,
-            model.bounds,
+            code_number(term.options.code),
+            term.options.near,
+            term.options.zero,
             model.present,
             model.unobstructed,
             model.cells,
@@ -78,14 +92,21 @@ class NearestBodies:
         )
 
 
+def _sight(given: float | None, model: WorldModel) -> float:
+    """Return how far bodies are seen [m]: the world's diagonal where nothing is given."""
+    return float(np.hypot(*(model.bounds[2:] - model.bounds[:2]))) if given is None else given
+
+
 @kernel
 def write_nearest(
     worlds: Ints,
     agents: Ints,
     column: int,
-    seen: float,
+    far: float,
     speed: float,
-    bounds: Floats,
+    code: int,
+    near: float,
+    zero: float,
     present: Flags,
     unobstructed: Flags,
     cells: CellMap | None,
@@ -103,15 +124,17 @@ def write_nearest(
     found: Floats,
     out: Rays,
 ) -> None:
-    """Write six numbers for each of the nearest bodies.
+    """Write five numbers for each of the nearest bodies.
 
     Args:
         worlds: The worlds to treat.
         agents: Body of each agent, ``(n_agents,)``.
         column: First column of ``out``.
-        seen: How far bodies are seen [m]; NaN: the diagonal of ``bounds``.
+        far: How far bodies are seen [m].
         speed: Relative speed that counts as 1 [m/s].
-        bounds: World rectangle [m].
+        code: INVERSE or LINEAR.
+        near: See ``NearestBodies`` [m].
+        zero: See ``NearestBodies`` [1/m].
         present: See WorldModel, as are the next arrays up to ``disc_count``.
         unobstructed: Bodies that are not seen.
         cells: The obstacle map, which counts as one body at its nearest point.
@@ -122,15 +145,13 @@ def write_nearest(
         disc_count: Number of its discs.
         segments: Outlines in the world frame [m], ``(n_worlds, n_segments, 4)``.
         discs: The same, ``(n_worlds, n_discs, 3)``.
-        pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
-        twist: Velocities in the world frame [m/s].
-        stopped: Bodies that are held in place.
+        pose: See WorldState, as are the next two.
+        twist: See ``pose``.
+        stopped: See ``pose``.
         distance: Scratch, ``(count,)``.
-        found: Scratch, ``(count, 6)``.
+        found: Scratch, ``(count, 4)``.
         out: Written, ``(n_worlds, n_agents, n_features)``.
     """
-    width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
-    far = np.sqrt(width * width + height * height) if np.isnan(seen) else seen
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
@@ -144,34 +165,46 @@ def write_nearest(
                 nearest_possible = np.sqrt(dx * dx + dy * dy) - reach[w % reach.shape[0], b]
                 if nearest_possible >= distance[distance.shape[0] - 1]:
                     continue
-                start, count = disc_start[b], disc_count[w % disc_count.shape[0], b]
-                gap, px, py, radius = nearest_disc(discs[w], start, count, x, y)
-                start, count = segment_start[b], segment_count[w % segment_count.shape[0], b]
-                edge_gap, ex, ey = nearest_point(segments[w], start, count, x, y)
-                if edge_gap < gap:
-                    gap, px, py, radius = edge_gap, ex, ey, 0.0
-                keep(gap, px - x, py - y, radius, b, distance, found)
+                first, last = span(disc_start, disc_count, w, b)
+                gap, px, py = nearest_on_discs(discs[w, first:last], x, y)
+                first, last = span(segment_start, segment_count, w, b)
+                edge_gap, ex, ey = nearest_point(segments[w, first:last], x, y)
+                gap, px, py = (edge_gap, ex, ey) if edge_gap < gap else (gap, px, py)
+                keep(gap, px - x, py - y, b, distance, found)
             keep_cell(cells, x, y, distance, found)
-            write_found(w, own, far, speed, pose, twist, stopped, found, column, out[w, a])
+            first, last = span(disc_start, disc_count, w, own)
+            own_discs = discs[w, first:last]
+            first, last = span(segment_start, segment_count, w, own)
+            row = out[w, a, column : column + WIDTH * found.shape[0]]
+            write_gaps(segments[w, first:last], own_discs, x, y, distance, found, code, near, zero, far, row)
+            write_motions(w, own, found, speed, pose, twist, stopped, row)
 
 
 @kernel
-def nearest_disc(discs: Floats, start: int, count: int, x: float, y: float) -> tuple[float, float, float, float]:
-    """Return surface distance, centre and radius of the nearest disc [m]; infinity without one."""
-    gap, cx, cy, radius = np.inf, 0.0, 0.0, 0.0
-    for d in range(start, start + count):
-        dx, dy = discs[d, 0] - x, discs[d, 1] - y
-        here = np.sqrt(dx * dx + dy * dy) - discs[d, 2]
-        if here < gap:
-            gap, cx, cy, radius = here, discs[d, 0], discs[d, 1], discs[d, 2]
-    return gap, cx, cy, radius
+def span(start: Ints, count: Ints, w: int, body: int) -> tuple[int, int]:
+    """Return the first row of a body's outline in a table, and the row after its last one."""
+    first = int(start[body])
+    return first, first + int(count[w % count.shape[0], body])
 
 
 @kernel
-def nearest_point(segments: Floats, start: int, count: int, x: float, y: float) -> tuple[float, float, float]:
+def nearest_on_discs(discs: Floats, x: float, y: float) -> tuple[float, float, float]:
+    """Return distance [m] and position of the nearest point of some discs; infinity without one, 0 within one."""
+    gap, px, py = np.inf, 0.0, 0.0
+    for d in range(discs.shape[0]):
+        dx, dy, radius = discs[d, 0] - x, discs[d, 1] - y, discs[d, 2]
+        away = np.sqrt(dx * dx + dy * dy)
+        if away - radius < gap:
+            share = (away - radius) / away if away > 0.0 else 1.0
+            gap, px, py = away - radius, x + share * dx, y + share * dy
+    return gap, px, py
+
+
+@kernel
+def nearest_point(segments: Floats, x: float, y: float) -> tuple[float, float, float]:
     """Return distance and position of the nearest point of some segments [m]; infinity without one."""
     least, px, py = np.inf, 0.0, 0.0
-    for s in range(start, start + count):
+    for s in range(segments.shape[0]):
         ax, ay = segments[s, 0], segments[s, 1]
         ux, uy = segments[s, 2] - ax, segments[s, 3] - ay
         length2 = ux * ux + uy * uy
@@ -185,8 +218,32 @@ def nearest_point(segments: Floats, start: int, count: int, x: float, y: float) 
 
 
 @kernel
-def keep(gap: float, dx: float, dy: float, radius: float, body: int, distance: Floats, found: Floats) -> None:
-    """Insert a body into the sorted list of the nearest ones; column 3 of ``found`` holds its number."""
+def extent_towards(segments: Floats, discs: Floats, x: float, y: float, dx: float, dy: float) -> float:
+    """Return how far an outline reaches from a point into a direction of any length [m]; 0 without a direction."""
+    length = np.sqrt(dx * dx + dy * dy)
+    farthest = 0.0
+    if length == 0.0:
+        return farthest
+    ahead_x, ahead_y = dx / length, dy / length
+    for d in range(discs.shape[0]):
+        cx, cy = discs[d, 0] - x, discs[d, 1] - y
+        along, aside = cx * ahead_x + cy * ahead_y, cy * ahead_x - cx * ahead_y
+        room = discs[d, 2] * discs[d, 2] - aside * aside
+        if room >= 0.0:
+            farthest = max(farthest, along + np.sqrt(room))
+    for s in range(segments.shape[0]):
+        ax, ay = segments[s, 0] - x, segments[s, 1] - y
+        bx, by = segments[s, 2] - x, segments[s, 3] - y
+        a_aside, b_aside = ay * ahead_x - ax * ahead_y, by * ahead_x - bx * ahead_y
+        if a_aside * b_aside <= 0.0 and a_aside != b_aside:
+            share = a_aside / (a_aside - b_aside)
+            farthest = max(farthest, (ax + share * (bx - ax)) * ahead_x + (ay + share * (by - ay)) * ahead_y)
+    return farthest
+
+
+@kernel
+def keep(gap: float, dx: float, dy: float, body: int, distance: Floats, found: Floats) -> None:
+    """Insert a body into the sorted list of the nearest ones: way to its nearest point, number, and 1 for "there"."""
     k = distance.shape[0] - 1
     if gap >= distance[k]:
         return
@@ -196,7 +253,7 @@ def keep(gap: float, dx: float, dy: float, radius: float, body: int, distance: F
             found[k, column] = found[k - 1, column]
         k -= 1
     distance[k] = gap
-    found[k, 0], found[k, 1], found[k, 2], found[k, 3], found[k, 5] = dx, dy, radius, float(body), 1.0
+    found[k, 0], found[k, 1], found[k, 2], found[k, 3] = dx, dy, float(body), 1.0
 
 
 @kernel
@@ -205,36 +262,47 @@ def keep_cell(cells: CellMap | None, x: float, y: float, distance: Floats, found
     if cells is None:
         return
     gap, px, py = nearest_cell_point(cells, x, y, distance[distance.shape[0] - 1])
-    keep(gap, px - x, py - y, 0.0, int(cells[0][4]), distance, found)
+    keep(gap, px - x, py - y, int(cells[0][4]), distance, found)
 
 
 @kernel
-def write_found(
-    w: int,
-    own: int,
-    far: float,
-    speed: float,
-    pose: Floats,
-    twist: Floats,
-    stopped: Flags,
+def write_gaps(
+    segments: Floats,
+    discs: Floats,
+    x: float,
+    y: float,
+    distance: Floats,
     found: Floats,
-    column: int,
+    code: int,
+    near: float,
+    zero: float,
+    far: float,
     row: Rays,
 ) -> None:
-    """Turn what was found into the agent's frame, scale it to [-1, 1] and write it."""
+    """Write the code of the gap between each body that was found and the agent's own segments and discs at (x, y)."""
+    for k in range(found.shape[0]):
+        beyond = distance[k] - extent_towards(segments, discs, x, y, found[k, 0], found[k, 1])
+        gap: Any = np.float32(min(max(beyond, 0.0), far))
+        row[WIDTH * k + 2] = encoded(gap, code, np.float32(near), np.float32(zero), np.float32(far))
+
+
+@kernel
+def write_motions(
+    w: int, own: int, found: Floats, speed: float, pose: Floats, twist: Floats, stopped: Flags, row: Rays
+) -> None:
+    """Write direction and relative velocity of each body that was found, in the agent's frame."""
     cosine, sine = np.cos(pose[w, own, 2]), np.sin(pose[w, own, 2])
     for k in range(found.shape[0]):
-        dx, dy, there = found[k, 0], found[k, 1], found[k, 5]
-        b = int(found[k, 3])
+        dx, dy, b, there = found[k, 0], found[k, 1], int(found[k, 2]), found[k, 3]
+        away = np.sqrt(dx * dx + dy * dy)
+        scale = 1.0 / away if away > 0.0 else 0.0
         vx = moving(w, b, 0, twist, stopped) - moving(w, own, 0, twist, stopped)
         vy = moving(w, b, 1, twist, stopped) - moving(w, own, 1, twist, stopped)
-        at = column + WIDTH * k
-        row[at] = unit((dx * cosine + dy * sine) / far)
-        row[at + 1] = unit((dy * cosine - dx * sine) / far)
-        row[at + 2] = unit(there * (vx * cosine + vy * sine) / speed)
-        row[at + 3] = unit(there * (vy * cosine - vx * sine) / speed)
-        row[at + 4] = unit(found[k, 2] / far)
-        row[at + 5] = np.float32(there)
+        at = WIDTH * k
+        row[at] = unit((dx * cosine + dy * sine) * scale)
+        row[at + 1] = unit((dy * cosine - dx * sine) * scale)
+        row[at + 3] = unit(there * (vx * cosine + vy * sine) / speed)
+        row[at + 4] = unit(there * (vy * cosine - vx * sine) / speed)
 
 
 @kernel

@@ -11,12 +11,14 @@ from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.observations.nearest_bodies import WIDTH, moving
+from irsim_gym.tasks.observations.nearest_bodies import moving
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
+
+WIDTH = 6
 
 
 @kind

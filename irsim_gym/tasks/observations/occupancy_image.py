@@ -55,8 +55,8 @@ class OccupancyImage:
     robot_channel: bool = option(False, meaning="Show other robots in a channel of their own, and not in the first.")
     goal_channel: bool = option(True, meaning="Show the next goal in a channel of its own, the last one.")
     from_scan: bool = option(False, meaning="Show what the range sensor has just seen, in place of what is there.")
-    without_sensor: str = option(
-        "", meaning="With from_scan: observation in place of this one, with its defaults, where there is no sensor."
+    without_sensor: str | tuple[str, ...] = option(
+        "", meaning="With from_scan: observation, or a list, in place of this one, where there is no sensor."
     )
 
     @property

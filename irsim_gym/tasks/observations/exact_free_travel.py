@@ -1,0 +1,228 @@
+"""Free travel without a sensor: how far the agent could go straight, by the outlines of what is around it."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.geometry.cells import segment_cells_distance
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.observations.free_travel import shorten
+from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+NEAR_ENOUGH = 0.01
+"""Gap [m] at which a disc counts as arrived at a map's occupied cells."""
+LONGEST_WALK = 256
+"""Steps after which a walk along a map ends; a way that takes more of them leads along a wall, closer than 0.1 m."""
+
+
+@kind
+class ExactFreeTravel:
+    """What ``free_travel`` says, for agents without a range sensor: measured from the outlines and the map.
+
+    It sees through walls and in all directions. Bodies that are ``unobstructed`` are not seen.
+    """
+
+    only_kernels: ClassVar[bool] = True
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = False
+
+    directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first one is straight behind.")
+    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Longest way; what lies farther away is not looked at.")
+    margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
+    code: Code = option("inverse", meaning="How a way becomes a number; see scan, with horizon for range_max.")
+    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: way at which the code has half its slope.")
+    zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (way + near) that becomes 0.")
+
+    def problems(self) -> list[tuple[str, str]]:
+        """Return what is wrong with options that are right one by one: key and message."""
+        return code_problems(self)
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+        """Return the directions in the body frame and the radii of the discs around the agents."""
+        ahead = 2.0 * np.pi * np.arange(self.directions) / self.directions - np.pi
+        return {
+            "ahead_x": np.cos(ahead).astype(np.float32),
+            "ahead_y": np.sin(ahead).astype(np.float32),
+            "radius": simulation.model.reach[:, agents].max(axis=0) + self.margin,
+        }
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the codes of the longest way and of contact."""
+        low, high = np.full(self.directions, self.horizon, np.float32), np.zeros(self.directions, np.float32)
+        for values in (low, high):
+            encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), low[0])
+        return low, high
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the directions' codes."""
+        options, table = term.options, term.arrays
+        write_ways(
+            shard.worlds,
+            term.agents,
+            term.column,
+            table["ahead_x"],
+            table["ahead_y"],
+            table["radius"],
+            options.horizon,
+            code_number(options.code),
+            options.near,
+            options.zero,
+            model.present,
+            model.unobstructed,
+            model.cells,
+            model.reach,
+            model.segment_start,
+            model.segment_count,
+            model.disc_start,
+            model.disc_count,
+            state.segments,
+            state.discs,
+            state.pose,
+            episode.observation,
+        )
+
+
+@kernel
+def write_ways(
+    worlds: Ints,
+    agents: Ints,
+    column: int,
+    ahead_x: Rays,
+    ahead_y: Rays,
+    radius: Floats,
+    far: float,
+    code: int,
+    near: float,
+    zero: float,
+    present: Flags,
+    unobstructed: Flags,
+    cells: CellMap | None,
+    reach: Floats,
+    segment_start: Ints,
+    segment_count: Ints,
+    disc_start: Ints,
+    disc_count: Ints,
+    segments: Floats,
+    discs: Floats,
+    pose: Floats,
+    out: Rays,
+) -> None:
+    """Write the free way in each direction, encoded.
+
+    Args:
+        worlds: The worlds to treat.
+        agents: Body of each agent, ``(n_agents,)``.
+        column: First column of ``out``.
+        ahead_x: Directions in the body frame, ``(n_directions,)``.
+        ahead_y: As ``ahead_x``.
+        radius: Radius of the disc around each agent [m], ``(n_agents,)``.
+        far: Longest way [m].
+        code: INVERSE or LINEAR.
+        near: See ``ExactFreeTravel`` [m].
+        zero: See ``ExactFreeTravel`` [1/m].
+        present: See WorldModel, as are the next arrays up to ``disc_count``.
+        unobstructed: Bodies that are not seen.
+        cells: The obstacle map.
+        reach: Bounding radius [m].
+        segment_start: First segment of a body.
+        segment_count: Number of its segments.
+        disc_start: First disc of a body.
+        disc_count: Number of its discs.
+        segments: Outlines in the world frame [m], ``(n_worlds, n_segments, 4)``.
+        discs: The same, ``(n_worlds, n_discs, 3)``.
+        pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
+        out: Written, ``(n_worlds, n_agents, n_features)``.
+    """
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            own, own_radius = agents[a], radius[a]
+            row = out[w, a, column : column + ahead_x.shape[0]]
+            row[:] = np.float32(far)
+            place = pose[w, own]
+            for b in range(present.shape[1]):
+                if b == own or unobstructed[b] or not present[w, b]:
+                    continue
+                dx, dy = pose[w, b, 0] - place[0], pose[w, b, 1] - place[1]
+                seen = far + own_radius + reach[w % reach.shape[0], b]
+                if dx * dx + dy * dy >= seen * seen:
+                    continue
+                first, count = disc_start[b], disc_count[w % disc_count.shape[0], b]
+                for d in range(first, first + count):
+                    stop_at_disc(discs[w, d], place, own_radius, far, ahead_x, ahead_y, row)
+                first, count = segment_start[b], segment_count[w % segment_count.shape[0], b]
+                for s in range(first, first + count):
+                    stop_at_segment(segments[w, s], place, own_radius, far, ahead_x, ahead_y, row)
+            stop_at_cells(cells, place, own_radius, ahead_x, ahead_y, row)
+            encode(row, code, np.float32(near), np.float32(zero), np.float32(far))
+
+
+@kernel
+def stop_at_disc(disc: Floats, place: Floats, own: float, far: float, ahead_x: Rays, ahead_y: Rays, row: Rays) -> None:
+    """Shorten the ways of a disc of radius ``own`` at ``place`` (x, y, heading) that another disc blocks."""
+    cosine, sine = np.cos(place[2]), np.sin(place[2])
+    dx, dy, radius = disc[0] - place[0], disc[1] - place[1], disc[2] + own
+    x, y = np.float32(dx * cosine + dy * sine), np.float32(dy * cosine - dx * sine)
+    shorten(x, y, np.float32(radius * radius), np.float32(far), ahead_x, ahead_y, row)
+
+
+@kernel
+def stop_at_segment(
+    segment: Floats, place: Floats, own: float, far: float, ahead_x: Rays, ahead_y: Rays, row: Rays
+) -> None:
+    """Shorten the ways of a disc that a segment blocks: its two ends, and what lies between them."""
+    cosine, sine = np.cos(place[2]), np.sin(place[2])
+    ax, ay = segment[0] - place[0], segment[1] - place[1]
+    ux, uy = segment[2] - segment[0], segment[3] - segment[1]
+    length = np.sqrt(ux * ux + uy * uy)
+    px, py = ax * cosine + ay * sine, ay * cosine - ax * sine
+    qx, qy = px + ux * cosine + uy * sine, py + uy * cosine - ux * sine
+    own_2, far_32 = np.float32(own * own), np.float32(far)
+    shorten(np.float32(px), np.float32(py), own_2, far_32, ahead_x, ahead_y, row)
+    shorten(np.float32(qx), np.float32(qy), own_2, far_32, ahead_x, ahead_y, row)
+    if length == 0.0:
+        return
+    along_x, along_y = (qx - px) / length, (qy - py) / length
+    side = 1.0 if px * along_y - py * along_x >= 0.0 else -1.0
+    normal_x, normal_y = side * along_y, -side * along_x
+    gap = px * normal_x + py * normal_y - own
+    start = px * along_x + py * along_y
+    for j in range(row.shape[0]):
+        towards = ahead_x[j] * normal_x + ahead_y[j] * normal_y
+        if towards <= 0.0:
+            continue
+        way = max(gap, 0.0) / towards
+        place_along = way * (ahead_x[j] * along_x + ahead_y[j] * along_y) - start
+        if way < row[j] and 0.0 <= place_along <= length:
+            row[j] = np.float32(way)
+
+
+@kernel
+def stop_at_cells(cells: CellMap | None, place: Floats, own: float, ahead_x: Rays, ahead_y: Rays, row: Rays) -> None:
+    """Shorten the ways of a disc that the map blocks; each step goes as far as there is room around it."""
+    if cells is None:
+        return
+    cosine, sine = np.cos(place[2]), np.sin(place[2])
+    for j in range(row.shape[0]):
+        dx, dy = ahead_x[j] * cosine - ahead_y[j] * sine, ahead_x[j] * sine + ahead_y[j] * cosine
+        way, before = 0.0, -np.inf
+        for _ in range(LONGEST_WALK):
+            x, y = place[0] + way * dx, place[1] + way * dy
+            room = segment_cells_distance(cells, x, y, x, y, own + row[j]) - own
+            if room < NEAR_ENOUGH and room <= before:
+                row[j] = np.float32(max(way, 0.0))
+                break
+            way, before = way + max(room, NEAR_ENOUGH), room
+            if way >= row[j]:
+                break

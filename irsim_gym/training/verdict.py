@@ -1,0 +1,141 @@
+"""What a training that hardly ever arrives looks like, and what to try.
+
+It is measured on the episodes by which checkpoints are scored; the shares it needs stand in the learning curve.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from irsim_gym.evaluation.metrics import EpisodeRow
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.tasks import Task
+from irsim_gym.tasks.sight import unseen
+
+RARELY = 0.1
+"""A success below this is worth some words."""
+HARDLY = 0.25
+"""An episode that ends by the time limit before so much of the way counts as standing still."""
+SOME, MOST = 0.05, 0.5
+"""Shares of episodes that count as some of them, and as most of them."""
+SHORT = 500_000
+"""Trainings of fewer steps are short."""
+HITS = ("obstacle", "moving obstacle", "robot", "map")
+COLUMNS = ("stood_still", "hit_at_once", "no_way", "too_far", *(f"hit_{hit.replace(' ', '_')}" for hit in HITS))
+"""What ``failures`` adds to a point of the curve."""
+
+
+def failures(rows: Sequence[EpisodeRow], speeds: Sequence[float], limit: float) -> dict[str, float]:
+    """Return how episodes failed, as shares of all of them.
+
+    Args:
+        rows: The episodes.
+        speeds: The robot's greatest linear speed in each [m/s].
+        limit: Their time limit [s].
+
+    Returns:
+        ``stood_still``: the time limit ended it before a quarter of the way was driven. ``hit_at_once``: a collision
+        in the first step. ``no_way``: no collision-free way was found. ``too_far``: the way takes longer than the
+        limit at full speed. ``hit_obstacle`` and so on: a collision with one.
+    """
+    ways = [row.optimum for row in rows]
+    slow = [row.outcome == "timeout" and row.path_length < HARDLY * row.optimum < math.inf for row in rows]
+    late = [limit * speed < way < math.inf for way, speed in zip(ways, speeds, strict=True)]
+    counts = {
+        "stood_still": sum(slow),
+        "hit_at_once": sum(row.outcome == "collision" and row.steps <= 1 for row in rows),
+        "no_way": sum(not math.isfinite(way) for way in ways),
+        "too_far": sum(late),
+        **{f"hit_{hit.replace(' ', '_')}": sum(row.hit == hit for row in rows) for hit in HITS},
+    }
+    return {name: count / max(len(rows), 1) for name, count in counts.items()}
+
+
+def verdict(point: Mapping[str, float], scenario: Scenario, task: Task, look: str) -> list[str]:
+    """Return lines that say what a training looks like that ended near 0 %; none where it did not.
+
+    Args:
+        point: The last point of its curve.
+        scenario: Where it was trained.
+        task: What was to be learned.
+        look: The command that shows what the policy does.
+    """
+    arrived = point.get("individual_success", point["success"])
+    if arrived >= RARELY or "stood_still" not in point:
+        return []
+    who = "robots" if "individual_success" in point else "episodes"
+    lines = [f"{arrived:.1%} of {who} arrive. Of all {who} {_ends(point)}."]
+    return [*lines, "what to try:", *(f"  - {hint}" for hint in _hints(point, scenario, task)), f"  - look: {look}"]
+
+
+def look_command(scenario: str, folder: Path, *, team: bool, task: str | None = None) -> str:
+    """Return the command that draws what a run's policy does on some ``dev`` levels."""
+    levels = " ".join(f"--level {level}" for level in range(3))
+    asked = f"{' --team' if team else ''}{'' if task is None else f' --task {task}'}"
+    return f"irsim-gym record {scenario} {folder} --split dev {levels}{asked} --strobe"
+
+
+def _ends(point: Mapping[str, float]) -> str:
+    """Return in words how episodes end, the most frequent end first."""
+    still, late = point["stood_still"], point["timeout"] - point["stood_still"]
+    ends = [(still, f"stand still (the time ends before {HARDLY:.0%} of the way is driven)"), (late, "run out of time")]
+    ends += [(point["left_world"], "leave the world"), (point.get("deadlocked", 0.0), "are stuck")]
+    ends += [(point[f"hit_{hit.replace(' ', '_')}"], f"collide with {_one(hit)}") for hit in HITS]
+    return ", ".join(f"{share:.0%} {words}" for share, words in sorted(ends, reverse=True) if share >= 0.005)
+
+
+def _one(hit: str) -> str:
+    return {"obstacle": "an obstacle", "map": "the map"}.get(hit, f"a {hit}")
+
+
+def _hints(point: Mapping[str, float], scenario: Scenario, task: Task) -> list[str]:
+    """Return what to try, the surest first."""
+    hints = []
+    hidden = unseen(scenario, task)
+    if hidden:
+        hints.append(
+            f"the learner observes nothing of {hidden}: a sensor and the observation scan, "
+            "or nearest_bodies, would show it"
+        )
+    if point["no_way"] >= SOME:
+        hints.append(
+            f"in {point['no_way']:.0%} of the levels no way was found that the robot fits through: "
+            "`reachable: true` in its distribution, or fewer and smaller obstacles"
+        )
+    if point["too_far"] >= SOME:
+        hints.append(
+            f"in {point['too_far']:.0%} of the levels the way takes longer than max_steps "
+            f"({task.max_steps}) at full speed: raise it"
+        )
+    if point["hit_at_once"] >= SOME:
+        hints.append(
+            f"{point['hit_at_once']:.0%} collide in their first step: "
+            "a larger `clearance` where robots and obstacles begin"
+        )
+    if point["steps"] < SHORT:
+        hints.append(f"more --steps: {point['steps']:,.0f} are few")
+    hints += _hints_by_end(point, task)
+    return hints
+
+
+def _hints_by_end(point: Mapping[str, float], task: Task) -> list[str]:
+    """Return what to try against how most episodes end."""
+    weights = {type(reward).__name__: reward.weight for reward in task.rewards}
+    if point["stood_still"] >= MOST:
+        fine = f" (now {weights['Collision']:g})" if "Collision" in weights else ""
+        return [
+            "trying has cost more than standing still: nearer goals or fewer obstacles to begin with, "
+            f"a smaller weight of the reward collision{fine}, and more --steps"
+        ]
+    if point["collision"] >= MOST:
+        moving = point["hit_moving_obstacle"] + point["hit_robot"] >= 0.5 * point["collision"]
+        speeds = ", or past_scans, which shows who moves where" if moving else ""
+        return [f"more --steps; more beams or range of the sensor{speeds}; a larger weight of the reward clearance"]
+    if point["left_world"] >= MOST:
+        return ["a wall around the world (a linestring), which a sensor sees; or a larger weight of left_world"]
+    return [
+        "a larger max_steps; `potential: geodesic` of the reward progress, which leads around obstacles; "
+        "a goal_threshold that a step does not jump over"
+    ]
