@@ -12,6 +12,10 @@ import typer
 from irsim_gym.cli_tools import import_modules, print_options, print_shipped, progress, read_parameters
 from irsim_gym.errors import IrsimGymError
 
+LAST_SEED = 2**32 - 1  # of NumPy's generator, which Stable-Baselines3 seeds
+LAST_LEVEL = 2**53 - 1  # that an environment takes
+MOST_LEVELS = 10**9
+
 app = typer.Typer(
     help="Mobile robots in IR-SIM's YAML: check scenarios, train agents, evaluate and film them.",
     no_args_is_help=True,
@@ -21,13 +25,13 @@ app = typer.Typer(
 
 Scenario = Annotated[str, typer.Argument(help="Shipped name, environment id, or path of a YAML file.")]
 Task = Annotated[str | None, typer.Option(help="Shipped task or a file, in place of the scenario's own.")]
-Levels = Annotated[int, typer.Option(min=1, help="Number of levels.")]
+Levels = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of levels.")]
 Split = Annotated[str, typer.Option(help="train, dev or test.")]
 Steps = Annotated[
     int | None,
     typer.Option(min=1, help="Training steps over all worlds, in place of the file's; rounded up to whole rollouts."),
 ]
-Seed = Annotated[int, typer.Option(min=0, help="Seed of networks, exploration and training levels.")]
+Seed = Annotated[int, typer.Option(min=0, max=LAST_SEED, help="Seed of networks, exploration and training levels.")]
 Reference = Annotated[str, typer.Option(help="random, dash, rvo, orca, a run's folder or a policy.zip.")]
 Given = Annotated[
     list[str] | None,
@@ -58,7 +62,7 @@ def list_shipped() -> None:
 
 @app.command()
 def check(
-    files: Annotated[list[str], typer.Argument(help="Scenario files or shipped names.")],
+    files: Annotated[list[str], typer.Argument(help="Scenario files, shipped names or environment ids.")],
     team: Annotated[
         bool, typer.Option("--team", help="Insist that all robots (or those that the task names) can learn together.")
     ] = False,
@@ -168,7 +172,9 @@ def evaluate(
 def record(
     scenario: Scenario,
     policies: Annotated[list[str], typer.Argument(help="Runs' folders, policy.zip files, random, dash, rvo, orca.")],
-    level: Annotated[list[int] | None, typer.Option(min=0, help="A level; may be repeated. (default: 0)")] = None,
+    level: Annotated[
+        list[int] | None, typer.Option(min=0, max=LAST_LEVEL, help="A level; may be repeated. (default: 0)")
+    ] = None,
     split: Split = "test",
     task: Task = None,
     out: Annotated[
@@ -280,7 +286,7 @@ def play(
         Path | None, typer.Option(help="Demonstrations to write, .npz; a file that is there is gone on with.")
     ] = None,
     task: Task = None,
-    level: Annotated[int, typer.Option("--level", "--seed", min=0, help="First level.")] = 0,
+    level: Annotated[int, typer.Option("--level", "--seed", min=0, max=LAST_LEVEL, help="First level.")] = 0,
     split: Split = "train",
     robot: Annotated[
         str | None, typer.Option(help="Name or number of the robot (default: the one that learns).")
@@ -306,7 +312,7 @@ def play(
 @app.command()
 def draw(
     scenario: Scenario,
-    level: Annotated[int, typer.Option(min=0, help="Which level.")] = 0,
+    level: Annotated[int, typer.Option(min=0, max=LAST_LEVEL, help="Which level.")] = 0,
     split: Split = "dev",
     task: Task = None,
     out: Annotated[Path | None, typer.Option(help=".png, .pdf or .svg file (default: SCENARIO.png).")] = None,

@@ -187,9 +187,7 @@ def test_errors():
 
 def test_wrappers_of_sb3():
     env = irsim_gym.sb3.make_vec_env(NAME, 2, seed=0, max_steps=10)
-    with pytest.warns(UserWarning, match="already wrapped"):
-        monitored = VecMonitor(env, info_keywords=("is_success",))
-    wrapped = VecNormalize(monitored)
+    wrapped = VecNormalize(VecMonitor(env, info_keywords=("is_success",)))
     wrapped.reset()
     lengths = []
     for _ in range(25):

@@ -6,7 +6,7 @@ import gymnasium
 import pytest
 
 import irsim_gym
-from irsim_gym.envs.registration import env_id, register_shipped
+from irsim_gym.envs.registration import env_id, register
 from irsim_gym.errors import IrsimGymError, UnknownNameError
 
 WORLD = """
@@ -30,7 +30,7 @@ def folder(tmp_path):
 
 def test_registering_twice_is_silent():
     before = dict(gymnasium.registry)
-    register_shipped()
+    register()
     assert dict(gymnasium.registry) == before
 
 
