@@ -22,7 +22,8 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
 
     ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` goes on with the next level of the chain
     that follows from the last seed. ``options={"split": "test", "level": 17}`` begins exactly that level, and
-    later resets without seed stay in that split.
+    later resets without seed stay in that split. A scenario in which nothing is random has but one level, so each
+    reset begins the same episode.
 
     Infos hold the same keys at each call, all Python numbers: ``outcome`` (``tasks.Outcome``), ``hit`` (the body
     touched, -1 for none), ``hit_kind`` (what that is, ``tasks.outcome.HitKind``), ``path_length`` [m],

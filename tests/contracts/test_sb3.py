@@ -197,6 +197,14 @@ def test_wrappers_of_sb3():
     assert all(lengths)
 
 
+def test_a_monitor_below_another_wrapper_is_answered_for_as_well():
+    """Who evaluates reads our statistics, raw whatever is normalised; who puts a VecMonitor on top is told nothing."""
+    env = VecNormalize(irsim_gym.sb3.make_vec_env(NAME, 2, seed=0, max_steps=10))
+    assert env.env_is_wrapped(Monitor) == [True] * 2
+    monitored = VecMonitor(env)  # the warning that it would overwrite a Monitor would be an error here
+    assert monitored.env_is_wrapped(Monitor) == [True] * 2
+
+
 def test_any_source_of_a_scenario_works():
     seen = [irsim_gym.sb3.make_vec_env(name, 2, seed=1).reset() for name in (NAME, STILL, f"irsim_gym:{STILL}")]
     np.testing.assert_array_equal(seen[0], seen[1])
