@@ -35,7 +35,7 @@ def check_scenario(scenario: Any) -> None:
 
 def check_agents(agents: Sequence[int], scenario: Scenario) -> tuple[int, ...]:
     """Return the bodies that are commanded from outside, or raise a ValueError for one that is not there."""
-    return tuple(_bodies(agents, scenario, "agents").tolist())
+    return tuple(_bodies(agents, scenario, "agents=").tolist())
 
 
 def check_level(level: Any, n_worlds: int) -> int:
@@ -54,7 +54,7 @@ def check_level(level: Any, n_worlds: int) -> int:
 
 def check_bodies(bodies: Any, scenario: Scenario) -> Ints:
     """Return bodies as an array ``(n_bodies,)``, or raise a ValueError for one that is not there."""
-    return _bodies(bodies, scenario, "bodies")
+    return _bodies(bodies, scenario, "bodies=")
 
 
 def check_commands(commands: Any, bodies: Ints, scenario: Scenario, n_worlds: int) -> Floats:
@@ -88,5 +88,5 @@ def _bodies(given: Any, scenario: Scenario, what: str) -> Ints:
     if not (is_listed and all(0 <= b < n_bodies for b in array.tolist())):
         known = ", ".join(f"{b} '{body.name}'" for b, body in enumerate(scenario.bodies[:4]))
         more = ", ..." if n_bodies > 4 else ""
-        raise ValueError(f"{what} are indices of bodies, e.g. [0]; there are {known or 'none'}{more}; got {given!r}")
+        raise ValueError(f"{what} takes indices of bodies, e.g. [0]; there are {known or 'none'}{more}; got {given!r}")
     return array.astype(np.int64)

@@ -33,17 +33,21 @@ class Environment(gymnasium.Wrapper[Any, Any, Any, Any]):
     """The environment as it is, for whoever expects IR-SIM's: errors say what to use. It is no part of ``spec``."""
 
     @property
-    def spec(self) -> EnvSpec | None:
+    def spec(self) -> EnvSpec | None:  # type: ignore[override]
         """What the environment inside was made with."""
         return self.env.spec
 
-    def step(self, action: Any = _NO_ACTION, *others: Any, **named: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+    def step(self, action: Any = _NO_ACTION, action_id: Any = None) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Advance by one step, see ``WorldEnv.step``.
 
+        Args:
+            action: What the learner does.
+            action_id: Of IR-SIM's worlds; nothing may be given here.
+
         Raises:
-            TypeError: There is no action, or more than that.
+            TypeError: There is no action, or an ``action_id``.
         """
-        if action is _NO_ACTION or others or named:
+        if action is _NO_ACTION or action_id is not None:
             raise TypeError(f"step() takes one action of the learner: {BY_HAND}")
         return self.env.step(action)
 

@@ -88,7 +88,8 @@ class Ids:
         if not known:
             return (
                 f": nothing is registered as '{namespace}/...' in this process. Ids of register_scenarios are known "
-                "where it was called: call it in each worker process too, or name the file, with its suffix"
+                "where it was called: call it in each worker process too, on the command line in a module that "
+                "--import names; or name the file, with its suffix"
             )
         names = {_name(other): other for other in known}
         if _name(one) in names:

@@ -50,9 +50,11 @@ def test_commands_that_nobody_takes_or_of_a_wrong_shape_are_errors() -> None:
         with pytest.raises(ValueError, match=r"commands are 2 numbers \(linear, angular\).* = \(3, 2, 2\)") as told:
             led.step(wrong)
         assert str(told.value).endswith(f"got shape {np.shape(wrong)}")
-    with pytest.raises(ValueError, match=r"indices of bodies, e.g. .* 0 'robot_0', 1 'robot_1', 2 'obstacle_0'; got"):
+    with pytest.raises(
+        ValueError, match=r"bodies= takes indices .* 0 'robot_0', 1 'robot_1', 2 'obstacle_2'; got \[3\]"
+    ):
         led.step([0.5, 0.5], bodies=[3])
-    with pytest.raises(ValueError, match="'obstacle_0' takes no commands: it has no kinematics"):
+    with pytest.raises(ValueError, match="'obstacle_2' takes no commands: it has no kinematics"):
         led.step([0.5, 0.5], bodies=[2])
     for fits in ([0.5, 0.0], [[0.5, 0.0]] * 2, np.full((3, 1, 2), [0.5, 0.0]), np.full((1, 2, 3), [0.5, 0.0, 9.0])):
         led.reset(seed=0)
@@ -65,7 +67,7 @@ def test_what_is_no_scenario_no_agent_or_no_level_is_told() -> None:
     with pytest.raises(TypeError, match=r"a loaded scenario, got str: compile\(load_scenario\('corridor'\)\)"):
         ig.compile("corridor")  # type: ignore[arg-type]
     for wrong in ([1], [-1], ["robot_0"], [0.5], 0):
-        with pytest.raises(ValueError, match=r"agents are indices of bodies, e\.g\. \[0\]; there are 0 'robot_0'"):
+        with pytest.raises(ValueError, match=r"agents= takes indices of bodies, e\.g\. \[0\]; there are 0 'robot_0'"):
             ig.compile(scenario, agents=wrong)  # type: ignore[arg-type]
     sim = ig.compile(scenario, 2)
     sim.reset(seed=2**63 - 2)

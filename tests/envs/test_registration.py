@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import gymnasium
 import pytest
 
@@ -32,6 +34,7 @@ def test_registering_twice_is_silent():
     before = dict(gymnasium.registry)
     register()
     assert dict(gymnasium.registry) == before
+    assert pickle.loads(pickle.dumps(irsim_gym.register)) is register  # workers can be told to call it
 
 
 def test_a_folder(folder):

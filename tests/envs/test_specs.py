@@ -68,10 +68,11 @@ def test_a_loaded_scenario_is_no_json(file: Path) -> None:
     for env in (gymnasium.make(ANY, scenario=loaded), gymnasium.make_vec(ANY, 2, scenario=loaded)):
         with pytest.raises(TypeError, match=r"loaded scenario 'swap'.*scenario='.*swap\.yaml', n_robots=3$"):
             env.spec.to_json()
-        assert gymnasium.make(env.spec).unwrapped.worlds.scenario is not None  # type: ignore[attr-defined]
+    assert gymnasium.make_vec(env.spec).unwrapped.worlds.scenario.parameters == {"n_robots": 3}  # type: ignore[attr-defined]
+    of_data = irsim_gym.load_scenario({"robot": {"kinematics": {"name": "diff"}, "goal": [5, 5]}})
+    env = gymnasium.make(ANY, scenario=of_data)
     with pytest.raises(TypeError, match=r"from the mapping that it was read from$"):
-        of_data = irsim_gym.load_scenario({"robot": {"kinematics": {"name": "diff"}, "goal": [5, 5]}})
-        gymnasium.make(ANY, scenario=of_data).spec.to_json()  # type: ignore[union-attr]
+        env.spec.to_json()  # type: ignore[union-attr]
 
 
 def probed(name: str, **kwargs: Any) -> Any:
