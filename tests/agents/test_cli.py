@@ -195,24 +195,24 @@ def test_mistakes_are_told_in_a_sentence(
 
 
 @pytest.mark.parametrize(
-    "arguments",
+    ("arguments", "last"),
     [
-        ("train", "empty_goal", "--seed", 2**32),
-        ("demo", "--seed", 2**70),
-        ("record", "empty_goal", "dash", "--level", 2**53),
-        ("draw", "empty_goal", "--level", 2**70),
-        ("play", "empty_goal", "--seed", 2**63),
-        ("evaluate", "empty_goal", "--levels", 2**70),
-        ("rollout", "empty_goal", "--levels", 2**63),
+        (("train", "empty_goal", "--seed", 2**32), 2**32 - 1),
+        (("demo", "--seed", 2**70), 2**32 - 1),
+        (("record", "empty_goal", "dash", "--level", 2**53), 2**53 - 1),
+        (("draw", "empty_goal", "--level", 2**70), 2**53 - 1),
+        (("play", "empty_goal", "--seed", 2**63), 2**53 - 1),
+        (("evaluate", "empty_goal", "--levels", 2**70), 10**9),
+        (("rollout", "empty_goal", "--levels", 2**63), 10**9),
     ],
-    ids=lambda arguments: arguments[0],
 )
-def test_numbers_beyond_what_can_be_seeded_are_told_with_the_range(
-    arguments: tuple[object, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_numbers_beyond_what_can_be_seeded_are_told_with_the_last_one(
+    arguments: tuple[object, ...], last: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(monkeypatch, *arguments) == 2
-    told = " ".join(re.sub("[│\n]", " ", capsys.readouterr().err).split())
-    assert f"{arguments[-1]} is not in the range" in told
+    told = capsys.readouterr().err
+    assert str(arguments[-2]) in told
+    assert str(last) in told
 
 
 def test_a_run_takes_any_seed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
