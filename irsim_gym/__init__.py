@@ -10,13 +10,12 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from irsim_gym import errors
-from irsim_gym.envs.registration import make, make_vec, register_scenarios, register_shipped
+from irsim_gym.envs.registration import make, make_vec, register, register_scenarios
 
 if TYPE_CHECKING:
-    from irsim_gym import irsim
+    from irsim_gym import irsim, sb3
     from irsim_gym.behaviors.custom import behavior, group_behavior
     from irsim_gym.engine.compile import compile
-    from irsim_gym.envs import sb3
     from irsim_gym.envs.batch import make_batch
     from irsim_gym.envs.parallel import parallel_env
     from irsim_gym.envs.replays import RecordReplay
@@ -39,11 +38,19 @@ _LAZY = {
     "parallel_env": ("irsim_gym.envs.parallel", "parallel_env"),
     "make_batch": ("irsim_gym.envs.batch", "make_batch"),
     "record_demonstrations": ("irsim_gym.training.recorder", "record_demonstrations"),
-    "sb3": ("irsim_gym.envs.sb3", None),
+    "sb3": ("irsim_gym.sb3", None),
 }
+
+_OF_IRSIM = (
+    *("AStarPlanner", "JPSPlanner", "ObjectBase", "WrapTo2Pi", "WrapToPi", "relative_position"),
+    *("register_behavior", "register_behavior_class", "register_group_behavior", "register_group_behavior_class"),
+)
+
+__version__ = "0.1.0"
 
 __all__ = [
     "RecordReplay",
+    "__version__",
     "behavior",
     "compile",
     "errors",
@@ -58,6 +65,7 @@ __all__ = [
     "make_vec",
     "parallel_env",
     "record_demonstrations",
+    "register",
     "register_scenarios",
     "sb3",
 ]
@@ -65,7 +73,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name not in _LAZY:
-        raise AttributeError(f"module 'irsim_gym' has no attribute {name!r}")
+        raise AttributeError(f"module 'irsim_gym' has no attribute {name!r}{_elsewhere(name)}")
     module, attribute = _LAZY[name]
     found = importlib.import_module(module)
     value = found if attribute is None else getattr(found, attribute)
@@ -74,7 +82,12 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)
 
 
-register_shipped()
+def _elsewhere(name: str) -> str:
+    """Return where a name is that is not here."""
+    return f": use irsim_gym.irsim.{name}" if name in _OF_IRSIM else errors.suggestion(name, __all__)
+
+
+register()

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from irsim_gym.cli_options import (
+    LAST_LEVEL,
     Algorithm,
     Backend,
     BeginAnew,
@@ -51,7 +52,7 @@ def list_shipped() -> None:
 
 @app.command()
 def check(
-    files: Annotated[list[str], typer.Argument(help="Scenario files or shipped names.")],
+    files: Annotated[list[str], typer.Argument(help="Scenario files, shipped names or environment ids.")],
     team: Annotated[
         bool, typer.Option("--team", help="Insist that all robots (or those that the task names) can learn together.")
     ] = False,
@@ -176,7 +177,9 @@ def evaluate(
 def record(
     scenario: Scenario,
     policies: Annotated[list[str], typer.Argument(help="Runs' folders, policy.zip files, random, dash, rvo, orca.")],
-    level: Annotated[list[int] | None, typer.Option(min=0, help="A level; may be repeated. (default: 0)")] = None,
+    level: Annotated[
+        list[int] | None, typer.Option(min=0, max=LAST_LEVEL, help="A level; may be repeated. (default: 0)")
+    ] = None,
     split: Split = "test",
     task: Task = None,
     out: Annotated[
@@ -288,7 +291,7 @@ def play(
         Path | None, typer.Option(help="Demonstrations to write, .npz; a file that is there is gone on with.")
     ] = None,
     task: Task = None,
-    level: Annotated[int, typer.Option("--level", "--seed", min=0, help="First level.")] = 0,
+    level: Annotated[int, typer.Option("--level", "--seed", min=0, max=LAST_LEVEL, help="First level.")] = 0,
     split: Split = "train",
     robot: Annotated[
         str | None, typer.Option(help="Name or number of the robot (default: the one that learns).")
@@ -314,7 +317,7 @@ def play(
 @app.command()
 def draw(
     scenario: Scenario,
-    level: Annotated[int, typer.Option(min=0, help="Which level.")] = 0,
+    level: Annotated[int, typer.Option(min=0, max=LAST_LEVEL, help="Which level.")] = 0,
     split: Split = "dev",
     task: Task = None,
     out: Annotated[Path | None, typer.Option(help=".png, .pdf or .svg file (default: SCENARIO.png).")] = None,

@@ -9,15 +9,19 @@ import typer
 
 from irsim_gym.cli_tools import import_modules
 
+LAST_SEED = 2**32 - 1  # of NumPy's generator, which Stable-Baselines3 seeds
+LAST_LEVEL = 2**53 - 1  # that an environment takes
+MOST_LEVELS = 10**9
+
 Scenario = Annotated[str, typer.Argument(help="Shipped name, environment id, or path of a YAML file.")]
 Task = Annotated[str | None, typer.Option(help="Shipped task or a file, in place of the scenario's own.")]
-Levels = Annotated[int, typer.Option(min=1, help="Number of levels.")]
+Levels = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of levels.")]
 Split = Annotated[str, typer.Option(help="train, dev or test.")]
 Steps = Annotated[
     int | None,
     typer.Option(min=1, help="Training steps over all worlds, in place of the file's; rounded up to whole rollouts."),
 ]
-Seed = Annotated[int, typer.Option(min=0, help="Seed of networks, exploration and training levels.")]
+Seed = Annotated[int, typer.Option(min=0, max=LAST_SEED, help="Seed of networks, exploration and training levels.")]
 Reference = Annotated[str, typer.Option(help="random, dash, rvo, orca, a run's folder or a policy.zip.")]
 Given = Annotated[
     list[str] | None,

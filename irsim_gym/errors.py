@@ -93,6 +93,38 @@ class UnknownNameError(IrsimGymError, KeyError):
         return str(self.args[0])
 
 
+class UnknownParameterError(UnknownNameError):
+    """Values are given for parameters that a scenario does not have; the message lists those that it has.
+
+    Attributes:
+        name: The first of them.
+    """
+
+    def __init__(self, name: str, message: str) -> None:
+        self.name = name
+        super().__init__(message)
+
+    def __reduce__(self) -> tuple[type[UnknownParameterError], tuple[str, str]]:
+        return type(self), (self.name, str(self))
+
+
+class UnknownKeywordError(UnknownNameError, TypeError):
+    """A keyword argument that is neither an argument of an environment nor a parameter of its scenario.
+
+    It is a TypeError whose message has Python's own words as well, since libraries look for these to find out what an
+    environment can be made with.
+    """
+
+    @classmethod
+    def of(cls, name: str, message: str) -> UnknownKeywordError:
+        """Return the error for a name, with what there is in its place."""
+        return cls(f"got an unexpected keyword argument '{name}': {message}")
+
+
+class MissingScenarioError(IrsimGymError, TypeError):
+    """An environment of no scenario is asked for."""
+
+
 class OptionError(IrsimGymError, ValueError):
     """An option of a kind that cannot be used; whoever reads the file tells it with its line."""
 

@@ -64,6 +64,7 @@ ALLOWED: dict[str, set[str]] = {
     },
     "controls": {"render", "pynput"},
     "live": {"engine", "scenario", "world", "paths", "render", "controls"},
+    "sb3": {"envs"},
 }
 # Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.
 COMPOSERS = {"training", "cli", "__init__", "irsim"}

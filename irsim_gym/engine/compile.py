@@ -11,6 +11,7 @@ from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import buckets
 from irsim_gym.engine.checks import refuse_blocked_starts
 from irsim_gym.engine.collect import collect_parts
+from irsim_gym.engine.given import check_agents, check_scenario
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.geometry.cell_room import find_room
@@ -65,7 +66,11 @@ def compile(
 
     Raises:
         ScenarioError: A robot's given start lies in an obstacle.
+        TypeError: It is no loaded scenario.
+        ValueError: An agent is no body of it, or there is no world.
     """
+    check_scenario(scenario)
+    agents = check_agents(agents, scenario)
     if isinstance(n_worlds, bool) or not isinstance(n_worlds, int | np.integer) or n_worlds < 1:
         raise ValueError(f"n_worlds must be a whole number >= 1, got {n_worlds!r}")
     outlines = [body.shape.outline() for body in scenario.bodies]
@@ -96,7 +101,7 @@ def compile(
     model.stands[:] = ~(model.movable & model.driven)
     buckets.lay_out(model, np.array([body.shape.is_random for body in scenario.bodies], np.bool_))
     shards = Shards(n_worlds, num_threads)
-    parts = collect_parts(scenario, outlines, model, tuple(agents), shards.n_slots)
+    parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
     if check_starts:
         refuse_blocked_starts(scenario, parts, model, state)
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards, fused)

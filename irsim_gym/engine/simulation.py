@@ -12,6 +12,7 @@ from irsim_gym import rng
 from irsim_gym.arraytypes import Flags, Floats, Ints, Words
 from irsim_gym.engine import buckets, contact, field_of_view, outlines, respawn, restart
 from irsim_gym.engine.fused import Fused, only_kernels
+from irsim_gym.engine.given import check_bodies, check_commands, check_level
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.step import Orders, advance, refresh
@@ -228,6 +229,10 @@ class Simulation:
             seed: World ``w`` begins level ``seed + w`` of the split.
             split: ``"train"``, ``"dev"`` or ``"test"``.
             episode: Which one of the chain of levels that begins with that level.
+
+        Raises:
+            TypeError: The seed is no whole number.
+            ValueError: It is negative, or larger than 64 bits can hold.
         """
         streams = self.streams(seed, split, episode)
         self.run_beginning(lambda shard: self.begin(shard, streams))
@@ -235,7 +240,8 @@ class Simulation:
     def streams(self, seed: int, split: str = "train", episode: int = 0) -> Words:
         """Return the random stream that each world begins an episode with; see ``reset``."""
         base = rng.stream_base(self.scenario.name, split)
-        levels = [seed + w for w in range(self.n_worlds)]
+        first = check_level(seed, self.n_worlds)
+        levels = [first + w for w in range(self.n_worlds)]
         if episode > 0:
             levels = [int(rng.later_level(level, episode)) for level in levels]
         return np.array([rng.level_stream(base, level) for level in levels], np.uint64)
@@ -250,7 +256,9 @@ class Simulation:
             self.begin(Shard(shard.worlds[altered], shard.slot), self.model.level_stream.copy())
         restart.begin_again(self.parts, self.model, self.state, Shard(shard.worlds[~altered], shard.slot))
 
-    def step(self, commands: Sequence[float] | Floats | None = None, bodies: Ints | None = None) -> None:
+    def step(
+        self, commands: Sequence[float] | Floats | None = None, bodies: Sequence[int] | Ints | None = None
+    ) -> None:
         """Advance all worlds by one step.
 
         Args:
@@ -258,13 +266,17 @@ class Simulation:
                 [m/s, rad/s]; by default those in ``state.command`` stay.
             bodies: Whom the commands are for in place of the agents, shape ``(n_bodies,)``: in this step alone
                 they override what those bodies decide.
+
+        Raises:
+            ValueError: There is no such body or nobody to command, or the commands have a wrong shape.
         """
         if commands is None:
             self.run(self._advance)
             return
-        given = np.asarray(commands, np.float64)
+        chosen = self.agents if bodies is None else check_bodies(bodies, self.scenario)
+        given = check_commands(commands, chosen, self.scenario, self.n_worlds)
         if bodies is not None:
-            self._step_with(bodies, given)
+            self._step_with(chosen, given)
             return
         self.state.command[:, self.agents, : given.shape[-1]] = given
         self.run(self._advance)

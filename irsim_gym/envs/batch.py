@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
 from irsim_gym.envs.pictures import ROOM, render_warning
-from irsim_gym.envs.registration import scenario_behind
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
 
@@ -55,7 +54,7 @@ def make_batch(
         **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
     """
     worlds = Worlds(
-        scenario_behind(name),
+        name,
         n_worlds,
         task=task,
         max_steps=max_steps,

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from irsim_gym.arraytypes import Bytes, Rays
+from irsim_gym.engine.given import LEVELS
 from irsim_gym.envs.pictures import RENDER_MODES, render_warning
-from irsim_gym.envs.registration import scenario_behind
 from irsim_gym.envs.spaces import Layout, Observation, action_space, observation_layout, observation_space
-from irsim_gym.envs.worlds import LEVELS, ScenarioSource, TaskSource, Worlds
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.errors import UnknownNameError, suggestion
 
 Step = tuple[
@@ -26,7 +26,7 @@ Step = tuple[
 
 
 def parallel_env(
-    scenario: ScenarioSource,
+    scenario: ScenarioSource | None = None,
     *,
     task: TaskSource = None,
     max_steps: int | None = None,
@@ -56,7 +56,7 @@ def parallel_env(
     if max_steps is not None and max_cycles not in (None, max_steps):
         raise ValueError(f"max_steps and max_cycles are one thing, got {max_steps} and {max_cycles}")
     worlds = Worlds(
-        scenario_behind(scenario),
+        scenario,
         task=task,
         max_steps=max_cycles if max_steps is None else max_steps,
         render_mode=render_mode,

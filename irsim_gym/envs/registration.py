@@ -11,15 +11,14 @@ from typing import Any
 import gymnasium
 from wrapt import register_post_import_hook
 
-from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
-from irsim_gym.scenario.library import scenario_names
+from irsim_gym.envs.by_hand import Environment
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.scenario.ids import ANY, IDS, NAMESPACE
+from irsim_gym.scenario.library import SUFFIXES, scenario_names
 
-NAMESPACE = "irsim_gym"
-ANY = f"{NAMESPACE}/World-v0"
 ENTRY_POINT = "irsim_gym.envs.single:WorldEnv"
 VECTOR_ENTRY_POINT = "irsim_gym.envs.vector:WorldVectorEnv"
 PARALLEL_ENTRY_POINT = "irsim_gym.envs.parallel:parallel_env"
-SUFFIXES = (".yaml", ".yml")
 
 
 def env_id(name: str, namespace: str = NAMESPACE) -> str:
@@ -27,8 +26,14 @@ def env_id(name: str, namespace: str = NAMESPACE) -> str:
     return f"{namespace}/{re.sub(r'[^A-Za-z0-9_-]', '_', name)}-v0"
 
 
-def register_shipped() -> None:
-    """Register the scenarios that come with the package. No file is read."""
+def register() -> None:
+    """Register the scenarios that come with the package, as importing it does; once more changes nothing.
+
+    Ids are known in a process that has imported the package. Where worker processes begin without it, let each of them
+    call this function (``initializer=irsim_gym.register``), or name the package in the id, which imports it:
+    ``irsim_gym:irsim_gym/corridor-v0``. No file is read.
+    """
+    IDS.look_in(gymnasium.registry)
     _register(ANY, {})
     for name in scenario_names():
         _register(env_id(name), {"scenario": name})
@@ -37,7 +42,8 @@ def register_shipped() -> None:
 def register_scenarios(folder: str | Path, namespace: str = NAMESPACE) -> tuple[str, ...]:
     """Register each YAML file of a folder as ``<namespace>/<file name>-v0``; none is read before it is made.
 
-    The ids are known to ``gymnasium.make``, ``gymnasium.make_vec`` and ``pettingzoo.make("parallel", ...)``.
+    The ids are known to ``gymnasium.make``, ``gymnasium.make_vec`` and ``pettingzoo.make("parallel", ...)``, and
+    wherever a scenario is named. They are known in this process: a worker process has to call this as well.
 
     Args:
         folder: The folder; its subfolders are left out.
@@ -88,7 +94,7 @@ def make(scenario: str | Path | Mapping[str, Any], **kwargs: Any) -> gymnasium.E
         **kwargs: Options of ``WorldEnv`` and of ``gymnasium.make``, and values for the scenario's parameters.
     """
     one, kwargs = _resolve(scenario, kwargs)
-    return gymnasium.make(one, **kwargs)
+    return Environment(gymnasium.make(one, **kwargs))
 
 
 def make_vec(
@@ -106,29 +112,11 @@ def make_vec(
     return gymnasium.make_vec(one, num_envs=num_envs, **kwargs)
 
 
-def scenario_behind(name: Any) -> Any:
-    """Return the scenario that an id stands for; anything that is no id comes back as it is."""
-    if isinstance(name, str):
-        spec = gymnasium.registry.get(name.removeprefix(f"{NAMESPACE}:"))
-        if spec is not None and "scenario" in spec.kwargs:
-            return spec.kwargs["scenario"]
-        _refuse_unknown_id(name)
-    return name
-
-
-def _refuse_unknown_id(name: str) -> None:
-    """Raise an UnknownNameError for what is written as an id of ours, but is none."""
-    if re.fullmatch(rf"({NAMESPACE}:)?{NAMESPACE}/[^/.]+", name) and not Path(name).exists():
-        known = [one for one in gymnasium.registry if one.startswith(f"{NAMESPACE}/")]
-        near = suggestion(name.removeprefix(f"{NAMESPACE}:"), known)
-        raise UnknownNameError(f"no environment '{name}'{near or '; `irsim-gym list` shows what is shipped'}")
-
-
 def _resolve(scenario: str | Path | Mapping[str, Any], kwargs: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     """Return the id to make and its arguments."""
-    if isinstance(scenario, str):
-        for one in (scenario.removeprefix(f"{NAMESPACE}:"), env_id(scenario)):
-            if one in gymnasium.registry and (one != env_id(scenario) or scenario in scenario_names()):
-                return one, kwargs
-        _refuse_unknown_id(scenario)
+    one = IDS.find(scenario)
+    if one is None and isinstance(scenario, str) and scenario in scenario_names():
+        one = env_id(scenario)
+    if one is not None and one in gymnasium.registry:
+        return one, kwargs
     return ANY, {**kwargs, "scenario": str(scenario) if isinstance(scenario, Path) else scenario}

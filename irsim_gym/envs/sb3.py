@@ -10,7 +10,6 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
-from irsim_gym.envs.registration import scenario_behind
 from irsim_gym.envs.sb3_base import NativeVecEnv, WorldView, checked_mode
 from irsim_gym.envs.sb3_buffers import (
     MaskedDictReplayBuffer,
@@ -67,7 +66,7 @@ def make_vec_env(
     """
     env = WorldVecEnv(
         Worlds(
-            scenario_behind(name),
+            name,
             n_envs,
             task=task,
             max_steps=max_steps,

@@ -15,6 +15,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Bytes, Flags, Ints
 from irsim_gym.envs.infos import Record
+from irsim_gym.envs.sb3_masks import is_being_monitored
 from irsim_gym.envs.worlds import Worlds
 
 Indices = None | int | Iterable[int]
@@ -105,8 +106,12 @@ class NativeVecEnv(VecEnv):
     def env_is_wrapped(
         self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: Indices = None
     ) -> list[bool]:
-        """Answer True for ``Monitor`` alone: its statistics are there."""
-        return [issubclass(wrapper_class, Monitor)] * len(self._chosen(indices))
+        """Answer True for ``Monitor`` alone: its statistics are there, and ``evaluate_policy`` reads them.
+
+        A ``VecMonitor`` that is being put around the environment is told False, as it has no Monitor to overwrite.
+        """
+        wrapped = issubclass(wrapper_class, Monitor) and not is_being_monitored()
+        return [wrapped] * len(self._chosen(indices))
 
     def _chosen(self, indices: Indices) -> list[WorldView]:
         return [self.views[slot] for slot in self._get_indices(indices)]

@@ -73,6 +73,14 @@ def is_monitored(env: VecEnv) -> bool:
     return False
 
 
+def is_being_monitored() -> bool:
+    """Return whether a ``VecMonitor`` is being made right now: it asks what is below it, but does not say who asks."""
+    return any(
+        frame.f_code.co_name == "__init__" and isinstance(frame.f_locals.get("self"), VecMonitor)
+        for frame in _callers()
+    )
+
+
 def learner_buffer(env: VecEnv) -> Any | None:
     """Return the buffer for which Stable-Baselines3 steps ``env`` right now; None if it does not collect experience.
 

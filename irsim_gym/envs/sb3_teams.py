@@ -18,7 +18,6 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.envs.batch import Batch, BatchStep
-from irsim_gym.envs.registration import scenario_behind
 from irsim_gym.envs.sb3_base import NativeVecEnv, WorldView, checked_mode
 from irsim_gym.envs.sb3_buffers import (
     MaskedDictReplayBuffer,
@@ -73,7 +72,7 @@ def make_multi_agent_vec_env(
     if mode not in MODES:
         raise ValueError(f"mode must be one of {', '.join(map(repr, MODES))}, got {mode!r}")
     worlds = Worlds(
-        scenario_behind(name),
+        name,
         n_worlds,
         task=task,
         max_steps=max_steps,

@@ -6,12 +6,15 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 
 from irsim_gym.arraytypes import Bytes
+from irsim_gym.engine.given import LEVELS
 from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Observation
-from irsim_gym.envs.worlds import LEVELS, ScenarioSource, TaskSource, Worlds
+from irsim_gym.envs.specs import plain_spec
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 
 
 class WorldEnv(gymnasium.Env[Observation, Any]):
@@ -19,7 +22,8 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
 
     ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` goes on with the next level of the chain
     that follows from the last seed. ``options={"split": "test", "level": 17}`` begins exactly that level, and
-    later resets without seed stay in that split.
+    later resets without seed stay in that split. A scenario in which nothing is random has but one level, so each
+    reset begins the same episode.
 
     Infos hold the same keys at each call, all Python numbers: ``outcome`` (``tasks.Outcome``), ``hit`` (the body
     touched, -1 for none), ``hit_kind`` (what that is, ``tasks.outcome.HitKind``), ``path_length`` [m],
@@ -27,7 +31,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
     moved away from its goal), ``deadlocked``, ``level`` and the dict ``reward_terms``.
 
     Args:
-        scenario: Name of a shipped scenario, path of a YAML file, or plain data.
+        scenario: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
@@ -37,10 +41,11 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012
+    _spec: EnvSpec | None = None
 
     def __init__(
         self,
-        scenario: ScenarioSource,
+        scenario: ScenarioSource | None = None,
         task: TaskSource = None,
         max_steps: int | None = None,
         render_mode: str | None = None,
@@ -63,6 +68,15 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         self.action_space = self.worlds.action_space
         self._shape = self.action_space.shape
         self._going = False
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """What Gymnasium made it with, as plain data."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = plain_spec(spec)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

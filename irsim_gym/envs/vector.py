@@ -7,6 +7,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
@@ -14,9 +15,11 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
+from irsim_gym.engine.given import LEVELS
 from irsim_gym.envs.pictures import RENDER_MODES, ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
-from irsim_gym.envs.worlds import LEVELS, ScenarioSource, TaskSource, Worlds
+from irsim_gym.envs.specs import plain_spec
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 
 Step = tuple[Observation, Floats, Flags, Flags, dict[str, Any]]
 
@@ -29,7 +32,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
     says more: ``{"split": "test", "level": 17}`` begins level ``17 + w`` in world ``w``, a sequence one level for each.
 
     Args:
-        scenario: Name of a shipped scenario, path of a YAML file, or plain data.
+        scenario: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
         num_envs: Number of worlds.
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
@@ -48,10 +51,11 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
     closed = True  # until it is made: Gymnasium before 1.3 closes one whose arguments were refused
+    _spec: EnvSpec | None = None
 
     def __init__(
         self,
-        scenario: ScenarioSource,
+        scenario: ScenarioSource | None = None,
         num_envs: int = 1,
         task: TaskSource = None,
         max_steps: int | None = None,
@@ -94,6 +98,15 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         self._seeds: list[int | None] = [None] * num_envs
         self._generators: list[np.random.Generator | None] = [None] * num_envs
         self.closed = False
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """What Gymnasium made it with, as plain data."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = plain_spec(spec)
 
     def reset(
         self,

@@ -12,17 +12,19 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import compile
+from irsim_gym.engine.given import LEVELS
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
-from irsim_gym.errors import SeveralAgentsError, UnknownNameError, suggestion
+from irsim_gym.errors import MissingScenarioError, SeveralAgentsError, UnknownKeywordError, UnknownNameError, suggestion
 from irsim_gym.scenario import Scenario, load_scenario
+from irsim_gym.scenario.ids import ANY, SOURCES
+from irsim_gym.scenario.parameters import given_as_keywords
 from irsim_gym.tasks import Episodes, load_task
 from irsim_gym.tasks.levels import check_split
 
 TaskSource = str | Path | Mapping[str, Any] | None
 ScenarioSource = str | Path | Mapping[str, Any] | Scenario
-LEVELS = 2**52
 FIRST_AGENTS = slice(None), 0
 
 
@@ -30,7 +32,7 @@ class Worlds:
     """Independent worlds of one scenario with the same learners each.
 
     Args:
-        scenario: Shipped name, path of a YAML file, plain data or a loaded scenario.
+        scenario: Shipped name, id, path of a YAML file, plain data or a loaded scenario.
         n_worlds: How many.
         task: Name of a shipped task, path, plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
@@ -45,13 +47,14 @@ class Worlds:
             ignored, with an ``IgnoredKeyWarning``.
 
     Raises:
-        UnknownNameError: The scenario has no such parameter; the message lists those that it has.
+        UnknownKeywordError: The scenario has no such parameter; the message lists those that it has.
+        MissingScenarioError: There is no scenario.
         ScenarioError: The scenario or its task cannot be used, or a parameter cannot have such a value.
     """
 
     def __init__(
         self,
-        scenario: ScenarioSource,
+        scenario: ScenarioSource | None,
         n_worlds: int = 1,
         *,
         task: TaskSource = None,
@@ -202,12 +205,17 @@ class Worlds:
         self.pictures.close()
 
 
-def _loaded(scenario: ScenarioSource, parameters: Mapping[str, Any], strict: bool) -> Scenario:
+def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, Any], strict: bool) -> Scenario:
+    if scenario is None:
+        given = f"gymnasium.make('{ANY}', scenario='my_world.yaml')"
+        raise MissingScenarioError(f"no scenario is given: {given} takes {SOURCES}")
     if not isinstance(scenario, Scenario):
-        return load_scenario(scenario, parameters, strict=strict)
+        with given_as_keywords():
+            return load_scenario(scenario, parameters, strict=strict)
     if parameters:
         names = ", ".join(f"'{name}'" for name in parameters)
-        raise UnknownNameError(f"{names}: parameters are for load_scenario(); '{scenario.name}' is loaded already")
+        message = f"{names}: parameters are for load_scenario(); '{scenario.name}' is loaded already"
+        raise UnknownKeywordError.of(next(iter(parameters)), message)
     return scenario if strict else replace(scenario, strict=False)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from irsim_gym.engine import compile
 from irsim_gym.engine.checks import find_blocked_starts
+from irsim_gym.engine.given import LEVELS
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.live import moves
 from irsim_gym.live.actions import Actions, Reference, pair_actions
@@ -24,6 +25,7 @@ from irsim_gym.live.goals import Goals
 from irsim_gym.live.roster import Roster
 from irsim_gym.live.track import Track
 from irsim_gym.scenario import load_scenario, notes
+from irsim_gym.scenario.parameters import given_as_keywords
 
 ScenarioSource = str | Path | Mapping[str, Any]
 
@@ -43,8 +45,8 @@ class World(Filmed):
     middle button shows all.
 
     Args:
-        scenario: A shipped name such as ``cluttered_room``, the path of a YAML file, or the same as plain data. By
-            default the YAML file beside the running script that is named as the script is.
+        scenario: A shipped name such as ``cluttered_room``, an id, the path of a YAML file, or the same as plain data.
+            By default the YAML file beside the running script that is named as the script is.
         seed: Which level is drawn first; the one that ``irsim_gym.make`` begins with ``reset(seed=seed)``.
         render_mode: None or ``"rgb_array"``: ``render`` returns pictures. ``"human"``: it shows them in a window too.
         render_backend: Who draws frames: ``"matplotlib"`` or ``"raster"``; figures in files are matplotlib's.
@@ -59,7 +61,8 @@ class World(Filmed):
 
     Raises:
         ScenarioError: The file cannot be used; the error lists every problem with its line.
-        UnknownNameError: Nothing is shipped under the name, or the scenario has no such parameter; another backend.
+        UnknownNameError: Nothing is shipped under the name, or registered under the id; another backend.
+        UnknownKeywordError: The scenario has no such parameter.
         ValueError: Another render mode, or a negative seed.
         TypeError: The seed is no whole number, an argument means nothing here, or no file was given and none is beside
             the script.
@@ -94,7 +97,8 @@ class World(Filmed):
         self._begin(self._loaded.world.status)
 
     def _read(self) -> None:
-        loaded = load_scenario(self._source, self._asked.parameters, strict=self._strict, may_pend=True)
+        with given_as_keywords():
+            loaded = load_scenario(self._source, self._asked.parameters, strict=self._strict, may_pend=True)
         if self._asked.step_mode is not None:
             loaded = replace(loaded, world=replace(loaded.world, step_mode=self._asked.step_mode))
         self._loaded = loaded
@@ -283,9 +287,9 @@ def _beside_the_script() -> Path:
 
 
 def _seed(seed: Any) -> int:
-    """Return a seed as a plain number."""
+    """Return the level that a seed stands for, as in environments."""
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
         raise TypeError(f"a seed is a whole number, got {seed!r}")
     if seed < 0:
         raise ValueError(f"a seed is 0 or more, got {seed}")
-    return int(seed)
+    return int(seed) % LEVELS

@@ -12,6 +12,7 @@ from irsim_gym.errors import ScenarioError, nearest, suggestion
 from irsim_gym.scenario import library, notes
 from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of, with_map
 from irsim_gym.scenario.entries import read_entry
+from irsim_gym.scenario.ids import IDS
 from irsim_gym.scenario.map_cells import read_cells, read_map
 from irsim_gym.scenario.messages import CONTACT_MESSAGE, literal_values, show
 from irsim_gym.scenario.needless import UNOBSTRUCTED_MODES
@@ -38,7 +39,7 @@ def load_scenario(
     """Read and check a scenario.
 
     Args:
-        scenario: A shipped name such as ``cluttered_room``, the path of a YAML file, or the same as plain data.
+        scenario: A shipped name such as ``cluttered_room``, an id, the path of a YAML file, or the same as plain data.
         parameters: Values for its parameters, e.g. ``{"n_robots": 16}``; the others keep their defaults.
         strict: A key that nobody reads is an error; False: it is ignored, with an ``IgnoredKeyWarning``.
         warn: Warn of values that are hardly ever meant, such as degrees (``ScenarioWarning``), and of keys that are
@@ -48,11 +49,13 @@ def load_scenario(
     Raises:
         ScenarioError: It cannot be used; the error lists every problem with its line. A file that does not exist
             raises a ScenarioError that is a FileNotFoundError as well.
-        UnknownNameError: Nothing is shipped under the name, or the scenario has no such parameter.
+        UnknownNameError: Nothing is shipped under the name, or registered under the id, or the scenario has no such
+            parameter.
     """
     families.load()
     if not isinstance(scenario, str | Path | Mapping):
         raise TypeError(f"a scenario is a name, a path or a mapping, got {type(scenario).__name__}")
+    scenario = IDS.scenario(scenario)
     source = read_mapping(scenario) if isinstance(scenario, Mapping) else read_file(library.find(scenario))
     loaded = read_scenario(source, parameters or {}, strict=strict, may_pend=may_pend)
     if warn:

@@ -50,8 +50,10 @@ def _warn(category: type[ScenarioWarning], title: str, found: Sequence[Problem])
 
 def notes(scenario: Scenario) -> tuple[Problem, ...]:
     """Return what is worth a second look in a scenario, in the order of its lines; nothing of it is an error."""
-    idle = [Problem(body.line, body.name, IDLE) for body in scenario.bodies if _is_idle(body, scenario)]
-    return tuple(sorted({*_in_order([*doubts(scenario), *idle]), *scenario.ignored}))
+    found = [Problem(body.line, body.name, IDLE) for body in scenario.bodies if _is_idle(body, scenario)]
+    for body in scenario.bodies:
+        found += [Problem(body.line, body.name, message) for message in _goals_outside(body, scenario)]
+    return tuple(sorted({*_in_order([*doubts(scenario), *found]), *scenario.ignored}))
 
 
 def doubts(scenario: Scenario) -> tuple[Problem, ...]:
@@ -111,6 +113,18 @@ def _is_idle(body: BodySpec, scenario: Scenario) -> bool:
     decides = body.behavior or body.group_behavior
     places = bool(body.goal) or scenario.placements[body.entry].kind.gives_goal
     return bool(decides) and not body.static and not places and not body.wanders
+
+
+def _goals_outside(body: BodySpec, scenario: Scenario) -> Iterator[str]:
+    """Look for goals beyond the world; IR-SIM's bodies may leave it, so nobody is warned."""
+    world = scenario.world
+    low, high = world.offset, (world.offset[0] + world.width, world.offset[1] + world.height)
+    for goal in body.goal:
+        if not (low[0] <= goal[0] <= high[0] and low[1] <= goal[1] <= high[1]):
+            yield (
+                f"the goal ({goal[0]:g}, {goal[1]:g}) is outside of the world, "
+                f"which goes from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g})"
+            )
 
 
 def _angle_notes(body: BodySpec) -> Iterator[str]:

@@ -5,12 +5,20 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from irsim_gym.errors import Problem, ScenarioError, UnknownNameError, nearest, suggestion
+from irsim_gym.errors import (
+    Problem,
+    ScenarioError,
+    UnknownKeywordError,
+    UnknownParameterError,
+    nearest,
+    suggestion,
+)
 from irsim_gym.scenario.expressions import evaluate, names_in
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.options import kind, option
@@ -44,7 +52,13 @@ _TAKEN_BY = {
     "mode": "sb3.make_multi_agent_vec_env",
     "world_steps": "make_batch and sb3.make_multi_agent_vec_env",
     "max_episode_steps": "make",
-    "record": "load",
+    **dict.fromkeys(
+        (
+            *("world_name", "display", "headless", "disable_all_plot", "full", "projection", "log_level", "log_file"),
+            *("record", "save_ani", "ani_kwargs", "columns", "step_mode"),
+        ),
+        "load, which runs a file by hand as IR-SIM does",
+    ),
 }
 """Of what else a name is an argument, for somebody who gives it to another function."""
 
@@ -146,7 +160,7 @@ def fill_in(source: Source, given: Mapping[str, Any], *, strict: bool = True) ->
         strict: Keys that nobody reads are mistakes; else they are added to what is ignored.
 
     Raises:
-        UnknownNameError: A given name is not declared; the message lists those that are.
+        UnknownParameterError: A given name is not declared; the message lists those that are.
         ScenarioError: A given value is not allowed; the message lists what is.
     """
     report = Report(source, strict=strict)
@@ -159,6 +173,15 @@ def fill_in(source: Source, given: Mapping[str, Any], *, strict: bool = True) ->
             report.add((*place, name), "is declared but never used")
     told: dict[str, Any] = {"problems": tuple(report.problems), "ignored": tuple(report.ignored)}
     return replace(source, data=data, unknown=frozenset(filler.unknown), origins=filler.origins, **told), values
+
+
+@contextmanager
+def given_as_keywords() -> Iterator[None]:
+    """Raise an unknown parameter as what it was given as: a keyword argument."""
+    try:
+        yield
+    except UnknownParameterError as error:
+        raise UnknownKeywordError.of(error.name, str(error)) from None
 
 
 def describe_parameters(source: Source, values: Mapping[str, Value] | None = None) -> list[str]:
@@ -235,7 +258,7 @@ def _chosen(source: Source, declared: Mapping[str, ParameterSpec | None], given:
     unknown = [name for name in given if name not in declared]
     if unknown:
         names = ", ".join(f"'{name}'{_meant(name, declared)}" for name in unknown)
-        raise UnknownNameError(f"{source.title} has no parameter {names}{listed}")
+        raise UnknownParameterError(unknown[0], f"{source.title} has no parameter {names}{listed}")
     values = {name: spec.convert(given.get(name, spec.default)) for name, spec in specs.items()}
     problems = sorted(
         source.problem((*place, name), specs[name].refusal(values[name]))

@@ -11,7 +11,7 @@ from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecNormalize
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
 from irsim_gym.envs import sb3
-from irsim_gym.training.run import Settings, scenario_name
+from irsim_gym.training.run import Settings
 
 
 class ScaledReward(VecEnvWrapper):
@@ -66,10 +66,9 @@ def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -
         "strict": settings.strict,
         **settings.parameters,
     }
-    name = scenario_name(settings.scenario)
     if mode is None:
-        return sb3.make_vec_env(name, n_envs, seed, **options)
-    return sb3.make_multi_agent_vec_env(name, n_envs, seed, mode=mode, **options)
+        return sb3.make_vec_env(settings.scenario, n_envs, seed, **options)
+    return sb3.make_multi_agent_vec_env(settings.scenario, n_envs, seed, mode=mode, **options)
 
 
 def compile_kernels(settings: Settings) -> None:

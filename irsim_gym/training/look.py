@@ -12,7 +12,6 @@ from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Task, load_task
 from irsim_gym.tasks.levels import check_split
-from irsim_gym.training.run import scenario_name
 
 Parameters = Mapping[str, Any] | None
 
@@ -37,7 +36,7 @@ def draw_level(
 
     if out is not None and out.suffix not in (".png", ".pdf", ".svg"):
         raise IrsimGymError(f"pictures are .png, .pdf or .svg files, got '{out}'")
-    simulation = begin_level(load_scenario(scenario_name(scenario), parameters, strict=strict), level, split, task)
+    simulation = begin_level(load_scenario(scenario, parameters, strict=strict), level, split, task)
     path = out or Path(f"{simulation.scenario.name}.png")
     parts = simulation.model, simulation.state, simulation.sensors
     chosen: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored}

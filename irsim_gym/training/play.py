@@ -25,7 +25,6 @@ from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Outcome
 from irsim_gym.training.recorder import Recorder
-from irsim_gym.training.run import scenario_name
 
 if TYPE_CHECKING:
     from irsim_gym.envs.worlds import Worlds
@@ -103,7 +102,7 @@ class Player:
 
     def _read(self, robot: str | None) -> None:
         """Read the scenario and its task, with a robot that learns; None for the one that does anyway."""
-        name = scenario_name(self._wishes.scenario)
+        name = self._wishes.scenario
         strict = self._wishes.strict
         self._scenario = load_scenario(name, self._wishes.parameters, strict=strict)
         task = self._wishes.task if robot is None else _task_of(self._scenario, self._wishes.task, robot)

@@ -24,7 +24,6 @@ from irsim_gym.training.demonstrations import (
     load_demonstrations,
     save_demonstrations,
 )
-from irsim_gym.training.run import scenario_name
 
 SAME = ("scenario", "parameters", "task", "robot", "observation_space", "action_space", "step_time")
 SUFFIX = ".npz"
@@ -144,8 +143,7 @@ def record_demonstrations(
     """
     from irsim_gym.training.policies import load_policy  # loads PyTorch, which a person who plays does not need
 
-    named = scenario_name(scenario) if isinstance(scenario, str) else scenario
-    env = irsim_gym.make(named, task=task, strict=strict, **parameters)
+    env = irsim_gym.make(scenario, task=task, strict=strict, **parameters)
     world, driver = env.unwrapped, load_policy(policy)
     assert isinstance(world, WorldEnv)
     recorder = Recorder(env, Path(path))

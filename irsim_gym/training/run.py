@@ -12,8 +12,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from irsim_gym import __version__
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import write_json
+from irsim_gym.scenario.ids import IDS
 from irsim_gym.scenario.library import SUFFIXES
 from irsim_gym.training.hyperparameters import Hyperparameters
 from irsim_gym.training.snapshot import Snapshot, read_snapshot, take_snapshot
@@ -173,10 +175,15 @@ class Run:
 
 
 def scenario_name(scenario: str) -> str:
-    """Return the name that ``load_scenario`` takes: an environment id stands for its scenario."""
-    if scenario.startswith("irsim_gym/"):
-        return scenario.removeprefix("irsim_gym/").rsplit("-v", 1)[0]
-    return scenario
+    """Return the shipped name, or the path, of a scenario that may be named by an id.
+
+    Raises:
+        IrsimGymError: The id stands for plain data, which no run can be gone on with.
+    """
+    found = IDS.scenario(scenario)
+    if not isinstance(found, str | Path):
+        raise IrsimGymError(f"'{scenario}' stands for plain data: write it into a file, and name that")
+    return str(found)
 
 
 def environment_id(scenario: str) -> str:
@@ -191,13 +198,13 @@ def lasting(source: str) -> str:
 
 def machine() -> dict[str, Any]:
     """Return what a figure depends on beside the settings: the machine and the versions."""
-    names = ("irsim_gym", "numpy", "numba", "gymnasium", "stable-baselines3", "torch")
+    names = ("numpy", "numba", "gymnasium", "stable-baselines3", "torch")
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),
         "system": platform.platform(),
         "python": platform.python_version(),
-        "versions": {name: version(name) for name in names},
+        "versions": {"irsim_gym": __version__, **{name: version(name) for name in names}},
     }
 
 

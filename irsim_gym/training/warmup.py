@@ -25,7 +25,6 @@ from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.look import begin_level
-from irsim_gym.training.run import scenario_name
 
 
 def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
@@ -37,7 +36,7 @@ def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
     """
     begun, watch = time.perf_counter(), compilation()
     before = watch.compiled
-    chosen = [scenario_name(name) for name in names or scenario_names()]
+    chosen = names or scenario_names()
     watch.said = True  # the bar says it
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for name in progress.track(chosen, description="compiling"):

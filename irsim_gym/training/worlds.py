@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
+from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.tasks import Episodes
-from irsim_gym.training.run import scenario_name
 
 
 def make_episodes(
@@ -33,9 +33,12 @@ def make_episodes(
         team: All robots are agents, unless the task names some; else there has to be one.
         strict: False ignores keys that nobody reads.
     """
-    name = scenario_name(scenario) if isinstance(scenario, str) else scenario
-    chosen: dict[str, Any] = {"task": task, "parameters": parameters, "team": team, "strict": strict}
-    return Worlds(name, n_worlds, num_threads=num_threads, **chosen).episodes
+    chosen: dict[str, Any] = {"task": task, "team": team, "strict": strict}
+    if isinstance(scenario, Scenario):
+        chosen["parameters"] = parameters
+    else:
+        scenario = load_scenario(scenario, parameters, strict=strict)
+    return Worlds(scenario, n_worlds, num_threads=num_threads, **chosen).episodes
 
 
 def conditions(episodes: Episodes, split: str, levels: int) -> dict[str, Any]:

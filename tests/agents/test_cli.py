@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from irsim_gym import cli, families
+from irsim_gym.envs.worlds import read_options
 from irsim_gym.scenario.summary import Summary, summarize_file
 from irsim_gym.scenario.tables import MARKER
 from irsim_gym.training import trial
@@ -191,6 +192,41 @@ def test_mistakes_are_told_in_a_sentence(
     assert said in told.err
     assert "level 0" not in told.out  # nothing was driven before
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "last"),
+    [
+        (("train", "empty_goal", "--seed", 2**32), 2**32 - 1),
+        (("demo", "--seed", 2**70), 2**32 - 1),
+        (("record", "empty_goal", "dash", "--level", 2**53), 2**53 - 1),
+        (("draw", "empty_goal", "--level", 2**70), 2**53 - 1),
+        (("play", "empty_goal", "--seed", 2**63), 2**53 - 1),
+        (("evaluate", "empty_goal", "--levels", 2**70), 10**9),
+        (("rollout", "empty_goal", "--levels", 2**63), 10**9),
+    ],
+)
+def test_numbers_beyond_what_can_be_seeded_are_told_with_the_last_one(
+    arguments: tuple[object, ...], last: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, *arguments) == 2
+    told = capsys.readouterr().err
+    assert str(arguments[-2]) in told
+    assert str(last) in told
+
+
+def test_a_run_takes_any_seed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    ends = []
+    for seed in (2**70 + 5, 5):
+        assert run(monkeypatch, "run", "empty_goal", "--seed", seed, "--steps", "1") == 0
+        ends.append(capsys.readouterr().out)
+    assert ends[0] == ends[1]
+
+
+def test_the_last_level_is_that_of_environments() -> None:
+    assert read_options({"level": cli.LAST_LEVEL}) == (None, cli.LAST_LEVEL)
+    with pytest.raises(ValueError, match=f"from 0 to {cli.LAST_LEVEL}, got"):
+        read_options({"level": cli.LAST_LEVEL + 1})
 
 
 def test_levels_are_counted_from_0(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,8 +5,12 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from importlib.metadata import version
+
+import pytest
 
 import irsim_gym
+from irsim_gym.envs import sb3
 
 FORBIDDEN = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3", "shapely", "pygame")
 SCRIPT = """
@@ -53,6 +57,30 @@ def test_checking_a_file_waits_for_no_learning_library():
 
 
 def test_public_names():
+    assert dir(irsim_gym) == sorted(irsim_gym.__all__)
     for name in irsim_gym.__all__:
         assert getattr(irsim_gym, name) is not None
-        assert name in dir(irsim_gym)
+
+
+def test_modules_that_are_loaded_late_can_be_imported():
+    script = (
+        "import irsim_gym.sb3; from irsim_gym.sb3 import make_vec_env; import irsim_gym.irsim as irsim;"
+        "from irsim_gym.irsim import make;"
+        "print(irsim_gym.sb3.make_vec_env is make_vec_env, irsim.make is make, irsim_gym.irsim is irsim)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["True"] * 3
+    assert irsim_gym.sb3.__all__ == sb3.__all__
+
+
+def test_the_version_is_that_of_the_package():
+    """A constant, so that a checkout that is not installed has it too; the build takes it from there."""
+    assert irsim_gym.__version__ == version("irsim_gym")
+
+
+def test_a_name_that_is_elsewhere_is_told():
+    with pytest.raises(AttributeError, match=r"'WrapToPi': use irsim_gym\.irsim\.WrapToPi"):
+        irsim_gym.WrapToPi  # noqa: B018
+    with pytest.raises(AttributeError, match=r"'make_vek' \(did you mean 'make_vec'\?\)"):
+        irsim_gym.make_vek  # noqa: B018
+    assert set(irsim_gym._OF_IRSIM) == set(irsim_gym.irsim.__all__) - {"make"}

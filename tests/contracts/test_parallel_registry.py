@@ -14,7 +14,7 @@ from team_scenes import TEAMS
 
 import irsim_gym
 from irsim_gym.envs.parallel import WorldParallelEnv
-from irsim_gym.envs.registration import register_shipped
+from irsim_gym.envs.registration import register
 
 WORLD = """
 world: {width: 6, height: 6, step_time: 0.1}
@@ -86,5 +86,5 @@ def test_an_older_pettingzoo_has_no_registry(monkeypatch):
     monkeypatch.setitem(sys.modules, "pettingzoo", SimpleNamespace())
     for one in [one for one in gymnasium.registry if one.startswith("irsim_gym/")]:
         del gymnasium.registry[one]
-    register_shipped()
+    register()
     assert "irsim_gym/orca_circle-v0" in gymnasium.registry

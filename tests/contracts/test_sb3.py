@@ -187,9 +187,7 @@ def test_errors():
 
 def test_wrappers_of_sb3():
     env = irsim_gym.sb3.make_vec_env(NAME, 2, seed=0, max_steps=10)
-    with pytest.warns(UserWarning, match="already wrapped"):
-        monitored = VecMonitor(env, info_keywords=("is_success",))
-    wrapped = VecNormalize(monitored)
+    wrapped = VecNormalize(VecMonitor(env, info_keywords=("is_success",)))
     wrapped.reset()
     lengths = []
     for _ in range(25):
@@ -197,6 +195,14 @@ def test_wrappers_of_sb3():
         lengths += [info["episode"]["l"] == info["steps"] for done, info in zip(dones, infos, strict=True) if done]
     assert len(lengths) >= 4
     assert all(lengths)
+
+
+def test_a_monitor_below_another_wrapper_is_answered_for_as_well():
+    """Who evaluates reads our statistics, raw whatever is normalised; who puts a VecMonitor on top is told nothing."""
+    env = VecNormalize(irsim_gym.sb3.make_vec_env(NAME, 2, seed=0, max_steps=10))
+    assert env.env_is_wrapped(Monitor) == [True] * 2
+    monitored = VecMonitor(env)  # the warning that it would overwrite a Monitor would be an error here
+    assert monitored.env_is_wrapped(Monitor) == [True] * 2
 
 
 def test_any_source_of_a_scenario_works():

@@ -40,6 +40,44 @@ def test_a_body_that_nobody_drives_stands_again_after_an_order() -> None:
     assert sim.state.pose[0, 1].tolist() == pytest.approx([1.02, 5.0, 0.0])
 
 
+def test_commands_that_nobody_takes_or_of_a_wrong_shape_are_errors() -> None:
+    sim = simulation(n_worlds=3)
+    with pytest.raises(ValueError, match=r"nobody takes them: compile\(scenario, agents=\[0\]\)"):
+        sim.step([0.5, 0.5])
+    led = ig.compile(ig.load_scenario({"robot": [DASH, IDLE], "obstacle": [{}]}), 3, agents=[0, 1])
+    led.reset(seed=0)
+    for wrong in ([1, 2, 3, 4], 0.5, [0.5], np.zeros((2, 2, 2)), np.zeros((3, 3, 2)), np.zeros((1, 3, 2, 2))):
+        with pytest.raises(ValueError, match=r"commands are 2 numbers \(linear, angular\).* = \(3, 2, 2\)") as told:
+            led.step(wrong)
+        assert str(told.value).endswith(f"got shape {np.shape(wrong)}")
+    with pytest.raises(
+        ValueError, match=r"bodies= takes indices .* 0 'robot_0', 1 'robot_1', 2 'obstacle_2'; got \[3\]"
+    ):
+        led.step([0.5, 0.5], bodies=[3])
+    with pytest.raises(ValueError, match="'obstacle_2' takes no commands: it has no kinematics"):
+        led.step([0.5, 0.5], bodies=[2])
+    for fits in ([0.5, 0.0], [[0.5, 0.0]] * 2, np.full((3, 1, 2), [0.5, 0.0]), np.full((1, 2, 3), [0.5, 0.0, 9.0])):
+        led.reset(seed=0)
+        led.step(fits)
+        assert led.state.velocity[:, :2, 0].tolist() == [[0.5, 0.5]] * 3
+
+
+def test_what_is_no_scenario_no_agent_or_no_level_is_told() -> None:
+    scenario = ig.load_scenario({"robot": [DASH]})
+    with pytest.raises(TypeError, match=r"a loaded scenario, got str: compile\(load_scenario\('corridor'\)\)"):
+        ig.compile("corridor")  # type: ignore[arg-type]
+    for wrong in ([1], [-1], ["robot_0"], [0.5], 0):
+        with pytest.raises(ValueError, match=r"agents= takes indices of bodies, e\.g\. \[0\]; there are 0 'robot_0'"):
+            ig.compile(scenario, agents=wrong)  # type: ignore[arg-type]
+    sim = ig.compile(scenario, 2)
+    sim.reset(seed=2**63 - 2)
+    for level in (2**63 - 1, 2**70, -1):
+        with pytest.raises(ValueError, match=f"from 0 to {2**63 - 2}, got {level}"):
+            sim.reset(seed=level)
+    with pytest.raises(TypeError, match=r"a seed is a whole number, got 1\.5"):
+        sim.reset(seed=1.5)  # type: ignore[arg-type]
+
+
 def test_reset_to_start_repeats_the_level() -> None:
     scenario = {"robot": [{**DASH, "distribution": {"name": "random"}, "behavior": {"name": "dash", "wander": True}}]}
     sim = ig.compile(ig.load_scenario(scenario))

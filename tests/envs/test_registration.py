@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import pickle
+
 import gymnasium
 import pytest
 
 import irsim_gym
-from irsim_gym.envs.registration import env_id, register_shipped
+from irsim_gym.envs.registration import env_id, register
 from irsim_gym.errors import IrsimGymError, UnknownNameError
 
 WORLD = """
@@ -30,8 +32,9 @@ def folder(tmp_path):
 
 def test_registering_twice_is_silent():
     before = dict(gymnasium.registry)
-    register_shipped()
+    register()
     assert dict(gymnasium.registry) == before
+    assert pickle.loads(pickle.dumps(irsim_gym.register)) is register  # workers can be told to call it
 
 
 def test_a_folder(folder):

@@ -160,6 +160,17 @@ def test_seeds_choose_levels() -> None:
     assert np.array_equal(env.unwrapped.worlds.episodes.simulation.state.pose[0, 0], two.robot.state)
 
 
+@pytest.mark.parametrize("seed", [2**52 + 5, 2**63 - 1, 2**70 + 3])
+def test_large_seeds_are_those_of_environments(seed: int) -> None:
+    """Whatever seed Gymnasium takes: they count from 0 again after 2**52."""
+    robot = {**SCENARIO["robot"][0], "distribution": {"name": "random"}}
+    large, small = world(robot=robot, seed=seed), world(robot=robot, seed=seed % 2**52)
+    assert np.array_equal(large.robot.state, small.robot.state)
+    large.set_random_seed(seed)
+    large.reset(random=True)
+    assert np.array_equal(large.robot.state, small.robot.state)
+
+
 def test_reload_reads_the_file_again(tmp_path: Path) -> None:
     file = tmp_path / "yard.yaml"
     file.write_text("robot: {name: one}\n")

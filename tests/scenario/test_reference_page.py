@@ -141,6 +141,22 @@ def test_a_body_without_a_goal_is_noted_only(load: Load) -> None:
     assert note.message == "has a behavior but no goal: it stands still"
 
 
+def test_a_goal_outside_of_the_world_is_noted_only(load: Load) -> None:
+    text = (
+        "world: {width: 8, height: 6, offset: [-2, 1]}\n"
+        "robot:\n"
+        "  - {kinematics: {name: diff}, goal: [[-2, 1], [6, 7], [6.5, 3], [0, 0.5]]}\n"
+        "  - {kinematics: {name: diff}, number: 2, goal: [9, 9]}"
+    )
+    scenario = load(text)  # a warning would be an error here
+    where = "outside of the world, which goes from (-2, 1) to (6, 7)"
+    told = [(3, "(6.5, 3)"), (3, "(0, 0.5)"), (4, "(9, 9)")]
+    assert {(note.line, note.message) for note in notes(scenario)} == {
+        (line, f"the goal {goal} is {where}") for line, goal in told
+    }
+    assert len(notes(scenario)) == 3  # once for both robots of an entry
+
+
 @pytest.mark.parametrize(
     "make",
     [

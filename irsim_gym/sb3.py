@@ -1,0 +1,27 @@
+"""Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots, and the buffers that these need."""
+
+from irsim_gym.envs.sb3 import (
+    MaskedDictReplayBuffer,
+    MaskedDictRolloutBuffer,
+    MaskedReplayBuffer,
+    MaskedRolloutBuffer,
+    MaskedVecNormalize,
+    TeamVecEnv,
+    WorldVecEnv,
+    buffers_for,
+    make_multi_agent_vec_env,
+    make_vec_env,
+)
+
+__all__ = [
+    "MaskedDictReplayBuffer",
+    "MaskedDictRolloutBuffer",
+    "MaskedReplayBuffer",
+    "MaskedRolloutBuffer",
+    "MaskedVecNormalize",
+    "TeamVecEnv",
+    "WorldVecEnv",
+    "buffers_for",
+    "make_multi_agent_vec_env",
+    "make_vec_env",
+]

@@ -1,0 +1,119 @@
+"""Ids of environments, wherever a scenario is named: what ``irsim_gym/corridor-v0`` stands for.
+
+An id is ``[module:]namespace/name-vN``, as in Gymnasium; the module is imported first. ``load_scenario`` asks here, so
+whatever takes a scenario's name knows the same ids.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.errors import IrsimGymError, MissingScenarioError, UnknownNameError, nearest
+
+NAMESPACE = "irsim_gym"
+ANY = f"{NAMESPACE}/World-v0"
+SHOWN = 8
+SOURCES = "a shipped name such as 'corridor', a file such as 'my_world.yaml', or plain data"
+
+_ID = re.compile(r"(?:([A-Za-z_][\w.]*):)?((?:([\w-]+)/)?[\w-]+?(?:-v(\d+))?)")
+
+
+class Ids:
+    """What ids stand for; where they are registered is said by who registers them (``envs.registration``)."""
+
+    def __init__(self) -> None:
+        self._registries: list[Mapping[str, Any]] = []
+
+    def look_in(self, registry: Mapping[str, Any]) -> None:
+        """Look ids up in a registry too: from each id to an object with the arguments it is made with, ``kwargs``."""
+        if not any(registry is known for known in self._registries):
+            self._registries.append(registry)
+
+    def find(self, name: Any) -> str | None:
+        """Return the registered id that a name is, without its module; None for a name or a path that is no id.
+
+        Raises:
+            UnknownNameError: It is written as an id, but nothing is registered under it; or there is no such module.
+        """
+        match = _ID.fullmatch(name) if isinstance(name, str) else None
+        if match is None:
+            return None
+        module, one, namespace, version = match.groups()
+        if namespace is None and version is None:
+            return None
+        if module is not None:
+            _import(module, name)
+        if self._spec(one) is not None:
+            return one
+        is_meant = module is not None or namespace == NAMESPACE or (namespace is not None and version is not None)
+        if is_meant and not Path(name).exists():
+            raise UnknownNameError(f"no environment '{name}'{self._advice(one, namespace)}")
+        return None
+
+    def scenario(self, name: Any) -> Any:
+        """Return the scenario that an id stands for; what is no id comes back as it is.
+
+        Raises:
+            UnknownNameError: It is written as an id, but stands for nothing.
+            MissingScenarioError: It stands for any scenario (``irsim_gym/World-v0``).
+            IrsimGymError: It was registered with more than a scenario, e.g. a task, which Gymnasium alone passes on.
+        """
+        one = self.find(name)
+        if one is None:
+            return name
+        if one == ANY:
+            raise MissingScenarioError(f"'{name}' stands for any scenario: name the scenario itself, {SOURCES}")
+        given = dict(self._spec(one).kwargs)
+        scenario = given.pop("scenario", None)
+        if scenario is None:
+            raise UnknownNameError(f"'{name}' is registered, but it is no scenario of irsim_gym")
+        if given:
+            others = ", ".join(given)
+            raise IrsimGymError(
+                f"'{name}' was registered with {others} as well, which gymnasium.make alone reads: "
+                f"name the scenario in place of the id, and give {others} yourself"
+            )
+        return scenario
+
+    def _spec(self, one: str) -> Any:
+        return next((registry[one] for registry in self._registries if one in registry), None)
+
+    def _advice(self, one: str, namespace: str | None) -> str:
+        """Return what to do about an id under which nothing is registered."""
+        known = [other for registry in self._registries for other in registry if other.startswith(f"{namespace}/")]
+        if not known:
+            return (
+                f": nothing is registered as '{namespace}/...' in this process. Ids of register_scenarios are known "
+                "where it was called: call it in each worker process too, on the command line in a module that "
+                "--import names; or name the file, with its suffix"
+            )
+        names = {_name(other): other for other in known}
+        if _name(one) in names:
+            return f": there is '{names[_name(one)]}'"
+        near = nearest(_name(one), names)
+        if near is not None:
+            return f" (did you mean '{names[near]}'?)"
+        if namespace == NAMESPACE:
+            return "; `irsim-gym list` shows what is shipped"
+        return f"; there are {', '.join(known[:SHOWN])}{' ...' if len(known) > SHOWN else ''}"
+
+
+IDS = Ids()
+
+
+def _import(module: str, name: str) -> None:
+    try:
+        import_module(module)
+    except ModuleNotFoundError as error:
+        if error.name is None or not f"{module}.".startswith(f"{error.name}."):
+            raise  # the module is there, but something that it imports is not
+        raise UnknownNameError(f"no environment '{name}': there is no module '{module}' to import first") from None
+
+
+def _name(one: str) -> str:
+    """Return an id's name alone, without namespace and version."""
+    return re.sub(r"-v\d+$", "", one.rpartition("/")[2])
