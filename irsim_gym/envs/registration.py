@@ -11,6 +11,7 @@ from typing import Any
 import gymnasium
 from wrapt import register_post_import_hook
 
+from irsim_gym.envs.limits import scenario_spec
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.scenario.library import scenario_names
 
@@ -65,6 +66,7 @@ def _register(one: str, kwargs: dict[str, Any]) -> None:
     known = gymnasium.registry.get(one)
     if known is None:
         gymnasium.register(one, ENTRY_POINT, vector_entry_point=VECTOR_ENTRY_POINT, kwargs=kwargs)
+        gymnasium.registry[one] = scenario_spec(gymnasium.registry[one])
         register_post_import_hook(partial(_register_parallel, one, kwargs), "pettingzoo")
     elif known.kwargs != kwargs:
         taken, wanted = (source.get("scenario", "any file") for source in (known.kwargs, kwargs))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.envs.registration import scenario_behind
-from irsim_gym.envs.sb3_base import NativeVecEnv, WorldView, checked_mode
+from irsim_gym.envs.sb3_base import NativeVecEnv, checked_mode
 from irsim_gym.envs.sb3_buffers import (
     MaskedDictReplayBuffer,
     MaskedDictRolloutBuffer,
@@ -21,6 +21,7 @@ from irsim_gym.envs.sb3_buffers import (
 from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
 from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
 from irsim_gym.envs.spaces import Observation
+from irsim_gym.envs.views import WorldView
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
 
 __all__ = [

@@ -7,6 +7,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
@@ -14,9 +15,12 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
+from irsim_gym.envs.limits import ScenarioSpec, agreed_limit, batch_spec, single_spec
 from irsim_gym.envs.pictures import RENDER_MODES, ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
+from irsim_gym.envs.views import WorldView, common_limit
 from irsim_gym.envs.worlds import LEVELS, ScenarioSource, TaskSource, Worlds
+from irsim_gym.tasks.task import checked_limit
 
 Step = tuple[Observation, Floats, Flags, Flags, dict[str, Any]]
 
@@ -33,7 +37,8 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         num_envs: Number of worlds.
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
-        max_episode_steps: Another time limit, from ``make_vec``; the smaller one counts, None or -1 for none.
+        max_episode_steps: Another time limit, from ``make_vec``, in place of the task's; of it and ``max_steps`` the
+            smaller one counts. None or -1 for none.
         autoreset_mode: An ``AutoresetMode`` or its value: ``"NextStep"``, ``"SameStep"``, ``"Disabled"``.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
@@ -88,6 +93,9 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         self.observation_space = batch_space(worlds.observation_space, num_envs)
         self.action_space = batch_space(worlds.action_space, num_envs)
         self._action_shape = (num_envs, *(worlds.action_space.shape or ()))
+        self._spec: ScenarioSpec | None = None
+        self._max_steps, self._outer_limit = max_steps, max_episode_steps
+        self._views: list[WorldView] = []
         self._ended: Flags = np.zeros(num_envs, np.bool_)
         self._all_begun = False
         self._seeds: list[int | None] = [None] * num_envs
@@ -204,6 +212,68 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
             ValueError: No world, or one that is not there, or no columns.
         """
         return self.worlds.pictures.tiled(columns, worlds, room)
+
+    @property
+    def max_steps(self) -> int:
+        """Time limit of all worlds [steps]. It may be set, also in episodes; a smaller ``max_episode_steps`` counts."""
+        return self.worlds.task.max_steps
+
+    @max_steps.setter
+    def max_steps(self, value: int) -> None:
+        self._max_steps = checked_limit(value)
+        self.worlds.limit(agreed_limit(value, self._outer_limit) or value)
+
+    @property
+    def spec(self) -> ScenarioSpec | None:
+        """What ``gymnasium.make_vec`` made it from, with ``max_steps`` as ``max_episode_steps``; None without."""
+        if self._spec is not None:
+            self._spec.keep(self.max_steps, self._max_steps)
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = None if spec is None else batch_spec(spec)
+
+    def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+        """Call a method of each world, or read an attribute, as ``SyncVectorEnv`` does; see ``WorldView``.
+
+        Raises:
+            AttributeError: A world of a batch has none of that name.
+        """
+        if name in ("np_random", "np_random_seed"):
+            found: tuple[Any, ...] = getattr(self, name)
+            return found
+        values = [view.get_wrapper_attr(name) for view in self._shown()]
+        return tuple(value(*args, **kwargs) if callable(value) else value for value in values)
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """Return an attribute of each world, as ``SyncVectorEnv`` does; see ``WorldView``."""
+        return self.call(name)
+
+    def set_attr(self, name: str, values: Any) -> None:
+        """Set an attribute of each world: a list or a tuple holds one value for each, anything else is for all.
+
+        Raises:
+            ValueError: There are more or fewer values than worlds, or time limits (``max_steps``) that differ.
+            AttributeError: It cannot be set.
+        """
+        each = list(values) if isinstance(values, list | tuple) else [values] * self.num_envs
+        if len(each) != self.num_envs:
+            raise ValueError(f"a list of values needs one for each of the {self.num_envs} worlds, got {len(each)}")
+        if name == "max_steps":
+            self.max_steps = common_limit(each, self.num_envs)
+            return
+        for view, value in zip(self._shown(), each, strict=True):
+            view.set_wrapper_attr(name, value)
+
+    def _shown(self) -> list[WorldView]:
+        """Return what there is to see of each world."""
+        if not self._views:
+            self._views = [WorldView(self.worlds, w) for w in range(self.num_envs)]
+        spec = self.spec
+        for view in self._views:
+            view.spec = None if spec is None else single_spec(spec)
+        return self._views
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the window and free the renderer."""
