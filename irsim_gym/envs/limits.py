@@ -99,8 +99,6 @@ def single_spec(spec: ScenarioSpec) -> ScenarioSpec:
     """Return the spec of a single environment like those of a batch."""
     one = copy(spec)
     one.kwargs = {name: value for name, value in spec.kwargs.items() if name not in OF_BATCHES}
-    if spec.kept is not None:
-        one.keep(*spec.kept)
     return one
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from copy import copy
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from typing import Any
 import gymnasium
 from wrapt import register_post_import_hook
 
-from irsim_gym.envs.limits import scenario_spec
+from irsim_gym.envs.limits import ScenarioSpec, batch_spec, scenario_spec
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.scenario.library import scenario_names
 
@@ -106,6 +107,14 @@ def make_vec(
     """
     one, kwargs = _resolve(scenario, kwargs)
     return gymnasium.make_vec(one, num_envs=num_envs, **kwargs)
+
+
+def spec_of(scenario: Any, kwargs: dict[str, Any]) -> ScenarioSpec:
+    """Return the spec from which ``gymnasium.make`` makes what ``make(scenario, **kwargs)`` does."""
+    one, given = _resolve(scenario, kwargs)
+    spec = copy(scenario_spec(gymnasium.registry[one]))
+    spec.kwargs = {**spec.kwargs, **given}
+    return batch_spec(spec)
 
 
 def scenario_behind(name: Any) -> Any:

@@ -232,7 +232,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
 
     @spec.setter
     def spec(self, spec: EnvSpec | None) -> None:
-        self._spec = None if spec is None else batch_spec(spec)
+        self._spec, self._views = None if spec is None else batch_spec(spec), []
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """Call a method of each world, or read an attribute, as ``SyncVectorEnv`` does; see ``WorldView``.
@@ -269,10 +269,8 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
     def _shown(self) -> list[WorldView]:
         """Return what there is to see of each world."""
         if not self._views:
-            self._views = [WorldView(self.worlds, w) for w in range(self.num_envs)]
-        spec = self.spec
-        for view in self._views:
-            view.spec = None if spec is None else single_spec(spec)
+            spec = None if self._spec is None else single_spec(self._spec)
+            self._views = [WorldView(self.worlds, w, spec=spec) for w in range(self.num_envs)]
         return self._views
 
     def close_extras(self, **kwargs: Any) -> None:

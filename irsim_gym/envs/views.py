@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from gymnasium.envs.registration import EnvSpec
-
+from irsim_gym.envs.limits import ScenarioSpec
 from irsim_gym.envs.pictures import RENDER_MODES
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import suggestion
@@ -23,11 +22,18 @@ class WorldView:
         spec: What a single environment like this one is made from; None for none.
     """
 
-    def __init__(self, worlds: Worlds, index: int, agent: int = 0, spec: EnvSpec | None = None) -> None:
+    def __init__(self, worlds: Worlds, index: int, agent: int = 0, spec: ScenarioSpec | None = None) -> None:
         self.worlds = worlds
         self.index = index
         self.agent = agent
-        self.spec = spec
+        self._spec = spec
+
+    @property
+    def spec(self) -> ScenarioSpec | None:
+        """What ``gymnasium.make`` makes a single environment like this one from."""
+        if self._spec is not None:
+            self._spec.keep(self.max_steps, self.max_steps)
+        return self._spec
 
     @property
     def max_steps(self) -> int:
@@ -98,7 +104,7 @@ class WorldView:
         Raises:
             AttributeError: It is one for the whole batch.
         """
-        if hasattr(type(self), name) or name in ("worlds", "index", "agent", "spec"):
+        if hasattr(type(self), name) or name in ("worlds", "index", "agent"):
             raise AttributeError(f"{name!r} is one for all worlds of a batch and cannot be set for one")
         if not force and not hasattr(self, name):
             return False
