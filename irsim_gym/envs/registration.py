@@ -21,6 +21,7 @@ ANY = f"{NAMESPACE}/World-v0"
 ENTRY_POINT = "irsim_gym.envs.single:WorldEnv"
 VECTOR_ENTRY_POINT = "irsim_gym.envs.vector:WorldVectorEnv"
 PARALLEL_ENTRY_POINT = "irsim_gym.envs.parallel:parallel_env"
+UNSAID = {"render_backend": "matplotlib", "strict": True}
 SUFFIXES = (".yaml", ".yml")
 
 
@@ -110,8 +111,12 @@ def make_vec(
 
 
 def spec_of(scenario: Any, kwargs: dict[str, Any]) -> ScenarioSpec:
-    """Return the spec from which ``gymnasium.make`` makes what ``make(scenario, **kwargs)`` does."""
-    one, given = _resolve(scenario, kwargs)
+    """Return the spec from which ``gymnasium.make`` makes what ``make(scenario, **kwargs)`` does.
+
+    Keywords that say nothing (None, and their defaults) are left out.
+    """
+    told = {name: value for name, value in kwargs.items() if value is not None and value != UNSAID.get(name)}
+    one, given = _resolve(scenario, told)
     spec = copy(scenario_spec(gymnasium.registry[one]))
     spec.kwargs = {**spec.kwargs, **given}
     return batch_spec(spec)

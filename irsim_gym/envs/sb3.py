@@ -41,9 +41,6 @@ __all__ = [
 ]
 
 
-DEFAULTS = {"render_backend": "matplotlib", "strict": True}
-
-
 def make_vec_env(
     name: ScenarioSource,
     n_envs: int = 1,
@@ -64,8 +61,7 @@ def make_vec_env(
 ) -> WorldVecEnv:
     """Make the worlds of a scenario for Stable-Baselines3.
 
-    Keywords are those of Stable-Baselines3's own ``make_vec_env`` as well; its ``wrapper_class`` and ``vec_env_cls``
-    are for single environments, and refused.
+    Of the keywords of Stable-Baselines3's own ``make_vec_env``, those for single environments are refused.
 
     Args:
         name: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
@@ -89,25 +85,16 @@ def make_vec_env(
         IrsimGymError: Something is asked for that a batch does not do; the message says who does it.
     """
     refuse_for_singles(parameters)
-    given = {"task": task, "max_steps": max_steps, "max_episode_steps": max_episode_steps, **parameters}
-    shown = {"render_mode": render_mode, "render_backend": render_backend, "strict": strict}
-    files = {"start_index": start_index, "monitor_dir": monitor_dir, "monitor_kwargs": monitor_kwargs}
+    asked = {"task": task, "max_steps": max_steps, "max_episode_steps": max_episode_steps, **parameters}
+    shown: dict[str, Any] = {"render_mode": render_mode, "render_backend": render_backend, "strict": strict}
     if env_kwargs:
-        every = {"num_threads": num_threads, **shown, **files, **with_env_kwargs(given, env_kwargs)}
-        return make_vec_env(name, n_envs, seed, **every)
-    worlds = Worlds(
-        scenario_behind(name),
-        n_envs,
-        task=task,
-        max_steps=max_steps,
-        outer_limit=max_episode_steps,
-        num_threads=num_threads,
-        render_mode=checked_mode(render_mode),
-        render_backend=render_backend,
-        parameters=parameters,
-        strict=strict,
-    )
-    spec = spec_of(name, {key: value for key, value in (given | shown).items() if value != DEFAULTS.get(key)})
+        files = {"start_index": start_index, "monitor_dir": monitor_dir, "monitor_kwargs": monitor_kwargs}
+        given = {"num_threads": num_threads, **shown, **files, **with_env_kwargs(asked, env_kwargs)}
+        return make_vec_env(name, n_envs, seed, **given)
+    checked_mode(render_mode)
+    kwargs: dict[str, Any] = {"max_steps": max_steps, "outer_limit": max_episode_steps, "num_threads": num_threads}
+    worlds = Worlds(scenario_behind(name), n_envs, task=task, parameters=parameters, **kwargs, **shown)
+    spec = spec_of(name, {**asked, **shown})
     numbers = range(start_index, start_index + n_envs)
     env = WorldVecEnv(worlds, spec, MonitorFiles(monitor_dir, numbers, spec.id, monitor_kwargs))
     if seed is not None:
@@ -130,13 +117,12 @@ class WorldVecEnv(NativeVecEnv):
     """
 
     def __init__(self, worlds: Worlds, spec: ScenarioSpec | None = None, files: MonitorFiles | None = None) -> None:
-        self._files = MonitorFiles() if files is None else files
         self._returns: Floats = np.zeros(worlds.n_worlds)
         self._actions: NDArray[Any] | None = None
         self._action_shape = (worlds.n_worlds, *(worlds.action_space.shape or ()))
         self._all_begun = False
         views = [WorldView(worlds, w, spec=spec) for w in range(worlds.n_worlds)]
-        super().__init__(worlds, views, worlds.observation_space, worlds.action_space)
+        super().__init__(worlds, views, worlds.observation_space, worlds.action_space, files)
 
     def reset(self) -> Observation:
         """Begin an episode in every world, with the seeds and options given before, which are then forgotten."""
@@ -187,12 +173,7 @@ class WorldVecEnv(NativeVecEnv):
             info = infos[w] = told(row)
             info["terminal_observation"] = observation
             info["TimeLimit.truncated"] = truncated
-            info["episode"] = self._files.episode(w, self._returns.item(w), info)
+            info["episode"] = self.files.episode(w, self._returns.item(w), info)
         self._returns[ended] = 0.0
         worlds.begin_next(ended)
         self.note_beginnings(ended)
-
-    def close(self) -> None:
-        """Close the window and the files, and free the renderer. May be called twice."""
-        super().close()
-        self._files.close()

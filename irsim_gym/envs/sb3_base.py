@@ -15,6 +15,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Bytes, Flags, Ints
 from irsim_gym.envs.infos import Record
+from irsim_gym.envs.sb3_keywords import MonitorFiles
 from irsim_gym.envs.views import WorldView, common_limit
 from irsim_gym.envs.worlds import Worlds
 
@@ -29,12 +30,19 @@ class NativeVecEnv(VecEnv):
         views: What each slot shows to ``get_attr``, ``set_attr`` and ``env_method``.
         observation_space: Of one slot.
         action_space: Of one slot.
+        files: What statistics of episodes hold, and where they are written.
     """
 
     def __init__(
-        self, worlds: Worlds, views: Sequence[WorldView], observation_space: Space[Any], action_space: Space[Any]
+        self,
+        worlds: Worlds,
+        views: Sequence[WorldView],
+        observation_space: Space[Any],
+        action_space: Space[Any],
+        files: MonitorFiles | None = None,
     ) -> None:
         self.worlds = worlds
+        self.files = MonitorFiles() if files is None else files
         self.views = views
         self._record = Record(worlds.infos)
         super().__init__(len(views), observation_space, action_space)
@@ -64,8 +72,9 @@ class NativeVecEnv(VecEnv):
         return list(map(dict.copy, repeat({}, self.num_envs)))
 
     def close(self) -> None:
-        """Close the window and free the renderer. May be called twice."""
+        """Close the window and the files, and free the renderer. May be called twice."""
         self.worlds.close()
+        self.files.close()
 
     def render(self, mode: str | None = None) -> Bytes | None:
         """Return or show the worlds side by side.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -91,8 +90,8 @@ class MonitorFiles:
         self._writers: list[ResultsWriter] = []
         for number in () if folder is None else numbers:
             header: dict[str, float | str] = {"t_start": self.started, "env_id": str(env_id)}
-            path = os.path.join(folder or "", str(number))
             override = bool(given.get("override_existing", True))
+            path = str(Path(folder or "") / str(number))
             self._writers.append(ResultsWriter(path, header, self.info_keywords, override))
 
     def episode(self, w: int, total: float, info: Mapping[str, Any]) -> dict[str, Any]:
