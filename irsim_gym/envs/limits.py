@@ -10,9 +10,10 @@ from dataclasses import fields
 from typing import Any
 
 import gymnasium
+from gymnasium import wrappers
 from gymnasium.envs import registration
 from gymnasium.envs.registration import EnvSpec
-from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker, RecordEpisodeStatistics, TimeLimit
+from gymnasium.wrappers import TimeLimit
 
 from irsim_gym.errors import IrsimGymError
 
@@ -33,7 +34,9 @@ STEP_FOR_STEP = {
     kind.step
     for kind in (
         *(gymnasium.Wrapper, gymnasium.ObservationWrapper, gymnasium.ActionWrapper, gymnasium.RewardWrapper),
-        *(OrderEnforcing, PassiveEnvChecker, RecordEpisodeStatistics, TimeLimit),
+        *(wrappers.OrderEnforcing, wrappers.PassiveEnvChecker, wrappers.RecordEpisodeStatistics, TimeLimit),
+        *(wrappers.DelayObservation, wrappers.FrameStackObservation, wrappers.TimeAwareObservation),
+        *(wrappers.NormalizeReward, wrappers.RecordVideo, wrappers.RenderCollection, wrappers.StickyAction),
     )
 }
 """What ``step`` is in wrappers of which one step is surely one step of what they wrap."""

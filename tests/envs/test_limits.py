@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.envs.registration import EnvSpec
-from gymnasium.wrappers import RecordEpisodeStatistics, TimeAwareObservation, TimeLimit
+from gymnasium.wrappers import FrameStackObservation, TimeAwareObservation, TimeLimit
 from sb3_contrib.common.wrappers import TimeFeatureWrapper
 
 import irsim_gym
@@ -127,7 +127,7 @@ def test_a_time_limit_around_anything():
     """It is the environment's own where it counts the same steps."""
     for wrapped in (
         irsim_gym.make(ONE),
-        RecordEpisodeStatistics(irsim_gym.make(ONE)),
+        FrameStackObservation(irsim_gym.make(ONE), 2),
         TimeLimit(irsim_gym.make(ONE), 9),
     ):
         assert first_end(TimeLimit(wrapped, 4))[:2] == (4, Outcome.TIMEOUT)
