@@ -127,7 +127,7 @@ def task_limit(kwargs: Mapping[str, Any]) -> int | None:
             if not isinstance(scenario, Scenario):
                 scenario = load_scenario(scenario, parameters, strict=bool(kwargs.get("strict", True)))
             return load_task(scenario, kwargs.get("task")).max_steps
-    except (IrsimGymError, OSError, ValueError):
+    except (IrsimGymError, OSError, TypeError, ValueError):
         return None
 
 

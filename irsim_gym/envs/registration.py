@@ -22,6 +22,7 @@ ENTRY_POINT = "irsim_gym.envs.single:WorldEnv"
 VECTOR_ENTRY_POINT = "irsim_gym.envs.vector:WorldVectorEnv"
 PARALLEL_ENTRY_POINT = "irsim_gym.envs.parallel:parallel_env"
 UNSAID = {"render_backend": "matplotlib", "strict": True}
+SINGLES = (gymnasium.VectorizeMode.SYNC, gymnasium.VectorizeMode.ASYNC)
 SUFFIXES = (".yaml", ".yml")
 
 
@@ -106,8 +107,19 @@ def make_vec(
         **kwargs: Options of ``WorldVectorEnv`` and of ``gymnasium.make_vec``, and values for the scenario's
             parameters.
     """
+    _refuse_for_singles(kwargs)
     one, kwargs = _resolve(scenario, kwargs)
     return gymnasium.make_vec(one, num_envs=num_envs, **kwargs)
+
+
+def _refuse_for_singles(kwargs: Mapping[str, Any]) -> None:
+    """Raise an IrsimGymError for what Gymnasium does with single environments alone, where a batch is asked for."""
+    for name in ("wrappers", "vector_kwargs"):
+        if kwargs.get(name) and kwargs.get("vectorization_mode") not in ("sync", "async", *SINGLES):
+            raise IrsimGymError(
+                f"{name} is for environments that are stepped one by one: give vectorization_mode='sync' or 'async' as "
+                "well. The batch takes its own keywords directly, and wrappers of gymnasium.wrappers.vector around it"
+            )
 
 
 def spec_of(scenario: Any, kwargs: dict[str, Any]) -> ScenarioSpec:

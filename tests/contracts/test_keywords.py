@@ -60,6 +60,13 @@ def test_what_a_batch_does_not_do_is_told_with_who_does(kwargs, error, told):
     assert irsim_gym.sb3.make_vec_env(STILL, 2, **nothing, env_kwargs={"strict": False}).num_envs == 2
 
 
+@pytest.mark.parametrize("given", [{"wrappers": [TimeFeatureWrapper]}, {"vector_kwargs": {"copy": False}}])
+def test_what_gymnasium_does_with_single_environments_alone(given):
+    with pytest.raises(IrsimGymError, match=f"{next(iter(given))} is for .* vectorization_mode='sync' or 'async'"):
+        irsim_gym.make_vec(STILL, 2, **given)
+    assert irsim_gym.make_vec(STILL, 2, vectorization_mode="sync", **given).num_envs == 2
+
+
 @pytest.mark.parametrize("cls", [DummyVecEnv, pytest.param(SubprocVecEnv, marks=pytest.mark.slow)])
 def test_stable_baselines3_makes_ours(cls):
     kwargs = {"wrapper_class": TimeFeatureWrapper, "vec_env_cls": cls, "env_kwargs": {"max_episode_steps": 8}}

@@ -146,6 +146,8 @@ def test_specs_make_the_same_again():
     assert gymnasium.make(gymnasium.make(ONE).spec, max_steps=12).spec.max_episode_steps == 12
     assert first_end(gymnasium.make_vec(stored, num_envs=2))[:2] == (9, Outcome.TIMEOUT)
     assert gymnasium.make_vec(spec, num_envs=2, max_steps=7).spec.max_episode_steps == 7
+    data = {"robot": {"kinematics": {"name": "diff"}, "state": [1, 1, 0], "goal": [5, 5, 0]}, "task": {"max_steps": 11}}
+    assert irsim_gym.make(data).spec.max_episode_steps == irsim_gym.make_vec(data, 2).spec.max_episode_steps == 11
     assert repr(gymnasium.spec(ONE)).count("max_episode_steps=6") == 1
     with pytest.raises(ValueError, match=r"max_episode_steps must be a whole number >= 1, or -1 .*, got 0"):
         gymnasium.make_vec(ONE, num_envs=2, max_episode_steps=0)
