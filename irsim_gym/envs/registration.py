@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from copy import copy
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import gymnasium
 from wrapt import register_post_import_hook
 
 from irsim_gym.envs.by_hand import Environment
+from irsim_gym.envs.limits import ScenarioSpec, batch_spec, scenario_spec
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.scenario.ids import ANY, IDS, NAMESPACE
 from irsim_gym.scenario.library import SUFFIXES, scenario_names
@@ -19,6 +21,8 @@ from irsim_gym.scenario.library import SUFFIXES, scenario_names
 ENTRY_POINT = "irsim_gym.envs.single:WorldEnv"
 VECTOR_ENTRY_POINT = "irsim_gym.envs.vector:WorldVectorEnv"
 PARALLEL_ENTRY_POINT = "irsim_gym.envs.parallel:parallel_env"
+UNSAID = {"render_backend": "matplotlib", "strict": True}
+SINGLES = (gymnasium.VectorizeMode.SYNC, gymnasium.VectorizeMode.ASYNC)
 
 
 def env_id(name: str, namespace: str = NAMESPACE) -> str:
@@ -71,6 +75,7 @@ def _register(one: str, kwargs: dict[str, Any]) -> None:
     known = gymnasium.registry.get(one)
     if known is None:
         gymnasium.register(one, ENTRY_POINT, vector_entry_point=VECTOR_ENTRY_POINT, kwargs=kwargs)
+        gymnasium.registry[one] = scenario_spec(gymnasium.registry[one])
         register_post_import_hook(partial(_register_parallel, one, kwargs), "pettingzoo")
     elif known.kwargs != kwargs:
         taken, wanted = (source.get("scenario", "any file") for source in (known.kwargs, kwargs))
@@ -108,8 +113,31 @@ def make_vec(
         **kwargs: Options of ``WorldVectorEnv`` and of ``gymnasium.make_vec``, and values for the scenario's
             parameters.
     """
+    _refuse_for_singles(kwargs)
     one, kwargs = _resolve(scenario, kwargs)
     return gymnasium.make_vec(one, num_envs=num_envs, **kwargs)
+
+
+def _refuse_for_singles(kwargs: Mapping[str, Any]) -> None:
+    """Raise an IrsimGymError for what Gymnasium does with single environments alone, where a batch is asked for."""
+    for name in ("wrappers", "vector_kwargs"):
+        if kwargs.get(name) and kwargs.get("vectorization_mode") not in ("sync", "async", *SINGLES):
+            raise IrsimGymError(
+                f"{name} is for environments that are stepped one by one: give vectorization_mode='sync' or 'async' as "
+                "well. The batch takes its own keywords directly, and wrappers of gymnasium.wrappers.vector around it"
+            )
+
+
+def spec_of(scenario: Any, kwargs: dict[str, Any]) -> ScenarioSpec:
+    """Return the spec from which ``gymnasium.make`` makes what ``make(scenario, **kwargs)`` does.
+
+    Keywords that say nothing (None, and their defaults) are left out.
+    """
+    told = {name: value for name, value in kwargs.items() if value is not None and value != UNSAID.get(name)}
+    one, given = _resolve(scenario, told)
+    spec = copy(scenario_spec(gymnasium.registry[one]))
+    spec.kwargs = {**spec.kwargs, **given}
+    return batch_spec(spec)
 
 
 def _resolve(scenario: str | Path | Mapping[str, Any], kwargs: dict[str, Any]) -> tuple[str, dict[str, Any]]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import time
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,16 +11,20 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
-from irsim_gym.envs.sb3_base import NativeVecEnv, WorldView, checked_mode
+from irsim_gym.envs.limits import ScenarioSpec
+from irsim_gym.envs.registration import spec_of
+from irsim_gym.envs.sb3_base import NativeVecEnv, checked_mode
 from irsim_gym.envs.sb3_buffers import (
     MaskedDictReplayBuffer,
     MaskedDictRolloutBuffer,
     MaskedReplayBuffer,
     MaskedRolloutBuffer,
 )
+from irsim_gym.envs.sb3_keywords import MonitorFiles, refuse_for_singles, with_env_kwargs
 from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
 from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
 from irsim_gym.envs.spaces import Observation
+from irsim_gym.envs.views import WorldView
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
 
 __all__ = [
@@ -43,13 +48,20 @@ def make_vec_env(
     *,
     task: TaskSource = None,
     max_steps: int | None = None,
+    max_episode_steps: int | None = None,
     num_threads: int = 1,
     render_mode: str | None = "rgb_array",
     render_backend: str = "matplotlib",
     strict: bool = True,
+    env_kwargs: Mapping[str, Any] | None = None,
+    start_index: int = 0,
+    monitor_dir: str | Path | None = None,
+    monitor_kwargs: Mapping[str, Any] | None = None,
     **parameters: Any,
 ) -> WorldVecEnv:
     """Make the worlds of a scenario for Stable-Baselines3.
+
+    Of the keywords of Stable-Baselines3's own ``make_vec_env``, those for single environments are refused.
 
     Args:
         name: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
@@ -57,26 +69,34 @@ def make_vec_env(
         seed: World ``w`` begins with level ``seed + w``; None for levels from entropy.
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
+        max_episode_steps: Another time limit, as ``gymnasium.make`` takes it; the smaller one counts.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
         render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        env_kwargs: More of these keywords, and values for parameters.
+        start_index: Number of the first world in the files of ``monitor_dir``.
+        monitor_dir: Folder for a file ``<number>.monitor.csv`` of each world's episodes, as ``Monitor`` writes them.
+        monitor_kwargs: ``info_keywords`` and ``override_existing`` of ``Monitor``.
         **parameters: Values for the scenario's parameters.
+
+    Raises:
+        IrsimGymError: Something is asked for that a batch does not do; the message says who does it.
     """
-    env = WorldVecEnv(
-        Worlds(
-            name,
-            n_envs,
-            task=task,
-            max_steps=max_steps,
-            num_threads=num_threads,
-            render_mode=checked_mode(render_mode),
-            render_backend=render_backend,
-            parameters=parameters,
-            strict=strict,
-        )
-    )
+    refuse_for_singles(parameters)
+    asked = {"task": task, "max_steps": max_steps, "max_episode_steps": max_episode_steps, **parameters}
+    shown: dict[str, Any] = {"render_mode": render_mode, "render_backend": render_backend, "strict": strict}
+    if env_kwargs:
+        files = {"start_index": start_index, "monitor_dir": monitor_dir, "monitor_kwargs": monitor_kwargs}
+        given = {"num_threads": num_threads, **shown, **files, **with_env_kwargs(asked, env_kwargs)}
+        return make_vec_env(name, n_envs, seed, **given)
+    checked_mode(render_mode)
+    kwargs: dict[str, Any] = {"max_steps": max_steps, "outer_limit": max_episode_steps, "num_threads": num_threads}
+    worlds = Worlds(name, n_envs, task=task, parameters=parameters, **kwargs, **shown)
+    spec = spec_of(name, {**asked, **shown})
+    numbers = range(start_index, start_index + n_envs)
+    env = WorldVecEnv(worlds, spec, MonitorFiles(monitor_dir, numbers, spec.id, monitor_kwargs))
     if seed is not None:
         env.seed(seed)
     return env
@@ -89,16 +109,20 @@ class WorldVecEnv(NativeVecEnv):
     on a ``DummyVecEnv`` of these. An ended world restarts in the same step, and its info holds what the single
     environment tells, ``terminal_observation``, ``TimeLimit.truncated`` and the statistics ``episode`` of
     ``Monitor``; infos of the other worlds are empty. A ``VecMonitor`` around it is not needed.
+
+    Args:
+        worlds: The worlds.
+        spec: What a single environment like one of them is made from.
+        files: What statistics of episodes hold, and where they are written.
     """
 
-    def __init__(self, worlds: Worlds) -> None:
+    def __init__(self, worlds: Worlds, spec: ScenarioSpec | None = None, files: MonitorFiles | None = None) -> None:
         self._returns: Floats = np.zeros(worlds.n_worlds)
         self._actions: NDArray[Any] | None = None
         self._action_shape = (worlds.n_worlds, *(worlds.action_space.shape or ()))
-        self._started = time.time()
         self._all_begun = False
-        views = [WorldView(worlds, w) for w in range(worlds.n_worlds)]
-        super().__init__(worlds, views, worlds.observation_space, worlds.action_space)
+        views = [WorldView(worlds, w, spec=spec) for w in range(worlds.n_worlds)]
+        super().__init__(worlds, views, worlds.observation_space, worlds.action_space, files)
 
     def reset(self) -> Observation:
         """Begin an episode in every world, with the seeds and options given before, which are then forgotten."""
@@ -143,14 +167,13 @@ class WorldVecEnv(NativeVecEnv):
     def _end(self, ended: Ints, infos: list[dict[str, Any]]) -> None:
         """Fill in the infos of worlds that have ended, and restart them."""
         worlds, view, told = self.worlds, self.worlds.episodes.view, self.worlds.infos.told
-        elapsed = round(time.time() - self._started, 6)
         cut = (view.truncated[:, 0].take(ended) > view.terminated[:, 0].take(ended)).tolist()
         rows = zip(ended.tolist(), worlds.infos.rows(ended), worlds.observations_of(ended), cut, strict=True)
         for w, row, observation, truncated in rows:
             info = infos[w] = told(row)
             info["terminal_observation"] = observation
             info["TimeLimit.truncated"] = truncated
-            info["episode"] = {"r": round(self._returns.item(w), 6), "l": info["steps"], "t": elapsed}
+            info["episode"] = self.files.episode(w, self._returns.item(w), info)
         self._returns[ended] = 0.0
         worlds.begin_next(ended)
         self.note_beginnings(ended)

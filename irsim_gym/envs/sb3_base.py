@@ -15,7 +15,9 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Bytes, Flags, Ints
 from irsim_gym.envs.infos import Record
+from irsim_gym.envs.sb3_keywords import MonitorFiles
 from irsim_gym.envs.sb3_masks import is_being_monitored
+from irsim_gym.envs.views import WorldView, common_limit
 from irsim_gym.envs.worlds import Worlds
 
 Indices = None | int | Iterable[int]
@@ -29,12 +31,19 @@ class NativeVecEnv(VecEnv):
         views: What each slot shows to ``get_attr``, ``set_attr`` and ``env_method``.
         observation_space: Of one slot.
         action_space: Of one slot.
+        files: What statistics of episodes hold, and where they are written.
     """
 
     def __init__(
-        self, worlds: Worlds, views: Sequence[WorldView], observation_space: Space[Any], action_space: Space[Any]
+        self,
+        worlds: Worlds,
+        views: Sequence[WorldView],
+        observation_space: Space[Any],
+        action_space: Space[Any],
+        files: MonitorFiles | None = None,
     ) -> None:
         self.worlds = worlds
+        self.files = MonitorFiles() if files is None else files
         self.views = views
         self._record = Record(worlds.infos)
         super().__init__(len(views), observation_space, action_space)
@@ -64,8 +73,9 @@ class NativeVecEnv(VecEnv):
         return list(map(dict.copy, repeat({}, self.num_envs)))
 
     def close(self) -> None:
-        """Close the window and free the renderer. May be called twice."""
+        """Close the window and the files, and free the renderer. May be called twice."""
         self.worlds.close()
+        self.files.close()
 
     def render(self, mode: str | None = None) -> Bytes | None:
         """Return or show the worlds side by side.
@@ -93,24 +103,28 @@ class NativeVecEnv(VecEnv):
         return [view.get_wrapper_attr(attr_name) for view in self._chosen(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
-        """Set an attribute of the chosen slots."""
-        for view in self._chosen(indices):
+        """Set an attribute of the chosen slots; ``max_steps``, the time limit [steps], for all of them alone."""
+        chosen = self._chosen(indices)
+        if attr_name == "max_steps":
+            self.worlds.limit(common_limit([value] * len(chosen), self.num_envs))
+            return
+        for view in chosen:
             view.set_wrapper_attr(attr_name, value)
 
     def env_method(
         self, method_name: str, *method_args: Any, indices: Indices = None, **method_kwargs: Any
     ) -> list[Any]:
         """Call a method of the chosen slots; see ``WorldView``."""
-        return [getattr(view, method_name)(*method_args, **method_kwargs) for view in self._chosen(indices)]
+        return [view.get_wrapper_attr(method_name)(*method_args, **method_kwargs) for view in self._chosen(indices)]
 
     def env_is_wrapped(
         self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: Indices = None
     ) -> list[bool]:
-        """Answer True for ``Monitor`` alone: its statistics are there, and ``evaluate_policy`` reads them.
+        """Answer as a ``Monitor`` around each slot would, and no other wrapper: its statistics are there.
 
         A ``VecMonitor`` that is being put around the environment is told False, as it has no Monitor to overwrite.
         """
-        wrapped = issubclass(wrapper_class, Monitor) and not is_being_monitored()
+        wrapped = issubclass(Monitor, wrapper_class) and not is_being_monitored()
         return [wrapped] * len(self._chosen(indices))
 
     def _chosen(self, indices: Indices) -> list[WorldView]:
@@ -122,53 +136,3 @@ def checked_mode(mode: str | None) -> str | None:
     if mode not in (None, "rgb_array", "human"):
         raise ValueError(f"render_mode must be None, 'rgb_array' or 'human' for Stable-Baselines3, got {mode!r}")
     return mode
-
-
-class WorldView:
-    """One world, or one agent of a world: what ``get_attr``, ``set_attr`` and ``env_method`` reach."""
-
-    def __init__(self, worlds: Worlds, index: int, agent: int = 0) -> None:
-        self.worlds = worlds
-        self.index = index
-        self.agent = agent
-        self.spec: Any = None
-
-    @property
-    def render_mode(self) -> str | None:
-        """``"rgb_array"``, ``"human"`` or None."""
-        return self.worlds.render_mode
-
-    @property
-    def observation_space(self) -> Any:
-        """The space of an agent's observations."""
-        return self.worlds.observation_space
-
-    @property
-    def action_space(self) -> Any:
-        """The space of an agent's actions."""
-        return self.worlds.action_space
-
-    @property
-    def unwrapped(self) -> WorldView:
-        """Itself."""
-        return self
-
-    def info(self) -> dict[str, Any]:
-        """Return what is known about the agent now."""
-        return self.worlds.info_of(self.index, self.agent)
-
-    def render(self) -> Any:
-        """Return a fresh picture of the world; None without a render mode, or with a window."""
-        return self.worlds.pictures.of(self.index)
-
-    def has_wrapper_attr(self, name: str) -> bool:
-        """Say whether there is such an attribute."""
-        return hasattr(self, name)
-
-    def get_wrapper_attr(self, name: str) -> Any:
-        """Return an attribute."""
-        return getattr(self, name)
-
-    def set_wrapper_attr(self, name: str, value: Any) -> None:
-        """Set an attribute; it belongs to this slot alone."""
-        setattr(self, name, value)

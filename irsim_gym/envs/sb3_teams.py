@@ -18,7 +18,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.envs.batch import Batch, BatchStep
-from irsim_gym.envs.sb3_base import NativeVecEnv, WorldView, checked_mode
+from irsim_gym.envs.sb3_base import NativeVecEnv, checked_mode
 from irsim_gym.envs.sb3_buffers import (
     MaskedDictReplayBuffer,
     MaskedDictRolloutBuffer,
@@ -27,6 +27,7 @@ from irsim_gym.envs.sb3_buffers import (
 )
 from irsim_gym.envs.sb3_masks import SlotRewards, is_monitored, learner_buffer, slot_rewards
 from irsim_gym.envs.spaces import Observation
+from irsim_gym.envs.views import WorldView
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.errors import WaitingRobotsWarning
 from irsim_gym.tasks import Outcome

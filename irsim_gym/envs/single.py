@@ -11,10 +11,12 @@ from gymnasium.error import ResetNeeded
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.engine.given import LEVELS
+from irsim_gym.envs.limits import ScenarioSpec, agreed_limit, outer_limit, scenario_spec
 from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.specs import plain_spec
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
+from irsim_gym.tasks.task import checked_limit
 
 
 class WorldEnv(gymnasium.Env[Observation, Any]):
@@ -41,7 +43,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 10}  # noqa: RUF012
-    _spec: EnvSpec | None = None
+    _spec: ScenarioSpec | None = None
 
     def __init__(
         self,
@@ -68,21 +70,40 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         self.action_space = self.worlds.action_space
         self._shape = self.action_space.shape
         self._going = False
+        self._max_steps = max_steps
+        self._task_limit = self.worlds.task.max_steps
+        self._outer_limit: int | None = None
 
     @property
-    def spec(self) -> EnvSpec | None:
-        """What Gymnasium made it with, as plain data."""
+    def max_steps(self) -> int:
+        """Time limit [steps]. It may be set, also in an episode; a smaller one of a ``TimeLimit`` counts first."""
+        return self.worlds.task.max_steps
+
+    @max_steps.setter
+    def max_steps(self, value: int) -> None:
+        self._max_steps = checked_limit(value)
+        self._agree()
+
+    @property
+    def spec(self) -> ScenarioSpec | None:
+        """What ``gymnasium.make`` made it from, with ``max_steps`` as ``max_episode_steps``; None without ``make``."""
+        if self._spec is not None:
+            self._spec.keep(self.max_steps, self._max_steps)
         return self._spec
 
     @spec.setter
     def spec(self, spec: EnvSpec | None) -> None:
-        self._spec = plain_spec(spec)
+        self._spec = None if spec is None else scenario_spec(plain_spec(spec))
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode; see the class for what seeds and options choose."""
         super().reset(seed=seed)
+        outer = outer_limit(self)
+        if outer != self._outer_limit or (outer is not None and outer < self.max_steps):
+            self._outer_limit = outer
+            self._agree()
         worlds = self.worlds
         worlds.begin([0], [seed], [options or {}], lambda _: int(self.np_random.integers(LEVELS)))
         self._going = True
@@ -122,3 +143,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
     def close(self) -> None:
         """Close the window and free the renderer. May be called twice."""
         self.worlds.close()
+
+    def _agree(self) -> None:
+        """Keep to the limit that its own and a ``TimeLimit`` around it agree to."""
+        self.worlds.limit(agreed_limit(self._max_steps, self._outer_limit) or self._task_limit)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from copy import copy
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -14,32 +14,25 @@ from gymnasium.envs.registration import EnvSpec
 from irsim_gym.scenario import Scenario
 
 
-class LoadedSpec(EnvSpec):
-    """The spec of an environment that was made from a loaded scenario, which JSON cannot hold."""
-
-    def to_json(self) -> str:
-        """Raise a TypeError that says what to make the environment from."""
-        scenario: Scenario = self.kwargs["scenario"]
-        parameters = "".join(f", {name}={value!r}" for name, value in scenario.parameters.items())
-        file = f"its file, scenario={scenario.file!r}{parameters}"
-        source = file if scenario.file else "the mapping that it was read from"
-        raise TypeError(
-            f"the spec of '{self.id}' holds the loaded scenario '{scenario.name}', an object that JSON cannot hold: "
-            f"make the environment from {source}"
-        )
+def plain_spec(spec: EnvSpec) -> EnvSpec:
+    """Return a spec whose arguments are plain data: paths and arrays become text and lists."""
+    plain = copy(spec)
+    plain.kwargs = _plain(spec.kwargs)
+    return plain
 
 
-def plain_spec(spec: EnvSpec | None) -> EnvSpec | None:
-    """Return a spec whose arguments are plain data: paths and arrays become text and lists.
-
-    Args:
-        spec: As Gymnasium made it; of a loaded scenario it becomes a ``LoadedSpec``.
-    """
-    if spec is None:
-        return None
-    values: dict[str, Any] = {field.name: getattr(spec, field.name) for field in fields(spec) if field.init}
-    values["kwargs"] = _plain(spec.kwargs)
-    return (LoadedSpec if isinstance(spec.kwargs.get("scenario"), Scenario) else EnvSpec)(**values)
+def refuse_loaded(spec: EnvSpec) -> None:
+    """Raise a TypeError for a spec with a loaded scenario, which JSON cannot hold."""
+    scenario = spec.kwargs.get("scenario")
+    if not isinstance(scenario, Scenario):
+        return
+    parameters = "".join(f", {name}={value!r}" for name, value in scenario.parameters.items())
+    file = f"its file, scenario={scenario.file!r}{parameters}"
+    source = file if scenario.file else "the mapping that it was read from"
+    raise TypeError(
+        f"the spec of '{spec.id}' holds the loaded scenario '{scenario.name}', an object that JSON cannot hold: "
+        f"make the environment from {source}"
+    )
 
 
 def _plain(value: Any) -> Any:

@@ -16,10 +16,13 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
 from irsim_gym.engine.given import LEVELS
+from irsim_gym.envs.limits import ScenarioSpec, agreed_limit, batch_spec, single_spec
 from irsim_gym.envs.pictures import RENDER_MODES, ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.specs import plain_spec
+from irsim_gym.envs.views import WorldView, common_limit
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
+from irsim_gym.tasks.task import checked_limit
 
 Step = tuple[Observation, Floats, Flags, Flags, dict[str, Any]]
 
@@ -36,7 +39,8 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         num_envs: Number of worlds.
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
-        max_episode_steps: Another time limit, from ``make_vec``; the smaller one counts, None or -1 for none.
+        max_episode_steps: Another time limit, from ``make_vec``, in place of the task's; of it and ``max_steps`` the
+            smaller one counts. None or -1 for none.
         autoreset_mode: An ``AutoresetMode`` or its value: ``"NextStep"``, ``"SameStep"``, ``"Disabled"``.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
@@ -51,7 +55,7 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
     closed = True  # until it is made: Gymnasium before 1.3 closes one whose arguments were refused
-    _spec: EnvSpec | None = None
+    _spec: ScenarioSpec | None = None
 
     def __init__(
         self,
@@ -93,20 +97,13 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         self.observation_space = batch_space(worlds.observation_space, num_envs)
         self.action_space = batch_space(worlds.action_space, num_envs)
         self._action_shape = (num_envs, *(worlds.action_space.shape or ()))
+        self._max_steps, self._outer_limit = max_steps, max_episode_steps
+        self._views: list[WorldView] = []
         self._ended: Flags = np.zeros(num_envs, np.bool_)
         self._all_begun = False
         self._seeds: list[int | None] = [None] * num_envs
         self._generators: list[np.random.Generator | None] = [None] * num_envs
         self.closed = False
-
-    @property
-    def spec(self) -> EnvSpec | None:
-        """What Gymnasium made it with, as plain data."""
-        return self._spec
-
-    @spec.setter
-    def spec(self, spec: EnvSpec | None) -> None:
-        self._spec = plain_spec(spec)
 
     def reset(
         self,
@@ -219,6 +216,66 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
             ValueError: No world, or one that is not there, or no columns.
         """
         return self.worlds.pictures.tiled(columns, worlds, room)
+
+    @property
+    def max_steps(self) -> int:
+        """Time limit of all worlds [steps]. It may be set, also in episodes; a smaller ``max_episode_steps`` counts."""
+        return self.worlds.task.max_steps
+
+    @max_steps.setter
+    def max_steps(self, value: int) -> None:
+        self._max_steps = checked_limit(value)
+        self.worlds.limit(agreed_limit(value, self._outer_limit) or value)
+
+    @property
+    def spec(self) -> ScenarioSpec | None:
+        """What ``gymnasium.make_vec`` made it from, with ``max_steps`` as ``max_episode_steps``; None without."""
+        if self._spec is not None:
+            self._spec.keep(self.max_steps, self._max_steps)
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec, self._views = None if spec is None else batch_spec(plain_spec(spec)), []
+
+    def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+        """Call a method of each world, or read an attribute, as ``SyncVectorEnv`` does; see ``WorldView``.
+
+        Raises:
+            AttributeError: A world of a batch has none of that name.
+        """
+        if name in ("np_random", "np_random_seed"):
+            found: tuple[Any, ...] = getattr(self, name)
+            return found
+        values = [view.get_wrapper_attr(name) for view in self._shown()]
+        return tuple(value(*args, **kwargs) if callable(value) else value for value in values)
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """Return an attribute of each world, as ``SyncVectorEnv`` does; see ``WorldView``."""
+        return self.call(name)
+
+    def set_attr(self, name: str, values: Any) -> None:
+        """Set an attribute of each world: a list or a tuple holds one value for each, anything else is for all.
+
+        Raises:
+            ValueError: There are more or fewer values than worlds, or time limits (``max_steps``) that differ.
+            AttributeError: It cannot be set.
+        """
+        each = list(values) if isinstance(values, list | tuple) else [values] * self.num_envs
+        if len(each) != self.num_envs:
+            raise ValueError(f"a list of values needs one for each of the {self.num_envs} worlds, got {len(each)}")
+        if name == "max_steps":
+            self.max_steps = common_limit(each, self.num_envs)
+            return
+        for view, value in zip(self._shown(), each, strict=True):
+            view.set_wrapper_attr(name, value)
+
+    def _shown(self) -> list[WorldView]:
+        """Return what there is to see of each world."""
+        if not self._views:
+            spec = None if self._spec is None else single_spec(self._spec)
+            self._views = [WorldView(self.worlds, w, spec=spec) for w in range(self.num_envs)]
+        return self._views
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the window and free the renderer."""

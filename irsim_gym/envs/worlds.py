@@ -14,6 +14,7 @@ from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import compile
 from irsim_gym.engine.given import LEVELS
 from irsim_gym.envs.infos import Infos
+from irsim_gym.envs.limits import agreed_limit
 from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
 from irsim_gym.errors import MissingScenarioError, SeveralAgentsError, UnknownKeywordError, UnknownNameError, suggestion
@@ -36,7 +37,8 @@ class Worlds:
         n_worlds: How many.
         task: Name of a shipped task, path, plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
-        outer_limit: Another time limit [steps], which counts when it is smaller; None or -1 for none.
+        outer_limit: Another time limit [steps], in place of the task's; of it and ``max_steps`` the smaller one counts.
+            None or -1 for none.
         num_threads: Threads that share the worlds.
         render_mode: One of ``RENDER_MODES`` or None, see ``Pictures``; with it each step notes the poses of bodies
             whose paths are drawn.
@@ -68,9 +70,7 @@ class Worlds:
         strict: bool = True,
     ) -> None:
         self.scenario = _loaded(scenario, parameters or {}, strict)
-        self.task = load_task(self.scenario, task, max_steps, team=team)
-        if outer_limit not in (None, -1) and outer_limit < self.task.max_steps:
-            self.task = load_task(self.scenario, task, outer_limit, team=team)
+        self.task = load_task(self.scenario, task, agreed_limit(max_steps, outer_limit), team=team)
         self.simulation = compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
         self.episodes = Episodes(self.simulation, self.task)
         self.infos = Infos(self.episodes)

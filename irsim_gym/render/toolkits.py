@@ -22,6 +22,13 @@ BACKENDS = {
     "macosx": "matplotlib.backends.backend_macosx",
 }
 INSTEAD = "Pictures need no window: render_mode='rgb_array', save_figure and films work without a display."
+VIRTUAL = "A virtual screen shows windows to nobody: `xvfb-run -a python script.py`."
+DRIVERS = {
+    "SDL_VIDEODRIVER": "chooses where SDL and pygame show windows; these are matplotlib's",
+    "MPLBACKEND": "chooses how matplotlib draws; without a display it opens no window either",
+    "QT_QPA_PLATFORM": "chooses where Qt shows windows; a display is asked for first",
+}
+"""Variables with which people run other environments without a display, and what they do here."""
 
 
 def new_manager(figure: Figure) -> Any:
@@ -31,8 +38,10 @@ def new_manager(figure: Figure) -> Any:
         NoWindowError: There is no display, or no toolkit that works.
     """
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        set_ones = [f"{name}={os.environ[name]} {does}. " for name, does in DRIVERS.items() if os.environ.get(name)]
         raise NoWindowError(
-            f"no window can be opened: there is no display (DISPLAY and WAYLAND_DISPLAY are not set). {INSTEAD}"
+            "no window can be opened: there is no display (DISPLAY and WAYLAND_DISPLAY are not set). "
+            f"{''.join(set_ones)}{INSTEAD} {VIRTUAL}"
         )
     reasons = []
     for toolkit in _order():
@@ -42,10 +51,15 @@ def new_manager(figure: Figure) -> Any:
                 return module.FigureCanvas.new_manager(figure, 0)
         except Exception as error:  # a toolkit raises whatever it likes
             reasons.append(f"{toolkit}: {(str(error).strip() or repr(error)).splitlines()[0]}")
-    raise NoWindowError(
-        "no window can be opened: no GUI toolkit of matplotlib works here. Install one, e.g. Tk (python3-tk of the "
-        f"system) or `pip install pyside6`. {INSTEAD}\n" + "\n".join(f"  {reason}" for reason in reasons)
+    missing = (
+        "no GUI toolkit of matplotlib works here. Install one, e.g. Tk (python3-tk of the system) or "
+        "`pip install pyside6`."
     )
+    shown = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if shown and any("display" in reason for reason in reasons):
+        missing = f"the display '{shown}' does not answer: is it running, and is it the right one? {VIRTUAL}"
+    told = "\n".join(f"  {reason}" for reason in reasons)
+    raise NoWindowError(f"no window can be opened: {missing} {INSTEAD}\n{told}")
 
 
 def has_focus(manager: Any) -> bool:

@@ -4,22 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from irsim_gym.errors import (
-    Problem,
-    ScenarioError,
-    UnknownKeywordError,
-    UnknownParameterError,
-    nearest,
-    suggestion,
-)
+from irsim_gym.errors import Problem, ScenarioError, UnknownKeywordError, UnknownParameterError, suggestion
 from irsim_gym.scenario.expressions import evaluate, names_in
+from irsim_gym.scenario.keywords import meant
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.scenario.source import WRAPPER, Place, Source
@@ -34,14 +28,13 @@ ARGUMENTS = frozenset(
         *("max_steps", "max_episode_steps", "max_cycles", "outer_limit", "autoreset_mode", "autoreset"),
         *("respawn", "world_steps", "padded", "team_state", "strict"),
         *("disable_env_checker", "vectorization_mode", "vector_kwargs"),
+        *("env_kwargs", "start_index", "monitor_dir", "monitor_kwargs"),
+        *("wrapper_class", "wrapper_kwargs", "vec_env_cls", "vec_env_kwargs"),
     )
 )
 """Names that stand for something else where environments are made."""
 
 _TAKEN_BY = {
-    "num_envs": "make_vec",
-    "n_envs": "sb3.make_vec_env",
-    "n_worlds": "make_batch and sb3.make_multi_agent_vec_env",
     "num_threads": "make_vec, make_batch and those of sb3",
     "seed": "reset, and of those of sb3",
     "level": "reset, as options={'level': ...}",
@@ -51,7 +44,18 @@ _TAKEN_BY = {
     "respawn": "make_batch",
     "mode": "sb3.make_multi_agent_vec_env",
     "world_steps": "make_batch and sb3.make_multi_agent_vec_env",
-    "max_episode_steps": "make",
+    "max_episode_steps": "make, make_vec and sb3.make_vec_env",
+    "autoreset_mode": "make_vec",
+    "autoreset": "make_batch",
+    "team_state": "make_batch",
+    "disable_env_checker": "make",
+    "vectorization_mode": "make_vec",
+    "wrappers": "make_vec with vectorization_mode='sync'",
+    "vector_kwargs": "make_vec with vectorization_mode='sync'",
+    **dict.fromkeys(("env_kwargs", "start_index", "monitor_dir", "monitor_kwargs"), "sb3.make_vec_env"),
+    **dict.fromkeys(
+        ("wrapper_class", "wrapper_kwargs", "vec_env_cls", "vec_env_kwargs"), "Stable-Baselines3's own make_vec_env"
+    ),
     **dict.fromkeys(
         (
             *("world_name", "display", "headless", "disable_all_plot", "full", "projection", "log_level", "log_file"),
@@ -242,14 +246,6 @@ def _declaration(name: str, data: Any, place: Place, report: Report) -> Paramete
     return None
 
 
-def _meant(name: str, declared: Iterable[str]) -> str:
-    """Return what somebody may have meant by a name that is no parameter."""
-    near = nearest(name, [*declared, *(ARGUMENTS - {name})])
-    hints = [f"an argument of {_TAKEN_BY[name]}"] if name in _TAKEN_BY else []
-    hints += [f"did you mean '{near}'?"] if near is not None else []
-    return f" ({'; '.join(hints)})" if hints else ""
-
-
 def _chosen(source: Source, declared: Mapping[str, ParameterSpec | None], given: Mapping[str, Any]) -> dict[str, Value]:
     """Return the value of each parameter that is declared rightly."""
     specs = {name: spec for name, spec in declared.items() if spec is not None}
@@ -257,7 +253,7 @@ def _chosen(source: Source, declared: Mapping[str, ParameterSpec | None], given:
     listed = f"; it has\n{known}" if known else "; it has none"
     unknown = [name for name in given if name not in declared]
     if unknown:
-        names = ", ".join(f"'{name}'{_meant(name, declared)}" for name in unknown)
+        names = ", ".join(f"'{name}'{meant(name, declared, _TAKEN_BY)}" for name in unknown)
         raise UnknownParameterError(unknown[0], f"{source.title} has no parameter {names}{listed}")
     values = {name: spec.convert(given.get(name, spec.default)) for name, spec in specs.items()}
     problems = sorted(

@@ -111,7 +111,7 @@ def test_spec_round_trips(env_id):
     env = gymnasium.make(env_id, max_steps=7)
     spec = env.spec
     assert spec is not None
-    assert spec.max_episode_steps is None
+    assert spec.max_episode_steps == 7
     again = EnvSpec.from_json(spec.to_json())
     json.loads(spec.to_json())
     assert again == spec

@@ -44,9 +44,9 @@ def pair(n=4, **kwargs):
     return native, DummyVecEnv([lambda: gymnasium.make(STILL, **kwargs) for _ in range(n)])
 
 
-@pytest.mark.parametrize("form", ["flat", "dict"])
-def test_native_equals_dummy(form):
-    native, dummy = pair(max_steps=30, task={"name": "navigation", "observation_form": form})
+@pytest.mark.parametrize(("form", "limit"), [("flat", "max_episode_steps"), ("dict", "max_steps")])
+def test_native_equals_dummy(form, limit):
+    native, dummy = pair(**{limit: 30}, task={"name": "navigation", "observation_form": form})
     for env in (native, dummy):
         env.seed(3)
     assert_same(plain(native.reset()), plain(dummy.reset()))
@@ -83,14 +83,15 @@ def weights(env, algorithm=PPO, steps=2000, **kwargs):
 
 
 @pytest.mark.parametrize(
-    ("algorithm", "steps", "options"),
+    ("algorithm", "limit", "steps", "options"),
     [
-        (PPO, 2000, {"n_steps": 125, "batch_size": 100, "n_epochs": 3}),
-        (SAC, 200, {"learning_starts": 100, "batch_size": 32, "buffer_size": 500}),
+        (PPO, "max_steps", 2000, {"n_steps": 125, "batch_size": 100, "n_epochs": 3}),
+        (SAC, "max_episode_steps", 200, {"learning_starts": 100, "batch_size": 32, "buffer_size": 500}),
     ],
 )
-def test_learning_gives_identical_weights(algorithm, steps, options):
-    native, dummy = pair(max_steps=30)
+def test_learning_gives_identical_weights(algorithm, limit, steps, options):
+    """Also where a ``TimeLimit`` cuts: both bootstrap there."""
+    native, dummy = pair(**{limit: 30})
     assert torch.equal(weights(native, algorithm, steps, **options), weights(dummy, algorithm, steps, **options))
 
 

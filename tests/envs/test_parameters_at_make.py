@@ -91,7 +91,7 @@ def test_what_nobody_knows_is_an_error_with_the_list(make: Any, file: str) -> No
 
 def test_an_argument_of_another_function_is_told_with_its_owner(file: str) -> None:
     with pytest.raises(
-        UnknownNameError, match=r"no parameter 'num_envs' \(an argument of make_vec; did you mean 'n_envs'"
+        UnknownNameError, match=r"no parameter 'num_envs' \(the number of worlds is .*, 'n_envs' of sb3.make_vec_env"
     ):
         make_vec_env(file, num_envs=2)
     with pytest.raises(UnknownNameError, match=r"no parameter 'seed' \(an argument of reset, and of those of sb3\)"):

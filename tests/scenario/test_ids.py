@@ -14,7 +14,8 @@ import irsim_gym
 from irsim_gym import cli, sb3
 from irsim_gym.errors import IrsimGymError, MissingScenarioError, UnknownNameError
 from irsim_gym.scenario.ids import IDS
-from irsim_gym.training.run import labelled, scenario_name
+from irsim_gym.training.folders import labelled
+from irsim_gym.training.run import scenario_name
 
 WORLD = """
 world: {name: mine, width: 6, height: 6}

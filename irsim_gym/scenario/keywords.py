@@ -1,0 +1,54 @@
+"""What somebody may have meant by a keyword that an environment does not take."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from irsim_gym.errors import nearest
+
+EVERYWHERE = ("task", "max_steps", "render_mode", "render_backend", "strict")
+"""Keywords of whatever makes an environment."""
+
+_ITSELF = "give what it would hold as keywords of this function"
+_LIMIT = "the time limit is 'max_steps'"
+_THREADS = "worlds of a batch are shared by threads, 'num_threads' of make_vec, make_batch and those of sb3"
+_COUNT = (
+    "the number of worlds is 'num_envs' of make_vec, 'n_envs' of sb3.make_vec_env, 'n_worlds' of make_batch and "
+    "sb3.make_multi_agent_vec_env"
+)
+_AROUND = "put wrappers around what this function returns"
+
+ELSEWHERE = {
+    **dict.fromkeys(("env_kwargs", "kwargs", "vector_kwargs", "env_config", "config", "options"), _ITSELF),
+    **dict.fromkeys(("parameters", "scenario_kwargs", "task_kwargs"), "give parameters and the task as keywords"),
+    **dict.fromkeys(("max_cycles", "max_episode_steps", "max_episode_length", "episode_length", "horizon"), _LIMIT),
+    **dict.fromkeys(("max_timesteps", "time_limit", "timeout", "outer_limit", "episode_steps"), _LIMIT),
+    **dict.fromkeys(("vec_env_cls", "vec_env_kwargs", "vectorization_mode", "asynchronous", "shared_memory"), _THREADS),
+    **dict.fromkeys(("num_workers", "n_workers", "n_jobs", "num_cpus", "threads", "n_threads"), _THREADS),
+    **dict.fromkeys(("wrapper_class", "wrapper_kwargs", "wrappers", "env_wrapper", "additional_wrappers"), _AROUND),
+    **dict.fromkeys(("num_envs", "n_envs", "n_worlds", "num_env", "n_env", "num_worlds", "n_world"), _COUNT),
+    **dict.fromkeys(("name", "id", "env_id", "env", "env_name", "scenario"), "the scenario is the first argument"),
+    **dict.fromkeys(("frame_skip", "frameskip", "skip", "dt"), "a step lasts what 'world.step_time' in the file says"),
+    **dict.fromkeys(("obs_type", "observation_type"), "what is observed is said by the task: 'observations'"),
+    **dict.fromkeys(("continuous", "continuous_actions"), "actions are said by the task: 'action'"),
+    **dict.fromkeys(("apply_api_compatibility", "new_step_api"), "of old releases of gym"),
+}
+"""Names that other libraries, and other functions of this one, have for something: what to do here."""
+
+
+def meant(name: str, declared: Iterable[str], taken_by: Mapping[str, str]) -> str:
+    """Return a remark in parentheses on a keyword that nobody takes; empty where nothing is known.
+
+    Args:
+        name: The keyword.
+        declared: Parameters of the scenario.
+        taken_by: Keywords that some functions alone take, and which.
+    """
+    hints = [f"an argument of {taken_by[name]}"] if name in taken_by else []
+    near = nearest(name, [*declared, *EVERYWHERE, *taken_by])
+    if name in ELSEWHERE:
+        hints.append(ELSEWHERE[name])
+    elif near is not None and not hints:
+        owner = f", an argument of {taken_by[near]}" if near in taken_by else ""
+        hints.append(f"did you mean '{near}'{owner}?")
+    return f" ({'; '.join(hints)})" if hints else ""

@@ -1,0 +1,126 @@
+"""Keywords that other libraries have for making environments, and names that are nearly ours."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from contract_tools import STILL
+from sb3_contrib.common.wrappers import TimeFeatureWrapper
+from stable_baselines3.common.env_util import make_vec_env
+from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
+
+import irsim_gym
+from irsim_gym.errors import IrsimGymError, UnknownNameError
+
+TEAM = "corridor_two_way"
+
+
+def test_monitor_files_are_those_of_stable_baselines3(tmp_path):
+    texts = {}
+    for name, make in (("ours", irsim_gym.sb3.make_vec_env), ("theirs", make_vec_env)):
+        env = make(
+            STILL, n_envs=2, seed=5, start_index=3, monitor_dir=str(tmp_path / name),
+            env_kwargs={"max_episode_steps": 4}, monitor_kwargs={"info_keywords": ("is_success", "outcome")},
+        )  # fmt: skip
+        env.reset()
+        for _ in range(9):
+            env.step(np.zeros((2, 2), np.float32))
+        env.close()
+        files = sorted((tmp_path / name).iterdir())
+        assert [file.name for file in files] == ["3.monitor.csv", "4.monitor.csv"]
+        rows = [file.read_text().splitlines() for file in files]
+        assert all(f'"env_id": "{STILL}"' in lines[0] for lines in rows)
+        cells = [[line.split(",") for line in lines[1:]] for lines in rows]
+        texts[name] = [[row[:2] + row[3:] for row in table] for table in cells]  # all but the time
+    assert texts["ours"] == texts["theirs"]
+    assert texts["ours"][0][0] == ["r", "l", "is_success", "outcome"]
+    assert [row[1] for row in texts["ours"][0][1:]] == ["4", "4"]
+    again = {"monitor_dir": tmp_path / "ours", "start_index": 3, "monitor_kwargs": {"override_existing": False}}
+    irsim_gym.sb3.make_vec_env(STILL, 2, **again).close()
+    assert len((tmp_path / "ours" / "3.monitor.csv").read_text().splitlines()) == 2 + 2  # two heads and two episodes
+
+
+@pytest.mark.parametrize(
+    ("kwargs", "error", "told"),
+    [
+        ({"wrapper_class": TimeFeatureWrapper}, IrsimGymError, "env_util.make_vec_env.*VecEnvWrapper"),
+        ({"vec_env_cls": DummyVecEnv}, IrsimGymError, "num_threads: stable_baselines3.common.env_util.make_vec_env"),
+        ({"vec_env_kwargs": {"start_method": "fork"}}, IrsimGymError, "env_util.make_vec_env"),
+        ({"env_kwargs": {"max_steps": 3}, "max_steps": 4}, TypeError, "max_steps is given twice"),
+        ({"env_kwargs": {"max_step": 3}}, UnknownNameError, "'max_step' .did you mean 'max_steps'"),
+        ({"env_kwargs": 3}, TypeError, "env_kwargs holds keywords by their names"),
+        ({"monitor_kwargs": {"info_keyword": ()}}, UnknownNameError, "did you mean 'info_keywords'"),
+        ({"monitor_kwargs": {"allow_early_resets": False}}, IrsimGymError, "each in a Monitor"),
+    ],
+)
+def test_what_a_batch_does_not_do_is_told_with_who_does(kwargs, error, told):
+    with pytest.raises(error, match=told):
+        irsim_gym.sb3.make_vec_env(STILL, 2, **kwargs)
+    nothing = {"wrapper_class": None, "wrapper_kwargs": {}, "vec_env_cls": None, "vec_env_kwargs": None}
+    assert irsim_gym.sb3.make_vec_env(STILL, 2, **nothing, env_kwargs={"strict": False}).num_envs == 2
+
+
+@pytest.mark.parametrize("given", [{"wrappers": [TimeFeatureWrapper]}, {"vector_kwargs": {"copy": False}}])
+def test_what_gymnasium_does_with_single_environments_alone(given):
+    with pytest.raises(IrsimGymError, match=f"{next(iter(given))} is for .* vectorization_mode='sync' or 'async'"):
+        irsim_gym.make_vec(STILL, 2, **given)
+    assert irsim_gym.make_vec(STILL, 2, vectorization_mode="sync", **given).num_envs == 2
+
+
+@pytest.mark.parametrize("cls", [DummyVecEnv, pytest.param(SubprocVecEnv, marks=pytest.mark.slow)])
+def test_stable_baselines3_makes_ours(cls):
+    kwargs = {"wrapper_class": TimeFeatureWrapper, "vec_env_cls": cls, "env_kwargs": {"max_episode_steps": 8}}
+    env = make_vec_env(f"irsim_gym:{STILL}", n_envs=2, seed=0, **kwargs)  # workers import the package by the id
+    left = [env.reset()[:, -1], *(env.step(np.zeros((2, 2), np.float32))[0][:, -1] for _ in range(3))]
+    np.testing.assert_allclose(left, np.repeat([[1.0], [7 / 8], [6 / 8], [5 / 8]], 2, axis=1))
+    env.close()
+
+
+MAKERS = {
+    "make": lambda **given: irsim_gym.make(STILL, **given),
+    "make_vec": lambda **given: irsim_gym.make_vec(STILL, 2, **given),
+    "sb3.make_vec_env": lambda **given: irsim_gym.sb3.make_vec_env(STILL, 2, **given),
+    "parallel_env": lambda **given: irsim_gym.parallel_env(TEAM, **given),
+    "make_batch": lambda **given: irsim_gym.make_batch(TEAM, 2, **given),
+    "sb3.make_multi_agent_vec_env": lambda **given: irsim_gym.sb3.make_multi_agent_vec_env(TEAM, 2, **given),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("max_step", "did you mean 'max_steps'?"),
+        ("tsk", "did you mean 'task'?"),
+        ("rendermode", "did you mean 'render_mode'?"),
+        ("num_thread", "did you mean 'num_threads', an argument of make_vec, make_batch and those of sb3?"),
+        ("num_worlds", "the number of worlds is 'num_envs' of make_vec, 'n_envs' of sb3.make_vec_env"),
+        ("horizon", "the time limit is 'max_steps'"),
+        ("kwargs", "give what it would hold as keywords of this function"),
+        ("env_config", "give what it would hold as keywords of this function"),
+        ("num_workers", "worlds of a batch are shared by threads, 'num_threads'"),
+    ],
+)
+def test_a_keyword_of_nobody_leads_to_one_that_exists(name, told):
+    for make in MAKERS.values():
+        with pytest.raises(UnknownNameError) as found:
+            make(**{name: 3})
+        assert told in str(found.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "owners", "told"),
+    [
+        ("env_kwargs", ("sb3.make_vec_env",), "an argument of sb3.make_vec_env; give what it would hold as keywords"),
+        ("monitor_dir", ("sb3.make_vec_env",), "an argument of sb3.make_vec_env"),
+        ("wrapper_class", ("sb3.make_vec_env",), "Stable-Baselines3's own make_vec_env; put wrappers around"),
+        ("vector_kwargs", ("make_vec",), "an argument of make_vec with vectorization_mode='sync'"),
+        ("max_cycles", ("parallel_env",), "an argument of parallel_env; the time limit is 'max_steps'"),
+        ("autoreset_mode", ("make_vec",), "an argument of make_vec"),
+    ],
+)
+def test_a_keyword_of_another_function_is_told_with_its_owner(name, owners, told):
+    for maker, make in MAKERS.items():
+        if maker not in owners:
+            with pytest.raises(UnknownNameError) as found:
+                make(**{name: {}})
+            assert told in str(found.value)
