@@ -213,8 +213,7 @@ def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, Any], stri
         with given_as_keywords():
             return load_scenario(scenario, parameters, strict=strict)
     if parameters:
-        names = ", ".join(f"'{name}'" for name in parameters)
-        message = f"{names}: parameters are for load_scenario(); '{scenario.name}' is loaded already"
+        message = f"parameters are for load_scenario(); '{scenario.name}' is loaded already"
         raise UnknownKeywordError.of(next(iter(parameters)), message)
     return scenario if strict else replace(scenario, strict=False)
 
