@@ -29,6 +29,8 @@ from irsim_gym.training.algorithms import ALGORITHMS, Algorithm
 
 DEFAULT = "default"
 MOST_NAMES = 24
+SWITCHES = ("training", "norm_obs", "norm_reward")
+"""Arguments of VecNormalize that are true or false."""
 _ENTRY = re.compile(r"irsim_gym/.+-v\d+")
 _PLAIN_NUMBER = re.compile(r"(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 _DEVICE = re.compile(r"auto|cpu|mps|cuda(:\d+)?")
@@ -200,15 +202,17 @@ def _normalize(value: Any, place: Place, report: Report) -> Any:
 
     known = [name for name in inspect.signature(VecNormalize).parameters if name != "venv"]
     for key, one in value.items():
-        wants = "a list" if key == "norm_obs_keys" else "true or false" if key in ("training", *known[1:3]) else ""
-        wants = wants or "a number > 0"
         number = _number(one)
-        is_number = isinstance(number, int | float) and not isinstance(number, bool) and number > 0
-        is_right = {"a list": isinstance(one, list), "true or false": isinstance(one, bool)}.get(wants, is_number)
         if key not in known:
             report.add((*place, key), f"unknown argument of VecNormalize{suggestion(key, known)}")
-        elif not is_right:
-            report.add((*place, key), f"must be {wants}, got {show(one)}")
+        elif key == "norm_obs_keys":
+            if not isinstance(one, list):
+                report.add((*place, key), f"must be a list of observations, got {show(one)}")
+        elif key in SWITCHES:
+            if not isinstance(one, bool):
+                report.add((*place, key), f"must be true or false, got {show(one)}")
+        elif isinstance(number, bool) or not isinstance(number, int | float) or number <= 0:
+            report.add((*place, key), f"must be a number > 0, got {show(one)}")
     return {key: _number(one) for key, one in value.items()}
 
 

@@ -64,6 +64,8 @@ COMPLETE = "default: {n_timesteps: 10, n_envs: 2, "
         ("ppo", COMPLETE + "gamma: 0.9, gamma: 0.8}", 1, "gamma: given twice"),
         ("ppo", COMPLETE + "device: gpu}", 1, r"device: must be auto, cpu, cuda, .* got 'gpu' \(did you mean 'cuda'"),
         ("ppo", COMPLETE + "normalize: {norm_rewards: true}}", 1, "of VecNormalize .did you mean 'norm_reward'"),
+        ("ppo", COMPLETE + "normalize: {norm_obs: 1}}", 1, "normalize.norm_obs: must be true or false, got 1"),
+        ("ppo", COMPLETE + "normalize: {clip_obs: 0}}", 1, "normalize.clip_obs: must be a number > 0, got 0"),
         ("ppo", COMPLETE + "policy_kwargs: {net_ach: [8]}}", 1, r"policy_kwargs.net_ach: .*\(did you mean 'net_arch'"),
         ("ppo", COMPLETE + "policy_kwargs: {net_arch: [8, wide]}}", 1, "must be a list of widths of layers"),
         (

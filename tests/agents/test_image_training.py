@@ -104,12 +104,10 @@ def test_pictures_have_hyperparameters_of_their_own(tmp_path: Path) -> None:
     assert looking.n_envs < feeling.n_envs
     assert looking.arguments["policy_kwargs"]["features_extractor_kwargs"] == {"features_dim": 128}
     named = written(tmp_path, BESIDE, "dict")
-    assert (
-        Asked("cluttered_room", "sac", 0, None, named, None).settings().hyperparameters.arguments["buffer_size"]
-        <= 50_000
-    )
+    sac = Asked("cluttered_room", "sac", 0, None, named, None).settings().hyperparameters
+    assert sac.arguments["buffer_size"] <= 50_000
     recurrent = Asked("cluttered_room", "recurrent_ppo", 0, None, named, None).settings().hyperparameters
-    assert recurrent == load_hyperparameters("recurrent_ppo", "irsim_gym/cluttered_room-v0")
+    assert recurrent == load_hyperparameters("recurrent_ppo", "irsim_gym/cluttered_room-v0", images=True)
 
 
 def test_the_shipped_task_observes_one_picture() -> None:

@@ -105,6 +105,9 @@ def test_a_number_tells_runs_apart_whose_names_are_alike() -> None:
     assert free_folder(first, settings, settings.snapshot()) == (second, "")
     assert wanted.place(settings, resume=True, overwrite=False)[0] == second
     assert wanted.place(settings, resume=False, overwrite=True)[0] == first
+    Path("ppo.yaml").write_text(f"default: {{{TINY}, gamma: 0.5}}")
+    with pytest.raises(IrsimGymError, match=r"gamma nothing, asked for: 0\.5: its schedule cannot change midway"):
+        wanted.to_resume(Run(first), wanted.settings())
 
 
 def test_a_refused_folder_names_what_differs(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
