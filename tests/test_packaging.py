@@ -7,6 +7,7 @@ import subprocess
 import sys
 import sysconfig
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -83,6 +84,13 @@ def test_the_sdist_holds_what_builds_and_tests(built: Path) -> None:
     assert {"Makefile", "constraints.txt", "tests/test_packaging.py", "irsim_gym/py.typed"} <= names
     assert {f"configs/scenarios/{file.name}" for file in (ROOT / "configs/scenarios").glob("*.yaml")} <= names
     assert not [name for name in names if name.startswith(("runs/", ".venv"))]
+
+
+def test_every_dependency_has_a_lowest_version() -> None:
+    """`make test-versions` tries them."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = [*project["dependencies"], *(one for extra in project["optional-dependencies"].values() for one in extra)]
+    assert [one for one in wanted if ">=" not in one and "==" not in one] == []
 
 
 def test_the_installed_command_lists_scenarios(environment: Path, tmp_path: Path) -> None:
