@@ -9,6 +9,7 @@ import subprocess
 import sys
 import sysconfig
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -130,6 +131,13 @@ def test_wheel_and_sdist_describe_the_package_alike(built: Path) -> None:
     assert not re.findall(r"\]\((?!https://|#)", of_wheel)
     first = (ROOT / "README.md").read_text(encoding="utf-8").split("```python\n")[1].split("```")[0]
     assert first in of_wheel
+
+
+def test_every_dependency_has_a_lowest_version() -> None:
+    """`make test-versions` tries them."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = [*project["dependencies"], *(one for extra in project["optional-dependencies"].values() for one in extra)]
+    assert [one for one in wanted if ">=" not in one and "==" not in one] == []
 
 
 def test_the_installed_command_lists_scenarios(environment: Path, tmp_path: Path) -> None:

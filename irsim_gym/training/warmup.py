@@ -26,6 +26,9 @@ from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.look import begin_level
 
+STEPS = 3
+"""The first one is recorded, later ones take a shorter way."""
+
 
 def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
     """Compile the kernels of scenarios, those of all shipped ones where none is named, and say where they are kept.
@@ -52,16 +55,21 @@ def use(scenario: Scenario) -> None:
     """Do once what commands do with a scenario: step it by itself, with one learner, as a team, and draw it."""
     simulation = compile(scenario, 1)
     simulation.reset(seed=0)
-    simulation.step()
+    for _ in range(STEPS):
+        simulation.step()
     with suppress(ScenarioError):  # nobody can learn there
         env = WorldEnv(scenario)
         env.reset(seed=0)
-        env.step(env.action_space.sample())
+        for _ in range(STEPS):
+            *_, terminated, truncated, _ = env.step(env.action_space.sample())
+            if terminated or truncated:
+                env.reset()
         _drive(env.worlds.episodes)
     with suppress(ScenarioError):  # or not as a team
         batch = make_batch(scenario)
         batch.reset(seed=0)
-        batch.step(np.stack([[batch.action_space.sample()] * batch.n_agents]))
+        for _ in range(STEPS):
+            batch.step(np.stack([[batch.action_space.sample()] * batch.n_agents]))
     _draw(scenario)
 
 
