@@ -22,7 +22,6 @@ DERIVED = ("told", "_together", "_flat", "_flat_terms", "_row")
 """What points into arrays, and is found again in a copy."""
 Told = tuple[float, bool, bool, dict[str, Any]]
 KEYS = (*NUMBERS, *COUNTS, *FLAGS)
-MASKED = tuple(chain(*((key, f"_{key}") for key in KEYS)))
 
 
 class Infos:
@@ -43,8 +42,8 @@ class Infos:
         view = episodes.view
         self._columns = [[view.infos[key] for key in keys] for keys in (NUMBERS, COUNTS, FLAGS)]
         self._terms, self._reward, self._ends = view.reward_terms, view.reward, [view.terminated, view.truncated]
-        self._keys, self._names = tuple(view.infos), episodes.reward_names
-        self._masked_names = tuple(chain(*((name, f"_{name}") for name in self._names)))
+        self._keys, self._names = tuple(view.infos), reward_keys(episodes.reward_names)
+        self._masked = tuple(chain(*((key, f"_{key}") for key in (*KEYS, *self._names))))
         self._n_worlds, self._n_agents = episodes.n_worlds, episodes.n_agents
         self._find_blocks()
 
@@ -78,18 +77,16 @@ class Infos:
             chosen: Worlds that have an info, shape ``(n_worlds,)``; the others get zeros. None for all.
         """
         parts = [*(block[:, :, 0] for block in self._blocks()), self._terms[:, 0].T]
-        masks = np.empty((len(KEYS) + len(self._names) + 1, self._n_worlds), np.bool_)
+        masks = np.empty((len(KEYS) + len(self._names), self._n_worlds), np.bool_)
         if chosen is None:
-            *blocks, terms = [np.array(part, order="C") for part in parts]
+            copies = [np.array(part, order="C") for part in parts]
             masks[:] = True
         else:
             rows = chosen.nonzero()[0]
-            *blocks, terms = [_spread(part, rows) for part in parts]
+            copies = [_spread(part, rows) for part in parts]
             masks[:] = chosen
-        infos: dict[str, Any] = _interleaved(MASKED, chain(*blocks), masks)
-        infos["reward_terms"] = _interleaved(self._masked_names, terms, masks[len(KEYS) :])
-        infos["_reward_terms"] = masks[-1]
-        return infos
+        values = chain.from_iterable(zip(chain(*copies), masks, strict=True))
+        return dict(zip(self._masked, values, strict=True))
 
     def _blocks(self) -> list[NDArray[Any]]:
         """Return arrays of shape ``(n_columns, n_worlds, n_agents)``: numbers, counts, flags."""
@@ -110,6 +107,14 @@ class Infos:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._find_blocks()
+
+
+def reward_keys(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the keys of reward terms in an info: ``reward/progress`` and so on.
+
+    They are flat because the readers of some libraries, TorchRL among them, know no dict within a dict.
+    """
+    return tuple(f"reward/{name}" for name in names)
 
 
 class Record:
@@ -137,13 +142,13 @@ class Record:
 
 
 def _writer(keys: Sequence[str], names: Sequence[str]) -> Callable[[tuple[Any, ...]], dict[str, Any]]:
-    """Return what makes an info of a row: a dict with these keys, in this order, and reward terms of these names.
+    """Return what makes an info of a row: a dict with these keys, in this order, and then those of the reward terms.
 
     It is written as text, as ``namedtuple`` is: a dict that stands written out takes half the time of ``dict(zip())``.
     """
     values = ", ".join(f"{key!r}: row[{KEYS.index(key)}]" for key in keys)
     terms = ", ".join(f"{name!r}: row[{k}]" for k, name in enumerate(names, start=len(KEYS)))
-    write: Callable[[tuple[Any, ...]], dict[str, Any]] = eval(f"lambda row: {{{values}, 'reward_terms': {{{terms}}}}}")
+    write: Callable[[tuple[Any, ...]], dict[str, Any]] = eval(f"lambda row: {{{values}, {terms}}}")
     return write
 
 
@@ -184,7 +189,3 @@ def _spread(part: NDArray[Any], chosen: Ints) -> NDArray[Any]:
     copy[:, chosen] = part.take(chosen, axis=1) if part.flags.c_contiguous else part[:, chosen]  # the faster one
     return copy
 
-
-def _interleaved(keys: Sequence[str], rows: Iterable[Any], masks: Iterable[Any]) -> dict[str, Any]:
-    """Return a dict of rows, each followed by its mask; ``keys`` has both names, masks may be left over."""
-    return dict(zip(keys, chain.from_iterable(zip(rows, masks, strict=False)), strict=True))

@@ -24,7 +24,8 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
     Infos hold the same keys at each call, all Python numbers: ``outcome`` (``tasks.Outcome``), ``hit`` (the body
     touched, -1 for none), ``hit_kind`` (what that is, ``tasks.outcome.HitKind``), ``path_length`` [m],
     ``min_clearance`` [m], ``goal_distance`` [m], ``is_success``, ``steps``, ``stalled`` [s] (how long it has hardly
-    moved away from its goal), ``deadlocked``, ``level`` and the dict ``reward_terms``.
+    moved away from its goal), ``deadlocked``, ``level``, and each term of the reward as ``reward/`` and its name, such
+    as ``reward/progress``.
 
     Args:
         scenario: Name of a shipped scenario, path of a YAML file, or plain data.
