@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 
 from irsim_gym.arraytypes import Bytes
+from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import LEVELS, ScenarioSource, TaskSource, Worlds
@@ -21,7 +22,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
     that follows from the last seed. ``options={"split": "test", "level": 17}`` begins exactly that level, and
     later resets without seed stay in that split.
 
-    Infos hold the same keys at each call, all Python numbers: ``outcome`` (``tasks.Outcome``), ``hit`` (the body
+    Infos hold the same keys at each call, Python numbers: ``outcome`` (``tasks.Outcome``), ``hit`` (the body
     touched, -1 for none), ``hit_kind`` (what that is, ``tasks.outcome.HitKind``), ``path_length`` [m],
     ``min_clearance`` [m], ``goal_distance`` [m], ``is_success``, ``steps``, ``stalled`` [s] (how long it has hardly
     moved away from its goal), ``deadlocked``, ``level``, and each term of the reward as ``reward/`` and its name, such
@@ -34,6 +35,8 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
         render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        numpy_infos: Infos hold NumPy scalars, and flags as arrays without axes, in place of Python numbers: what the
+            info readers of TorchRL need. Such a step takes half as long again.
         **parameters: Values for the scenario's parameters.
     """
 
@@ -47,6 +50,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         render_mode: str | None = None,
         render_backend: str = "matplotlib",
         strict: bool = True,
+        numpy_infos: bool = False,
         **parameters: Any,
     ) -> None:
         self.worlds = Worlds(
@@ -58,6 +62,8 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
             parameters=parameters,
             strict=strict,
         )
+        if numpy_infos:
+            self.worlds.infos = Infos(self.worlds.episodes, in_numpy=True)
         self.render_mode = render_mode
         self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": self.worlds.render_fps}
         self.observation_space = self.worlds.observation_space
