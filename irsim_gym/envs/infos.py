@@ -196,4 +196,3 @@ def _spread(part: NDArray[Any], chosen: Ints) -> NDArray[Any]:
     copy = np.zeros(part.shape, part.dtype)
     copy[:, chosen] = part.take(chosen, axis=1) if part.flags.c_contiguous else part[:, chosen]  # the faster one
     return copy
-

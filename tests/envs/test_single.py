@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+
 import gymnasium
 import numpy as np
 import pytest
@@ -30,6 +32,24 @@ def test_types_of_a_step():
     assert {types[key] for key in whole} == {int}
     assert {types[key] for key in real | terms} == {float}
     assert types["is_success"] is types["deadlocked"] is bool
+
+
+def test_infos_in_numpy():
+    """What readers that ask each value for its dtype need; Gymnasium's batches of them equal ours, types included."""
+    plain, numpy = WorldEnv("sparse_circles"), WorldEnv("sparse_circles", numpy_infos=True)
+    told, wanted = (env.reset(seed=3)[1] for env in (numpy, plain))
+    told_then, wanted_then = (env.step(np.ones(2, np.float32))[4] for env in (numpy, plain))
+    for info, python in ((told, wanted), (told_then, wanted_then)):
+        assert {key: value.item() for key, value in info.items()} == python
+        assert {key: value.dtype for key, value in info.items()} == {k: np.asarray(v).dtype for k, v in python.items()}
+        assert {type(value) for value in info.values()} == {np.float64, np.int64, np.ndarray}
+    single = gymnasium.vector.SyncVectorEnv([lambda: WorldEnv("sparse_circles", numpy_infos=True)] * 2)
+    batch = irsim_gym.make_vec("sparse_circles", 2)
+    told, wanted = single.reset(seed=3)[1], batch.reset(seed=3)[1]
+    assert told.keys() == wanted.keys()
+    for key, values in wanted.items():
+        np.testing.assert_array_equal(told[key], values, strict=True)
+    assert deepcopy(numpy).step(REST)[4] == numpy.step(REST)[4]
 
 
 def test_reward_is_the_sum_of_its_terms():

@@ -66,7 +66,11 @@ def test_teams_learn(name):
         action_spaces=env.action_spaces,
         device=env.device,
     )
-    SequentialTrainer(cfg={"timesteps": ROLLOUTS, "headless": True, "disable_progressbar": True, "close_environment_at_exit": False}, env=env, agents=learner).train()
+    SequentialTrainer(
+        cfg={"timesteps": ROLLOUTS, "headless": True, "disable_progressbar": True, "close_environment_at_exit": False},
+        env=env,
+        agents=learner,
+    ).train()
     ends = np.arange(LIMIT, ROLLOUTS + 1, LIMIT) - 1
     for uid, memory in memories.items():
         kind_of_end, other = ("truncated", "terminated") if uid == "robot_2" else ("terminated", "truncated")
@@ -100,6 +104,10 @@ def test_single_robots_learn(make):
         action_space=env.action_space,
         device=env.device,
     )
-    SequentialTrainer(cfg={"timesteps": 12, "headless": True, "disable_progressbar": True, "close_environment_at_exit": False}, env=env, agents=learner).train()
+    SequentialTrainer(
+        cfg={"timesteps": 12, "headless": True, "disable_progressbar": True, "close_environment_at_exit": False},
+        env=env,
+        agents=learner,
+    ).train()
     assert memory.get_tensor_by_name("truncated").any()
     assert changed(before, owned)

@@ -59,7 +59,7 @@ def test_infos_are_read(envs, how):
     envs.check_env_specs(env)
     then = drawn(env)["next"]
     assert then["steps"].tolist() == [k % 6 + 1 for k in range(STEPS)]
-    terms = [then[key] for key in then.keys() if key.startswith("reward/")]
+    terms = [values for key, values in then.items() if key.startswith("reward/")]
     np.testing.assert_allclose(sum(terms).numpy(), then["reward"].squeeze(-1).numpy(), rtol=1e-6)
     assert (str(then["is_success"].dtype), str(then["outcome"].dtype)) == ("torch.bool", "torch.int64")
 
@@ -68,9 +68,7 @@ def test_infos_are_read(envs, how):
 def test_native_batches_equal_single_environments(envs, mode):
     """All infos included, and what an episode ended with."""
     native = irsim_gym.make_vec("empty_goal", 3, autoreset_mode=mode, max_steps=6)
-    single = gymnasium.make_vec(
-        ID, 3, vectorization_mode="sync", vector_kwargs={"autoreset_mode": mode}, max_steps=6
-    )
+    single = gymnasium.make_vec(ID, 3, vectorization_mode="sync", vector_kwargs={"autoreset_mode": mode}, max_steps=6)
     batches = [envs.GymWrapper(env) for env in (native, single)]
     if mode is AutoresetMode.DISABLED:
         batches = [env.auto_register_info_dict() for env in batches]
@@ -121,7 +119,7 @@ def test_teams_play_to_their_end(envs, options):
     paid = rows["next", "robot", "reward"][:LIMIT].sum(0).flatten()
     np.testing.assert_allclose(paid.numpy(), list(paid_alone().values()), rtol=1e-5)
     infos = rows["next", "robot", "info"]
-    terms = sum(infos[key] for key in infos.keys() if key.startswith("reward/"))
+    terms = sum(values for key, values in infos.items() if key.startswith("reward/"))
     np.testing.assert_allclose(terms.numpy(), rows["next", "robot", "reward"].squeeze(-1).numpy(), rtol=1e-5)
     left = [rows["next", "robot", "mask"][:, a] for a in range(3)] if "use_mask" in options else []
     for there, end in zip(left, ENDS.values(), strict=False):
