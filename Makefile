@@ -12,9 +12,10 @@ INSTALLED   := $(VENV)/.installed
 TESTS_READY := $(VENV)/.tests-ready
 GUI_READY   := $(VENV)/.gui-ready
 MUTATE_READY := $(VENV)/.mutate-ready
+LIBRARIES   := build/libraries
 INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
 
-.PHONY: help demo install lint test test-slow test-bounds test-gui mutate bench peers clean
+.PHONY: help demo install lint test test-slow test-bounds test-gui test-libraries mutate bench peers clean
 .DELETE_ON_ERROR:
 
 help:
@@ -23,6 +24,7 @@ help:
 	@echo "make test-slow   the longer checks too"
 	@echo "make test-bounds every shipped, documented and compared scenario, and random ones, with bounds checks"
 	@echo "make test-gui    real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
+	@echo "make test-libraries  TorchRL, skrl, SuperSuit and AgileRL with our environments, in build/libraries"
 	@echo "make mutate      do the tests notice when the code is wrong? hours, goes on where it was stopped (ARGS=...)"
 	@echo "make bench       the benchmarks (ARGS=... is passed on)"
 	@echo "make peers       the benchmarks beside ir-sim, navground, VMAS and JaxNav, each in build/peers (ARGS=...)"
@@ -39,10 +41,10 @@ lint: $(TESTS_READY)
 	$(BIN)/python -m mypy
 
 test: lint
-	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow and not gui" $(ARGS)
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow and not gui and not libraries" $(ARGS)
 
 test-slow: lint
-	$(BIN)/python -m pytest -m "not gui" $(ARGS)
+	$(BIN)/python -m pytest -m "not gui and not libraries" $(ARGS)
 
 test-bounds: $(TESTS_READY)
 	$(BIN)/python -m pytest -n auto tests/bounds $(ARGS)
@@ -50,6 +52,10 @@ test-bounds: $(TESTS_READY)
 test-gui: $(GUI_READY)
 	tests/gui/system_packages.sh
 	$(BIN)/python -m pytest -m gui tests/gui $(ARGS)
+
+test-libraries: $(LIBRARIES)/torchrl/.ready $(LIBRARIES)/agilerl/.ready
+	$(LIBRARIES)/torchrl/bin/python -m pytest -m libraries tests/libraries $(ARGS)
+	$(LIBRARIES)/agilerl/bin/python -m pytest -m libraries tests/libraries $(ARGS)
 
 mutate: $(MUTATE_READY)
 	$(BIN)/python tests/mutation/run.py $(ARGS)
@@ -77,6 +83,16 @@ $(TESTS_READY): $(INSTALLED)
 
 $(GUI_READY): $(TESTS_READY)
 	$(INSTALL) -e ".[test,test-gui]"
+	@touch $@
+
+# They want conflicting versions of tensordict; AgileRL's trainers import peft, which its package does not ask for.
+REQUIRED_torchrl := torchrl==0.14.1 skrl==2.1.1 supersuit==3.11.0
+REQUIRED_agilerl := agilerl==2.58.0 peft==0.21.0
+
+$(LIBRARIES)/%/.ready: pyproject.toml constraints.txt Makefile
+	$(PYTHON) -m venv --clear $(@D)
+	$(@D)/bin/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS) \
+		-e . pytest hypothesis $(REQUIRED_$*)
 	@touch $@
 
 $(MUTATE_READY): $(TESTS_READY)

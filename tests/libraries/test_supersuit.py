@@ -42,11 +42,14 @@ def test_stable_baselines3_trains(supersuit):
     assert any((one != other).any() for one, other in zip(before, model.policy.parameters(), strict=True))
 
 
-def test_its_own_black_death_sees_agents_leave(supersuit):
-    """A wrapper that sends actions of the agents in ``agents`` alone."""
+def test_its_own_black_death_ends_a_step_late(supersuit):
+    """So that the page says so only as long as it is true."""
     env = supersuit.black_death_v3(irsim_gym.parallel_env(team()))
     env.reset(seed=0)
-    for _ in range(LIMIT - 1):
-        observations, rewards, *_ = env.step(dict.fromkeys(env.agents, np.zeros(2)))
-    assert not observations["robot_0"].any()
-    assert rewards["robot_0"] == rewards["robot_1"] == 0.0
+    ends = []
+    for step in range(1, LIMIT + 2):
+        observations, rewards, terminations, *_ = env.step(dict.fromkeys(env.agents, np.zeros(2)))
+        ends += [step] * all(terminations.values())
+    assert ends == [LIMIT + 1]
+    assert not any(seen.any() for seen in observations.values())
+    assert set(rewards.values()) == {0.0}
