@@ -20,7 +20,15 @@ TASK = {
 }
 
 
-def team() -> dict[str, Any]:
+FORMS: dict[str, dict[str, Any]] = {
+    "choices": {"action": {"name": "discrete"}},
+    "dicts": {"observation_form": "dict"},
+    "pictures": {"observations": [{"name": "goal"}, {"name": "top_view", "pixels": 16, "metres": 4}]},
+}
+"""Other actions and observations than vectors."""
+
+
+def team(**task: Any) -> dict[str, Any]:
     """Three robots that cannot but drive ahead, 0.095 to 0.1 m in each step.
 
     ``robot_0`` has 0.45 m to go and arrives within 0.1 m after 4 steps. ``robot_1`` touches a disc that is 0.55 m away
@@ -40,7 +48,7 @@ def team() -> dict[str, Any]:
     ]
     disc = {"shape": {"name": "circle", "radius": 0.2}, "state": [1.95, 3, 0]}
     size = {"width": 10, "height": 10, "step_time": 0.1}
-    return {"world": size, "robot": robots, "obstacle": [disc], "task": TASK}
+    return {"world": size, "robot": robots, "obstacle": [disc], "task": {**TASK, **task}}
 
 
 def paid_alone() -> dict[str, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scenes import ENDS, LIMIT, paid_alone, team
+from scenes import ENDS, FORMS, LIMIT, paid_alone, team
 
 import irsim_gym
 
@@ -39,6 +39,18 @@ def weights(owned):
 
 def changed(before, owned):
     return any((one != other).any() for one, other in zip(before, weights(owned), strict=True))
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_other_forms(form):
+    import torch
+    from skrl.envs.wrappers.torch import wrap_env
+
+    env = wrap_env(irsim_gym.parallel_env(team(**FORMS[form]), black_death=True), wrapper="pettingzoo")
+    env.reset()
+    one = torch.tensor([[3]]) if form == "choices" else torch.zeros(1, 2)
+    ended = [any(env.step(dict.fromkeys(env.possible_agents, one))[2].values()) for _ in range(LIMIT)]
+    assert ended == [False] * (LIMIT - 1) + [True]
 
 
 @pytest.mark.parametrize("name", ["IPPO", "MAPPO"])

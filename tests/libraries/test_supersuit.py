@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scenes import LIMIT, paid_alone, team
+from scenes import FORMS, LIMIT, paid_alone, team
 
 import irsim_gym
 
@@ -29,6 +29,14 @@ def test_a_vector_environment(supersuit):
             assert all("terminal_observation" in info for info in infos)
     assert ends == [LIMIT, 2 * LIMIT]
     np.testing.assert_allclose(paid, 2 * np.array(list(paid_alone().values())), rtol=1e-5)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_other_forms(supersuit, form):
+    env = supersuit.pettingzoo_env_to_vec_env_v1(irsim_gym.parallel_env(team(**FORMS[form]), black_death=True))
+    env.reset(seed=0)
+    actions = np.array([env.action_space.sample() for _ in range(3)])
+    assert any(env.step(actions)[2].any() for _ in range(LIMIT))
 
 
 def test_stable_baselines3_trains(supersuit):

@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
-from scenes import ENDS, LIMIT, paid_alone, team
+from scenes import ENDS, FORMS, LIMIT, paid_alone, team
 
 import irsim_gym
 
@@ -98,6 +98,19 @@ def test_processes(envs):
         assert drawn(env)["next", "done"].sum() == 6
     finally:
         env.close()
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_other_forms(envs, form):
+    alone, together = team(agents=["robot_0"], **FORMS[form]), team(**FORMS[form])
+    for env in (
+        envs.GymWrapper(irsim_gym.make(alone)),
+        envs.GymWrapper(irsim_gym.make_vec(alone, 2, autoreset_mode="SameStep")),
+        envs.PettingZooWrapper(irsim_gym.parallel_env(together), use_mask=True, done_on_any=False),
+        envs.PettingZooWrapper(irsim_gym.parallel_env(together, black_death=True)),
+    ):
+        envs.check_env_specs(env)
+        assert drawn(env)["next", "done"].any()
 
 
 def rollout_of(envs, **options):
