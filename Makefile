@@ -13,9 +13,10 @@ TESTS_READY := $(VENV)/.tests-ready
 GUI_READY   := $(VENV)/.gui-ready
 MUTATE_READY := $(VENV)/.mutate-ready
 VERSIONS_READY := $(VENV)/.versions-ready
+LIBRARIES   := build/libraries
 INSTALL     := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS)
 
-.PHONY: help demo install lint test test-slow test-bounds test-gui test-versions mutate bench peers clean
+.PHONY: help demo install lint test test-slow test-bounds test-gui test-versions test-libraries mutate bench peers clean
 .DELETE_ON_ERROR:
 
 help:
@@ -25,6 +26,7 @@ help:
 	@echo "make test-bounds every shipped, documented and compared scenario, and random ones, with bounds checks"
 	@echo "make test-gui    real windows, keys and mouse under a virtual screen, and a browser (installs Xvfb, xdotool, Chromium)"
 	@echo "make test-versions  the contracts with the lowest and the newest of every dependency, in build/versions (gigabytes)"
+	@echo "make test-libraries  TorchRL, skrl, SuperSuit and AgileRL with our environments, in build/libraries"
 	@echo "make mutate      do the tests notice when the code is wrong? hours, goes on where it was stopped (ARGS=...)"
 	@echo "make bench       the benchmarks (ARGS=... is passed on)"
 	@echo "make peers       the benchmarks beside ir-sim, navground, VMAS and JaxNav, each in build/peers (ARGS=...)"
@@ -41,10 +43,10 @@ lint: $(TESTS_READY)
 	$(BIN)/python -m mypy
 
 test: lint
-	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow and not gui" $(ARGS)
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow and not gui and not libraries" $(ARGS)
 
 test-slow: lint
-	$(BIN)/python -m pytest -m "not gui" $(ARGS)
+	$(BIN)/python -m pytest -m "not gui and not libraries" $(ARGS)
 
 test-bounds: $(TESTS_READY)
 	$(BIN)/python -m pytest -n auto tests/bounds $(ARGS)
@@ -55,6 +57,10 @@ test-gui: $(GUI_READY)
 
 test-versions: $(VERSIONS_READY)
 	PIP_ARGS="$(PIP_ARGS)" $(BIN)/python tests/versions/run.py $(ARGS)
+
+test-libraries: $(LIBRARIES)/torchrl/.ready $(LIBRARIES)/agilerl/.ready
+	$(LIBRARIES)/torchrl/bin/python -m pytest -m libraries tests/libraries $(ARGS)
+	$(LIBRARIES)/agilerl/bin/python -m pytest -m libraries tests/libraries $(ARGS)
 
 mutate: $(MUTATE_READY)
 	$(BIN)/python tests/mutation/run.py $(ARGS)
@@ -86,6 +92,16 @@ $(GUI_READY): $(TESTS_READY)
 
 $(VERSIONS_READY): $(TESTS_READY)
 	$(INSTALL) -e ".[test,versions]"
+	@touch $@
+
+# They want conflicting versions of tensordict; AgileRL's trainers import peft, which its package does not ask for.
+REQUIRED_torchrl := torchrl==0.14.1 skrl==2.1.1 supersuit==3.11.0
+REQUIRED_agilerl := agilerl==2.58.0 peft==0.21.0
+
+$(LIBRARIES)/%/.ready: pyproject.toml constraints.txt Makefile
+	$(PYTHON) -m venv --clear $(@D)
+	$(@D)/bin/python -m pip install --disable-pip-version-check -c constraints.txt $(PIP_ARGS) \
+		-e . pytest hypothesis $(REQUIRED_$*)
 	@touch $@
 
 $(MUTATE_READY): $(TESTS_READY)

@@ -22,7 +22,6 @@ DERIVED = ("told", "_together", "_flat", "_flat_terms", "_row")
 """What points into arrays, and is found again in a copy."""
 Told = tuple[float, bool, bool, dict[str, Any]]
 KEYS = (*NUMBERS, *COUNTS, *FLAGS)
-MASKED = tuple(chain(*((key, f"_{key}") for key in KEYS)))
 
 
 class Infos:
@@ -34,22 +33,24 @@ class Infos:
 
     Args:
         episodes: The episodes that the infos are about.
+        in_numpy: Infos of single agents hold NumPy scalars, see ``WorldEnv``; else Python numbers.
 
     Attributes:
         told: Makes an info, a dict, of one of ``rows``.
     """
 
-    def __init__(self, episodes: Episodes) -> None:
+    def __init__(self, episodes: Episodes, in_numpy: bool = False) -> None:
         view = episodes.view
+        self._in_numpy = in_numpy
         self._columns = [[view.infos[key] for key in keys] for keys in (NUMBERS, COUNTS, FLAGS)]
         self._terms, self._reward, self._ends = view.reward_terms, view.reward, [view.terminated, view.truncated]
-        self._keys, self._names = tuple(view.infos), episodes.reward_names
-        self._masked_names = tuple(chain(*((name, f"_{name}") for name in self._names)))
+        self._keys, self._names = tuple(view.infos), reward_keys(episodes.reward_names)
+        self._masked = tuple(chain(*((key, f"_{key}") for key in (*KEYS, *self._names))))
         self._n_worlds, self._n_agents = episodes.n_worlds, episodes.n_agents
         self._find_blocks()
 
     def of(self, w: int, agent: int = 0) -> dict[str, Any]:
-        """Return what is known about an agent of a world, as Python numbers: a dict of its own at each call."""
+        """Return what is known about an agent of a world: a dict of its own at each call."""
         if self._row is not None:
             return self.told(self._row())
         values = chain(*(block[:, w, agent].tolist() for block in self._blocks()), self._terms[w, agent].tolist())
@@ -78,18 +79,16 @@ class Infos:
             chosen: Worlds that have an info, shape ``(n_worlds,)``; the others get zeros. None for all.
         """
         parts = [*(block[:, :, 0] for block in self._blocks()), self._terms[:, 0].T]
-        masks = np.empty((len(KEYS) + len(self._names) + 1, self._n_worlds), np.bool_)
+        masks = np.empty((len(KEYS) + len(self._names), self._n_worlds), np.bool_)
         if chosen is None:
-            *blocks, terms = [np.array(part, order="C") for part in parts]
+            copies = [np.array(part, order="C") for part in parts]
             masks[:] = True
         else:
             rows = chosen.nonzero()[0]
-            *blocks, terms = [_spread(part, rows) for part in parts]
+            copies = [_spread(part, rows) for part in parts]
             masks[:] = chosen
-        infos: dict[str, Any] = _interleaved(MASKED, chain(*blocks), masks)
-        infos["reward_terms"] = _interleaved(self._masked_names, terms, masks[len(KEYS) :])
-        infos["_reward_terms"] = masks[-1]
-        return infos
+        values = chain.from_iterable(zip(chain(*copies), masks, strict=True))
+        return dict(zip(self._masked, values, strict=True))
 
     def _blocks(self) -> list[NDArray[Any]]:
         """Return arrays of shape ``(n_columns, n_worlds, n_agents)``: numbers, counts, flags."""
@@ -100,7 +99,7 @@ class Infos:
         self._together = found if len(found) == len(self._columns) else []
         self._flat = [block.reshape(len(block), -1) for block in self._together]
         self._flat_terms = self._terms.reshape(self._n_worlds * self._n_agents, len(self._names))
-        self.told = _writer(self._keys, self._names)
+        self.told = _writer(self._keys, self._names, self._in_numpy)
         columns = [*chain(*self._columns), self._terms, self._reward, *self._ends]
         self._row = _row_reader(columns) if self._n_worlds == self._n_agents == 1 else None
 
@@ -110,6 +109,14 @@ class Infos:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._find_blocks()
+
+
+def reward_keys(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the keys of reward terms in an info: ``reward/progress`` and so on.
+
+    They are flat because the readers of some libraries, TorchRL among them, know no dict within a dict.
+    """
+    return tuple(f"reward/{name}" for name in names)
 
 
 class Record:
@@ -136,15 +143,21 @@ class Record:
         return [self._infos.told(row) for row in _rows(self._parts, places)]
 
 
-def _writer(keys: Sequence[str], names: Sequence[str]) -> Callable[[tuple[Any, ...]], dict[str, Any]]:
-    """Return what makes an info of a row: a dict with these keys, in this order, and reward terms of these names.
+def _writer(keys: Sequence[str], names: Sequence[str], in_numpy: bool) -> Callable[[tuple[Any, ...]], dict[str, Any]]:
+    """Return what makes an info of a row: a dict with these keys, in this order, and then those of the reward terms.
 
     It is written as text, as ``namedtuple`` is: a dict that stands written out takes half the time of ``dict(zip())``.
     """
-    values = ", ".join(f"{key!r}: row[{KEYS.index(key)}]" for key in keys)
-    terms = ", ".join(f"{name!r}: row[{k}]" for k, name in enumerate(names, start=len(KEYS)))
-    write: Callable[[tuple[Any, ...]], dict[str, Any]] = eval(f"lambda row: {{{values}, 'reward_terms': {{{terms}}}}}")
+    places = {**{key: KEYS.index(key) for key in keys}, **{name: k for k, name in enumerate(names, start=len(KEYS))}}
+    values = {key: f"{_maker(key) if in_numpy else ''}(row[{place}])" for key, place in places.items()}
+    text = ", ".join(f"{key!r}: {value}" for key, value in values.items())
+    write: Callable[[tuple[Any, ...]], dict[str, Any]] = eval(f"lambda row: {{{text}}}", {"np": np})
     return write
+
+
+def _maker(key: str) -> str:
+    """Return what makes a NumPy value of a Python one; Gymnasium's vector environments make objects of ``np.bool_``."""
+    return "np.array" if key in FLAGS else "np.int64" if key in COUNTS else "np.float64"
 
 
 def _rows(parts: Sequence[NDArray[Any]], places: Ints) -> list[tuple[Any, ...]]:
@@ -183,8 +196,3 @@ def _spread(part: NDArray[Any], chosen: Ints) -> NDArray[Any]:
     copy = np.zeros(part.shape, part.dtype)
     copy[:, chosen] = part.take(chosen, axis=1) if part.flags.c_contiguous else part[:, chosen]  # the faster one
     return copy
-
-
-def _interleaved(keys: Sequence[str], rows: Iterable[Any], masks: Iterable[Any]) -> dict[str, Any]:
-    """Return a dict of rows, each followed by its mask; ``keys`` has both names, masks may be left over."""
-    return dict(zip(keys, chain.from_iterable(zip(rows, masks, strict=False)), strict=True))

@@ -32,6 +32,7 @@ def parallel_env(
     max_steps: int | None = None,
     max_cycles: int | None = None,
     padded: bool = False,
+    black_death: bool = False,
     render_mode: str | None = None,
     render_backend: str = "matplotlib",
     strict: bool = True,
@@ -45,6 +46,7 @@ def parallel_env(
         max_steps: Time limit [steps]; None for the task's.
         max_cycles: The same under PettingZoo's name.
         padded: True gives all agents the same spaces, those of the richest one; see ``WorldParallelEnv``.
+        black_death: True keeps agents that have ended until all have; see ``WorldParallelEnv``.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``WorldEnv.render``.
         render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
@@ -65,7 +67,7 @@ def parallel_env(
         parameters=parameters,
         strict=strict,
     )
-    return WorldParallelEnv(worlds, padded=padded)
+    return WorldParallelEnv(worlds, padded=padded, black_death=black_death)
 
 
 class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc]
@@ -80,10 +82,20 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
 
     A step takes an action from each agent in ``agents`` and answers these. An agent whose own episode ends is in that
     answer for the last time: it is terminated by what became of it, or truncated by the time limit, never both, and is
-    gone from ``agents``. What its body does then is the task's choice (``ended``). When ``agents`` is empty,
-    ``step({})`` returns five empty dicts.
+    gone from ``agents``. What its body does then is the task's choice (``ended``). Actions for agents that have ended
+    are ignored, whatever they are, as PettingZoo's conversions ignore them. When ``agents`` is empty, a step returns
+    five empty dicts.
 
-    Infos hold the same keys at each call, all Python numbers, as those of ``WorldEnv``. Two of them are codes, which
+    With ``black_death`` nobody leaves before all have ended, for libraries that take the team to be whole (TorchRL
+    without masks, skrl, SuperSuit). An agent that has ended stays in ``agents`` with observations of zeros, rewards of
+    0 and ``idle`` in its infos; the others of its infos stay as they were, so ``outcome`` says in the step of its end
+    what became of it. Like in SuperSuit's ``black_death_v3`` it is terminated only in the step in which the last agent
+    ends, when all are, each by its own end, and ``agents`` is empty: PettingZoo allows no agent that is terminated and
+    stays, and libraries that begin anew as soon as one agent is done would cut the others short. To a learner the zeros
+    are a state in which nothing is ever paid, so their value is 0, as it is after a termination.
+
+    Infos hold the same keys at each call, all Python numbers, as those of ``WorldEnv``; with ``black_death`` also
+    ``idle``, which is True where the agent had ended before the step. Two of them are codes, which
     ``Outcome(info["outcome"]).name`` and ``HitKind(info["hit_kind"]).name`` of ``irsim_gym.tasks`` turn into words:
     ``outcome`` is 0 while the episode is under way, 1 success, 2 collision, 3 time limit, 4 left the world, 5 deadlock;
     ``hit_kind`` says what the robot touches: 0 nothing, 1 an obstacle that stands still, 2 one that moves, 3 a robot,
@@ -91,12 +103,14 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
 
     Attributes:
         possible_agents: Names of all agents, in the order of the scenario, or of the task's ``agents``.
-        agents: Names of those whose episodes are under way, in the same order; a new list at each reset and step.
+        agents: Names of those whose episodes are under way, or with ``black_death`` of all until the last one ends, in
+            the same order; a new list at each reset and step.
         observation_spaces: Space of each agent. Agents with different drives have different ones; where ``padded``,
             each has the columns of the richest agent, and those that mean nothing to an agent are 0.
         action_spaces: Space of each agent; where ``padded``, each has the components of the largest drive, and an
             agent's surplus ones are ignored.
         state_space: Space of ``state()``.
+        black_death: Agents that have ended stay until all have.
         worlds: The world, a batch of one.
     """
 
@@ -107,9 +121,10 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         "is_parallelizable": True,
     }
 
-    def __init__(self, worlds: Worlds, *, padded: bool = False) -> None:
+    def __init__(self, worlds: Worlds, *, padded: bool = False, black_death: bool = False) -> None:
         """Play in a batch of one world that was made with ``team=True``."""
         self.worlds = worlds
+        self.black_death = black_death
         self.render_mode = worlds.render_mode
         self.metadata = {
             "name": f"{worlds.scenario.name}_v0",
@@ -130,6 +145,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
             self.action_spaces[name] = action_space(worlds.episodes, agent)
         self.state_space = Box(-1.0, 1.0, (worlds.episodes.team_state_size,), np.float32)
         self._np_random: np.random.Generator | None = None
+        self._np_random_seed: int | None = None
         self._begun = False
 
     def __repr__(self) -> str:
@@ -144,6 +160,24 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
     @max_cycles.setter
     def max_cycles(self, value: int) -> None:
         self.worlds.limit(value)
+
+    @property
+    def np_random(self) -> np.random.Generator:
+        """The generator that levels come from where no seed is given, as in ``gymnasium.Env``; it may be set."""
+        if self._np_random is None:
+            self._np_random, self._np_random_seed = np_random()
+        return self._np_random
+
+    @np_random.setter
+    def np_random(self, generator: np.random.Generator) -> None:
+        self._np_random, self._np_random_seed = generator, -1
+
+    @property
+    def np_random_seed(self) -> int:
+        """The seed of ``np_random``; -1 where somebody else has set it."""
+        if self._np_random_seed is None:
+            self._np_random, self._np_random_seed = np_random()
+        return self._np_random_seed
 
     def observation_space(self, agent: str) -> Space[Any]:
         """Return the space of an agent's observations, the same object each time."""
@@ -164,9 +198,9 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
                 tests give it to every environment; other keys are errors.
         """
         if seed is not None:
-            self._np_random, _ = np_random(seed)
+            self._np_random, self._np_random_seed = np_random(seed)
         chosen = {key: value for key, value in (options or {}).items() if key != "options"}
-        self.worlds.begin([0], [seed], [chosen], self._level)
+        self.worlds.begin([0], [seed], [chosen], lambda _: int(self.np_random.integers(LEVELS)))
         self._begun = True
         self.agents = list(self.possible_agents)
         return self._observations(self.agents), self._infos(self.agents)
@@ -175,16 +209,16 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         """Advance the world by one step.
 
         Args:
-            actions: An action for each agent in ``agents``.
+            actions: An action for each agent whose episode is under way. Those of agents that have ended are ignored.
 
         Returns:
-            Observations, rewards, terminations, truncations and infos of these agents.
+            Observations, rewards, terminations, truncations and infos of all in ``agents``.
 
         Raises:
             ResetNeeded: No episode has begun.
             UnknownNameError: An action for somebody who is no agent.
-            ValueError: An agent's action is missing, has the wrong shape or type, is not finite or is no choice, or its
-                episode has ended. Nothing has moved then.
+            ValueError: An agent's action is missing, has the wrong shape or type, is not finite or is no choice.
+                Nothing has moved then.
         """
         if not self._begun:
             raise ResetNeeded("no episode has begun: call reset() before step()")
@@ -197,6 +231,8 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         rewards = dict(self._each(before, view.reward))
         terminations = dict(self._each(before, view.terminated))
         truncations = dict(self._each(before, view.truncated))
+        if self.black_death and view.live.any():
+            terminations, truncations = dict.fromkeys(before, False), dict.fromkeys(before, False)
         self.agents = [name for name in before if not (terminations[name] or truncations[name])]
         return self._observations(before), rewards, terminations, truncations, self._infos(before)
 
@@ -220,31 +256,24 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         """Close the window and free the renderer. May be called twice."""
         self.worlds.close()
 
-    def _level(self, _: int) -> int:
-        """Return a level for a chain that starts without a seed."""
-        if self._np_random is None:
-            self._np_random, _ = np_random()
-        return int(self._np_random.integers(LEVELS))
-
     def _of(self, spaces: Mapping[str, Space[Any]], agent: str) -> Space[Any]:
         if agent not in spaces:
             raise UnknownNameError(f"no agent named {agent!r}{suggestion(str(agent), self.possible_agents)}")
         return spaces[agent]
 
     def _taken(self, actions: Mapping[str, Any]) -> NDArray[Any]:
-        """Return the actions as the batch of one takes them; those of agents who are not there are 0."""
+        """Return the actions as the batch of one takes them; those of agents that have ended are 0."""
         if not isinstance(actions, Mapping):
             raise TypeError(f"actions are a dict with one for each agent by its name, got {type(actions).__name__}")
         for name in actions:
-            if name not in self.agents:
-                self._of(self.action_spaces, name)
-                raise ValueError(f"an action for '{name}', whose episode has ended; 'agents' is {self.agents}")
-        missing = [name for name in self.agents if name not in actions]
+            self._of(self.action_spaces, name)
+        acting = self._acting()
+        missing = [name for name in acting if name not in actions]
         if missing:
-            raise ValueError(f"no action for {', '.join(missing)}: each agent in 'agents' needs one")
+            raise ValueError(f"no action for {', '.join(missing)}: each agent whose episode is under way needs one")
         n_choices, sizes = self.worlds.episodes.n_discrete, self.worlds.episodes.action_sizes.tolist()
         given = np.zeros((1, len(sizes), 1 if n_choices else max(sizes)), np.int64 if n_choices else np.float64)
-        for name in self.agents:
+        for name in acting:
             a = self._indices[name]
             row = self._checked(name, np.asarray(actions[name]), n_choices)
             given[0, a, : sizes[a]] = row if n_choices else row[: sizes[a]]
@@ -252,6 +281,12 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
             culprit = self.possible_agents[np.argwhere(~np.isfinite(given))[0, 1]]
             raise ValueError(f"the action of '{culprit}' is not finite: {actions[culprit]}")
         return given[..., 0] if n_choices else given
+
+    def _acting(self) -> list[str]:
+        """Return the agents whose episodes are under way."""
+        if not self.black_death:
+            return self.agents
+        return [name for name, live in self._each(self.agents, self.worlds.episodes.view.live) if live]
 
     def _checked(self, name: str, row: NDArray[Any], n_choices: int) -> NDArray[Any]:
         """Return an agent's action, or refuse it."""
@@ -272,9 +307,25 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
 
     def _observations(self, names: list[str]) -> dict[str, Observation]:
         seen = self.worlds.episodes.view
-        return {name: self._layouts[name].fresh(seen, (0, self._indices[name])) for name in names}
+        found = {name: self._layouts[name].fresh(seen, (0, self._indices[name])) for name in names}
+        if self.black_death:
+            for name, over in self._each(names, seen.over):
+                if over:
+                    found[name] = _zeros_like(found[name])
+        return found
 
     def _infos(self, names: list[str]) -> dict[str, dict[str, Any]]:
         infos = self.worlds.infos
         rows = infos.rows(np.array([self._indices[name] for name in names], np.int64))
-        return {name: infos.told(row) for name, row in zip(names, rows, strict=True)}
+        told = {name: infos.told(row) for name, row in zip(names, rows, strict=True)}
+        if self.black_death:
+            for name, over in self._each(names, self.worlds.episodes.view.over):
+                told[name]["idle"] = over
+        return told
+
+
+def _zeros_like(observation: Observation) -> Observation:
+    """Return what is perceived of an agent that has ended."""
+    if isinstance(observation, dict):
+        return {name: np.zeros_like(values) for name, values in observation.items()}
+    return np.zeros_like(observation)

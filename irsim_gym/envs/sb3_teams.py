@@ -18,6 +18,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.envs.batch import Batch, BatchStep
+from irsim_gym.envs.infos import reward_keys
 from irsim_gym.envs.sb3_base import NativeVecEnv, checked_mode
 from irsim_gym.envs.sb3_buffers import (
     MaskedDictReplayBuffer,
@@ -248,12 +249,12 @@ class TeamVecEnv(NativeVecEnv):
         columns = [values[worlds, agents].tolist() for values in step.infos.values()]
         cut = step.truncated[worlds, agents].tolist()
         terms = step.reward_terms[worlds, agents].tolist()
-        names = self.worlds.episodes.reward_names
+        keys = reward_keys(self.worlds.episodes.reward_names)
         elapsed = round(time.time() - self._started, 6)
         for i, (slot, row) in enumerate(zip(ended.tolist(), zip(*columns, strict=True), strict=True)):
             info: dict[str, Any] = dict(zip(step.infos, row, strict=True))
             total = info.pop("episode_return")
-            info["reward_terms"] = dict(zip(names, terms[i], strict=True))
+            info.update(zip(keys, terms[i], strict=True))
             info["terminal_observation"] = self._one(step.final_observation, slot)
             info["TimeLimit.truncated"] = cut[i]
             if info["outcome"] == Outcome.RUNNING:

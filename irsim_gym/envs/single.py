@@ -11,6 +11,7 @@ from gymnasium.error import ResetNeeded
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.engine.given import LEVELS
+from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.limits import ScenarioSpec, agreed_limit, outer_limit, scenario_spec
 from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Observation
@@ -27,10 +28,11 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
     later resets without seed stay in that split. A scenario in which nothing is random has but one level, so each
     reset begins the same episode.
 
-    Infos hold the same keys at each call, all Python numbers: ``outcome`` (``tasks.Outcome``), ``hit`` (the body
+    Infos hold the same keys at each call, Python numbers: ``outcome`` (``tasks.Outcome``), ``hit`` (the body
     touched, -1 for none), ``hit_kind`` (what that is, ``tasks.outcome.HitKind``), ``path_length`` [m],
     ``min_clearance`` [m], ``goal_distance`` [m], ``is_success``, ``steps``, ``stalled`` [s] (how long it has hardly
-    moved away from its goal), ``deadlocked``, ``level`` and the dict ``reward_terms``.
+    moved away from its goal), ``deadlocked``, ``level``, and each term of the reward as ``reward/`` and its name, such
+    as ``reward/progress``.
 
     Args:
         scenario: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
@@ -39,6 +41,8 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
         render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        numpy_infos: Infos hold NumPy scalars, and flags as arrays without axes, in place of Python numbers: what the
+            info readers of TorchRL need. Such a step takes half as long again.
         **parameters: Values for the scenario's parameters.
     """
 
@@ -53,6 +57,7 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         render_mode: str | None = None,
         render_backend: str = "matplotlib",
         strict: bool = True,
+        numpy_infos: bool = False,
         **parameters: Any,
     ) -> None:
         self.worlds = Worlds(
@@ -64,6 +69,8 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
             parameters=parameters,
             strict=strict,
         )
+        if numpy_infos:
+            self.worlds.infos = Infos(self.worlds.episodes, in_numpy=True)
         self.render_mode = render_mode
         self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": self.worlds.render_fps}
         self.observation_space = self.worlds.observation_space

@@ -96,6 +96,22 @@ def test_other_spaces(task):
     seed_test(lambda: in_turns(scene), CYCLES)
 
 
+@pytest.mark.parametrize("scene", ["circle_swap", crossing()], ids=["shipped", "crossing"])
+def test_black_death(scene):
+    """Long enough for agents to end one after another: nobody is terminated and stays."""
+    parallel_api_test(made(scene, black_death=True, max_steps=30), 40)
+    parallel_seed_test(lambda: made(scene, black_death=True), CYCLES)
+    api_test(in_turns(scene, black_death=True, max_steps=10), 40)
+    seed_test(lambda: in_turns(scene, black_death=True), CYCLES)
+    state_test(in_turns(scene, black_death=True), made(scene, black_death=True), CYCLES)
+    max_cycles_test(
+        SimpleNamespace(
+            parallel_env=lambda max_cycles: made(scene, max_cycles=max_cycles, black_death=True),
+            env=lambda max_cycles: in_turns(scene, max_cycles=max_cycles, black_death=True),
+        )
+    )
+
+
 def test_padded_spaces_are_equal():
     """Nothing to be warned of: all agents have one shape."""
     scene = mixed()

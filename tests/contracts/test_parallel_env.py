@@ -10,6 +10,7 @@ import pytest
 from contract_tools import assert_same
 from gymnasium.error import ResetNeeded
 from gymnasium.spaces import Box, Dict, Discrete
+from gymnasium.utils.seeding import np_random
 from pettingzoo.utils import wrappers
 from team_scenes import ahead, crossing, four_ends, mixed, robot, towards, world
 
@@ -195,13 +196,79 @@ def test_mistakes_are_told():
         with pytest.raises(error, match=re.escape(message)):
             env.step(actions)
         np.testing.assert_array_equal(env.state(), before)
-    for _ in range(4):
-        env.step(ahead(env))
-    with pytest.raises(ValueError, match="for 'robot_0', whose episode has ended"):
-        env.step(good)
     for space in (env.observation_space, env.action_space):
         with pytest.raises(UnknownNameError, match="no agent named 'robot'"):
             space("robot")
+
+
+@pytest.mark.parametrize("black_death", [False, True])
+def test_actions_of_agents_that_have_ended_are_ignored(black_death):
+    """As PettingZoo's conversions ignore them, whatever they are; whom nobody knows is still told."""
+    env, twin = (irsim_gym.parallel_env(four_ends(), black_death=black_death) for _ in range(2))
+    env.reset(seed=0)
+    twin.reset(seed=0)
+    everybody = {name: np.array([1.0, 0.0]) for name in env.possible_agents}
+    gone: dict[str, object] = {}
+    while env.agents:
+        actions = {name: action for name, action in everybody.items() if name not in gone}
+        infos = env.step({**actions, **gone})[4]
+        assert_same(infos, twin.step(actions)[4])
+        leftovers = (np.full(2, np.nan), "left", None, np.zeros(7))
+        ended = [name for name, info in infos.items() if info["outcome"]]
+        gone |= {name: leftovers[int(name[-1])] for name in ended}
+        with pytest.raises(UnknownNameError, match=re.escape("no agent named 'robot_01' (did you mean 'robot_")):
+            env.step({**everybody, "robot_01": np.zeros(2)})
+    assert set(gone) == set(everybody)
+    assert env.step(everybody) == ({}, {}, {}, {}, {})
+
+
+@pytest.mark.parametrize("task", [{}, {"observation_form": "dict"}, {"team_reward": 0.2}, {"ended": "vanish"}])
+def test_black_death_changes_nothing_for_those_under_way(task):
+    """Those who have ended perceive zeros and are paid 0; all end in the step in which the last one does."""
+    whole = irsim_gym.parallel_env(crossing(**task), black_death=True)
+    leaving = irsim_gym.parallel_env(crossing(**task))
+    rng, waited = np.random.default_rng(0), 0
+    for seed in range(3):
+        assert_same(whole.reset(seed=seed)[0], leaving.reset(seed=seed)[0])
+        ends: dict[str, tuple[bool, bool]] = {}
+        last: dict[str, dict[str, object]] = {}
+        while leaving.agents:
+            actions = towards(leaving, rng)
+            observations, rewards, *flags, infos = whole.step(actions)
+            theirs = leaving.step(actions)
+            assert list(observations) == list(rewards) == list(infos) == whole.possible_agents
+            shown = [{name: part[name] for name in theirs[0]} for part in (observations, rewards)]
+            assert_same(shown, list(theirs[:2]))
+            for name, info in infos.items():
+                assert info.pop("idle") == (name not in theirs[4])
+                if name in theirs[4]:
+                    assert info == theirs[4][name]
+                    continue
+                waited += 1
+                assert rewards[name] == sum(info[key] for key in info if key.startswith("reward/")) == 0.0
+                assert {**last[name], **info} == info
+                parts = observations[name].values() if "observation_form" in task else [observations[name]]
+                assert not any(part.any() for part in parts)
+                assert observations[name] in whole.observation_space(name)
+            last = {name: {key: info[key] for key in info if "/" not in key} for name, info in infos.items()}
+            ends |= {name: (theirs[2][name], theirs[3][name]) for name in theirs[2]}
+            over = not leaving.agents
+            wanted = ends if over else dict.fromkeys(ends, (False, False))
+            assert {name: (flags[0][name], flags[1][name]) for name in ends} == wanted
+            assert whole.agents == ([] if over else whole.possible_agents)
+    assert waited > 50
+
+
+def test_the_generator_is_known():
+    """As in ``gymnasium.Env``: what a seed makes, drawn where there is none, and it may be set."""
+    env = irsim_gym.parallel_env(four_ends())
+    env.reset(seed=5)
+    assert env.np_random_seed == 5
+    assert env.np_random.bit_generator.state == np_random(5)[0].bit_generator.state
+    fresh, twin = (irsim_gym.parallel_env(four_ends()) for _ in range(2))
+    twin.np_random = np_random(fresh.np_random_seed)[0]
+    assert twin.np_random_seed == -1
+    assert_same(fresh.reset(), twin.reset())
 
 
 def test_the_state_keeps_its_shape():

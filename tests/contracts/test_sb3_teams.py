@@ -81,9 +81,10 @@ class Alone:
     def end(self, a):
         view = self.episodes.view
         info = {name: values[0, a].item() for name, values in view.infos.items()}
+        terms = zip(self.episodes.reward_names, view.reward_terms[0, a], strict=True)
         return {
             **info,
-            "reward_terms": dict(zip(self.episodes.reward_names, view.reward_terms[0, a].tolist(), strict=True)),
+            **{f"reward/{name}": paid.item() for name, paid in terms},
             "terminal_observation": self.last[a],
             "TimeLimit.truncated": bool(view.truncated[0, a]),
             "episode": {"r": round(float(self.sums[a]), 6), "l": int(view.infos["steps"][0, a])},
@@ -136,7 +137,7 @@ def test_each_end_has_its_own_moment_flags_and_statistics(mode):
                 assert (info["outcome"], info["is_success"]) == (outcome, outcome == Outcome.SUCCESS)
                 assert info["TimeLimit.truncated"] == (outcome == Outcome.TIMEOUT)
                 assert (info["episode"]["r"], info["episode"]["l"]) == (-float(length), length)
-                assert info["reward_terms"] == {"time": -1.0}
+                assert info["reward/time"] == -1.0
             if idle and dones[slot]:
                 assert (infos[slot]["TimeLimit.truncated"], "is_success" in infos[slot]) == (False, False)
         assert env.observation_space.contains(observations[0])

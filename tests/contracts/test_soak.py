@@ -56,10 +56,10 @@ def play(env, rng):
     ended = np.logical_or.reduce(flags)
     if isinstance(infos, list):
         final = [infos[w]["terminal_observation"] for w in np.flatnonzero(ended)]
-        told = [value for w in np.flatnonzero(ended) for value in infos[w]["reward_terms"].values()]
+        told = [infos[w][key] for w in np.flatnonzero(ended) for key in infos[w] if key.startswith("reward/")]
     else:
         final = [one for one in infos.get("final_obs", []) if one is not None]
-        told = [infos["path_length"], infos["stalled"], *(infos["reward_terms"].values())]
+        told = [infos["path_length"], infos["stalled"], *(infos[key] for key in infos if key.startswith("reward/"))]
     assert all(((one >= space.low) & (one <= space.high)).all() for one in final)
     assert np.isfinite(told).all() if isinstance(infos, list) else all(np.isfinite(one).all() for one in told)
     return int(ended.sum())

@@ -32,12 +32,11 @@ def test_every_form_tells_what_the_arrays_hold(played, copied):
     for w, a, row in zip(*places, rows, strict=True):
         info = worlds.infos.of(w, a)
         assert info == row
-        assert info.keys() == {*view.infos, "reward_terms"}
         assert info == {
             **{key: values[w, a] for key, values in view.infos.items()},
-            "reward_terms": dict(zip(names, view.reward_terms[w, a], strict=True)),
+            **{f"reward/{name}": paid for name, paid in zip(names, view.reward_terms[w, a], strict=True)},
         }
-        assert {type(value) for value in info.values()} <= {int, float, bool, dict}
+        assert {type(value) for value in info.values()} <= {int, float, bool}
     assert info["steps"] == 5
 
 
@@ -48,17 +47,13 @@ def test_a_batch_holds_the_first_agents_of_the_chosen_worlds(played, copied):
     chosen = np.array([True, False, True])
     for mask in (None, chosen):
         infos = worlds.infos.batched(mask)
-        for key, values in view.infos.items():
+        terms = {f"reward/{name}": view.reward_terms[..., i] for i, name in enumerate(worlds.episodes.reward_names)}
+        for key, values in {**view.infos, **terms}.items():
             wanted = values[:, 0] if mask is None else np.where(mask, values[:, 0], 0)
             np.testing.assert_array_equal(infos[key], wanted)
             assert infos[key].dtype == values.dtype
             assert infos[f"_{key}"].tolist() == (mask.tolist() if mask is not None else [True] * 3)
-        assert infos["_reward_terms"].tolist() == infos["_steps"].tolist()
-        for i, name in enumerate(worlds.episodes.reward_names):
-            terms = view.reward_terms[:, 0, i]
-            np.testing.assert_array_equal(
-                infos["reward_terms"][name], terms if mask is None else np.where(mask, terms, 0)
-            )
+        assert len(infos) == 2 * (len(view.infos) + len(terms))
 
 
 def test_copies_are_told_their_own_episodes(played):
@@ -77,4 +72,4 @@ def test_one_world_is_told_anew_each_time():
         worlds.step(np.ones((1, 1, 2), np.float32))
         seen.append(worlds.infos.of(0))
     assert [info["steps"] for info in seen] == [1, 2, 3]
-    assert len({id(info["reward_terms"]) for info in seen}) == 3
+    assert len({id(info) for info in seen}) == 3

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+
 import gymnasium
 import numpy as np
 import pytest
@@ -24,12 +26,30 @@ def test_types_of_a_step():
     whole = {"outcome", "hit", "hit_kind", "steps", "level"}
     real = {"path_length", "min_clearance", "goal_distance", "stalled"}
     keys = whole | real | {"is_success", "deadlocked"}
-    assert info.keys() == result[4].keys() == keys | {"reward_terms"}
+    terms = {f"reward/{name}" for name in env.worlds.episodes.reward_names}
+    assert info.keys() == result[4].keys() == keys | terms
     types = {key: type(value) for key, value in result[4].items()}
     assert {types[key] for key in whole} == {int}
-    assert {types[key] for key in real} == {float}
+    assert {types[key] for key in real | terms} == {float}
     assert types["is_success"] is types["deadlocked"] is bool
-    assert {type(value) for value in result[4]["reward_terms"].values()} == {float}
+
+
+def test_infos_in_numpy():
+    """What readers that ask each value for its dtype need; Gymnasium's batches of them equal ours, types included."""
+    plain, numpy = WorldEnv("sparse_circles"), WorldEnv("sparse_circles", numpy_infos=True)
+    told, wanted = (env.reset(seed=3)[1] for env in (numpy, plain))
+    told_then, wanted_then = (env.step(np.ones(2, np.float32))[4] for env in (numpy, plain))
+    for info, python in ((told, wanted), (told_then, wanted_then)):
+        assert {key: value.item() for key, value in info.items()} == python
+        assert {key: value.dtype for key, value in info.items()} == {k: np.asarray(v).dtype for k, v in python.items()}
+        assert {type(value) for value in info.values()} == {np.float64, np.int64, np.ndarray}
+    single = gymnasium.vector.SyncVectorEnv([lambda: WorldEnv("sparse_circles", numpy_infos=True)] * 2)
+    batch = irsim_gym.make_vec("sparse_circles", 2)
+    told, wanted = single.reset(seed=3)[1], batch.reset(seed=3)[1]
+    assert told.keys() == wanted.keys()
+    for key, values in wanted.items():
+        np.testing.assert_array_equal(told[key], values, strict=True)
+    assert deepcopy(numpy).step(REST)[4] == numpy.step(REST)[4]
 
 
 def test_reward_is_the_sum_of_its_terms():
@@ -37,7 +57,7 @@ def test_reward_is_the_sum_of_its_terms():
     env.reset(seed=0)
     for _ in range(50):
         _, reward, terminated, truncated, info = env.step(np.array([1.0, 0.1], np.float32))
-        assert reward == pytest.approx(sum(info["reward_terms"].values()), abs=1e-12)
+        assert reward == pytest.approx(sum(info[key] for key in info if key.startswith("reward/")), abs=1e-12)
         if terminated or truncated:
             break
     assert info["outcome"] != Outcome.RUNNING
