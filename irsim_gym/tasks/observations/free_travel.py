@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -14,6 +15,7 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, shared_sensors
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -70,6 +72,16 @@ class FreeTravel:
         for values in (low, high):
             encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), np.float32(far))
         return low, high
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return the directions."""
+        far = float(term.arrays["far"][agent])
+        ahead = np.arctan2(term.arrays["ahead_y"].astype(np.float64), term.arrays["ahead_x"].astype(np.float64))
+        ahead[0] = -np.pi
+        radius = float(term.arrays["radius"][agent])
+        scale = f"s = way of a disc of {radius:.3g} m around it, as {coded(self, 's', far)}"
+        directions = tuple((angle, angle) for angle in ahead.tolist())
+        return [Columns("free way straight in a direction", scale, self.directions, directions)]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -15,6 +16,7 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -48,6 +50,14 @@ class NearestBodies:
         low = np.array([-1.0, -1.0, -1.0, -1.0, 0.0, 0.0], np.float32)
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
 
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the numbers of each body are."""
+        words = (
+            "its nearest part (the centre of a disc, else a point of its edge)",
+            "radius of that disc, 0 for an edge",
+        )
+        return body_columns(self, model, "body", *words)
+
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the bodies' numbers."""
@@ -76,6 +86,31 @@ class NearestBodies:
             term.arrays["found"][shard.slot],
             episode.observation,
         )
+
+
+def body_columns(options: Any, model: WorldModel, which: str, place: str, size: str) -> list[Columns]:
+    """Return what the six numbers of the nearest bodies are.
+
+    Args:
+        options: Those of the kind: ``count``, ``range`` and ``speed``.
+        model: The constants.
+        which: What they are, e.g. ``"body"``.
+        place: What of it the first two numbers tell.
+        size: What the fifth tells.
+    """
+    far = options.range or float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
+    over, pace = f"x / {far:.3g} m", f"v / {options.speed:g} m/s, relative to the robot"
+    told = [
+        Columns(f"nearest {which}: {place}, how far ahead", over),
+        Columns(f"nearest {which}: how far to the left", over),
+        Columns(f"nearest {which}: speed ahead", pace),
+        Columns(f"nearest {which}: speed to the left", pace),
+        Columns(f"nearest {which}: {size}", over),
+        Columns(f"nearest {which}: 1 if there is one, else 0, and all its other numbers 0"),
+    ]
+    others = WIDTH * (options.count - 1)
+    told += [Columns(f"the same six of each of the {options.count - 1} next nearest", count=others)] if others else []
+    return told
 
 
 @kernel

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,10 +12,11 @@ from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.observations.nearest_bodies import WIDTH, moving
+from irsim_gym.tasks.observations.nearest_bodies import WIDTH, body_columns, moving
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -51,6 +53,10 @@ class Neighbors:
         """Return the bounds, six for each robot."""
         low = np.array([-1.0, -1.0, -1.0, -1.0, 0.0, 0.0], np.float32)
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the numbers of each robot are."""
+        return body_columns(self, model, "other robot", "its origin", "its reach")
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
