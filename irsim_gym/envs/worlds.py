@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import compile
+from irsim_gym.envs.description import Description, describe
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
@@ -196,6 +197,22 @@ class Worlds:
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_row": None}
+
+    def describe(self, agent: str | int = 0, *, own: bool = False) -> Description:
+        """Return what observations, actions, rewards, endings and infos mean to a learner.
+
+        Args:
+            agent: Its name, or its number among the learners.
+            own: Leave out columns and components that mean nothing to it.
+
+        Raises:
+            UnknownNameError: There is no such learner.
+        """
+        names = self.agent_names
+        if isinstance(agent, str) and agent not in names:
+            raise UnknownNameError(f"no agent named {agent!r}{suggestion(agent, names)}")
+        a = names.index(agent) if isinstance(agent, str) else agent
+        return describe(self.episodes, self.info_of(0, a), a, own=own)
 
     def close(self) -> None:
         """Close the window and free the renderers; everything else is plain memory."""

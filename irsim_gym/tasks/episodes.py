@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain
 from typing import Any, Literal
 
 import numpy as np
@@ -19,7 +20,7 @@ from irsim_gym.tasks.levels import check_split, take_levels
 from irsim_gym.tasks.outcome import PRECEDENCE
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.task import Task, checked_limit
-from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers
+from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers, Term
 from irsim_gym.tasks.transition import transition_of
 from irsim_gym.world.model import OMNI_WORLD
 
@@ -76,13 +77,18 @@ class Episodes:
         images = {term.name: term.image for term in self._observations if isinstance(term.options, IsImage)}
         self.view = transition_of(self.state, images)
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
-        every = [self._action, *self._observations, *self._rewards, *self._endings]
-        kinds = [type(term.options) for term in every]
+        kinds = [type(term.options) for term in chain(*self.terms.values())]
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
         self._play, self._begin_books = (simulation.fuse(run, kinds) for run in (self._step, self._open))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
         everything = self._play, simulation.shards.all[0].worlds, self.action_sizes, self.state.given
         self.direct = None if self.n_discrete else Direct(*everything)
+
+    @property
+    def terms(self) -> dict[str, list[Term]]:
+        """The bound kinds of the task: ``action`` (one), ``observations``, ``rewards`` and ``endings``, in order."""
+        parts = [self._action], self._observations, self._rewards, self._endings
+        return dict(zip(("action", "observations", "rewards", "endings"), parts, strict=True))
 
     @property
     def n_worlds(self) -> int:
@@ -156,7 +162,7 @@ class Episodes:
     def limit(self, max_steps: int) -> None:
         """Set the time limit [steps]; rewards that spread over an episode change with it."""
         self.task = replace(self.task, max_steps=checked_limit(max_steps))
-        for term in [self._action, *self._observations, *self._rewards, *self._endings]:
+        for term in chain(*self.terms.values()):
             term.max_steps = max_steps
         self._play.forget()
         self._begin_books.forget()

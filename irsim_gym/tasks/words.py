@@ -94,9 +94,9 @@ def turning(sectors: Sectors) -> str:
     if len(sectors) == 1:
         return first
     sense = "left (counter-clockwise)" if sectors[1][0] > sectors[0][0] else "right (clockwise)"
-    ahead = ", ".join(str(k) for k in _ahead(sectors))
-    where = f"; straight ahead: {ahead}" if ahead else ""
-    return f"the first {first}, then turning {sense} to {_spelled(*sectors[-1])}{where}"
+    ahead = " and ".join(f"number {k + 1}" for k in _ahead(sectors))
+    where = f"; straight ahead is {ahead}" if ahead else ""
+    return f"the first {first}, the next ones turn {sense}, the last {_spelled(*sectors[-1])}{where}"
 
 
 def _ahead(sectors: Sectors) -> list[int]:
@@ -108,7 +108,7 @@ def _ahead(sectors: Sectors) -> list[int]:
 
 def _spelled(begin: float, end: float) -> str:
     low, high = degrees(begin), degrees(end)
-    return f"at {low}" if math.isclose(begin, end, abs_tol=1e-12) else f"{low} to {high}"
+    return f"looks at {low}" if math.isclose(begin, end, abs_tol=1e-12) else f"covers {low} to {high}"
 
 
 def degrees(angle: float) -> str:

@@ -19,6 +19,7 @@ from irsim_gym.tasks.observations.painting import (
     add_body,
     add_cells,
     add_outside,
+    around,
     clear,
     column_of,
     painters,
@@ -94,14 +95,7 @@ class OccupancyImage:
     @property
     def view(self) -> str:
         """What the picture shows, and what is up in it."""
-        up = (
-            "the robot's heading is up, its left is left"
-            if self.rotated
-            else "the world's y axis is up, x to the right"
-        )
-        return (
-            f"{self.metres:g} m x {self.metres:g} m around the robot, {self.metres / self.pixels:.3g} m a pixel; {up}"
-        )
+        return around(self.metres, self.pixels, self.rotated)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -86,7 +86,7 @@ class PastScans:
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return the sectors of each scan."""
         far = float(term.arrays["far"][agent])
-        scale = f"m = free depth beyond its reach, as {coded(self, 'm', far)}"
+        scale = f"d = free depth beyond its reach, as {coded(self, 'd', far)}"
         sectors = evenly(self.sectors)
         return [
             Columns(f"what was seen {steps} steps ago, from where it is now", scale, self.sectors, sectors)

@@ -77,7 +77,7 @@ class Scan:
         angles, table = term.arrays["angles"], term.arrays
         edges = sector_edges(angles, len(table["first"])) + table["turns"][agent]
         far = float(table["far"][agent])
-        scale = f"m = free depth beyond its own outline, as {coded(self, 'm', far)}"
+        scale = f"d = free depth beyond its own outline, as {coded(self, 'd', far)}"
         sectors = tuple(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
         return [Columns("least range of a sector of the scan", scale, len(sectors), sectors)]
 

@@ -22,6 +22,7 @@ from irsim_gym.tasks.observations.painting import (
     add_cells,
     add_outside,
     add_side,
+    around,
     column_of,
     painters,
     row_of,
@@ -90,14 +91,7 @@ class TopView:
         """What the picture shows, and what is up in it."""
         if self.follow == "world":
             return "all of the world; its y axis is up, x to the right"
-        up = (
-            "the robot's heading is up, its left is left"
-            if self.rotated
-            else "the world's y axis is up, x to the right"
-        )
-        return (
-            f"{self.metres:g} m x {self.metres:g} m around the robot, {self.metres / self.pixels:.3g} m a pixel; {up}"
-        )
+        return around(self.metres, self.pixels, self.rotated)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

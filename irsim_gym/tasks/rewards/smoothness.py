@@ -29,8 +29,8 @@ class Smoothness:
 
     def when(self, term: Term) -> str:
         """Return when and how much it pays."""
-        most = self.weight / term.max_steps
-        return f"the action changes: at most -{most:.3g} a step, for a swing from end to end, with the square of the change"
+        most = f"-{self.weight / term.max_steps:.3g} a step for a swing from end to end"
+        return f"the action changes: at most {most}, with the square of the change"
 
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
