@@ -51,7 +51,7 @@ class Part:
     @property
     def directions(self) -> str:
         """Where its columns look, in words; empty where they are no directions."""
-        return turning(tuple((math.radians(begin), math.radians(end)) for begin, end in self.sectors))
+        return turning(tuple((math.radians(begin), math.radians(end)) for begin, end in self.sectors), self.start)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,9 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Bytes, Flags, Ints
+from irsim_gym.envs.description import Description
 from irsim_gym.envs.infos import Record
+from irsim_gym.envs.moment import Bodies, BodyMoment
 from irsim_gym.envs.worlds import Worlds
 
 Indices = None | int | Iterable[int]
@@ -61,6 +63,10 @@ class NativeVecEnv(VecEnv):
     def no_infos(self) -> list[dict[str, Any]]:
         """Return a dict of its own for each slot, as wrappers may write into any; this is the fastest way."""
         return list(map(dict.copy, repeat({}, self.num_envs)))
+
+    def describe(self) -> Description:
+        """Return what observations, actions, rewards, endings and infos mean in each slot; it prints as tables."""
+        return self.worlds.describe()
 
     def close(self) -> None:
         """Close the window and free the renderer. May be called twice."""
@@ -147,6 +153,27 @@ class WorldView:
     def unwrapped(self) -> WorldView:
         """Itself."""
         return self
+
+    @property
+    def robot(self) -> BodyMoment:
+        """The robot of this slot, as it is now, to be read."""
+        simulation = self.worlds.simulation
+        return BodyMoment(simulation, int(simulation.agents[self.agent]), self.index)
+
+    @property
+    def robots(self) -> Bodies:
+        """All robots of its world."""
+        return self.worlds.moment(self.index).robots
+
+    @property
+    def bodies(self) -> Bodies:
+        """All bodies of its world, robots first."""
+        return self.worlds.moment(self.index).bodies
+
+    @property
+    def time(self) -> float:
+        """Time since the start of its world's episode [s]."""
+        return self.worlds.moment(self.index).time
 
     def info(self) -> dict[str, Any]:
         """Return what is known about the agent now."""

@@ -9,6 +9,8 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 
 from irsim_gym.arraytypes import Bytes
+from irsim_gym.envs.description import Description
+from irsim_gym.envs.moment import Bodies, BodyMoment
 from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import LEVELS, ScenarioSource, TaskSource, Worlds
@@ -104,6 +106,30 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         """
         render_warning(self.render_mode)
         return self.worlds.pictures.of(0)
+
+    @property
+    def robot(self) -> BodyMoment:
+        """The robot that learns, as it is now, to be read: ``pose``, ``velocity``, ``goal``, ``scan()`` and so on."""
+        return self.worlds.moment().robot
+
+    @property
+    def robots(self) -> Bodies:
+        """All robots of the level, by number or name; see ``BodyMoment``."""
+        return self.worlds.moment().robots
+
+    @property
+    def bodies(self) -> Bodies:
+        """All bodies of the level, robots first, by number or name; see ``BodyMoment``."""
+        return self.worlds.moment().bodies
+
+    @property
+    def time(self) -> float:
+        """Time since the start of the episode [s]."""
+        return self.worlds.moment().time
+
+    def describe(self) -> Description:
+        """Return what observations, actions, rewards, endings and infos mean; it prints as tables."""
+        return self.worlds.describe()
 
     def close(self) -> None:
         """Close the window and free the renderer. May be called twice."""

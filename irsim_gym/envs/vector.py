@@ -14,6 +14,8 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
+from irsim_gym.envs.description import Description
+from irsim_gym.envs.moment import RobotMoments, WorldMoment
 from irsim_gym.envs.pictures import RENDER_MODES, ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import LEVELS, ScenarioSource, TaskSource, Worlds
@@ -204,6 +206,24 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
             ValueError: No world, or one that is not there, or no columns.
         """
         return self.worlds.pictures.tiled(columns, worlds, room)
+
+    @property
+    def robot(self) -> RobotMoments:
+        """The robots that learn, as they are now, to be read; arrays begin with the axis of the worlds."""
+        return RobotMoments(self.worlds.simulation)
+
+    @property
+    def time(self) -> Floats:
+        """Time since the start of each episode [s], a copy, shape ``(num_envs,)``."""
+        return self.worlds.simulation.state.time.copy()
+
+    def moment(self, world: int) -> WorldMoment:
+        """Return one of the worlds as it is now, to be read: ``robot``, ``robots``, ``bodies``, ``time``."""
+        return self.worlds.moment(world)
+
+    def describe(self) -> Description:
+        """Return what observations, actions, rewards, endings and infos mean in each world; it prints as tables."""
+        return self.worlds.describe()
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the window and free the renderer."""

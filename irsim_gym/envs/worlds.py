@@ -14,6 +14,7 @@ from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import compile
 from irsim_gym.envs.description import Description, describe
 from irsim_gym.envs.infos import Infos
+from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
 from irsim_gym.errors import SeveralAgentsError, UnknownNameError, suggestion
@@ -197,6 +198,16 @@ class Worlds:
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_row": None}
+
+    def moment(self, world: int = 0) -> WorldMoment:
+        """Return one of the worlds as it is now, to be read.
+
+        Raises:
+            IndexError: There are not so many.
+        """
+        if not -self.n_worlds <= world < self.n_worlds:
+            raise IndexError(f"world {world}: there are {self.n_worlds}")
+        return WorldMoment(self.simulation, world % self.n_worlds)
 
     def describe(self, agent: str | int = 0, *, own: bool = False) -> Description:
         """Return what observations, actions, rewards, endings and infos mean to a learner.

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -130,22 +131,14 @@ def _draw_map(axes: Axes, view: MapView, pose: Floats, most: float) -> None:
     middles = np.array([x_min, y_min]) + (cells + 0.5) * (wide, high)
     near = np.abs(middles - pose[:2]).max(axis=1, initial=0.0) < 1.5 * most if len(cells) else np.zeros(0, np.bool_)
     for x, y in middles[near].tolist():
-        half_x, half_y = 0.5 * wide, 0.5 * high
-        square = [
-            (x - half_x, y - half_y),
-            (x + half_x, y - half_y),
-            (x + half_x, y + half_y),
-            (x - half_x, y + half_y),
-        ]
-        axes.add_patch(Polygon(_seen(np.array(square), pose), fc=theme.MAP, ec="none", zorder=2))
+        square = np.array([x, y]) + np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]) * (wide, high)
+        axes.add_patch(Polygon(_seen(square, pose), fc=theme.MAP, ec="none", zorder=2))
 
 
 def _draw_body(axes: Axes, body: BodyView, pose: Floats) -> None:
     for line in body.lines:
-        shape = Polygon(
-            _seen(line, pose), closed=False, fill=body.solid, fc=theme.RULE, ec=theme.WALL, lw=1.0, zorder=2
-        )
-        axes.add_patch(shape)
+        look: dict[str, Any] = {"fill": body.solid, "fc": theme.RULE, "ec": theme.WALL, "lw": 1.0, "zorder": 2}
+        axes.add_patch(Polygon(_seen(line, pose), closed=np.array_equal(line[0], line[-1]), **look))
     for x, y, radius in body.discs.tolist():
         ((across, up),) = _seen(np.array([[x, y]]), pose).tolist()
         own = math.hypot(across, up) < ROBOT_HALF * radius

@@ -86,16 +86,21 @@ def coded(options: Any, what: str, far: float) -> str:
     return f"(1 / ({what} + {near:g} m) - {zero:g} / m) / {top:g}: 1 at 0 m, {nothing}{least:.2g} at {far:g} m"
 
 
-def turning(sectors: Sectors) -> str:
-    """Return where the first of some sectors looks, which way they turn and where straight ahead is, in words."""
+def turning(sectors: Sectors, start: int = 0) -> str:
+    """Return where the first of some sectors looks, which way they turn and where straight ahead is, in words.
+
+    Args:
+        sectors: Where each looks [rad].
+        start: Number of the first of them.
+    """
     if not sectors:
         return ""
     first = _spelled(*sectors[0])
     if len(sectors) == 1:
         return first
     sense = "left (counter-clockwise)" if sectors[1][0] > sectors[0][0] else "right (clockwise)"
-    ahead = " and ".join(f"number {k + 1}" for k in _ahead(sectors))
-    where = f"; straight ahead is {ahead}" if ahead else ""
+    ahead = " and ".join(str(start + k) for k in _ahead(sectors))
+    where = f"; straight ahead: column {ahead}" if ahead else ""
     return f"the first {first}, the next ones turn {sense}, the last {_spelled(*sectors[-1])}{where}"
 
 
