@@ -52,6 +52,10 @@ class Simulation:
         self._draw = self.fuse(self._draw_level, levels)
         self._start = self.fuse(self._start_drawn)
 
+    def __repr__(self) -> str:
+        counts = f"{self.n_worlds} worlds, {len(self.parts.names)} bodies, {len(self.agents)} agents"
+        return f"<Simulation {self.scenario.label}: {counts}>"
+
     def fuse(self, function: Callable[[Shard], None], kinds: Iterable[Any] = ()) -> Fused:
         """Return a function of a shard as one compiled call, where it consists of kernels alone.
 

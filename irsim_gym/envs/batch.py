@@ -159,6 +159,9 @@ class Batch:
         self._returns: Floats = np.zeros(shape)
         self._age: Ints = np.zeros(self.n_worlds, np.int64)
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.worlds.summary}>"
+
     @property
     def render_mode(self) -> str | None:
         """How the worlds are shown."""

@@ -41,6 +41,9 @@ class NativeVecEnv(VecEnv):
         super().__init__(len(views), observation_space, action_space)
         self.metadata: dict[str, Any] = {**self.metadata, "render_fps": worlds.render_fps}
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.worlds.summary}>"
+
     @property
     def reset_infos(self) -> list[dict[str, Any]]:
         """What each slot's latest episode began with; made when it is asked for, as hardly anybody does."""

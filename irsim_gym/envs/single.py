@@ -66,6 +66,9 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         self._shape = self.action_space.shape
         self._going = False
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.worlds.summary}>"
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:

@@ -95,6 +95,9 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         self._seeds: list[int | None] = [None] * num_envs
         self._generators: list[np.random.Generator | None] = [None] * num_envs
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.worlds.summary}>"
+
     def reset(
         self,
         *,

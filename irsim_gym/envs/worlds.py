@@ -89,6 +89,14 @@ class Worlds:
         self._splits = ["train"] * n_worlds
         self._row: Rays | None = None
 
+    def __repr__(self) -> str:
+        return f"<Worlds {self.summary}>"
+
+    @property
+    def summary(self) -> str:
+        """What these are, in a line: scenario, worlds, learners."""
+        return f"{self.scenario.label}: {self.n_worlds} worlds, {self.episodes.n_agents} agents"
+
     @property
     def render_mode(self) -> str | None:
         """How worlds are shown, see ``Pictures``."""

@@ -371,6 +371,10 @@ class Scenario:
     strict: bool = field(repr=False, compare=False, default=True)
     parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        n_robots = len(self.robots)
+        return f"<Scenario {self.label}: {n_robots} robots, {len(self.bodies) - n_robots} obstacles>"
+
     @property
     def label(self) -> str:
         """Its name with the values of its parameters, for reports."""
