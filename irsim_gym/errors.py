@@ -100,6 +100,10 @@ class OptionError(IrsimGymError, ValueError):
         return type(self), (self.key, str(self))
 
 
+class KindError(IrsimGymError, ValueError):
+    """A kind of one's own that does not do what its family asks for; the message says what would be right."""
+
+
 class SeveralAgentsError(IrsimGymError, ValueError):
     """A task has several learners where one is expected."""
 

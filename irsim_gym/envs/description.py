@@ -16,6 +16,7 @@ from irsim_gym.envs.spaces import action_space, observation_space
 from irsim_gym.tasks import Episodes, HitKind, Outcome
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import IsImage, Term
+from irsim_gym.tasks.watch import kind_of
 from irsim_gym.tasks.words import Columns, Sectors, TellsActions, TellsColumns, TellsWhen, first_sentence, turning
 
 STATE_NAMES = {"is_success": "success"}
@@ -241,7 +242,7 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
     blocks, start = [], 0
     is_flat = episodes.task.observation_form == "flat"
     for term in episodes.terms["observations"]:
-        summary = first_sentence(type(term.options))
+        summary = first_sentence(kind_of(term))
         told = _told(episodes, term, agent)
         if isinstance(term.options, IsImage):
             view = getattr(term.options, "view", "")
@@ -319,7 +320,7 @@ def _action(episodes: Episodes, term: Term, agent: int, space: str) -> Action:
         commands = 0.5 * (low + high) + asked * (0.5 * (high - low))
         choices = tuple(map(tuple, (commands + 0.0).tolist()))
     components = _components(episodes, term, agent)
-    return Action(term.name, first_sentence(type(term.options)), space, components, choices)
+    return Action(term.name, first_sentence(kind_of(term)), space, components, choices)
 
 
 def _reward(term: Term) -> Reward:
@@ -331,7 +332,7 @@ def _when(term: Term) -> str:
     """Return when a term pays or applies: in its own words, else by its docstring."""
     if isinstance(term.options, TellsWhen):
         return term.options.when(term)
-    return first_sentence(type(term.options)) or "not described"
+    return first_sentence(kind_of(term)) or "not described"
 
 
 def _infos(info: Mapping[str, Any]) -> list[Info]:

@@ -10,6 +10,7 @@ import numpy as np
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import Simulation
 from irsim_gym.registry import Registry
+from irsim_gym.tasks.contract import check_bound, checked_bounds, is_foreign
 from irsim_gym.tasks.outcome import HitKind
 from irsim_gym.tasks.task import Task
 from irsim_gym.tasks.term import AHEAD_AND_LEFT, HasArrays, HasUnused, IsImage, Term, Words
@@ -36,6 +37,8 @@ def bind(family: Registry, options: Sequence[Any], simulation: Simulation, task:
         term.components = words
         if isinstance(item, HasArrays):
             term.arrays = item.arrays(simulation, agents)
+        if is_foreign(type(item)):
+            check_bound(family.family, term)
         if isinstance(item, IsImage):
             term.image = aligned((simulation.n_worlds, len(agents), *item.image_shape), np.uint8)
         terms.append(term)
@@ -64,7 +67,8 @@ def place_observations(terms: Sequence[Term], simulation: Simulation) -> tuple[P
         if isinstance(term.options, IsImage):
             continue
         term.column = column
-        low, high = term.options.bounds(term, simulation.model)
+        bounds = checked_bounds if is_foreign(type(term.options)) else term.options.bounds
+        low, high = bounds(term, simulation.model)
         parts.append((term.name, low, high))
         column += len(low)
         everything = np.ones((len(term.agents), len(low)), np.bool_)

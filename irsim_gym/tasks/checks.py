@@ -137,8 +137,9 @@ def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Rep
     """Return an observation that needs a range sensor, or what takes its place where there is none."""
     scanners = [[sensor for sensor in body.sensors if sensor.reading == "ranges"] for body in bodies]
     without = [body.name for body, found in zip(bodies, scanners, strict=True) if not found]
-    if item.without_sensor and item.without_sensor not in OBSERVATIONS:
-        message = f"no observation named '{item.without_sensor}'{suggestion(item.without_sensor, OBSERVATIONS.names())}"
+    other = str(getattr(item, "without_sensor", ""))
+    if other and other not in OBSERVATIONS:
+        message = f"no observation named '{other}'{suggestion(other, OBSERVATIONS.names())}"
         report.add((*place, "without_sensor"), message)
         return item
     if not without:
@@ -150,15 +151,15 @@ def _substitute(place: Place, item: Any, bodies: Sequence[BodySpec], report: Rep
                 report.add(place, f"{rule}: {both}; task: {{agents: [NAME, ...]}} says who learns")
                 break
         return item
-    if not item.without_sensor:
+    if not other:
         report.add(
             place,
             f"'{without[0]}' has no range sensor: add one, or a substitute such as 'without_sensor: nearest_bodies'",
         )
         return item
-    substitute = OBSERVATIONS.entry(item.without_sensor).kind()
+    substitute = OBSERVATIONS.entry(other).kind()
     if substitute.needs_scan:
-        report.add((*place, "without_sensor"), f"'{item.without_sensor}' needs a range sensor itself")
+        report.add((*place, "without_sensor"), f"'{other}' needs a range sensor itself")
         return item
     return substitute
 

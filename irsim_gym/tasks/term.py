@@ -108,7 +108,10 @@ class ActionKind(Protocol):
 
     @staticmethod
     def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Turn ``episode.given`` or ``episode.choice`` into ``episode.action``, in [-1, 1]."""
+        """Turn ``episode.given`` or ``episode.choice`` into ``episode.action``, in [-1, 1].
+
+        What ``episode.action`` held is moved to ``episode.previous_action`` before.
+        """
 
 
 class ObservationKind(Protocol):

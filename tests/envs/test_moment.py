@@ -36,8 +36,8 @@ def test_there_is_one_vocabulary() -> None:
     assert names(RobotMoments) <= names(BodyMoment)
     world = irsim_gym.load(WORLD, seed=0)
     assert names(WorldMoment) - {"bodies"} <= set(dir(world))
-    for _ in range(12):
-        world.step([1.0, 0.2])
+    for _ in range(20):
+        world.step([1.0, 0.0])
     for body in world.objects:
         here = BodyMoment(world.simulation, body.id)
         for name in names(BodyMoment) - {"scan", "scan_points", "hit"}:
