@@ -128,6 +128,11 @@ class NoEffectWarning(UserWarning):
     """A script asks for what changes nothing here, or for a file that cannot be written."""
 
 
+def several(count: int, noun: str) -> str:
+    """Return a number of things: ``1 world``, ``2 worlds``."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def suggestion(name: str, known: Iterable[str]) -> str:
     """Return ``" (did you mean 'x'?)"`` for the nearest known name, else an empty string."""
     near = nearest(name, known)

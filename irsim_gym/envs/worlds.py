@@ -17,7 +17,7 @@ from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
-from irsim_gym.errors import SeveralAgentsError, UnknownNameError, suggestion
+from irsim_gym.errors import SeveralAgentsError, UnknownNameError, several, suggestion
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.tasks import Episodes, load_task
 from irsim_gym.tasks.levels import check_split
@@ -95,7 +95,7 @@ class Worlds:
     @property
     def summary(self) -> str:
         """What these are, in a line: scenario, worlds, learners."""
-        return f"{self.scenario.label}: {self.n_worlds} worlds, {self.episodes.n_agents} agents"
+        return f"{self.scenario.label}: {several(self.n_worlds, 'world')}, {several(self.episodes.n_agents, 'agent')}"
 
     @property
     def render_mode(self) -> str | None:

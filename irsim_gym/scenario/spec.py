@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AllowInfNan, Field
 
-from irsim_gym.errors import Problem
+from irsim_gym.errors import Problem, several
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.options import LARGEST, defaults, kind, option
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
@@ -372,8 +372,8 @@ class Scenario:
     parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        n_robots = len(self.robots)
-        return f"<Scenario {self.label}: {n_robots} robots, {len(self.bodies) - n_robots} obstacles>"
+        n_robots, n_bodies = len(self.robots), len(self.bodies)
+        return f"<Scenario {self.label}: {several(n_robots, 'robot')}, {several(n_bodies - n_robots, 'obstacle')}>"
 
     @property
     def label(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import math
 from typing import Any
@@ -211,3 +212,43 @@ def test_on_the_command_line(tmp_path: Any) -> None:
     assert picture.read_bytes()[:4] == b"\x89PNG"
     told = CliRunner().invoke(app, ["describe", "mixed_team", "--team", "--json"])
     assert next(one["agent"] for one in json.loads(told.output)) == "robot_0"
+
+
+def test_what_is_printed_is_short() -> None:
+    """A line with the name of the scenario, also within lists and dictionaries."""
+    from irsim_gym.envs import sb3
+
+    env: Any = irsim_gym.make("cluttered_room")
+    worlds = env.unwrapped.worlds
+    simulation = worlds.simulation
+    vectors = irsim_gym.make_vec("cluttered_room", num_envs=2), irsim_gym.make_batch("cluttered_room", 2)
+    slots = sb3.make_vec_env("cluttered_room", 2)
+    for one in (env.unwrapped, worlds, simulation, simulation.scenario, *vectors, slots):
+        assert "cluttered_room" in repr([one])
+        assert len(repr({"x": one})) < 100
+    assert repr(vectors[0]) == "<WorldVectorEnv cluttered_room: 2 worlds, 1 agent>"
+    for arrays in (simulation.model, simulation.state, worlds.episodes.state, *simulation.sensors):
+        assert len(repr(arrays)) < 100
+
+
+def test_editors_can_complete_what_makes_environments() -> None:
+    """Explicit keywords with types, the defaults of what they make, and ``**parameters`` for the scenario's own."""
+    from irsim_gym.envs.single import WorldEnv
+    from irsim_gym.envs.vector import WorldVectorEnv
+
+    makers = (irsim_gym.make, irsim_gym.make_vec, irsim_gym.parallel_env, irsim_gym.make_batch)
+    for maker in (*makers, irsim_gym.sb3.make_vec_env, irsim_gym.load):
+        declared = inspect.signature(maker).parameters
+        assert {"render_mode", "render_backend", "strict"} <= set(declared)
+        assert maker is irsim_gym.load or {"task", "max_steps"} <= set(declared)
+        assert all(one.annotation is not inspect.Parameter.empty for one in declared.values())
+        assert [one.kind for one in declared.values()].count(inspect.Parameter.VAR_KEYWORD) == 1
+    for maker, made in ((irsim_gym.make, WorldEnv), (irsim_gym.make_vec, WorldVectorEnv)):
+        theirs, ours = inspect.signature(made).parameters, inspect.signature(maker).parameters
+        for name in set(theirs) & set(ours) - {"scenario", "num_envs", "parameters"}:
+            default = theirs[name].default
+            assert getattr(default, "value", default) == ours[name].default, name
+        assert set(theirs) <= set(ours)
+    env = irsim_gym.make("empty_goal", strict=True, render_backend="matplotlib")
+    assert env.spec is not None
+    assert env.spec.kwargs == {"scenario": "empty_goal"}  # defaults are not written into a spec
