@@ -65,13 +65,15 @@ class Block:
         shape: Of the numbers that it contributes.
         parts: Its columns, or the channels of its picture, in order.
         is_image: It is a picture: an array of its own, uint8.
+        view: What a picture shows, and what is up in it.
     """
 
     name: str
     summary: str
     shape: tuple[int, ...]
     parts: tuple[Part, ...]
-    is_image: bool
+    is_image: bool = False
+    view: str = ""
 
 
 @dataclass(frozen=True)
@@ -247,7 +249,7 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
         if isinstance(term.options, IsImage):
             view = getattr(term.options, "view", "")
             parts = _parts(told, np.ones(sum(one.count for one in told), np.bool_), (0.0, 255.0), 0)
-            blocks.append(Block(term.name, f"{summary} {view}".strip(), term.image.shape[2:], parts, True))
+            blocks.append(Block(term.name, summary, term.image.shape[2:], parts, True, view))
             continue
         low, high = bounds[term.name]
         used = episodes.feature_mask[agent, term.column : term.column + low.size]
@@ -255,7 +257,7 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
         if kept.any():
             parts = _parts(told, kept, (low, high), start if is_flat else 0)
             width = int(kept.sum())
-            blocks.append(Block(term.name, summary, (width,), parts, False))
+            blocks.append(Block(term.name, summary, (width,), parts))
             start += width
     return tuple(blocks)
 

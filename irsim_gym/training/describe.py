@@ -97,7 +97,7 @@ def draw(worlds: Worlds, path: Path) -> None:
     sight = FAR if found is None else float(found[0].options[found[1]].range_max)
     scene = Renderer(simulation.scenario, simulation.model, simulation.state).scene()
     pose = simulation.state.pose[0, body]
-    title = f"{simulation.scenario.name}: where {worlds.agent_names[0]} looks, its heading up"
+    title = f"{simulation.scenario.name}: where {worlds.agent_names[0]} looks"
     draw_sectors(path, panels, scene, pose, min(sight, FAR), title)
 
 
@@ -117,14 +117,14 @@ def _panels(worlds: Worlds, description: Description) -> Iterator[SectorPanel | 
                 read, room = view.observation[0, 0, start:stop], max(part.high - part.low, 1e-9)
                 values = np.asarray((read - part.low) / room, np.float32)
                 title = f"{block.name} {part.start}:{part.stop}"
-                yield SectorPanel(title, f"{part.meaning}; the fuller the nearer to {part.high:g}", part.start,
-                                  part.sectors, values)  # fmt: skip
+                note = f"{part.meaning}; its heading is up; the fuller the nearer to {part.high:g}"
+                yield SectorPanel(title, note, part.start, part.sectors, values)
             start = stop
 
 
 def _channels(block: Block, image: Any) -> Iterator[tuple[str, str, Any]]:
-    if image.shape[2] == 3:
-        yield block.name, block.summary, image
+    if [part.meaning.split(" ")[0] for part in block.parts] == ["red", "green", "blue"]:
+        yield block.name, block.view, image
         return
     for k, part in enumerate(block.parts):
-        yield f"{block.name}, channel {k}", f"{part.meaning}: {part.scale}", image[..., k]
+        yield f"{block.name}, channel {k}", f"{part.meaning}: {part.scale}; {block.view}", image[..., k]
