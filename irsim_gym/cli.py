@@ -75,6 +75,26 @@ def check(
 
 
 @app.command()
+def describe(
+    scenario: Scenario,
+    task: Task = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print it as JSON.")] = False,
+    picture: Annotated[
+        Path | None, typer.Option(help="Also draw where observations look, into this .png, .pdf or .svg file.")
+    ] = None,
+    team: Annotated[bool, typer.Option("--team", help="All robots learn (or those that the task names).")] = False,
+    given: Given = None,
+    lenient: Lenient = False,
+    modules: Imports = None,
+) -> None:
+    """Say what each number means: observations column by column, actions, rewards, endings, infos."""
+    from irsim_gym.training.describe import describe_scenario
+
+    chosen: dict[str, Any] = {"team": team, "strict": not lenient, "as_json": as_json, "picture": picture}
+    describe_scenario(scenario, task, read_parameters(given), **chosen)
+
+
+@app.command()
 def options(
     name: Annotated[
         str | None,

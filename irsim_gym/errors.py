@@ -136,6 +136,10 @@ class OptionError(IrsimGymError, ValueError):
         return type(self), (self.key, str(self))
 
 
+class KindError(IrsimGymError, ValueError):
+    """A kind of one's own that does not do what its family asks for; the message says what would be right."""
+
+
 class SeveralAgentsError(IrsimGymError, ValueError):
     """A task has several learners where one is expected."""
 
@@ -158,6 +162,11 @@ class NoKeyboardWarning(UserWarning):
 
 class NoEffectWarning(UserWarning):
     """A script asks for what changes nothing here, or for a file that cannot be written."""
+
+
+def several(count: int, noun: str) -> str:
+    """Return a number of things: ``1 world``, ``2 worlds``."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:

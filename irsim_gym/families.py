@@ -8,6 +8,8 @@ from irsim_gym.registry import Registry
 
 _OWN = "; your own is registered by @irsim_gym.{}, on the command line from --import FILE.py"
 
+_CONTRACT = "irsim_gym.tasks.contract"
+
 KINEMATICS = Registry("kinematics")
 BEHAVIORS = Registry("behavior", _OWN.format("behavior"))
 GROUP_BEHAVIORS = Registry("group behavior", _OWN.format("group_behavior"))
@@ -15,10 +17,10 @@ FOOTPRINTS = Registry("shape")
 PLACEMENTS = Registry("distribution")
 SENSORS = Registry("sensor")
 MAPS = Registry("obstacle map")
-ACTIONS = Registry("action")
-OBSERVATIONS = Registry("observation")
-REWARDS = Registry("reward")
-ENDINGS = Registry("ending")
+ACTIONS = Registry("action", contract=_CONTRACT)
+OBSERVATIONS = Registry("observation", contract=_CONTRACT)
+REWARDS = Registry("reward", contract=_CONTRACT)
+ENDINGS = Registry("ending", contract=_CONTRACT)
 SECTIONS = Registry("section")
 """Sections of a scenario file whose keys a package beyond ``scenario`` declares: for the reference and the schema."""
 

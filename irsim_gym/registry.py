@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
+
+OWN = "irsim_gym."
+"""How the names of the package's own modules begin."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +32,14 @@ class Registry:
     Args:
         family: What they are, in messages.
         advice: What to do about a name that is missing because nobody has registered it yet.
+        contract: Module that checks classes from outside the package before they are registered, by its
+            ``check_kind(family, name, kind)``. By name, so that nothing here depends on a kind.
     """
 
-    def __init__(self, family: str, advice: str = "") -> None:
+    def __init__(self, family: str, advice: str = "", contract: str = "") -> None:
         self.family = family
         self._advice = advice
+        self._contract = contract
         self._entries: dict[str, Entry] = {}
 
     def register(self, name: str, kind: type[Any]) -> None:
@@ -40,7 +47,10 @@ class Registry:
 
         Raises:
             IrsimGymError: The name is taken by another class.
+            KindError: A class of one's own does not do what the family asks for.
         """
+        if self._contract and not getattr(kind, "__module__", "").startswith(OWN):
+            importlib.import_module(self._contract).check_kind(self.family, name, kind)
         known = self._entries.get(name)
         if known is not None and known.kind is not kind:
             raise IrsimGymError(

@@ -74,6 +74,7 @@ ONLY_FILES = {
     "stable_baselines3": "envs/sb3",
     "sb3_contrib": "envs/sb3_recurrent",
     "wrapt": "envs/registration",
+    "rich": "envs/description_text",
 }
 # Parts of ours that some files may use and the rest of their folder may not.
 ONLY_PLACES = {"raster": "tasks/observations/"}

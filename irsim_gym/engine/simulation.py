@@ -16,7 +16,7 @@ from irsim_gym.engine.given import check_bodies, check_commands, check_level
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.step import Orders, advance, refresh
-from irsim_gym.errors import UnknownNameError, suggestion
+from irsim_gym.errors import UnknownNameError, several, suggestion
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.world.company import find_sensor
 from irsim_gym.world.group import Group, Shard
@@ -52,6 +52,10 @@ class Simulation:
         self._advance = self.fuse(self.advance)
         self._draw = self.fuse(self._draw_level, levels)
         self._start = self.fuse(self._start_drawn)
+
+    def __repr__(self) -> str:
+        counts = (self.n_worlds, "world"), (len(self.scenario.robots), "robot"), (len(self.agents), "agent")
+        return f"<Simulation {self.scenario.label}: {', '.join(several(*one) for one in counts)}>"
 
     def fuse(self, function: Callable[[Shard], None], kinds: Iterable[Any] = ()) -> Fused:
         """Return a function of a shard as one compiled call, where it consists of kernels alone.

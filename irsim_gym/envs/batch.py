@@ -11,6 +11,8 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
+from irsim_gym.envs.description import Description
+from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
@@ -156,6 +158,9 @@ class Batch:
         self._returns: Floats = np.zeros(shape)
         self._age: Ints = np.zeros(self.n_worlds, np.int64)
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.worlds.summary}>"
+
     @property
     def render_mode(self) -> str | None:
         """How the worlds are shown."""
@@ -258,6 +263,21 @@ class Batch:
         if not self.state_size:
             return np.zeros((self.n_worlds, 0), np.float32)
         return self.worlds.episodes.team_state()
+
+    def moment(self, world: int) -> WorldMoment:
+        """Return one of the worlds as it is now, to be read: ``robot``, ``robots``, ``bodies``, ``time``."""
+        return self.worlds.moment(world)
+
+    def describe(self, agent: str | None = None) -> Description:
+        """Return what observations, actions, rewards, endings and infos mean to an agent; it prints as tables.
+
+        Args:
+            agent: Its name; the first by default. The description names those that observe and act alike.
+
+        Raises:
+            UnknownNameError: There is no such agent.
+        """
+        return self.worlds.describe(agent or 0)
 
     def close(self) -> None:
         """Close the window and free the renderer; may be called twice."""

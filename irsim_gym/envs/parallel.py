@@ -15,6 +15,8 @@ from pettingzoo import ParallelEnv
 
 from irsim_gym.arraytypes import Bytes, Rays
 from irsim_gym.engine.given import LEVELS
+from irsim_gym.envs.description import Description
+from irsim_gym.envs.moment import Bodies
 from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Layout, Observation, action_space, observation_layout, observation_space
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
@@ -144,6 +146,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
             self.observation_spaces[name] = observation_space(worlds.episodes, agent)
             self.action_spaces[name] = action_space(worlds.episodes, agent)
         self.state_space = Box(-1.0, 1.0, (worlds.episodes.team_state_size,), np.float32)
+        self._padded = padded
         self._np_random: np.random.Generator | None = None
         self._np_random_seed: int | None = None
         self._begun = False
@@ -251,6 +254,32 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         if self.render_mode is not None and not self._begun:
             raise ResetNeeded("no episode has begun: call reset() before render()")
         return self.worlds.pictures.of(0)
+
+    @property
+    def robots(self) -> Bodies:
+        """All robots of the level, by number or name; see ``BodyMoment``."""
+        return self.worlds.moment().robots
+
+    @property
+    def bodies(self) -> Bodies:
+        """All bodies of the level, robots first, by number or name; see ``BodyMoment``."""
+        return self.worlds.moment().bodies
+
+    @property
+    def time(self) -> float:
+        """Time since the start of the episode [s]."""
+        return self.worlds.moment().time
+
+    def describe(self, agent: str | None = None) -> Description:
+        """Return what observations, actions, rewards, endings and infos mean to an agent; it prints as tables.
+
+        Args:
+            agent: Its name; the first by default. The description names those that observe and act alike.
+
+        Raises:
+            UnknownNameError: There is no such agent.
+        """
+        return self.worlds.describe(agent or 0, own=not self._padded)
 
     def close(self) -> None:
         """Close the window and free the renderer. May be called twice."""

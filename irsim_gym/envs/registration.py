@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import gymnasium
 from wrapt import register_post_import_hook
@@ -18,11 +18,15 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.scenario.ids import ANY, IDS, NAMESPACE
 from irsim_gym.scenario.library import SUFFIXES, scenario_names
 
+if TYPE_CHECKING:
+    from irsim_gym.envs.worlds import ScenarioSource, TaskSource
+
 ENTRY_POINT = "irsim_gym.envs.single:WorldEnv"
 VECTOR_ENTRY_POINT = "irsim_gym.envs.vector:WorldVectorEnv"
 PARALLEL_ENTRY_POINT = "irsim_gym.envs.parallel:parallel_env"
-UNSAID = {"render_backend": "matplotlib", "strict": True}
 SINGLES = (gymnasium.VectorizeMode.SYNC, gymnasium.VectorizeMode.ASYNC)
+DEFAULTS = {"render_backend": "matplotlib", "strict": True, "autoreset_mode": "NextStep", "num_threads": 1}
+"""Arguments of whatever makes environments whose default is not None."""
 
 
 def env_id(name: str, namespace: str = NAMESPACE) -> str:
@@ -91,31 +95,104 @@ def _register_parallel(one: str, kwargs: dict[str, Any], pettingzoo: Any) -> Non
         pettingzoo.register("parallel", one, PARALLEL_ENTRY_POINT, kwargs=kwargs)
 
 
-def make(scenario: str | Path | Mapping[str, Any], **kwargs: Any) -> gymnasium.Env[Any, Any]:
+def make(
+    scenario: ScenarioSource,
+    *,
+    task: TaskSource = None,
+    max_steps: int | None = None,
+    max_episode_steps: int | None = None,
+    render_mode: str | None = None,
+    render_backend: str = "matplotlib",
+    strict: bool = True,
+    disable_env_checker: bool | None = None,
+    **parameters: Any,
+) -> gymnasium.Env[Any, Any]:
     """Make a single environment from a shipped name, a YAML file, plain data or an id.
 
     Args:
         scenario: What to make.
-        **kwargs: Options of ``WorldEnv`` and of ``gymnasium.make``, and values for the scenario's parameters.
+        task: Name of a shipped task, path, or plain data; None for the scenario's own.
+        max_steps: Time limit of the task [steps]; None for the task's.
+        max_episode_steps: Time limit of ``gymnasium.make`` [steps], by a wrapper around the environment.
+        render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``WorldEnv.render``.
+        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
+        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        disable_env_checker: True leaves out Gymnasium's checks of the first steps.
+        **parameters: Values for the scenario's parameters.
     """
-    one, kwargs = _resolve(scenario, kwargs)
+    given = _given(
+        task=task,
+        max_steps=max_steps,
+        max_episode_steps=max_episode_steps,
+        render_mode=render_mode,
+        render_backend=render_backend,
+        strict=strict,
+        disable_env_checker=disable_env_checker,
+    )
+    one, kwargs = _resolve(scenario, {**given, **parameters})
     return Environment(gymnasium.make(one, **kwargs))
 
 
 def make_vec(
-    scenario: str | Path | Mapping[str, Any], num_envs: int = 1, **kwargs: Any
+    scenario: ScenarioSource,
+    num_envs: int = 1,
+    *,
+    task: TaskSource = None,
+    max_steps: int | None = None,
+    max_episode_steps: int | None = None,
+    autoreset_mode: gymnasium.vector.AutoresetMode | str = "NextStep",
+    num_threads: int = 1,
+    render_mode: str | None = None,
+    render_backend: str = "matplotlib",
+    strict: bool = True,
+    vectorization_mode: gymnasium.VectorizeMode | str | None = None,
+    vector_kwargs: dict[str, Any] | None = None,
+    wrappers: Sequence[Callable[[gymnasium.Env[Any, Any]], gymnasium.Env[Any, Any]]] | None = None,
+    **parameters: Any,
 ) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
     """Make the native batch of environments from a shipped name, a YAML file, plain data or an id.
 
     Args:
         scenario: What to make.
         num_envs: Number of worlds.
-        **kwargs: Options of ``WorldVectorEnv`` and of ``gymnasium.make_vec``, and values for the scenario's
-            parameters.
+        task: Name of a shipped task, path, or plain data; None for the scenario's own.
+        max_steps: Time limit of the task [steps]; None for the task's.
+        max_episode_steps: Another time limit [steps]; the smaller one counts.
+        autoreset_mode: ``"NextStep"``, ``"SameStep"`` or ``"Disabled"``.
+        num_threads: Threads that share the worlds.
+        render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``WorldVectorEnv.render``.
+        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
+        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        vectorization_mode: ``"sync"`` or ``"async"`` makes single environments, see ``gymnasium.make_vec``.
+        vector_kwargs: With these modes, arguments of Gymnasium's vector environment.
+        wrappers: With these modes, wrappers around each single environment.
+        **parameters: Values for the scenario's parameters.
     """
-    _refuse_for_singles(kwargs)
-    one, kwargs = _resolve(scenario, kwargs)
+    given = _given(
+        task=task,
+        max_steps=max_steps,
+        max_episode_steps=max_episode_steps,
+        autoreset_mode=autoreset_mode,
+        num_threads=num_threads,
+        render_mode=render_mode,
+        render_backend=render_backend,
+        strict=strict,
+        vectorization_mode=vectorization_mode,
+        vector_kwargs=vector_kwargs,
+        wrappers=wrappers,
+    )
+    _refuse_for_singles(given)
+    one, kwargs = _resolve(scenario, {**given, **parameters})
     return gymnasium.make_vec(one, num_envs=num_envs, **kwargs)
+
+
+def _given(**chosen: Any) -> dict[str, Any]:
+    """Return the arguments that differ from their defaults: what is registered with an id holds for the others."""
+    return {name: value for name, value in chosen.items() if not _is_default(name, value)}
+
+
+def _is_default(name: str, value: Any) -> bool:
+    return type(value) is type(DEFAULTS.get(name)) and value == DEFAULTS.get(name)
 
 
 def _refuse_for_singles(kwargs: Mapping[str, Any]) -> None:
@@ -133,14 +210,13 @@ def spec_of(scenario: Any, kwargs: dict[str, Any]) -> ScenarioSpec:
 
     Keywords that say nothing (None, and their defaults) are left out.
     """
-    told = {name: value for name, value in kwargs.items() if value is not None and value != UNSAID.get(name)}
-    one, given = _resolve(scenario, told)
+    one, given = _resolve(scenario, _given(**kwargs))
     spec = copy(scenario_spec(gymnasium.registry[one]))
     spec.kwargs = {**spec.kwargs, **given}
     return batch_spec(spec)
 
 
-def _resolve(scenario: str | Path | Mapping[str, Any], kwargs: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+def _resolve(scenario: ScenarioSource, kwargs: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     """Return the id to make and its arguments."""
     one = IDS.find(scenario)
     if one is None and isinstance(scenario, str) and scenario in scenario_names():

@@ -14,6 +14,7 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Bytes, Flags, Ints
+from irsim_gym.envs.description import Description
 from irsim_gym.envs.infos import Record
 from irsim_gym.envs.sb3_keywords import MonitorFiles
 from irsim_gym.envs.sb3_masks import is_being_monitored
@@ -49,6 +50,9 @@ class NativeVecEnv(VecEnv):
         super().__init__(len(views), observation_space, action_space)
         self.metadata: dict[str, Any] = {**self.metadata, "render_fps": worlds.render_fps}
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.worlds.summary}>"
+
     @property
     def reset_infos(self) -> list[dict[str, Any]]:
         """What each slot's latest episode began with; made when it is asked for, as hardly anybody does."""
@@ -71,6 +75,10 @@ class NativeVecEnv(VecEnv):
     def no_infos(self) -> list[dict[str, Any]]:
         """Return a dict of its own for each slot, as wrappers may write into any; this is the fastest way."""
         return list(map(dict.copy, repeat({}, self.num_envs)))
+
+    def describe(self) -> Description:
+        """Return what observations, actions, rewards, endings and infos mean in each slot; it prints as tables."""
+        return self.worlds.describe()
 
     def close(self) -> None:
         """Close the window and the files, and free the renderer. May be called twice."""

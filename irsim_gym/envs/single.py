@@ -11,8 +11,10 @@ from gymnasium.error import ResetNeeded
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.engine.given import LEVELS
+from irsim_gym.envs.description import Description
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.limits import ScenarioSpec, agreed_limit, outer_limit, scenario_spec
+from irsim_gym.envs.moment import Bodies, BodyMoment
 from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.specs import plain_spec
@@ -102,6 +104,9 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
     def spec(self, spec: EnvSpec | None) -> None:
         self._spec = None if spec is None else scenario_spec(plain_spec(spec))
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.worlds.summary}>"
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
@@ -146,6 +151,30 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         """
         render_warning(self.render_mode)
         return self.worlds.pictures.of(0)
+
+    @property
+    def robot(self) -> BodyMoment:
+        """The robot that learns, as it is now, to be read: ``pose``, ``velocity``, ``goal``, ``scan()`` and so on."""
+        return self.worlds.moment().robot
+
+    @property
+    def robots(self) -> Bodies:
+        """All robots of the level, by number or name; see ``BodyMoment``."""
+        return self.worlds.moment().robots
+
+    @property
+    def bodies(self) -> Bodies:
+        """All bodies of the level, robots first, by number or name; see ``BodyMoment``."""
+        return self.worlds.moment().bodies
+
+    @property
+    def time(self) -> float:
+        """Time since the start of the episode [s]."""
+        return self.worlds.moment().time
+
+    def describe(self) -> Description:
+        """Return what observations, actions, rewards, endings and infos mean; it prints as tables."""
+        return self.worlds.describe()
 
     def close(self) -> None:
         """Close the window and free the renderer. May be called twice."""

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
 from irsim_gym.engine.given import LEVELS
+from irsim_gym.envs.description import Description
 from irsim_gym.envs.limits import ScenarioSpec, agreed_limit, batch_spec, single_spec
+from irsim_gym.envs.moment import RobotMoments, WorldMoment
 from irsim_gym.envs.pictures import RENDER_MODES, ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.specs import plain_spec
@@ -104,6 +106,9 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         self._seeds: list[int | None] = [None] * num_envs
         self._generators: list[np.random.Generator | None] = [None] * num_envs
         self.closed = False
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.worlds.summary}>"
 
     def reset(
         self,
@@ -276,6 +281,24 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
             spec = None if self._spec is None else single_spec(self._spec)
             self._views = [WorldView(self.worlds, w, spec=spec) for w in range(self.num_envs)]
         return self._views
+
+    @property
+    def robot(self) -> RobotMoments:
+        """The robots that learn, as they are now, to be read; arrays begin with the axis of the worlds."""
+        return RobotMoments(self.worlds.simulation)
+
+    @property
+    def time(self) -> Floats:
+        """Time since the start of each episode [s], a copy, shape ``(num_envs,)``."""
+        return self.worlds.simulation.state.time.copy()
+
+    def moment(self, world: int) -> WorldMoment:
+        """Return one of the worlds as it is now, to be read: ``robot``, ``robots``, ``bodies``, ``time``."""
+        return self.worlds.moment(world)
+
+    def describe(self) -> Description:
+        """Return what observations, actions, rewards, endings and infos mean in each world; it prints as tables."""
+        return self.worlds.describe()
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the window and free the renderer."""

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from irsim_gym.envs.description import Description
 from irsim_gym.envs.limits import ScenarioSpec
+from irsim_gym.envs.moment import Bodies, BodyMoment
 from irsim_gym.envs.pictures import RENDER_MODES
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import suggestion
@@ -64,6 +66,31 @@ class WorldView:
     def unwrapped(self) -> WorldView:
         """Itself."""
         return self
+
+    @property
+    def robot(self) -> BodyMoment:
+        """The robot that learns here, as it is now, to be read."""
+        simulation = self.worlds.simulation
+        return BodyMoment(simulation, int(simulation.agents[self.agent]), self.index)
+
+    @property
+    def robots(self) -> Bodies:
+        """All robots of its world."""
+        return self.worlds.moment(self.index).robots
+
+    @property
+    def bodies(self) -> Bodies:
+        """All bodies of its world, robots first."""
+        return self.worlds.moment(self.index).bodies
+
+    @property
+    def time(self) -> float:
+        """Time since the start of its world's episode [s]."""
+        return self.worlds.moment(self.index).time
+
+    def describe(self) -> Description:
+        """Return what observations, actions, rewards, endings and infos mean; it prints as tables."""
+        return self.worlds.describe()
 
     def info(self) -> dict[str, Any]:
         """Return what is known about the agent now."""

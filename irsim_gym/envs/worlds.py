@@ -13,11 +13,20 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import compile
 from irsim_gym.engine.given import LEVELS
+from irsim_gym.envs.description import Description, describe
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.limits import agreed_limit
+from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
-from irsim_gym.errors import MissingScenarioError, SeveralAgentsError, UnknownKeywordError, UnknownNameError, suggestion
+from irsim_gym.errors import (
+    MissingScenarioError,
+    SeveralAgentsError,
+    UnknownKeywordError,
+    UnknownNameError,
+    several,
+    suggestion,
+)
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.ids import ANY, SOURCES
 from irsim_gym.scenario.parameters import given_as_keywords
@@ -89,6 +98,14 @@ class Worlds:
         self.agent_names = self.episodes.agent_names
         self._splits = ["train"] * n_worlds
         self._row: Rays | None = None
+
+    def __repr__(self) -> str:
+        return f"<Worlds {self.summary}>"
+
+    @property
+    def summary(self) -> str:
+        """What these are, in a line: scenario, worlds, learners."""
+        return f"{self.scenario.label}: {several(self.n_worlds, 'world')}, {several(self.episodes.n_agents, 'agent')}"
 
     @property
     def render_mode(self) -> str | None:
@@ -199,6 +216,32 @@ class Worlds:
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_row": None}
+
+    def moment(self, world: int = 0) -> WorldMoment:
+        """Return one of the worlds as it is now, to be read.
+
+        Raises:
+            IndexError: There are not so many.
+        """
+        if not -self.n_worlds <= world < self.n_worlds:
+            raise IndexError(f"world {world}: there are {self.n_worlds}")
+        return WorldMoment(self.simulation, world % self.n_worlds)
+
+    def describe(self, agent: str | int = 0, *, own: bool = False) -> Description:
+        """Return what observations, actions, rewards, endings and infos mean to a learner.
+
+        Args:
+            agent: Its name, or its number among the learners.
+            own: Leave out columns and components that mean nothing to it.
+
+        Raises:
+            UnknownNameError: There is no such learner.
+        """
+        names = self.agent_names
+        if isinstance(agent, str) and agent not in names:
+            raise UnknownNameError(f"no agent named {agent!r}{suggestion(agent, names)}")
+        a = names.index(agent) if isinstance(agent, str) else agent
+        return describe(self.episodes, self.info_of(0, a), a, own=own)
 
     def close(self) -> None:
         """Close the window and free the renderers; everything else is plain memory."""

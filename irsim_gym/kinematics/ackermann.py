@@ -47,6 +47,12 @@ class Ackermann:
     )
 
     @property
+    def command_words(self) -> tuple[tuple[str, str], ...]:
+        """What the components of a command are, and their units."""
+        second = ("steering angle", "rad") if self.mode == "steer" else ("turn rate", "rad/s")
+        return ("speed ahead", "m/s"), (f"{second[0]}, positive to the left", second[1])
+
+    @property
     def variances(self) -> Variances:
         """What the motion noise of the components depends on."""
         return noise.growing(self.alpha)

@@ -24,6 +24,10 @@ class Differential:
 
     only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("linear", "angular")
+    command_words: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("speed ahead", "m/s"),
+        ("turn rate, positive to the left", "rad/s"),
+    )
     state_size: ClassVar[int] = 3
     drive: ClassVar[int] = DIFFERENTIAL
 

@@ -37,6 +37,12 @@ class Omni:
     )
 
     @property
+    def command_words(self) -> tuple[tuple[str, str], ...]:
+        """What the components of a command are, and their units."""
+        names = ("speed ahead", "speed to the left") if self.frame == "body" else ("speed along x", "speed along y")
+        return tuple((name, "m/s") for name in names)
+
+    @property
     def drive(self) -> int:
         """How the command reads."""
         return OMNI_WORLD if self.frame == "world" else OMNI_BODY

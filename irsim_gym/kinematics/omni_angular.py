@@ -24,6 +24,11 @@ class OmniAngular:
 
     only_kernels: ClassVar[bool] = True
     command_names: ClassVar[tuple[str, ...]] = ("forward", "left", "angular")
+    command_words: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("speed ahead", "m/s"),
+        ("speed to the left", "m/s"),
+        ("turn rate, positive to the left", "rad/s"),
+    )
     state_size: ClassVar[int] = 3
     drive: ClassVar[int] = OMNI_ANGULAR
 

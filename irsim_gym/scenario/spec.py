@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AllowInfNan, Field
 
-from irsim_gym.errors import Problem
+from irsim_gym.errors import Problem, several
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.options import LARGEST, defaults, kind, option
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
@@ -370,6 +370,10 @@ class Scenario:
     ignored: tuple[Problem, ...] = field(repr=False, compare=False, default=())
     strict: bool = field(repr=False, compare=False, default=True)
     parameters: Mapping[str, bool | int | float | str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        n_robots, n_bodies = len(self.robots), len(self.bodies)
+        return f"<Scenario {self.label}: {several(n_robots, 'robot')}, {several(n_bodies - n_robots, 'obstacle')}>"
 
     @property
     def label(self) -> str:

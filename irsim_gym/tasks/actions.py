@@ -39,6 +39,11 @@ class VelocityAction:
         """0: the action is continuous."""
         return 0
 
+    def samples(self, term: Term) -> Floats:
+        """Return the actions that all numbers -1 and all numbers 1 become, ``(n_agents, 2, n_components)``."""
+        ends = np.array([-1.0, 1.0])[:, None] * np.ones(term.action_size)
+        return np.stack([ends] * len(term.agents))
+
     @staticmethod
     def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Take over the learner's numbers, cut to [-1, 1]."""
@@ -83,6 +88,11 @@ class DiscreteAction:
         between, last = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in (self.lateral, self.angular))
         axes = (first, last) if size == 2 else (first, between, last)
         return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+
+    def samples(self, term: Term) -> Floats:
+        """Return the action of every choice, ``(n_agents, n_choices, n_components)``."""
+        grid: Floats = term.arrays["grid"]
+        return grid
 
     @staticmethod
     def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

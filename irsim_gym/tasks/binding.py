@@ -10,11 +10,12 @@ import numpy as np
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import Simulation
 from irsim_gym.registry import Registry
+from irsim_gym.tasks.contract import check_bound, checked_bounds, is_foreign
 from irsim_gym.tasks.outcome import HitKind
 from irsim_gym.tasks.task import Task
-from irsim_gym.tasks.term import HasArrays, HasUnused, IsImage, Term
+from irsim_gym.tasks.term import AHEAD_AND_LEFT, HasArrays, HasUnused, IsImage, Term, Words
 from irsim_gym.world.arrays import aligned
-from irsim_gym.world.model import ROBOT
+from irsim_gym.world.model import OMNI_WORLD, ROBOT
 
 Parts = tuple[tuple[str, Rays, Rays], ...]
 
@@ -29,15 +30,28 @@ def bind(family: Registry, options: Sequence[Any], simulation: Simulation, task:
     """Return the terms of kinds, with their own arrays; the column is the place in the list."""
     agents = np.array(task.agents, np.int64)
     sizes = action_sizes(simulation, agents)
+    words = tuple(_action_words(simulation, task, int(b)) for b in agents)
     terms = []
     for column, item in enumerate(options):
         term = Term(family.name_of(type(item)), item, agents, task.max_steps, int(sizes.max()), sizes, column)
+        term.components = words
         if isinstance(item, HasArrays):
             term.arrays = item.arrays(simulation, agents)
+        if is_foreign(type(item)):
+            check_bound(family.family, term)
         if isinstance(item, IsImage):
             term.image = aligned((simulation.n_worlds, len(agents), *item.image_shape), np.uint8)
         terms.append(term)
     return terms
+
+
+def _action_words(simulation: Simulation, task: Task, body: int) -> Words:
+    """Return what the components of an agent's action are, and their units."""
+    drive = simulation.scenario.bodies[body].kinematics
+    if simulation.model.drive[body] == OMNI_WORLD and getattr(task.action, "frame", "command") == "body":
+        return AHEAD_AND_LEFT
+    words: Words = getattr(drive, "command_words", tuple((name, "") for name in drive.command_names))
+    return words
 
 
 def place_observations(terms: Sequence[Term], simulation: Simulation) -> tuple[Parts, Flags]:
@@ -53,7 +67,8 @@ def place_observations(terms: Sequence[Term], simulation: Simulation) -> tuple[P
         if isinstance(term.options, IsImage):
             continue
         term.column = column
-        low, high = term.options.bounds(term, simulation.model)
+        bounds = checked_bounds if is_foreign(type(term.options)) else term.options.bounds
+        low, high = bounds(term, simulation.model)
         parts.append((term.name, low, high))
         column += len(low)
         everything = np.ones((len(term.agents), len(low)), np.bool_)

@@ -135,7 +135,8 @@ def _term_name(term: Any) -> str:
 
 def _substitutes(place: Place, item: Any, bodies: Sequence[BodySpec], report: Report) -> list[Any]:
     """Return an observation that needs a range sensor, or what takes its place where there is none."""
-    names = [item.without_sensor] if isinstance(item.without_sensor, str) else item.without_sensor
+    given = getattr(item, "without_sensor", "")  # kinds from outside may have no such option
+    names = [given] if isinstance(given, str) else given
     wanted = [name for name in names if name]
     scanners = [[sensor for sensor in body.sensors if sensor.reading == "ranges"] for body in bodies]
     without = [body.name for body, found in zip(bodies, scanners, strict=True) if not found]

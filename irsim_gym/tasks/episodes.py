@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain
 from typing import Any, Literal
 
 import numpy as np
@@ -19,8 +20,9 @@ from irsim_gym.tasks.levels import check_split, take_levels
 from irsim_gym.tasks.outcome import PRECEDENCE
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.task import Task, checked_limit
-from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers
+from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers, Term
 from irsim_gym.tasks.transition import transition_of
+from irsim_gym.tasks.watch import Watch
 from irsim_gym.world.model import OMNI_WORLD
 
 
@@ -76,13 +78,21 @@ class Episodes:
         images = {term.name: term.image for term in self._observations if isinstance(term.options, IsImage)}
         self.view = transition_of(self.state, images)
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
-        every = [self._action, *self._observations, *self._rewards, *self._endings]
-        kinds = [type(term.options) for term in every]
+        kinds = [type(term.options) for term in chain(*self.terms.values())]
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
         self._play, self._begin_books = (simulation.fuse(run, kinds) for run in (self._step, self._open))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
+        bounds = {name: (low, high) for name, low, high in self.observation_terms}
+        recorded = (self._play, self._begin_books, self._begin)
+        self._watch = Watch(self.terms, simulation, bounds, recorded)
         everything = self._play, simulation.shards.all[0].worlds, self.action_sizes, self.state.given
         self.direct = None if self.n_discrete else Direct(*everything)
+
+    @property
+    def terms(self) -> dict[str, list[Term]]:
+        """The bound kinds of the task: ``action`` (one), ``observations``, ``rewards`` and ``endings``, in order."""
+        parts = [self._action], self._observations, self._rewards, self._endings
+        return dict(zip(("action", "observations", "rewards", "endings"), parts, strict=True))
 
     @property
     def n_worlds(self) -> int:
@@ -133,30 +143,13 @@ class Episodes:
         Returns:
             A fresh array of shape ``(n, team_state_size)``, ten numbers for each agent; see ``tasks/team_state.py``.
         """
-        model, world = self.simulation.model, self.simulation.state
         chosen = np.arange(self.n_worlds) if worlds is None else np.asarray(worlds, np.int64)
-        states = np.zeros((len(chosen), self.team_state_size), np.float32)
-        team_state.write_team_state(
-            chosen,
-            self._agents,
-            model.bounds,
-            model.velocity_max,
-            model.velocity_min,
-            model.has_goal,
-            world.stopped,
-            world.pose,
-            world.twist,
-            world.goal,
-            self.state.outcome,
-            model.present,
-            states,
-        )
-        return states
+        return team_state.team_states(self.simulation, self._agents, self.state.outcome, chosen)
 
     def limit(self, max_steps: int) -> None:
         """Set the time limit [steps]; rewards that spread over an episode change with it."""
         self.task = replace(self.task, max_steps=checked_limit(max_steps))
-        for term in [self._action, *self._observations, *self._rewards, *self._endings]:
+        for term in chain(*self.terms.values()):
             term.max_steps = max_steps
         self._play.forget()
         self._begin_books.forget()
@@ -243,6 +236,8 @@ class Episodes:
             and direct.run(given.reshape(-1))
         ):
             return
+        if self._watch.is_on:
+            self._watch.end_if_seen()
         rows = shards.all[0].worlds if worlds is None else worlds
         actions.take(given, rows, self.n_discrete, self.action_sizes, self._given)
         self.simulation.run(self._play, worlds)

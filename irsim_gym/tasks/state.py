@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Flags, Floats, Ints, Rays, Words
 from irsim_gym.world.arrays import Arrays, column
 
 
-@dataclass
+@dataclass(repr=False)
 class EpisodeState(Arrays):
     """The moment of every episode, beside the moment of the world; agents are counted within a world."""
 

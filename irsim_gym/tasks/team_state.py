@@ -5,12 +5,35 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.engine import Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.tasks.outcome import RUNNING
 from irsim_gym.tasks.scaling import unit
 
 WIDTH = 10
 """Numbers for each agent."""
+
+
+def team_states(simulation: Simulation, agents: Ints, outcome: Ints, worlds: Ints) -> Rays:
+    """Return the state of the whole teams of some worlds, fresh, ``(n, WIDTH * n_agents)``."""
+    model, world = simulation.model, simulation.state
+    states = np.zeros((len(worlds), WIDTH * len(agents)), np.float32)
+    write_team_state(
+        worlds,
+        agents,
+        model.bounds,
+        model.velocity_max,
+        model.velocity_min,
+        model.has_goal,
+        world.stopped,
+        world.pose,
+        world.twist,
+        world.goal,
+        outcome,
+        model.present,
+        states,
+    )
+    return states
 
 
 @kernel

@@ -21,6 +21,8 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 Role = Literal["potential", "bonus", "penalty", "running"]
+Words = tuple[tuple[str, str], ...]
+AHEAD_AND_LEFT: Words = (("speed ahead", "m/s"), ("speed to the left", "m/s"))
 
 
 @dataclass
@@ -36,6 +38,8 @@ class Term:
         action_sizes: The same for each agent by itself, shape ``(n_agents,)``; it has no use for others.
         column: Where the term writes: first column of the observation, column of the reward or of the ending.
         arrays: The term's own arrays: tables, memory, live readings of sensors.
+        components: Of each agent, what the components of its action are when they are mapped to its limits, and their
+            units: ``(("speed ahead", "m/s"), ...)``.
         image: What an observation that is a picture writes, ``(n_worlds, n_agents, height, width, n_channels)``; empty
             for all other terms.
     """
@@ -48,6 +52,7 @@ class Term:
     action_sizes: Ints
     column: int = 0
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+    components: tuple[Words, ...] = ()
     image: Bytes = field(default_factory=lambda: np.zeros((0, 0, 0, 0, 0), np.uint8))
 
 
@@ -103,7 +108,10 @@ class ActionKind(Protocol):
 
     @staticmethod
     def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Turn ``episode.given`` or ``episode.choice`` into ``episode.action``, in [-1, 1]."""
+        """Turn ``episode.given`` or ``episode.choice`` into ``episode.action``, in [-1, 1].
+
+        What ``episode.action`` held is moved to ``episode.previous_action`` before.
+        """
 
 
 class ObservationKind(Protocol):

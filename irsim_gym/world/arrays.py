@@ -68,6 +68,11 @@ class Arrays:
 
     together: ClassVar[tuple[tuple[str, ...], ...]] = ()
 
+    def __repr__(self) -> str:
+        arrays = [getattr(self, name) for name in self.columns()]
+        n_bytes = sum(getattr(array, "nbytes", 0) for array in arrays)
+        return f"<{type(self).__name__}: {len(arrays)} arrays, {n_bytes / 1e6:.3g} MB>"
+
     @classmethod
     def columns(cls) -> dict[str, Column]:
         """Return the declarations by field name."""

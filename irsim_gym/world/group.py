@@ -55,6 +55,9 @@ class Group:
         if self.params is None:
             self.params = records(self.options)
 
+    def __repr__(self) -> str:
+        return f"<Group of {len(self.members)} {getattr(self.kind, '__name__', self.kind)}>"
+
     def select(self, chosen: Ints) -> Group:
         """Return a group of some of the members, by their numbers in this one; it shares the arrays."""
         options = [self.options[k] for k in chosen]

@@ -17,7 +17,7 @@ NO_DRIVE, DIFFERENTIAL, OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR, ACKERMANN = -1, 0, 
 """How a body's command reads. OMNI_WORLD takes velocities in the world frame, OMNI_BODY in the body frame."""
 
 
-@dataclass
+@dataclass(repr=False)
 class WorldModel(Arrays):
     """Constants of the episode, first axis the world (length 1: shared by all worlds).
 

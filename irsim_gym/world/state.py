@@ -10,7 +10,7 @@ from irsim_gym.arraytypes import Flags, Floats, Ints, Words
 from irsim_gym.world.arrays import Arrays, column
 
 
-@dataclass
+@dataclass(repr=False)
 class WorldState(Arrays):
     """The moment in every world; one phase of the step writes each field."""
 

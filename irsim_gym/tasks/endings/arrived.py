@@ -22,6 +22,10 @@ class Arrived:
     outcome: ClassVar[Outcome] = Outcome.SUCCESS
     needs_goal: ClassVar[bool] = True
 
+    def when(self, term: Term) -> str:
+        """Return when it applies."""
+        return "it is within its goal_threshold of its last goal"
+
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""

@@ -43,6 +43,11 @@ class Collided:
         counts[[HitKind[name.upper()] for name in self.bodies]] = True
         return {"counts": counts}
 
+    def when(self, term: Term) -> str:
+        """Return when it applies."""
+        names = {"obstacle": "an obstacle that stands", "moving_obstacle": "one that moves", "robot": "a robot"}
+        return f"it touches {', '.join(names.get(name, 'the map') for name in self.bodies)}"
+
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""

@@ -23,6 +23,10 @@ class Deadlocked:
     outcome: ClassVar[Outcome] = Outcome.DEADLOCK
     needs_goal: ClassVar[bool] = True
 
+    def when(self, term: Term) -> str:
+        """Return when it applies."""
+        return "it has been slower than deadlock_speed, away from its goal, for deadlock_time (see the task)"
+
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""

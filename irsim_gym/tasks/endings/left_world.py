@@ -23,6 +23,10 @@ class LeftWorld:
     outcome: ClassVar[Outcome] = Outcome.LEFT_WORLD
     needs_goal: ClassVar[bool] = False
 
+    def when(self, term: Term) -> str:
+        """Return when it applies."""
+        return "it is outside of the world's rectangle by more than its own reach"
+
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -14,6 +15,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -33,12 +35,21 @@ class Drive:
         """Return each agent's numbers, ``(n_agents, n_drives)``."""
         names = [KINEMATICS.name_of(type(simulation.scenario.bodies[int(b)].kinematics)) for b in agents]
         known = sorted(set(names))
-        return {"own": np.array([[name == other for other in known] for name in names], np.float32)}
+        numbers = [KINEMATICS.names().index(name) for name in known]
+        own = np.array([[name == other for other in known] for name in names], np.float32)
+        return {"own": own, "drives": np.array(numbers, np.int64)}
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds, one element for each drive."""
         width = term.arrays["own"].shape[1]
         return np.zeros(width, np.float32), np.ones(width, np.float32)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return the drives."""
+        return [
+            Columns(f"1 where the robot's drive is {name}, else 0")
+            for name in map(KINEMATICS.names().__getitem__, term.arrays["drives"])
+        ]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,10 +13,11 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.cells import segment_cells_distance
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.observations.free_travel import shorten
+from irsim_gym.tasks.observations.free_travel import shorten, way_columns
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -62,6 +64,10 @@ class ExactFreeTravel:
         for values in (low, high):
             encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), low[0])
         return low, high
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return the directions."""
+        return way_columns(self, term.arrays, agent, self.horizon)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

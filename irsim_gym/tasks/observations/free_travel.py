@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -14,6 +15,7 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, shared_sensors
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -71,6 +73,10 @@ class FreeTravel:
             encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), np.float32(far))
         return low, high
 
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return the directions."""
+        return way_columns(self, term.arrays, agent, float(term.arrays["far"][agent]))
+
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the directions' codes."""
@@ -93,6 +99,22 @@ class FreeTravel:
             options.zero,
             episode.observation,
         )
+
+
+def way_columns(options: Any, table: Mapping[str, NDArray[Any]], agent: int, far: float) -> list[Columns]:
+    """Return what the numbers of free ways are.
+
+    Args:
+        options: Those of the kind: ``directions``, ``code``, ``near`` and ``zero``.
+        table: The term's ``ahead_x``, ``ahead_y`` and ``radius``.
+        agent: Which agent's.
+        far: Longest way [m].
+    """
+    ahead = np.arctan2(table["ahead_y"].astype(np.float64), table["ahead_x"].astype(np.float64))
+    ahead[0] = -np.pi
+    scale = f"s = way of a disc of {float(table['radius'][agent]):.3g} m around it, as {coded(options, 's', far)}"
+    directions = tuple((angle, angle) for angle in ahead.tolist())
+    return [Columns("free way straight in a direction", scale, options.directions, directions)]
 
 
 @kernel

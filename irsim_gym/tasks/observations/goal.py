@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -13,6 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -34,6 +36,18 @@ class Goal:
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds of the four elements."""
         return np.array([0.0, -1.0, -1.0, 0.0], np.float32), np.ones(4, np.float32)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the four elements are."""
+        width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
+        full = self.scale or float(np.hypot(width, height))
+        bearing = "0 straight ahead, positive to the left"
+        return [
+            Columns("distance d of the next goal", f"d / {full:.3g} m, at most 1"),
+            Columns("cosine of the goal's bearing: 1 straight ahead, -1 straight behind", bearing),
+            Columns("sine of the goal's bearing: 1 to the left, -1 to the right", bearing),
+            Columns("nearness of the goal", f"exp(-d / {self.near:g} m)"),
+        ]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

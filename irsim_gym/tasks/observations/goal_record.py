@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,6 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term, forget
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -46,6 +48,13 @@ class GoalRecord:
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Forget the record."""
         forget(term.arrays["nearest"], np.inf, episode, shard)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the two elements are."""
+        return [
+            Columns("how much farther the goal is than at its nearest", f"e / (e + {self.near:g} m)"),
+            Columns("how long ago it was at its nearest", f"t / (t + {self.soon:g} s)"),
+        ]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

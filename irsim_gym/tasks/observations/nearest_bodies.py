@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,6 +17,7 @@ from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -60,6 +62,24 @@ class NearestBodies:
         least = encoded(far, code_number(self.code), np.float32(self.near), np.float32(self.zero), far)
         low = np.array([-1.0, -1.0, least, -1.0, -1.0], np.float32)
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the five numbers of each body are."""
+        gap = coded(self, "g", _sight(self.range, model))
+        pace = f"v / {self.speed:g} m/s, relative to the robot"
+        told = [
+            Columns("nearest body: cosine of the direction of its nearest point", "1 straight ahead, -1 behind"),
+            Columns("nearest body: sine of that direction", "1 to the left, -1 to the right; both 0 without a body"),
+            Columns(
+                "nearest body: gap to it",
+                f"g between the outlines, as {gap}",
+            ),
+            Columns("nearest body: speed ahead", pace),
+            Columns("nearest body: speed to the left", pace),
+        ]
+        others = WIDTH * (self.count - 1)
+        told += [Columns(f"the same five of each of the {self.count - 1} next nearest", count=others)] if others else []
+        return told
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

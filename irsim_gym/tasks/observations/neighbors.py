@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -15,6 +16,7 @@ from irsim_gym.tasks.observations.nearest_bodies import moving
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -53,6 +55,22 @@ class Neighbors:
         """Return the bounds, six for each robot."""
         low = np.array([-1.0, -1.0, -1.0, -1.0, 0.0, 0.0], np.float32)
         return np.tile(low, self.count), np.ones(WIDTH * self.count, np.float32)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the numbers of each robot are."""
+        far = self.range or float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
+        over, pace = f"x / {far:.3g} m", f"v / {self.speed:g} m/s, relative to the robot"
+        told = [
+            Columns("nearest other robot: its origin, how far ahead", over),
+            Columns("nearest other robot: how far to the left", over),
+            Columns("nearest other robot: speed ahead", pace),
+            Columns("nearest other robot: speed to the left", pace),
+            Columns("nearest other robot: its reach", over),
+            Columns("nearest other robot: 1 if there is one, else 0, and all its other numbers 0"),
+        ]
+        others = WIDTH * (self.count - 1)
+        told += [Columns(f"the same six of each of the {self.count - 1} next nearest", count=others)] if others else []
+        return told
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

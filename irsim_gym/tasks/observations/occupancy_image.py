@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -18,6 +19,7 @@ from irsim_gym.tasks.observations.painting import (
     add_body,
     add_cells,
     add_outside,
+    around,
     clear,
     column_of,
     painters,
@@ -28,6 +30,7 @@ from irsim_gym.tasks.observations.painting import (
 from irsim_gym.tasks.observations.scan_painting import paint_scan, scan_tables
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import ROBOT, WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -78,6 +81,21 @@ class OccupancyImage:
         """Return what is painted with, and the scans where they are shown."""
         tables = scan_tables(simulation, agents, "occupancy_image") if self.from_scan else {}
         return {**painters(simulation, self.pixels, self.pixels), **tables, "white": np.array([255.0, 1.0])}
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the channels show."""
+        seen = "what the scan knows: 0 free, 127 not seen, 255 hit" if self.from_scan else "0 free, 255 occupied"
+        channels = [Columns("what stands around the robot", seen)]
+        if self.robot_channel:
+            channels.append(Columns("other robots", "255 where one is"))
+        if self.goal_channel:
+            channels.append(Columns("the next goal", "255 where it is, at the border where it is farther away"))
+        return channels
+
+    @property
+    def view(self) -> str:
+        """What the picture shows, and what is up in it."""
+        return around(self.metres, self.pixels, self.rotated)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -56,6 +56,12 @@ def painters(simulation: Simulation, height: int, width: int) -> dict[str, NDArr
     return {"box": np.array([0, 0, width, height], np.int64), "sheets": sheets}
 
 
+def around(metres: float, pixels: int, rotated: bool) -> str:
+    """Return what a picture around a robot shows, and what is up in it, in words."""
+    up = "the robot's heading is up, its left is left" if rotated else "the world's y axis is up, x to the right"
+    return f"{metres:g} m x {metres:g} m around the robot, {metres / pixels:.3g} m a pixel; {up}"
+
+
 @kernel(inlined=True)
 def view_from(pose: Floats, rotated: bool, scale: float, pixels: int) -> View:
     """Return the view of an agent at a pose, whose heading points up where ``rotated``."""

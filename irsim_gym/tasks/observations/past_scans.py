@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -14,6 +15,7 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, shared_sensors
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns, coded, evenly
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -80,6 +82,16 @@ class PastScans:
         for values in (low, high):
             encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), far)
         return low, high
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return the sectors of each scan."""
+        far = float(term.arrays["far"][agent])
+        scale = f"d = free depth beyond its reach, as {coded(self, 'd', far)}"
+        sectors = evenly(self.sectors)
+        return [
+            Columns(f"what was seen {steps} steps ago, from where it is now", scale, self.sectors, sectors)
+            for steps in self.ago
+        ]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

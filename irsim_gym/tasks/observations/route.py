@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,6 +18,7 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term, forget
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -64,6 +66,16 @@ class Route:
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds of the three elements."""
         return np.array([-1.0, -1.0, 0.0], np.float32), np.ones(3, np.float32)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the three elements are."""
+        full = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
+        point = f"of the direction of the point {self.ahead:g} m ahead on the shortest way"
+        return [
+            Columns(f"cosine {point}", "1 straight ahead, -1 straight behind"),
+            Columns(f"sine {point}", "1 to the left, -1 to the right"),
+            Columns("length s of the shortest way to the next goal", f"s / {full:.3g} m, at most 1"),
+        ]
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

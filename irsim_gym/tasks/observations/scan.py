@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -14,6 +15,7 @@ from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, encoded, shared_sensors
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -55,6 +57,8 @@ class Scan:
             "last": last.astype(np.uint64),
             "extent": np.ascontiguousarray(table["footprint"][members]),
             "far": far,
+            "angles": table["angles"],
+            "turns": np.array([group.options[k].offset[2] for k in members]),
         }
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
@@ -67,6 +71,15 @@ class Scan:
             for values in (low[a], high[a]):
                 encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), far[a])
         return low.min(axis=0), high.max(axis=0)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return where the sectors look: from their outer beams, and half a beam more, to each side."""
+        angles, table = term.arrays["angles"], term.arrays
+        edges = sector_edges(angles, len(table["first"])) + table["turns"][agent]
+        far = float(table["far"][agent])
+        scale = f"d = free depth beyond its own outline, as {coded(self, 'd', far)}"
+        sectors = tuple(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
+        return [Columns("least range of a sector of the scan", scale, len(sectors), sectors)]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
@@ -88,6 +101,17 @@ class Scan:
         )
 
 
+def half_beam(angles: Floats) -> float:
+    """Return half the angle between two neighbouring beams [rad]; 0 for one beam."""
+    return 0.5 * float(angles[-1] - angles[0]) / max(len(angles) - 1, 1)
+
+
+def sector_edges(angles: Floats, count: int) -> Floats:
+    """Return where sectors of equal angle begin, and where the last one ends [rad], shape ``(count + 1,)``."""
+    half = half_beam(angles)
+    return np.linspace(angles[0] - half, angles[-1] + half, count + 1)
+
+
 def sector_beams(angles: Floats, sectors: int) -> tuple[Ints, Ints]:
     """Return first and one past last beam of each sector; sectors of equal angle cover all beams.
 
@@ -102,7 +126,7 @@ def sector_beams(angles: Floats, sectors: int) -> tuple[Ints, Ints]:
     count = min(sectors, n_beams)
     if n_beams == 1:
         return np.zeros(1, np.int64), np.ones(1, np.int64)
-    half = 0.5 * (angles[-1] - angles[0]) / (n_beams - 1)
+    half = half_beam(angles)
     width = (angles[-1] - angles[0] + 2.0 * half) / count
     place = (angles - angles[0] + half) / width if width > 0.0 else np.zeros(n_beams)
     sector = np.floor(place + 1e-9).astype(np.int64).clip(0, count - 1)

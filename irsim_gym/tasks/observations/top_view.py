@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -22,6 +22,7 @@ from irsim_gym.tasks.observations.painting import (
     add_cells,
     add_outside,
     add_side,
+    around,
     column_of,
     painters,
     row_of,
@@ -30,6 +31,7 @@ from irsim_gym.tasks.observations.painting import (
 )
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import OBSTACLE, ROBOT, WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -79,6 +81,17 @@ class TopView:
         """Return what is painted with, and the colours with their opacity, ``(n_colours, 4)``."""
         colours = [[*bytes.fromhex(getattr(self, name)[1:]), 1.0] for name in COLOURS]
         return {**painters(simulation, self.pixels, self.pixels), "colours": np.array(colours, np.float64)}
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the channels show."""
+        return [Columns(f"{name} of the picture", "0 to 255") for name in ("red", "green", "blue")]
+
+    @property
+    def view(self) -> str:
+        """What the picture shows, and what is up in it."""
+        if self.follow == "world":
+            return "all of the world; its y axis is up, x to the right"
+        return around(self.metres, self.pixels, self.rotated)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

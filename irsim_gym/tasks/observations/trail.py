@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,6 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term, forget
+from irsim_gym.tasks.words import Columns, evenly
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -48,6 +50,12 @@ class Trail:
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Forget all marks."""
         forget(term.arrays["count"], 0, episode, shard)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return the sectors."""
+        scale = f"{self.near:g} m / (d + {self.near:g} m), d = distance of the mark; 0 without one"
+        meaning = f"nearness of the nearest place where it has been; a mark each {self.spacing:g} m of its way"
+        return [Columns(meaning, scale, self.sectors, evenly(self.sectors))]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -11,7 +12,8 @@ from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import AHEAD_AND_LEFT, Term
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import OMNI_WORLD, WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -44,6 +46,18 @@ class Velocity:
     def used(self, term: Term) -> Flags:
         """Return which components each agent's drive has, ``(n_agents, action_size)``."""
         return np.arange(term.action_size) < term.action_sizes[:, None]
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the components are; agents with fewer have zeros there."""
+        body = term.agents[agent]
+        largest = np.maximum(np.abs(model.velocity_min), np.abs(model.velocity_max)).max(axis=0)[body]
+        words = term.components[agent]
+        if model.drive[body] == OMNI_WORLD:
+            words, largest = AHEAD_AND_LEFT, np.full(3, np.hypot(*largest[:2]))
+        told = [
+            Columns(name, f"v / {most:.4g} {unit}".strip()) for (name, unit), most in zip(words, largest, strict=False)
+        ]
+        return [*told, *[Columns("unused")] * (term.action_size - len(told))]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

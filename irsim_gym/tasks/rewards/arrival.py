@@ -26,6 +26,10 @@ class Arrival:
 
     weight: float = option(5.0, ge=0.0, meaning="Bonus for success.")
 
+    def when(self, term: Term) -> str:
+        """Return when and how much it pays."""
+        return f"+{self.weight:g}, once: the episode ends with success"
+
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the bonus."""

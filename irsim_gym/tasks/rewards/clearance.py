@@ -33,6 +33,11 @@ class Clearance:
         """Clearances up to this must be exact [m]."""
         return self.safe
 
+    def when(self, term: Term) -> str:
+        """Return when and how much it pays."""
+        most = self.weight / term.max_steps
+        return f"nearer than {self.safe:g} m to another body: -{most:.3g} (1 - clearance / {self.safe:g} m)^2 a step"
+
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the cost of the present clearance."""

@@ -56,6 +56,14 @@ class Collision:
         """Forget; who touches something in the first step has begun to."""
         forget(term.arrays["touching"], False, episode, shard)
 
+    def when(self, term: Term) -> str:
+        """Return when and how much it pays."""
+        names = {"obstacle": "an obstacle", "robot": "a robot", "map": "the map"}
+        special = [f"with {names[key]} -{getattr(self, key):g}" for key in names if getattr(self, key) is not None]
+        return f"-{self.weight:g} in the step in which it begins to touch another body" + "".join(
+            f"; {one}" for one in special
+        )
+
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the penalty."""

@@ -26,6 +26,10 @@ class LeftWorldPenalty:
 
     weight: float = option(4.0, ge=0.0, meaning="Penalty for leaving the world.")
 
+    def when(self, term: Term) -> str:
+        """Return when and how much it pays."""
+        return f"-{self.weight:g}, once: the episode ends outside of the world"
+
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the penalty."""

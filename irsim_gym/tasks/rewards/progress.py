@@ -54,6 +54,11 @@ class Progress:
             memory = term.arrays
             note(shard.worlds, term.agents, state.pose, state.goal, memory["target"], memory["potential"])
 
+    def when(self, term: Term) -> str:
+        """Return when and how much it pays."""
+        way = "way around what never moves" if self.potential == "geodesic" else "straight way"
+        return f"{self.weight:g} times the {way} gained towards the goal in the step, over the world's diagonal"
+
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the gain since the step before, and note where things are now."""

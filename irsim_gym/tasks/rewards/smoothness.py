@@ -27,6 +27,11 @@ class Smoothness:
 
     weight: float = option(0.2, ge=0.0, meaning="Cost of an episode in which every action swings from end to end.")
 
+    def when(self, term: Term) -> str:
+        """Return when and how much it pays."""
+        most = f"-{self.weight / term.max_steps:.3g} a step for a swing from end to end"
+        return f"the action changes: at most {most}, with the square of the change"
+
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the cost of the latest change."""

@@ -27,6 +27,10 @@ class Time:
 
     weight: float = option(2.0, ge=0.0, meaning="Cost of a full episode; a step costs weight / max_steps.")
 
+    def when(self, term: Term) -> str:
+        """Return when and how much it pays."""
+        return f"-{self.weight / term.max_steps:.3g} in each step"
+
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the cost of a step."""

@@ -1,0 +1,133 @@
+"""What the kinds of a task say about themselves: which column holds what, when something is paid or ends.
+
+Each kind says it in a method of its own, beside the code that does it. A kind that has no such method is described
+by its docstring and its options alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+
+Sectors = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Columns:
+    """What neighbouring columns of an observation say; of one that is a picture, what its channels show.
+
+    Attributes:
+        meaning: What they hold, e.g. ``"cosine of the bearing"``.
+        scale: How the number comes about, with units, e.g. ``"d / 14.1 m, at most 1"``.
+        count: How many columns these are.
+        sectors: Where each of them looks, in the robot's own frame: from which angle to which [rad], 0 straight ahead,
+            positive to the left; both are the same for a single direction. Empty where columns are no directions.
+    """
+
+    meaning: str
+    scale: str = ""
+    count: int = 1
+    sectors: Sectors = ()
+
+
+@runtime_checkable
+class TellsColumns(Protocol):
+    """An observation that says what its columns, or the channels of its picture, hold."""
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the columns say to an agent, in order; their counts add up to the observation's width."""
+
+
+@runtime_checkable
+class TellsWhen(Protocol):
+    """A reward that says when it pays how much, or an ending that says when it applies."""
+
+    def when(self, term: Term) -> str:
+        """Return it in words, with numbers and units."""
+
+
+@runtime_checkable
+class TellsActions(Protocol):
+    """An action that says what a learner's numbers or choices become."""
+
+    def samples(self, term: Term) -> Floats:
+        """Return actions in [-1, 1], ``(n_agents, n, n_components)``: one for each choice, else those of -1 and +1."""
+
+
+def evenly(count: int) -> Sectors:
+    """Return sectors of equal angle over a full turn, the first of which begins straight behind."""
+    edges = 2.0 * np.pi * np.arange(count + 1) / count - np.pi
+    return tuple(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
+
+
+def coded(options: Any, what: str, far: float) -> str:
+    """Return how a depth or way becomes a number, with the options ``code``, ``near`` and ``zero``.
+
+    Args:
+        options: The kind's options.
+        what: A letter for the depth.
+        far: Greatest depth [m].
+    """
+    if options.code == "linear":
+        return f"1 - {what} / {far:g} m: 1 at 0 m, 0 at {far:g} m"
+    near, zero = options.near, options.zero
+    top = 1.0 / near - zero
+    nothing = f"0 at {1.0 / zero - near:.3g} m, " if zero > 0.0 else ""
+    least = (1.0 / (far + near) - zero) / top
+    return f"(1 / ({what} + {near:g} m) - {zero:g} / m) / {top:g}: 1 at 0 m, {nothing}{least:.2g} at {far:g} m"
+
+
+def turning(sectors: Sectors, start: int = 0) -> str:
+    """Return where the first of some sectors looks, which way they turn and where straight ahead is, in words.
+
+    Args:
+        sectors: Where each looks [rad].
+        start: Number of the first of them.
+    """
+    if not sectors:
+        return ""
+    first = _spelled(*sectors[0])
+    if len(sectors) == 1:
+        return first
+    sense = "left (counter-clockwise)" if sectors[1][0] > sectors[0][0] else "right (clockwise)"
+    ahead = " and ".join(str(start + k) for k in _ahead(sectors))
+    where = f"; straight ahead: column {ahead}" if ahead else ""
+    return f"the first {first}, the next ones turn {sense}, the last {_spelled(*sectors[-1])}{where}"
+
+
+def _ahead(sectors: Sectors) -> list[int]:
+    """Return which sectors are nearest to straight ahead, both where it is their border."""
+    middles = np.array([0.5 * (begin + end) for begin, end in sectors])
+    away = np.abs(np.remainder(middles + np.pi, 2.0 * np.pi) - np.pi)
+    return np.flatnonzero(away <= away.min() + 1e-9).tolist() if away.min() < 0.5 * np.pi else []
+
+
+def _spelled(begin: float, end: float) -> str:
+    low, high = degrees(begin), degrees(end)
+    return f"looks at {low}" if math.isclose(begin, end, abs_tol=1e-12) else f"covers {low} to {high}"
+
+
+def degrees(angle: float) -> str:
+    """Return an angle [rad] in degrees, as text."""
+    return f"{round(math.degrees(angle), 1) + 0.0:g}°"
+
+
+def first_sentence(kind: type[Any]) -> str:
+    """Return the first paragraph of a kind's docstring in one line; empty without one."""
+    words = (kind.__doc__ or "").strip().split("\n\n")[0]
+    return " ".join(words.split()).replace("``", "")
+
+
+def relative(value: NDArray[Any]) -> str:
+    """Return one number, or from which to which several numbers reach, as text."""
+    low, high = float(np.min(value)), float(np.max(value))
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"

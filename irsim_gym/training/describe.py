@@ -1,0 +1,128 @@
+"""What ``irsim-gym describe`` shows: an environment in words, and where its observations look."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from irsim_gym.envs.description import Block, Description
+from irsim_gym.envs.description_text import show
+from irsim_gym.envs.worlds import Worlds
+from irsim_gym.errors import IrsimGymError
+
+if TYPE_CHECKING:
+    from irsim_gym.render.sectors_plot import ImagePanel, SectorPanel
+
+SUFFIXES = (".png", ".pdf", ".svg")
+FAR = 5.0
+"""How far sectors are drawn at most [m]."""
+LEVEL = 0
+"""The level that a picture shows."""
+
+
+def describe_scenario(
+    scenario: str,
+    task: str | None,
+    parameters: Mapping[str, Any],
+    *,
+    team: bool,
+    strict: bool,
+    as_json: bool,
+    picture: Path | None,
+) -> None:
+    """Print what an environment is, and draw where its observations look.
+
+    Args:
+        scenario: Shipped name, id or file.
+        task: A task in place of the scenario's own.
+        parameters: Values of the scenario's parameters.
+        team: All robots learn; those that observe and act alike are described once.
+        strict: Refuse keys that nobody reads.
+        as_json: Print JSON: one object, with ``team`` a list of them.
+        picture: File to draw, or None.
+
+    Raises:
+        IrsimGymError: The picture is to have another ending than ``.png``, ``.pdf`` or ``.svg``, or there is nothing
+            to draw.
+    """
+    if picture is not None and picture.suffix.lower() not in SUFFIXES:
+        raise IrsimGymError(f"pictures are .png, .pdf or .svg files, got '{picture}'")
+    worlds = Worlds(scenario, task=task, parameters=parameters, team=team, strict=strict)
+    found = list(_each(worlds, team))
+    if as_json:
+        plain = [description.as_dict() for description in found]
+        print(json.dumps(plain if team else plain[0], indent=2))
+    else:
+        for k, description in enumerate(found):
+            print(end="\n" if k else "")
+            show(description)
+    if picture is not None:
+        draw(worlds, picture)
+        if not as_json:
+            print(picture)
+
+
+def _each(worlds: Worlds, team: bool) -> Iterator[Description]:
+    """Yield a description for each sort of learner."""
+    known: set[str] = set()
+    for name in worlds.agent_names:
+        if name not in known:
+            description = worlds.describe(name, own=team)
+            known |= {name, *description.same_for}
+            yield description
+
+
+def draw(worlds: Worlds, path: Path) -> None:
+    """Draw where the columns of the first learner's observations look, at the beginning of a level.
+
+    Raises:
+        IrsimGymError: It observes neither directions nor pictures.
+    """
+    from irsim_gym.render import Renderer
+    from irsim_gym.render.sectors_plot import draw_sectors
+
+    worlds.begin([0], [LEVEL], [{"split": "dev"}], lambda _: LEVEL)
+    panels = list(_panels(worlds, worlds.describe()))
+    if not panels:
+        raise IrsimGymError("no picture: what this task observes has neither directions nor pictures")
+    simulation = worlds.simulation
+    body = int(simulation.agents[0])
+    found = simulation.scan(body)
+    sight = FAR if found is None else float(found[0].options[found[1]].range_max)
+    scene = Renderer(simulation.scenario, simulation.model, simulation.state).scene()
+    pose = simulation.state.pose[0, body]
+    title = f"{simulation.scenario.name}: where {worlds.agent_names[0]} looks"
+    draw_sectors(path, panels, scene, pose, min(sight, FAR), title)
+
+
+def _panels(worlds: Worlds, description: Description) -> Iterator[SectorPanel | ImagePanel]:
+    """Yield what is drawn: each row of sectors, and each channel of a picture, or the picture where it has colours."""
+    from irsim_gym.render.sectors_plot import ImagePanel, SectorPanel
+
+    view = worlds.episodes.view
+    start = 0
+    for block in description.blocks:
+        if block.is_image:
+            yield from (ImagePanel(*parts) for parts in _channels(block, view.images[block.name][0, 0]))
+            continue
+        for part in block.parts:
+            stop = start + part.stop - part.start
+            if part.sectors:
+                read, room = view.observation[0, 0, start:stop], max(part.high - part.low, 1e-9)
+                values = np.asarray((read - part.low) / room, np.float32)
+                title = f"{block.name} {part.start}:{part.stop}"
+                note = f"{part.meaning}; its heading is up; the fuller the nearer to {part.high:g}"
+                yield SectorPanel(title, note, part.start, part.sectors, values)
+            start = stop
+
+
+def _channels(block: Block, image: Any) -> Iterator[tuple[str, str, Any]]:
+    if [part.meaning.split(" ")[0] for part in block.parts] == ["red", "green", "blue"]:
+        yield block.name, block.view, image
+        return
+    for k, part in enumerate(block.parts):
+        yield f"{block.name}, channel {k}", f"{part.meaning}: {part.scale}; {block.view}", image[..., k]
