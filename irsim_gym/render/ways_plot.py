@@ -209,7 +209,8 @@ def _write(axes: Axes, panel: Panel) -> None:
 def _add_ticks(axes: Axes, bounds: Sequence[float]) -> None:
     """Add coordinates; the last one along the world's width bears the unit."""
     x_min, y_min, x_max, y_max = bounds
-    wide, high = (DOTS_PER_INCH * length for length in axes.get_window_extent().size / axes.figure.dpi)
+    box, scale = axes.get_window_extent(), DOTS_PER_INCH / axes.figure.dpi
+    wide, high = box.width * scale, box.height * scale
     columns, rows = tick_positions(x_min, x_max, wide).tolist(), tick_positions(y_min, y_max, high).tolist()
     axes.set_xticks(columns, [number_text(x) + (" m" if x == columns[-1] else "") for x in columns])
     axes.set_yticks(rows, [number_text(y) for y in rows])
