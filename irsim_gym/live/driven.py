@@ -123,16 +123,13 @@ class Driven(Sketched):
 
     def resume(self) -> None:
         """Go on after a pause."""
-        self._paused, self._granted, self._status = False, False, self._running()
-
-    def _running(self) -> str:
-        return "Running (keyboard)" if self._control_mode == "keyboard" else "Running"
+        self._paused, self._granted, self._status = False, False, self._with_driver("Running")
 
     def _told(self, status: str) -> str:
         """Return the status after a step, with who drives."""
         if self._paused:
             return DEBUGGING
-        return self._running() if status == "Running" else status
+        return self._with_driver(status)
 
     def _may_step(self) -> bool:
         """Return whether a step is to be done: always, but in a pause only when F5 was pressed, once each time."""
@@ -222,7 +219,7 @@ class Driven(Sketched):
             case "switch":
                 self._control_mode = "auto" if self._control_mode == "keyboard" else "keyboard"
                 if self._status.startswith("Running"):
-                    self._status = self._running()
+                    self._status = self._with_driver("Running")
             case "figure":
                 self.save_figure(f"{self.scenario.name}_{int(self.simulation.state.step[0]):04d}")
             case "display":

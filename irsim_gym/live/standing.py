@@ -116,7 +116,7 @@ class Standing(Crowd):
 
     def step_status(self) -> None:
         """Bring ``status`` up to date from the robots' flags, as ``step`` and ``refresh`` do."""
-        self._status = moves.status_of(self.simulation)
+        self._status = self._with_driver(moves.status_of(self.simulation))
 
     @property
     def pause_flag(self) -> bool:
@@ -132,4 +132,9 @@ class Standing(Crowd):
         return logging.getLogger(f"irsim_gym.{self.name}")
 
     def _shown_status(self) -> str:
-        return "" if self._status == "None" else self._status
+        """Return what pictures say: the status, or before there is one how the robots stand, spelt as after a step."""
+        return self._with_driver(moves.status_of(self.simulation)) if self._status == "None" else self._status
+
+    def _with_driver(self, status: str) -> str:
+        """Return a status with who drives."""
+        return "Running (keyboard)" if status == "Running" and self.control_mode == "keyboard" else status

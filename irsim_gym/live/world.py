@@ -191,7 +191,7 @@ class World(Filmed):
     def refresh(self) -> None:
         """Bring outlines, flags, scans and status up to date after bodies were moved by hand, without a step."""
         self.simulation.refresh()
-        self._status = moves.status_of(self.simulation)
+        self._status = self._with_driver(moves.status_of(self.simulation))
 
     def reset(self, random: bool = False) -> None:
         """Begin again.

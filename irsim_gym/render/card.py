@@ -100,7 +100,7 @@ class Ticks:
         for x in columns:
             self._shown += self._axes.plot([x, x], [low[1], high[1]], color=theme.GRID, linewidth=0.7)
             column, row = layout.column_row(x, low[1])
-            words = _number(x) + (" m" if x == columns[-1] else "")
+            words = number_text(x) + (" m" if x == columns[-1] else "")
             place = column / layout.width, 1.0 - (row + gap) / layout.height
             self._shown.append(self._figure.text(*place, words, ha="center", va="top", **TICK))
 
@@ -110,8 +110,9 @@ class Ticks:
             self._shown += self._axes.plot([low[0], high[0]], [y, y], color=theme.GRID, linewidth=0.7)
             column, row = layout.column_row(low[0], y)
             place = (column - gap) / layout.width, 1.0 - row / layout.height
-            self._shown.append(self._figure.text(*place, _number(y), ha="right", va="center", **TICK))
+            self._shown.append(self._figure.text(*place, number_text(y), ha="right", va="center", **TICK))
 
 
-def _number(value: float) -> str:
+def number_text(value: float) -> str:
+    """Return a coordinate as it is written beside the drawing area."""
     return f"{round(value, 9) + 0.0:g}".replace("-", "\N{MINUS SIGN}")

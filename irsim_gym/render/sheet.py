@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -16,7 +17,7 @@ from irsim_gym.arraytypes import Bytes, Ints
 from irsim_gym.render import theme
 from irsim_gym.render.files import whole_file
 from irsim_gym.render.film import caption_strip
-from irsim_gym.render.layout import Layout
+from irsim_gym.render.layout import REFERENCE_SIDE, Layout
 from irsim_gym.render.outlines import NOTHING
 from irsim_gym.render.packing import PackedFrame
 from irsim_gym.render.replay import Recording
@@ -27,8 +28,10 @@ from irsim_gym.render.tiles import grid
 
 MOMENTS = 12
 FINENESS = 8
-WIDEST = 2000
+WIDEST = 1800
 """A sheet is reduced to so many pixels."""
+READABLE = 0.8
+"""Frames stand side by side as long as none becomes smaller than this share of one that is about 600 x 600."""
 GHOSTS = 8
 COLOURS = "viridis"
 WAY_WIDTH = 2.4
@@ -103,13 +106,13 @@ def contact_sheet(episodes: Sequence[Sequence[Bytes]], captions: Sequence[str], 
     Args:
         episodes: Frames of each, uint8 ``(height, width, 3)``, all of one shape.
         captions: Text above each episode; an empty one leaves no room.
-        columns: Frames in a row; None fills the rows evenly.
+        columns: Frames in a row; None for as many as can be read, so that the rows are full.
 
     Returns:
         The sheet, uint8, at most ``WIDEST`` pixels wide.
     """
     most = max(len(frames) for frames in episodes)
-    wide = min(columns or _columns(most), most)
+    wide = min(columns or _columns(most, episodes[0][0].shape[:2]), most)
     parts = []
     for frames, caption in zip(episodes, captions, strict=True):
         picture = grid([_reduced(frame, WIDEST // wide) for frame in frames], wide)
@@ -205,9 +208,12 @@ def _reduced(frame: Bytes, width: int) -> Bytes:
     return np.asarray(Image.fromarray(frame).resize(size, Image.Resampling.LANCZOS))
 
 
-def _columns(count: int) -> int:
-    """Return a number of columns that leaves few cells of the last row empty: at most six."""
-    return count if count <= 6 else min(range(4, 7), key=lambda columns: (-count % columns, -columns))
+def _columns(count: int, shape: tuple[int, ...]) -> int:
+    """Return a number of columns that lets frames ``(height, width)`` be read and leaves few cells of the last row."""
+    height, width = shape
+    least = READABLE * REFERENCE_SIDE * math.sqrt(width / height)
+    most = max(int(WIDEST / min(width, least)), 1)
+    return count if count <= most else min(range(max(most - 1, 1), most + 1), key=lambda k: (-count % k, -k))
 
 
 def draw_strobe(recording: Recording, layout: Layout, count: int = GHOSTS) -> Bytes:

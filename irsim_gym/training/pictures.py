@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,18 +13,22 @@ from matplotlib.figure import Figure
 from irsim_gym.evaluation.tables import write_bytes
 
 INK, ACCENT, FAILURE, GRID = "#1f2933", "#2166ac", "#b2182b", "#d9dee3"
+LINE = 88
+"""Letters in a line of the heading."""
 
 
 def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> None:
-    """Draw success and collisions over training seconds.
+    """Draw success and collisions over training seconds, and say how the last checkpoint scores.
 
     Args:
         path: PNG file to write.
         points: Rows with ``training_seconds``, ``steps``, ``success``, its interval and ``collision``; of teams with
             ``individual_success`` too.
-        title: Heading.
+        title: Heading: what was trained, and where it was scored.
     """
-    figure = Figure(figsize=(7.2, 4.2), dpi=120, layout="constrained")
+    from irsim_gym.render import fonts
+
+    figure = Figure(figsize=(7.2, 4.6), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     seconds = [point["training_seconds"] for point in points]
@@ -31,7 +36,7 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
         seconds,
         [100.0 * point["success_low"] for point in points],
         [100.0 * point["success_high"] for point in points],
-        color=ACCENT, alpha=0.18, linewidth=0.0,
+        color=ACCENT, alpha=0.18, linewidth=0.0, label="95 % interval",
     )  # fmt: skip
     success, collision = ([100.0 * point[name] for point in points] for name in ("success", "collision"))
     is_team = "individual_success" in points[0]
@@ -51,15 +56,19 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
         ylim=(0.0, 100.5),
         xlim=(0.0, None),
     )
-    axes.set_title(title, loc="left", fontsize=10, color=INK)
-    axes.legend(loc="center right", frameon=False, fontsize=8)
+    words, face = fonts.families("\n".join(textwrap.wrap(title, LINE)), bold=True)
+    figure.suptitle(words, x=0.01, ha="left", fontsize=10, color=INK, **face)
+    axes.set_title(_last(points[-1]), loc="left", fontsize=8.5, color=INK)
+    figure.legend(loc="outside lower center", ncols=4, frameon=False, fontsize=8)
     axes.spines[["top", "right"]].set_visible(False)
-    last = points[-1]
-    axes.annotate(
-        f"{last['steps'] / 1e6:.2g} M steps: {100.0 * last['success']:.1f} %",
-        (last["training_seconds"], 100.0 * last["success"]), xytext=(-4, -14 if last["success"] > 0.3 else 8),
-        textcoords="offset points", ha="right", fontsize=8, color=INK,
-    )  # fmt: skip
     content = io.BytesIO()
     figure.savefig(content, format="png")
     write_bytes(path, content.getvalue())
+
+
+def _last(point: dict[str, float]) -> str:
+    """Say how the last checkpoint scores."""
+    whose = "of teams arrive whole" if "individual_success" in point else "success"
+    low, high = 100.0 * point["success_low"], 100.0 * point["success_high"]
+    after = f"after {point['steps']:,.0f} steps, {point['training_seconds']:,.0f} s of training"
+    return f"{after}: {100.0 * point['success']:.1f} % {whose} ({low:.1f}\N{EN DASH}{high:.1f})"

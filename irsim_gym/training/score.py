@@ -69,7 +69,8 @@ def score_run(run: Run, *, levels: int = DEV_LEVELS, console: Console | None = N
     curve = _sorted(points)
     if curve:
         named = with_parameters(settings.scenario, settings.parameters)
-        title = f"{named}, {settings.algorithm.upper()}, {levels:,} dev levels"
+        team = "a team by " if settings.hyperparameters.team is not None else ""
+        title = f"{named}, {team}{settings.algorithm.upper()}, seed {settings.seed}, scored on {levels:,} dev levels"
         draw_curve(run.folder / "curve.png", curve, title)
     return curve
 

@@ -1,51 +1,92 @@
-"""The picture of an evaluation: the ways of its policies over the world."""
+"""The picture of an evaluation: the ways of its policies over the world, and single levels."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Mapping
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from irsim_gym.arraytypes import Ints
-from irsim_gym.evaluation.ways import SHOWN, Watcher, Ways
+from irsim_gym.evaluation.ways import SHOWN, Watcher, Way, Ways
 from irsim_gym.tasks import Episodes
 
 if TYPE_CHECKING:
-    from irsim_gym.render.ways_plot import Density
+    from irsim_gym.render.scene import BodyView, MapView
+    from irsim_gym.render.ways_density import Density
+    from irsim_gym.render.ways_levels import DrawnLevel
+    from irsim_gym.render.ways_marks import DrawnWay
 
 FILES = ("ways.png", "ways.pdf")
+ALIKE = 0.05
+"""Starts, ends and goals count as the same in all levels where they differ by less than this share of the world."""
 
 
 class Surveyor:
-    """Keeps the ways of a policy, and notes where the obstacles of the levels stand.
+    """Keeps the ways of a policy, and what the levels look like: a `Watcher`.
 
     Args:
         ways: Who keeps the ways.
-        density: Where obstacles are noted.
+        density: Where obstacles of the levels are noted; None for nowhere.
+
+    Attributes:
+        ways: Who keeps the ways.
+        fixed: What stands in each level, of which whole ways are kept, and its map.
+        moving: The other bodies of these levels, where they were at the end.
     """
 
-    def __init__(self, ways: Ways, density: Density) -> None:
+    def __init__(self, ways: Ways, density: Density | None) -> None:
         from irsim_gym.render import Renderer
 
         simulation = ways.episodes.simulation
-        self._ways, self._density = ways, density
+        self.ways, self._density = ways, density
         self._renderer = Renderer(simulation.scenario, simulation.model, simulation.state)
+        self.fixed: dict[int, tuple[tuple[BodyView, ...], MapView | None]] = {}
+        self.moving: dict[int, tuple[BodyView, ...]] = {}
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
         """Note where agents start and obstacles stand."""
-        self._ways.began(episodes, worlds, indices)
-        for world in worlds[indices < SHOWN].tolist():
-            scene = self._renderer.scene(world)
-            self._density.add(scene.fixed, scene.map)
+        self.ways.began(episodes, worlds, indices)
+        for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
+            if index < SHOWN:
+                scene = self._renderer.scene(world)
+                self.fixed[index] = scene.fixed, scene.map
+                if self._density is not None:
+                    self._density.add(scene.fixed, scene.map)
 
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
         """Note where agents are."""
-        self._ways.stepped(episodes, worlds)
+        self.ways.stepped(episodes, worlds)
 
     def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Note the ways of worlds that have ended."""
-        self._ways.ended(episodes, worlds, indices)
+        """Note the ways of worlds that have ended, and where bodies are."""
+        self.ways.ended(episodes, worlds, indices)
+        for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
+            if index < SHOWN:
+                self.moving[index] = self._renderer.scene(world).moving
+
+    def levels(self) -> list[DrawnLevel]:
+        """Return those levels of which whole ways are kept."""
+        from irsim_gym.render.ways_levels import DrawnLevel
+
+        simulation, of_level = self.ways.episodes.simulation, defaultdict[int, list[Way]](list)
+        for way in self.ways.ways:
+            of_level[way.level].append(way)
+        step_time, agents = float(simulation.model.step_time[0]), simulation.agents.tolist()
+        return [
+            DrawnLevel(
+                number=level,
+                time=step_time * (max(len(way.points) for way in of_level[level]) - 1),
+                ways=_drawn(of_level[level]),
+                fixed=fixed,
+                moving=self.moving[level],
+                agents=agents,
+                map=occupied,
+            )
+            for level, (fixed, occupied) in self.fixed.items()
+        ]
 
 
 class Atlas:
@@ -56,18 +97,17 @@ class Atlas:
     """
 
     def __init__(self, episodes: Episodes) -> None:
-        from irsim_gym.render.ways_plot import Density
+        from irsim_gym.render.ways_density import Density
 
         self._episodes = episodes
-        self._ways: dict[str, Ways] = {}
+        self._surveyors: dict[str, Surveyor] = {}
         self._density = Density(episodes.simulation.model.bounds)
 
     def follow(self, name: str) -> Watcher:
         """Return a watcher for a policy; the first one also notes where obstacles stand."""
-        ways = Ways(self._episodes)
-        first = not self._ways
-        self._ways[name] = ways
-        return Surveyor(ways, self._density) if first else ways
+        surveyor = Surveyor(Ways(self._episodes), None if self._surveyors else self._density)
+        self._surveyors[name] = surveyor
+        return surveyor
 
     def draw(self, folder: Path, title: str, successes: Mapping[str, str], levels: int) -> None:
         """Write the pictures.
@@ -78,20 +118,39 @@ class Atlas:
             successes: For each policy, what is said of its success.
             levels: How many levels were driven.
         """
-        from irsim_gym.render.ways_plot import DrawnWay, Panel, draw_ways
+        from irsim_gym.render.ways_levels import worth_showing
+        from irsim_gym.render.ways_plot import FEW, SHOWN_LEVELS, Panel, draw_ways
 
         panels = [
             Panel(
                 name,
                 successes[name],
-                [DrawnWay(way.points, way.goal, way.outcome) for way in kept.ways],
-                Counter(way.outcome for way in kept.ways),
+                _drawn(sorted(kept.ways.ways, key=lambda way: way.level)),
+                Counter(way.outcome for way in kept.ways.ways),
+                worth_showing(kept.levels(), SHOWN_LEVELS) if self._differs(kept) else (),
             )
-            for name, kept in self._ways.items()
+            for name, kept in self._surveyors.items()
         ]
-        shown = f"the first {SHOWN} of {levels:,}" if levels > SHOWN else f"all {levels}"
+        source = f"the first {SHOWN} of {levels:,} levels" if levels > SHOWN else f"{levels} levels"
         note = (
-            f"Ways of {shown} levels; marks where episodes failed, of all levels. Grey: obstacles that stand still, "
-            f"the darker in the more of these levels."
+            f"Ways: at most {FEW} that succeeded and {FEW} that failed, from {source}. Marks: where episodes failed, "
         )
-        draw_ways([folder / name for name in FILES], panels, self._density, title, note)
+        note += "from all levels. Grey: obstacles that stand still"
+        if any(panel.levels for panel in panels):
+            note += ", the darker in the more levels. Small pictures: single levels at their end, failed ones first; "
+            note += "light grey is what else moves. `irsim-gym record` with --level N plays level N"
+        draw_ways([folder / name for name in FILES], panels, self._density, title, f"{note}.")
+
+    def _differs(self, kept: Surveyor) -> bool:
+        """Return whether obstacles, starts, goals or the ends of a policy's ways are elsewhere in other levels."""
+        x_min, y_min, x_max, y_max = self._density.bounds
+        levels = kept.levels()
+        places = np.array([[(way.points[0], way.points[-1], way.goal) for way in level.ways] for level in levels])
+        far = float(np.nan_to_num(np.ptp(places, axis=0)).max(initial=0.0))
+        return self._density.differs or far > ALIKE * max(x_max - x_min, y_max - y_min)
+
+
+def _drawn(ways: Sequence[Way]) -> list[DrawnWay]:
+    from irsim_gym.render.ways_marks import DrawnWay
+
+    return [DrawnWay(way.points, way.goal, way.outcome) for way in ways]

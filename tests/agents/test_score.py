@@ -28,7 +28,7 @@ def test_a_mark_counts_from_when_it_holds_to_the_end() -> None:
 
 
 def test_curve_is_drawn_without_a_display(tmp_path: Path) -> None:
-    draw_curve(tmp_path / "curve.png", [point(1, 0.4), point(8, 0.98)], "cluttered_room")
+    draw_curve(tmp_path / "curve.png", [point(1, 0.4), point(8, 0.98)], "cluttered_room, PPO, seed 3")
     picture = imread(tmp_path / "curve.png")
     assert picture.ndim == 3
     assert np.ptp(picture[..., 0]) > 0.5

@@ -11,6 +11,7 @@ from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.reference_policies import reference_policy
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.evaluation.ways import Ways
+from irsim_gym.training.ways import Atlas
 from irsim_gym.training.worlds import make_episodes
 
 DISC: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "vel_max": [1, 1]}
@@ -67,3 +68,21 @@ def test_watching_changes_nothing() -> None:
             ]
             assert [found[level].outcome for level in range(6)] == [row.outcome for row in rows[0]]
     assert rows[0] == rows[1] == rows[2]
+
+
+def test_levels_that_differ_are_drawn_one_by_one(corridor: str, tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The corridor's levels are all alike; in that of ``empty_goal`` start and goal are drawn anew."""
+    shown: list[Any] = []
+    monkeypatch.setattr("irsim_gym.render.ways_plot.draw_ways", lambda files, panels, *_: shown.extend(panels))
+    for scenario in (corridor, "empty_goal"):
+        episodes = make_episodes(scenario, n_worlds=2, team=True)
+        atlas = Atlas(episodes)
+        evaluate_team(reference_policy("dash"), episodes, 8, watcher=atlas.follow("dash"))
+        atlas.draw(tmp_path, "title", {"dash": "said"}, 8)
+    alike, differing = shown
+    assert alike.levels == ()
+    assert [level.number for level in differing.levels] == list(range(6))  # all arrive: the first ones
+    first = differing.levels[0]
+    assert first.time == pytest.approx(0.1 * (len(first.ways[0].points) - 1))
+    assert [view.body for view in first.moving] == list(first.agents)
+    assert first.moving[0].anchor == pytest.approx(first.ways[0].points[-1], abs=1e-5)

@@ -111,8 +111,10 @@ def page(driver: Any, replay: Path) -> Iterator[Page]:
     assert opened.problems() == []
 
 
-def open_page(driver: Any, replay: Path, width: int, height: int, scheme: str = "light") -> None:
-    screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+def open_page(
+    driver: Any, replay: Path, width: int, height: int, scheme: str = "light", *, mobile: bool = False
+) -> None:
+    screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
     features = [{"name": "prefers-color-scheme", "value": scheme}]
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
@@ -341,6 +343,39 @@ def test_light_dark_wide_and_narrow(driver: Any, replay: Path, size: tuple[int, 
     assert page.run("return document.documentElement.scrollWidth") <= size[0]
     if folder := os.environ.get("IRSIM_GYM_PICTURES"):
         page.driver.save_screenshot(str(Path(folder) / f"replay-{scheme}-{size[0]}.png"))
+    assert page.problems() == []
+
+
+@pytest.mark.parametrize("size", [(375, 667), (360, 640), (667, 375), (640, 360)])
+def test_a_phone(driver: Any, replay: Path, size: tuple[int, int]) -> None:
+    """Nothing has to be moved sideways, the controls are on the screen, and fingers hit them: 44 pixels each way."""
+    open_page(driver, replay, *size, mobile=True)
+    page = Page(driver)
+    page.run("player.go(25)")
+    page.settle()
+    assert page.run("return [innerWidth, document.documentElement.scrollWidth]") == [size[0], size[0]]
+    page.run("document.querySelector('details').open = true")
+    boxes = page.run("""
+        const seen = [...document.querySelectorAll('*')].filter((part) => part.offsetParent);
+        return seen.map((part) => {
+          const { left, top, right, bottom } = part.getBoundingClientRect();
+          const isControl = part.matches('button, select, summary, input[type=range], fieldset label, footer label');
+          return [part.id || part.textContent.trim(), isControl, part.closest('footer') !== null,
+            left, top, right, bottom];
+        });
+    """)
+    controls = [box for box in boxes if box[1]]
+    assert len(controls) > 15
+    assert [(name, right - left) for name, _, _, left, _, right, _ in controls if right - left < 44] == []
+    assert [(name, foot - top) for name, _, _, _, top, _, foot in controls if foot - top < 44] == []
+    assert [name for name, _, _, left, _, right, _ in boxes if left < 0 or right > size[0] + 0.5] == []
+    assert all(top >= 0 and foot <= size[1] + 0.5 for _, _, below, _, top, _, foot in boxes if below)
+    top, width, height = page.run("const b = byId('world').getBoundingClientRect(); return [b.top, b.width, b.height]")
+    footer = page.run("return document.querySelector('footer').getBoundingClientRect().top")
+    assert top + height <= footer
+    assert min(width, height) >= 0.6 * min(size)
+    if folder := os.environ.get("IRSIM_GYM_PICTURES"):
+        page.driver.save_screenshot(str(Path(folder) / f"replay-phone-{size[0]}.png"))
     assert page.problems() == []
 
 

@@ -35,6 +35,7 @@ def test_a_page_holds_all_episodes(tmp_path: Path) -> None:
     first, second = read_html(page)["episodes"]
     assert (first["count"], second["count"]) == (5, 4)
     assert (first["name"], second["name"]) == ("episode 1: running, 0.4 s", "episode 2: running, 0.3 s")
+    assert (first["status"], second["status"]) == ([[0, "Running"]], [[0, "Reset"], [1, "Running"]])
     assert [agent["name"] for agent in first["agents"]] == ["robot_0", "robot_1"]
     distance = unpacked(first["agents"][0]["values"]["goal_distance"], 5).ravel()
     assert distance[0] == pytest.approx(np.hypot(8, 8), abs=1e-6)

@@ -82,6 +82,25 @@ def test_a_sheet_is_reduced_and_bears_captions(tmp_path: Path) -> None:
     assert [file.name for file in path.parent.iterdir()] == ["sheet.png"]
 
 
+@pytest.mark.parametrize(
+    ("size", "count", "shape"),
+    [
+        ((600, 600), 12, (4 * 600, 3 * 600)),  # on a screen of 1440 pixels each is 480 wide
+        ((600, 600), 4, (2 * 600, 2 * 600)),
+        (
+            (300, 1200),
+            12,
+            (12 * 300, 1200),
+        ),  # as large as 600 x 600, so 0.8 * 1200 = 960 wide at least: no room for two
+        ((1200, 1200), 12, (4 * 600, 3 * 600)),
+        ((200, 240), 5, (200, 5 * 240)),
+    ],
+)
+def test_moments_are_large_enough_to_read(size: tuple[int, int], count: int, shape: tuple[int, int]) -> None:
+    frames = [np.full((*size, 3), 255, np.uint8)] * count
+    assert contact_sheet([frames], [""]).shape[:2] == shape
+
+
 @pytest.fixture
 def crossed() -> tuple[World, Recording]:
     """A robot that drives from x = 1 to x = 9 along y = 5, and a body that drifts below it."""

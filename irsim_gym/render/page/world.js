@@ -54,6 +54,7 @@ class WorldView {
     const half = [plot[0] / this.scale / 2, plot[1] / this.scale / 2];
     this.limits = [x - half[0], y - half[1], x + half[0], y + half[1]];
     this.size = [width, height];
+    canvas.style.touchAction = look.x === null ? "pan-y" : "none";  // the whole world lets a finger scroll the page
   }
 
   column(x) {
@@ -280,7 +281,8 @@ class WorldView {
     const words = `\u25cf ${status.replaceAll("_", " ")}`;
     context.fillStyle = tinted(colour, 1);
     context.fillText(words, right - room, y);
-    const rest = right - left - room - context.measureText("\u25cf left world").width - 14;
+    const longest = Math.max(...["\u25cf left world", words].map((text) => context.measureText(text).width));
+    const rest = right - left - room - longest - 14;
     context.textAlign = "left";
     context.fillStyle = this.page("ink");
     context.font = `bold ${9.5 * point}px ${FONT}`;
