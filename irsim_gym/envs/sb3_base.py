@@ -152,6 +152,10 @@ class WorldView:
         """Return what is known about the agent now."""
         return self.worlds.info_of(self.index, self.agent)
 
+    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
+        """Return the reward of steps as if another place had been the goal, see ``WorldEnv.compute_reward``."""
+        return self.worlds.compute_reward(achieved_goal, desired_goal, info)
+
     def render(self) -> Any:
         """Return a fresh picture of the world; None without a render mode, or with a window."""
         return self.worlds.pictures.of(self.index)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import compile
+from irsim_gym.envs.goals import GoalReward
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
@@ -86,6 +87,7 @@ class Worlds:
         self.agent_names = self.episodes.agent_names
         self._splits = ["train"] * n_worlds
         self._row: Rays | None = None
+        self._goal_reward: GoalReward | None = None
 
     @property
     def render_mode(self) -> str | None:
@@ -96,6 +98,12 @@ class Worlds:
     def render_fps(self) -> float:
         """Frames per second at which a film runs in real time."""
         return self.pictures.fps
+
+    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
+        """Return the reward of steps as if another place had been the goal, see ``GoalReward``."""
+        if self._goal_reward is None:
+            self._goal_reward = GoalReward(self.episodes)
+        return self._goal_reward(achieved_goal, desired_goal, info)
 
     def limit(self, max_steps: int) -> None:
         """Set the time limit [steps], also for episodes under way."""
