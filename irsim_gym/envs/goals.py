@@ -18,7 +18,7 @@ BEFORE_SUCCESS = tuple(int(outcome) for outcome in PRECEDENCE[: PRECEDENCE.index
 ROUNDING = 1e-6
 """How far apart two observed places may seem that are the same, as a share of half the world's longer side."""
 NO_INFO = (
-    "compute_reward needs the info of each step, for the outcome, the distance and the rewards that do not depend on the goal; "
+    "compute_reward needs the info of each step, with the outcome, the distance and all reward terms; "
     "Stable-Baselines3 keeps it with replay_buffer_kwargs={'copy_info_dict': True}"
 )
 

@@ -89,6 +89,9 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
     ``hit_kind`` says what the robot touches: 0 nothing, 1 an obstacle that stands still, 2 one that moves, 3 a robot,
     4 the map.
 
+    Where actions are choices (``action: discrete``), infos also hold ``action_mask``, int8 ``(n_choices,)``, as
+    ``Discrete.sample`` takes it: 0 for a choice that commands what another one with a smaller number does.
+
     Attributes:
         possible_agents: Names of all agents, in the order of the scenario, or of the task's ``agents``.
         agents: Names of those whose episodes are under way, in the same order; a new list at each reset and step.
@@ -277,4 +280,9 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
     def _infos(self, names: list[str]) -> dict[str, dict[str, Any]]:
         infos = self.worlds.infos
         rows = infos.rows(np.array([self._indices[name] for name in names], np.int64))
-        return {name: infos.told(row) for name, row in zip(names, rows, strict=True)}
+        told = {name: infos.told(row) for name, row in zip(names, rows, strict=True)}
+        if self.worlds.episodes.n_discrete:
+            masks = self.worlds.action_masks()[0].astype(np.int8)
+            for name, info in told.items():
+                info["action_mask"] = masks[self._indices[name]].copy()
+        return told

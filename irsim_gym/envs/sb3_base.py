@@ -152,6 +152,10 @@ class WorldView:
         """Return what is known about the agent now."""
         return self.worlds.info_of(self.index, self.agent)
 
+    def action_masks(self) -> Flags:
+        """Return which choices are worth trying, ``(n_choices,)``: what ``MaskablePPO`` of sb3-contrib asks for."""
+        return np.asarray(self.worlds.action_masks()[self.index, self.agent])
+
     def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
         """Return the reward of steps as if another place had been the goal, see ``WorldEnv.compute_reward``."""
         return self.worlds.compute_reward(achieved_goal, desired_goal, info)

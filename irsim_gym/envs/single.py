@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 from gymnasium.error import ResetNeeded
 
-from irsim_gym.arraytypes import Bytes
+from irsim_gym.arraytypes import Bytes, Flags
 from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.worlds import LEVELS, ScenarioSource, TaskSource, Worlds
@@ -91,6 +91,10 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         reward, terminated, truncated, info = worlds.infos.alone()
         self._going = not (terminated or truncated)
         return worlds.observation_alone(), reward, terminated, truncated, info
+
+    def action_masks(self) -> Flags:
+        """Return which choices are worth trying, bool ``(n_choices,)``; for ``action: discrete``."""
+        return np.asarray(self.worlds.action_masks()[0, 0])
 
     def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
         """Return the reward of steps as if ``desired_goal`` had been their goal; for ``observation_form: goal``.

@@ -181,6 +181,10 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         np.logical_or(terminations, truncations, out=self._ended)
         return self.worlds.observation(), rewards, terminations, truncations, self.worlds.infos.batched()
 
+    def action_masks(self) -> Flags:
+        """Return which choices are worth trying, bool ``(num_envs, n_choices)``; for ``action: discrete``."""
+        return np.asarray(self.worlds.action_masks()[:, 0])
+
     def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
         """Return the reward of steps as if ``desired_goal`` had been their goal; for ``observation_form: goal``.
 

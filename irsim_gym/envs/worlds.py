@@ -14,6 +14,7 @@ from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import compile
 from irsim_gym.envs.goals import GoalReward
 from irsim_gym.envs.infos import Infos
+from irsim_gym.envs.masks import ActionMasks
 from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
 from irsim_gym.errors import SeveralAgentsError, UnknownNameError, suggestion
@@ -88,6 +89,7 @@ class Worlds:
         self._splits = ["train"] * n_worlds
         self._row: Rays | None = None
         self._goal_reward: GoalReward | None = None
+        self._masks: ActionMasks | None = None
 
     @property
     def render_mode(self) -> str | None:
@@ -104,6 +106,12 @@ class Worlds:
         if self._goal_reward is None:
             self._goal_reward = GoalReward(self.episodes)
         return self._goal_reward(achieved_goal, desired_goal, info)
+
+    def action_masks(self) -> Flags:
+        """Return which choices agents have, fresh, ``(n_worlds, n_agents, n_choices)``, see ``ActionMasks``."""
+        if self._masks is None:
+            self._masks = ActionMasks(self.episodes)
+        return self._masks.all()
 
     def limit(self, max_steps: int) -> None:
         """Set the time limit [steps], also for episodes under way."""

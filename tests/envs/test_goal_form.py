@@ -89,7 +89,7 @@ def test_batches(kind: str) -> None:
     for _ in range(60):
         actions = rng.uniform(-1, 1, (4, 2)).astype(np.float32)
         if kind == "vector":
-            seen, rewards, ended, _, infos = vector.step(actions)
+            seen, rewards, _, _, infos = vector.step(actions)
             found = vector.compute_reward(seen["achieved_goal"], seen["desired_goal"], infos)
         else:
             seen, rewards, _, told = slots.step(actions)
