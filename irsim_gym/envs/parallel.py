@@ -103,6 +103,9 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
     ``hit_kind`` says what the robot touches: 0 nothing, 1 an obstacle that stands still, 2 one that moves, 3 a robot,
     4 the map.
 
+    Where actions are choices (``action: discrete``), infos also hold ``action_mask``, int8 ``(n_choices,)``, as
+    ``Discrete.sample`` takes it: 0 for a choice that commands what another one with a smaller number does.
+
     Attributes:
         possible_agents: Names of all agents, in the order of the scenario, or of the task's ``agents``.
         agents: Names of those whose episodes are under way, or with ``black_death`` of all until the last one ends, in
@@ -350,6 +353,10 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         if self.black_death:
             for name, over in self._each(names, self.worlds.episodes.view.over):
                 told[name]["idle"] = over
+        if self.worlds.episodes.n_discrete:
+            masks = self.worlds.action_masks()[0].astype(np.int8)
+            for name, info in told.items():
+                info["action_mask"] = masks[self._indices[name]].copy()
         return told
 
 

@@ -110,6 +110,9 @@ class WorldVecEnv(NativeVecEnv):
     environment tells, ``terminal_observation``, ``TimeLimit.truncated`` and the statistics ``episode`` of
     ``Monitor``; infos of the other worlds are empty. A ``VecMonitor`` around it is not needed.
 
+    With ``observation_form: goal`` every world has an info at each step: ``HerReplayBuffer`` asks ``compute_reward``
+    what other goals would have paid, and gives it these infos where it is made with ``copy_info_dict=True``.
+
     Args:
         worlds: The worlds.
         spec: What a single environment like one of them is made from.
@@ -157,12 +160,17 @@ class WorldVecEnv(NativeVecEnv):
         reward = view.reward[:, 0]
         self._returns += reward
         dones: Flags = view.terminated[:, 0] | view.truncated[:, 0]
-        infos = self.no_infos()
+        infos = self._hindsight() if worlds.task.observation_form == "goal" else self.no_infos()
         ended = dones.nonzero()[0]
         rewards = reward.astype(np.float32)
         if len(ended):
             self._end(ended, infos)
         return worlds.observation(), rewards, dones, infos
+
+    def _hindsight(self) -> list[dict[str, Any]]:
+        """Return the infos of all worlds, which a step that is replayed with another goal needs."""
+        told = self.worlds.infos.told
+        return [told(row) for row in self.worlds.infos.rows(np.arange(self.num_envs))]
 
     def _end(self, ended: Ints, infos: list[dict[str, Any]]) -> None:
         """Fill in the infos of worlds that have ended, and restart them."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -11,8 +11,9 @@ from gymnasium import Space
 from gymnasium.spaces import Box, Dict, Discrete
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Ints
+from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.goal_form import ACHIEVED, DESIRED, PARTS, REST
 from irsim_gym.tasks.transition import Percepts, Transition
 
 Observation: TypeAlias = NDArray[Any] | dict[str, NDArray[Any]]
@@ -98,6 +99,8 @@ def observation_layout(episodes: Episodes, agent: int | None = None) -> Layout:
             picked.append(places)
         start += low.size
     every = sum(map(len, picked)) == start
+    if episodes.task.observation_form == "goal":
+        columns = {part: _joined(columns, names) for part, names in _goal_parts(columns).items()}
     is_flat = episodes.task.observation_form == "flat"
     return Layout(columns, None if every else np.concatenate(picked), is_flat, tuple(episodes.view.images))
 
@@ -105,9 +108,11 @@ def observation_layout(episodes: Episodes, agent: int | None = None) -> Layout:
 def observation_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:
     """Return the space of a task's observations, those of one agent or, with None, of the richest.
 
-    Flat observations are a ``Box``, else there is a ``Dict`` with one for each term. A picture is a ``Box`` of its own,
-    uint8 from 0 to 255, ``(height, width, n_channels)``: a flat observation with pictures is a ``Dict`` of these and
-    the ``Box`` ``vector`` for all other terms, or the one picture itself where there is nothing else.
+    Flat observations are a ``Box``, else there is a ``Dict``: with one ``Box`` for each term, or in the goal form with
+    ``observation``, ``achieved_goal`` and ``desired_goal``, as ``gymnasium_robotics.GoalEnv`` has them. A picture is a
+    ``Box`` of its own, uint8 from 0 to 255, ``(height, width, n_channels)``: a flat observation with pictures is a
+    ``Dict`` of these and the ``Box`` ``vector`` for all other terms, or the one picture itself where there is nothing
+    else.
     """
     boxes, start = {}, 0
     for name, low, high in episodes.observation_terms:
@@ -119,10 +124,31 @@ def observation_space(episodes: Episodes, agent: int | None = None) -> Space[Any
     spaces: dict[str, Space[Any]] = {name: Box(0, 255, image.shape[2:], np.uint8) for name, image in images.items()}
     if episodes.task.observation_form == "dict":
         return Dict({**spaces, **{name: Box(low, high, dtype=np.float32) for name, (low, high) in boxes.items()}})
+    if episodes.task.observation_form == "goal":
+        return Dict({part: _box([boxes[name] for name in names]) for part, names in _goal_parts(boxes).items()})
     if boxes:
-        low, high = (np.concatenate(bounds) for bounds in zip(*boxes.values(), strict=True))
-        spaces[VECTOR] = Box(low, high, dtype=np.float32)
+        spaces[VECTOR] = _box(list(boxes.values()))
     return next(iter(spaces.values())) if len(spaces) == 1 else Dict(spaces)
+
+
+def _box(bounds: Sequence[tuple[Rays, Rays]]) -> Box:
+    """Return the space of several terms side by side."""
+    low, high = (np.concatenate(sides) for sides in zip(*bounds, strict=True))
+    return Box(low, high, dtype=np.float32)
+
+
+def _goal_parts(terms: Iterable[str]) -> dict[str, list[str]]:
+    """Return which terms are in each part of an observation in the goal form."""
+    parts: dict[str, list[str]] = {REST: [], ACHIEVED: [], DESIRED: []}
+    for name in terms:
+        parts[PARTS.get(name, REST)].append(name)
+    return parts
+
+
+def _joined(columns: Mapping[str, slice | Ints], names: Sequence[str]) -> Ints:
+    """Return the columns of several terms."""
+    every = np.arange(max(part.stop if isinstance(part, slice) else int(part[-1]) + 1 for part in columns.values()))
+    return np.concatenate([every[columns[name]] for name in names])
 
 
 def _used(episodes: Episodes, agent: int, start: int, width: int) -> Flags:

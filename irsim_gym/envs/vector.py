@@ -198,6 +198,27 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         np.logical_or(terminations, truncations, out=self._ended)
         return self.worlds.observation(), rewards, terminations, truncations, self.worlds.infos.batched()
 
+    def action_masks(self) -> Flags:
+        """Return which choices are worth trying, bool ``(num_envs, n_choices)``; for ``action: discrete``."""
+        return np.asarray(self.worlds.action_masks()[:, 0])
+
+    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
+        """Return the reward of steps as if ``desired_goal`` had been their goal; for ``observation_form: goal``.
+
+        Args:
+            achieved_goal: Where they ended, as observed, ``(2,)`` or ``(n, 2)``.
+            desired_goal: Where they should have ended, of the same shape.
+            info: The info of the step; of several a sequence of infos, or the arrays of a vector environment.
+
+        Returns:
+            A float, or an array ``(n,)``: for the goal that the step really had, the reward that it was paid.
+
+        Raises:
+            IrsimGymError: The task has another ``observation_form``.
+            ValueError: Shapes that do not fit, or an info that lacks the outcome or the reward terms.
+        """
+        return self.worlds.compute_reward(achieved_goal, desired_goal, info)
+
     def render(self) -> tuple[Bytes | list[Bytes] | None, ...] | None:  # type: ignore[override]
         """Return what the render mode asks for: for each world what ``WorldEnv.render`` returns.
 

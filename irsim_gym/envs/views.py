@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
+from irsim_gym.arraytypes import Flags
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.limits import ScenarioSpec
 from irsim_gym.envs.moment import Bodies, BodyMoment
@@ -87,6 +90,14 @@ class WorldView:
     def time(self) -> float:
         """Time since the start of its world's episode [s]."""
         return self.worlds.moment(self.index).time
+
+    def action_masks(self) -> Flags:
+        """Return which choices are worth trying, ``(n_choices,)``: what ``MaskablePPO`` of sb3-contrib asks for."""
+        return np.asarray(self.worlds.action_masks()[self.index, self.agent])
+
+    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
+        """Return the reward of steps as if another place had been the goal, see ``WorldEnv.compute_reward``."""
+        return self.worlds.compute_reward(achieved_goal, desired_goal, info)
 
     def describe(self) -> Description:
         """Return what observations, actions, rewards, endings and infos mean; it prints as tables."""

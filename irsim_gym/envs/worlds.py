@@ -14,8 +14,10 @@ from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import compile
 from irsim_gym.engine.given import LEVELS
 from irsim_gym.envs.description import Description, describe
+from irsim_gym.envs.goals import GoalReward
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.limits import agreed_limit
+from irsim_gym.envs.masks import ActionMasks
 from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
@@ -98,6 +100,8 @@ class Worlds:
         self.agent_names = self.episodes.agent_names
         self._splits = ["train"] * n_worlds
         self._row: Rays | None = None
+        self._goal_reward: GoalReward | None = None
+        self._masks: ActionMasks | None = None
 
     def __repr__(self) -> str:
         return f"<Worlds {self.summary}>"
@@ -116,6 +120,18 @@ class Worlds:
     def render_fps(self) -> float:
         """Frames per second at which a film runs in real time."""
         return self.pictures.fps
+
+    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
+        """Return the reward of steps as if another place had been the goal, see ``GoalReward``."""
+        if self._goal_reward is None:
+            self._goal_reward = GoalReward(self.episodes)
+        return self._goal_reward(achieved_goal, desired_goal, info)
+
+    def action_masks(self) -> Flags:
+        """Return which choices agents have, fresh, ``(n_worlds, n_agents, n_choices)``, see ``ActionMasks``."""
+        if self._masks is None:
+            self._masks = ActionMasks(self.episodes)
+        return self._masks.all()
 
     def limit(self, max_steps: int) -> None:
         """Set the time limit [steps], also for episodes under way."""

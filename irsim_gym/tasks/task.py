@@ -19,6 +19,7 @@ from irsim_gym.scenario.spec import Scenario
 from irsim_gym.scenario.validation import Report, build, build_named
 from irsim_gym.tasks.audit import Sharing, check_audit
 from irsim_gym.tasks.checks import check_action, check_fit, check_terms, choose_agents
+from irsim_gym.tasks.goal_form import goal_terms
 from irsim_gym.tasks.layers import Layer, merge
 
 DEFAULT = "navigation"
@@ -36,8 +37,9 @@ class TaskOptions:
         "", meaning="Who learns: a robot's name, a list of them, or 'all'; by default the first robot, in a team all."
     )
     max_steps: int = option(500, ge=1, le=10**9, unit="steps", meaning="Time limit of an episode.")
-    observation_form: Literal["flat", "dict"] = option(
-        "flat", meaning="One vector, or a dictionary with one vector for each observation."
+    observation_form: Literal["flat", "dict", "goal"] = option(
+        "flat",
+        meaning="One vector; a dictionary with one for each observation; or observation, achieved_goal, desired_goal.",
     )
     ended: Literal["stay", "vanish"] = option(
         "stay",
@@ -72,7 +74,7 @@ class Task:
         observations: Instances of registered observations, in order.
         rewards: Instances of registered rewards, in order.
         endings: Instances of registered endings.
-        observation_form: ``flat`` or ``dict``.
+        observation_form: ``flat``, ``dict`` or ``goal``.
         ended: What the body of an agent does whose episode has ended: ``stay`` or ``vanish``.
         team_reward: Share of each reward term that is the mean over the agents of a world.
         deadlock_speed: Speed below which an agent counts as stalled [m/s].
@@ -86,7 +88,7 @@ class Task:
     observations: tuple[Any, ...]
     rewards: tuple[Any, ...]
     endings: tuple[Any, ...]
-    observation_form: Literal["flat", "dict"] = "flat"
+    observation_form: Literal["flat", "dict", "goal"] = "flat"
     ended: Literal["stay", "vanish"] = "stay"
     team_reward: float = 0.0
     deadlock_speed: float = 0.05
@@ -127,6 +129,8 @@ def load_task(
         if agents:
             terms["observations"] = check_fit(scenario, agents, name, terms, merged)
             check_action(scenario, agents, action, report)
+            if options.observation_form == "goal":
+                terms["observations"] = goal_terms(scenario, agents, terms, merged)
         if is_sound:
             check_terms(terms, merged)
             if options.audit:

@@ -190,6 +190,13 @@ def cut(env, actions):
     return {name: action[: env.action_space(name).shape[0]] for name, action in chosen.items()}
 
 
+def masked(env, batch, w, a):
+    """What infos of the environment alone hold: which choices an agent has."""
+    if not env.worlds.episodes.n_discrete:
+        return {}
+    return {"action_mask": batch.action_masks()[w, a].astype(np.int8)}
+
+
 def row(batch, w, env, answer):
     """What a batch says of the agents that are in an environment's answer."""
     view = batch.episodes.view
@@ -201,7 +208,7 @@ def row(batch, w, env, answer):
         {name: view.reward[w, a].item() for name, a in indices.items()},
         {name: view.terminated[w, a].item() for name, a in indices.items()},
         {name: view.truncated[w, a].item() for name, a in indices.items()},
-        {name: batch.info_of(w, a) for name, a in indices.items()},
+        {name: {**batch.info_of(w, a), **masked(env, batch, w, a)} for name, a in indices.items()},
     )
 
 

@@ -6,12 +6,15 @@ from irsim_gym.tasks.observations.exact_free_travel import ExactFreeTravel
 from irsim_gym.tasks.observations.free_travel import FreeTravel
 from irsim_gym.tasks.observations.goal import Goal
 from irsim_gym.tasks.observations.goal_heading import GoalHeading
+from irsim_gym.tasks.observations.goal_position import GoalPosition
 from irsim_gym.tasks.observations.goal_record import GoalRecord
+from irsim_gym.tasks.observations.heading import Heading
 from irsim_gym.tasks.observations.last_action import LastAction
 from irsim_gym.tasks.observations.nearest_bodies import NearestBodies
 from irsim_gym.tasks.observations.neighbors import Neighbors
 from irsim_gym.tasks.observations.occupancy_image import OccupancyImage
 from irsim_gym.tasks.observations.past_scans import PastScans
+from irsim_gym.tasks.observations.position import Position
 from irsim_gym.tasks.observations.route import Route
 from irsim_gym.tasks.observations.scan import Scan
 from irsim_gym.tasks.observations.top_view import TopView
@@ -32,5 +35,8 @@ OBSERVATIONS.register("neighbors", Neighbors)
 OBSERVATIONS.register("goal_record", GoalRecord)
 OBSERVATIONS.register("route", Route)
 OBSERVATIONS.register("trail", Trail)
+OBSERVATIONS.register("position", Position)
+OBSERVATIONS.register("heading", Heading)
+OBSERVATIONS.register("goal_position", GoalPosition)
 OBSERVATIONS.register("occupancy_image", OccupancyImage)
 OBSERVATIONS.register("top_view", TopView)

@@ -1,0 +1,66 @@
+"""Goal-style observations: what an agent has reached and what it shall reach stand apart from all else.
+
+Hindsight replay (HER) stores a step and pays it again as if another place had been the goal. For this the goal stands
+nowhere else in the observation, and the reward of any goal can be worked out from the two places and the step's info.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from irsim_gym.errors import Problem
+from irsim_gym.families import REWARDS
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.tasks.audit import Terms
+from irsim_gym.tasks.layers import Merged
+from irsim_gym.tasks.observations.goal_position import GoalPosition
+from irsim_gym.tasks.observations.heading import Heading
+from irsim_gym.tasks.observations.position import Position
+from irsim_gym.tasks.rewards.arrival import Arrival
+from irsim_gym.tasks.term import IsImage
+
+ACHIEVED, DESIRED, REST = "achieved_goal", "desired_goal", "observation"
+PARTS = {"position": ACHIEVED, "goal_position": DESIRED}
+"""Observations that are a part of their own; all others together are ``observation``."""
+
+
+def goal_terms(scenario: Scenario, agents: Sequence[int], terms: Terms, merged: Merged) -> list[tuple[Any, Any]]:
+    """Return the observations of the goal form, and tell what does not fit it.
+
+    Those that tell of the goal are left out; ``heading``, ``position`` and ``goal_position`` are added where they are
+    missing, because the places are those of the world and mean nothing to an agent that does not know where it faces.
+    """
+    report = merged.report
+    if len(agents) > 1:
+        report.add(("observation_form",), f"'goal' is for one learner, and there are {len(agents)}")
+    for b in agents:
+        body = scenario.bodies[b]
+        if body.arrive_mode == "state":
+            message = "arrives by place and heading (arrive_mode: state); observation_form 'goal' knows places alone"
+            merged.outside.append((scenario.source.title, Problem(body.line, body.name, message)))
+        if len(body.goal) > 1 or body.wanders:
+            message = "has several goals, one after another; observation_form 'goal' is for one"
+            merged.outside.append((scenario.source.title, Problem(body.line, body.name, message)))
+    for place, reward in terms["rewards"]:
+        if reward.needs_goal and not isinstance(reward, Arrival):
+            name = REWARDS.name_of(type(reward))
+            message = f"'{name}' cannot be paid anew for another goal, as observation_form 'goal' asks"
+            report.add(place, f"{message}; leave it out ({{name: {name}, use: false}}), 'arrival' takes its place")
+    seen = terms["observations"]
+    kept = [(place, item) for place, item in seen if isinstance(item, GoalPosition) or not item.needs_goal]
+    for place, item in kept:
+        if isinstance(item, IsImage):
+            report.add(place, "a picture does not go with observation_form 'goal', which is made of numbers")
+    given = {type(item) for _, item in kept}
+    return [*kept, *((("observations",), kind()) for kind in (Heading, Position, GoalPosition) if kind not in given)]
+
+
+def paid(info: Mapping[str, Any], name: str) -> Any:
+    """Return what a reward term paid according to an info, or to infos as arrays.
+
+    Raises:
+        KeyError: The info does not say.
+    """
+    flat = f"reward/{name}"
+    return info[flat] if flat in info else info["reward_terms"][name]

@@ -1,0 +1,34 @@
+"""Goal position: where the next goal is in the world."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Rays
+from irsim_gym.engine import Shard
+from irsim_gym.scenario.options import kind
+from irsim_gym.tasks.observations.position import write_place
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class GoalPosition:
+    """x and y of the next goal, scaled as ``position`` is."""
+
+    only_kernels: ClassVar[bool] = True
+    needs_goal: ClassVar[bool] = True
+    needs_scan: ClassVar[bool] = False
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return that there are none."""
+        return np.full(2, -np.inf, np.float32), np.full(2, np.inf, np.float32)
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the two elements."""
+        write_place(shard.worlds, term.agents, term.column, model.bounds, state.goal, episode.observation)

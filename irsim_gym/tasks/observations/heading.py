@@ -1,0 +1,44 @@
+"""Heading: where the agent faces in the world."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.engine import Shard
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Heading:
+    """Cosine and sine of the heading in the world."""
+
+    only_kernels: ClassVar[bool] = True
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = False
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the bounds of the two elements."""
+        return np.full(2, -1.0, np.float32), np.ones(2, np.float32)
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the two elements."""
+        write_heading(shard.worlds, term.agents, term.column, state.pose, episode.observation)
+
+
+@kernel
+def write_heading(worlds: Ints, agents: Ints, column: int, pose: Floats, out: Rays) -> None:
+    """Write cosine and sine of the headings of poses ``(n_worlds, n_bodies, 3)`` [m, m, rad]."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            out[w, a, column] = np.float32(np.cos(pose[w, agents[a], 2]))
+            out[w, a, column + 1] = np.float32(np.sin(pose[w, agents[a], 2]))

@@ -1,0 +1,49 @@
+"""Position: where the agent is in the world."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.engine import Shard
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Term
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class Position:
+    """x and y from the world's middle, over half its longer side: the world lies within [-1, 1].
+
+    Beyond the world the numbers go on, so that places that differ stay different.
+    """
+
+    only_kernels: ClassVar[bool] = True
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = False
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return that there are none."""
+        return np.full(2, -np.inf, np.float32), np.full(2, np.inf, np.float32)
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Write the two elements."""
+        write_place(shard.worlds, term.agents, term.column, model.bounds, state.pose, episode.observation)
+
+
+@kernel
+def write_place(worlds: Ints, agents: Ints, column: int, bounds: Floats, places: Floats, out: Rays) -> None:
+    """Write x and y of the agents' places ``(n_worlds, n_bodies, 3)`` [m], scaled as the world's rectangle is."""
+    half = 0.5 * max(bounds[2] - bounds[0], bounds[3] - bounds[1])
+    middle_x, middle_y = 0.5 * (bounds[0] + bounds[2]), 0.5 * (bounds[1] + bounds[3])
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for a in range(agents.shape[0]):
+            out[w, a, column] = np.float32((places[w, agents[a], 0] - middle_x) / half)
+            out[w, a, column + 1] = np.float32((places[w, agents[a], 1] - middle_y) / half)
