@@ -93,9 +93,9 @@ class GoalReward:
 def _together(infos: Sequence[Mapping[str, Any]], names: Sequence[str]) -> dict[str, Any]:
     """Return the infos of several steps as arrays."""
     try:
-        terms = {name: np.array([paid(info, name) for info in infos], np.float64) for name in names}
+        terms = {f"reward/{name}": np.array([paid(info, name) for info in infos], np.float64) for name in names}
         distance = np.array([info["goal_distance"] for info in infos], np.float64)
         outcome = np.array([info["outcome"] for info in infos], np.int64)
-        return {"outcome": outcome, "goal_distance": distance, "reward_terms": terms}
+        return {"outcome": outcome, "goal_distance": distance, **terms}
     except KeyError:
         raise ValueError(NO_INFO) from None

@@ -62,5 +62,4 @@ def paid(info: Mapping[str, Any], name: str) -> Any:
     Raises:
         KeyError: The info does not say.
     """
-    flat = f"reward/{name}"
-    return info[flat] if flat in info else info["reward_terms"][name]
+    return info[f"reward/{name}"]

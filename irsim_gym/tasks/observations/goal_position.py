@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -9,9 +10,10 @@ import numpy as np
 from irsim_gym.arraytypes import Rays
 from irsim_gym.engine import Shard
 from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.observations.position import write_place
+from irsim_gym.tasks.observations.position import place_scale, write_place
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -27,6 +29,10 @@ class GoalPosition:
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return that there are none."""
         return np.full(2, -np.inf, np.float32), np.full(2, np.inf, np.float32)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the two elements are."""
+        return [Columns(f"{axis} of the next goal", place_scale(axis, model)) for axis in ("x", "y")]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -12,6 +13,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -27,6 +29,11 @@ class Heading:
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds of the two elements."""
         return np.full(2, -1.0, np.float32), np.ones(2, np.float32)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the two elements are."""
+        world = "in the world: 0 along x, positive to y"
+        return [Columns("cosine of the heading", world), Columns("sine of the heading", world)]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

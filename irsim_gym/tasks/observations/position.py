@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -12,6 +13,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -31,10 +33,21 @@ class Position:
         """Return that there are none."""
         return np.full(2, -np.inf, np.float32), np.full(2, np.inf, np.float32)
 
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the two elements are."""
+        return [Columns(f"{axis} of the agent's place", place_scale(axis, model)) for axis in ("x", "y")]
+
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the two elements."""
         write_place(shard.worlds, term.agents, term.column, model.bounds, state.pose, episode.observation)
+
+
+def place_scale(axis: str, model: WorldModel) -> str:
+    """Return how a place becomes a number, in words."""
+    x_min, y_min, x_max, y_max = model.bounds.tolist()
+    middle = 0.5 * (x_min + x_max) if axis == "x" else 0.5 * (y_min + y_max)
+    return f"({axis} - {middle:g} m) / {0.5 * max(x_max - x_min, y_max - y_min):g} m"
 
 
 @kernel
