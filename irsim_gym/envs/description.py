@@ -341,11 +341,9 @@ def _infos(info: Mapping[str, Any]) -> list[Info]:
     """Return the keys of an info with what they mean, which their arrays declare."""
     declared = EpisodeState.columns()
     told = []
-    for key, value in info.items():
+    for key in info:
         name = STATE_NAMES.get(key, key)
-        if isinstance(value, Mapping):
-            told += [Info(f"{key}[{one!r}]", "", f"what the term {one} paid in the step") for one in value]
-        elif "/" in key:
+        if "/" in key:
             told.append(Info(key, "", f"what the term {key.split('/', 1)[1]} paid in the step"))
         elif name in declared:
             codes = ", ".join(f"{code.value} {code.name}" for code in CODES.get(key, ()))
