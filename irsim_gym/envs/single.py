@@ -11,7 +11,7 @@ from gymnasium.error import ResetNeeded
 
 from irsim_gym.arraytypes import Bytes, Flags
 from irsim_gym.engine.given import LEVELS
-from irsim_gym.envs.description import Description
+from irsim_gym.envs.explained import Explained
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.limits import ScenarioSpec, agreed_limit, outer_limit, scenario_spec
 from irsim_gym.envs.moment import Bodies, BodyMoment
@@ -22,7 +22,7 @@ from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.tasks.task import checked_limit
 
 
-class WorldEnv(gymnasium.Env[Observation, Any]):
+class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
     """A scenario in which one robot learns.
 
     ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` goes on with the next level of the chain
@@ -143,23 +143,6 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
         """Return which choices are worth trying, bool ``(n_choices,)``; for ``action: discrete``."""
         return np.asarray(self.worlds.action_masks()[0, 0])
 
-    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
-        """Return the reward of steps as if ``desired_goal`` had been their goal; for ``observation_form: goal``.
-
-        Args:
-            achieved_goal: Where they ended, as observed, ``(2,)`` or ``(n, 2)``.
-            desired_goal: Where they should have ended, of the same shape.
-            info: The info of the step; of several a sequence of infos, or the arrays of a vector environment.
-
-        Returns:
-            A float, or an array ``(n,)``: for the goal that the step really had, the reward that it was paid.
-
-        Raises:
-            IrsimGymError: The task has another ``observation_form``.
-            ValueError: Shapes that do not fit, or an info that lacks the outcome or the reward terms.
-        """
-        return self.worlds.compute_reward(achieved_goal, desired_goal, info)
-
     def render(self) -> Bytes | list[Bytes] | None:  # type: ignore[override]
         """Return what the render mode asks for.
 
@@ -192,10 +175,6 @@ class WorldEnv(gymnasium.Env[Observation, Any]):
     def time(self) -> float:
         """Time since the start of the episode [s]."""
         return self.worlds.moment().time
-
-    def describe(self) -> Description:
-        """Return what observations, actions, rewards, endings and infos mean; it prints as tables."""
-        return self.worlds.describe()
 
     def close(self) -> None:
         """Close the window and free the renderer. May be called twice."""

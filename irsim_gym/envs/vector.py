@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
 from irsim_gym.engine.given import LEVELS
-from irsim_gym.envs.description import Description
+from irsim_gym.envs.explained import Explained
 from irsim_gym.envs.limits import ScenarioSpec, agreed_limit, batch_spec, single_spec
 from irsim_gym.envs.moment import RobotMoments, WorldMoment
 from irsim_gym.envs.pictures import RENDER_MODES, ROOM, render_warning
@@ -29,7 +29,7 @@ from irsim_gym.tasks.task import checked_limit
 Step = tuple[Observation, Floats, Flags, Flags, dict[str, Any]]
 
 
-class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
+class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
     """Worlds of one scenario, each with one robot that learns.
 
     World ``w`` equals a ``WorldEnv`` that is reset with ``seed + w``, bit for bit, whatever the number of worlds and of
@@ -202,23 +202,6 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         """Return which choices are worth trying, bool ``(num_envs, n_choices)``; for ``action: discrete``."""
         return np.asarray(self.worlds.action_masks()[:, 0])
 
-    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
-        """Return the reward of steps as if ``desired_goal`` had been their goal; for ``observation_form: goal``.
-
-        Args:
-            achieved_goal: Where they ended, as observed, ``(2,)`` or ``(n, 2)``.
-            desired_goal: Where they should have ended, of the same shape.
-            info: The info of the step; of several a sequence of infos, or the arrays of a vector environment.
-
-        Returns:
-            A float, or an array ``(n,)``: for the goal that the step really had, the reward that it was paid.
-
-        Raises:
-            IrsimGymError: The task has another ``observation_form``.
-            ValueError: Shapes that do not fit, or an info that lacks the outcome or the reward terms.
-        """
-        return self.worlds.compute_reward(achieved_goal, desired_goal, info)
-
     def render(self) -> tuple[Bytes | list[Bytes] | None, ...] | None:  # type: ignore[override]
         """Return what the render mode asks for: for each world what ``WorldEnv.render`` returns.
 
@@ -316,10 +299,6 @@ class WorldVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
     def moment(self, world: int) -> WorldMoment:
         """Return one of the worlds as it is now, to be read: ``robot``, ``robots``, ``bodies``, ``time``."""
         return self.worlds.moment(world)
-
-    def describe(self) -> Description:
-        """Return what observations, actions, rewards, endings and infos mean in each world; it prints as tables."""
-        return self.worlds.describe()
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the window and free the renderer."""
