@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from irsim_gym.envs.description import Description
@@ -21,19 +22,14 @@ class Explained:
         """Return what observations, actions, rewards, endings and infos mean; it prints as tables."""
         return self.worlds.describe()
 
-    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
-        """Return the reward of steps as if ``desired_goal`` had been their goal; for ``observation_form: goal``.
+    @property
+    def compute_reward(self) -> Callable[[Any, Any, Any], Any]:
+        """The reward of steps as if another place had been their goal, see ``Worlds.compute_reward``.
 
-        Args:
-            achieved_goal: Where they ended, as observed, ``(2,)`` or ``(n, 2)``.
-            desired_goal: Where they should have ended, of the same shape.
-            info: The info of the step; of several a sequence of infos, or the arrays of a vector environment.
-
-        Returns:
-            A float, or an array ``(n,)``: for the goal that the step really had, the reward that it was paid.
-
-        Raises:
-            IrsimGymError: The task has another ``observation_form``.
-            ValueError: Shapes that do not fit, or an info that lacks the outcome or the reward terms.
+        It is there with ``observation_form: goal`` alone, because libraries take an environment that has it for one with
+        such observations.
         """
-        return self.worlds.compute_reward(achieved_goal, desired_goal, info)
+        form = self.worlds.task.observation_form
+        if form != "goal":
+            raise AttributeError(f"compute_reward is for tasks with observation_form: goal, this one's is '{form}'")
+        return self.worlds.compute_reward

@@ -25,7 +25,10 @@ ENTRY_POINT = "irsim_gym.envs.single:WorldEnv"
 VECTOR_ENTRY_POINT = "irsim_gym.envs.vector:WorldVectorEnv"
 PARALLEL_ENTRY_POINT = "irsim_gym.envs.parallel:parallel_env"
 SINGLES = (gymnasium.VectorizeMode.SYNC, gymnasium.VectorizeMode.ASYNC)
-DEFAULTS = {"render_backend": "matplotlib", "strict": True, "autoreset_mode": "NextStep", "num_threads": 1}
+DEFAULTS = {
+    **{"render_backend": "matplotlib", "strict": True, "autoreset_mode": "NextStep", "num_threads": 1},
+    **{"numpy_infos": False},
+}
 """Arguments of whatever makes environments whose default is not None."""
 
 
@@ -104,6 +107,7 @@ def make(
     render_mode: str | None = None,
     render_backend: str = "matplotlib",
     strict: bool = True,
+    numpy_infos: bool = False,
     disable_env_checker: bool | None = None,
     **parameters: Any,
 ) -> gymnasium.Env[Any, Any]:
@@ -113,10 +117,11 @@ def make(
         scenario: What to make.
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
         max_steps: Time limit of the task [steps]; None for the task's.
-        max_episode_steps: Time limit of ``gymnasium.make`` [steps], by a wrapper around the environment.
+        max_episode_steps: Another time limit [steps]; of it and ``max_steps`` the smaller one counts.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``WorldEnv.render``.
         render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        numpy_infos: Infos hold NumPy scalars, see ``WorldEnv``.
         disable_env_checker: True leaves out Gymnasium's checks of the first steps.
         **parameters: Values for the scenario's parameters.
     """
@@ -127,6 +132,7 @@ def make(
         render_mode=render_mode,
         render_backend=render_backend,
         strict=strict,
+        numpy_infos=numpy_infos,
         disable_env_checker=disable_env_checker,
     )
     one, kwargs = _resolve(scenario, {**given, **parameters})

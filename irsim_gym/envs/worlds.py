@@ -122,7 +122,20 @@ class Worlds:
         return self.pictures.fps
 
     def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: Any) -> Any:
-        """Return the reward of steps as if another place had been the goal, see ``GoalReward``."""
+        """Return the reward of steps as if ``desired_goal`` had been their goal; for ``observation_form: goal``.
+
+        Args:
+            achieved_goal: Where they ended, as observed, ``(2,)`` or ``(n, 2)``.
+            desired_goal: Where they should have ended, of the same shape.
+            info: The info of the step; of several a sequence of infos, or the arrays of a vector environment.
+
+        Returns:
+            A float, or an array ``(n,)``: for the goal that the step really had, the reward that it was paid.
+
+        Raises:
+            IrsimGymError: The task has another ``observation_form``.
+            ValueError: Shapes that do not fit, or an info that lacks the outcome or the reward terms.
+        """
         if self._goal_reward is None:
             self._goal_reward = GoalReward(self.episodes)
         return self._goal_reward(achieved_goal, desired_goal, info)

@@ -27,6 +27,7 @@ ARGUMENTS = frozenset(
         *("record", "save_ani", "columns", "wrappers"),
         *("max_steps", "max_episode_steps", "max_cycles", "outer_limit", "autoreset_mode", "autoreset"),
         *("respawn", "world_steps", "padded", "team_state", "strict"),
+        *("black_death", "numpy_infos"),
         *("disable_env_checker", "vectorization_mode", "vector_kwargs"),
         *("env_kwargs", "start_index", "monitor_dir", "monitor_kwargs"),
         *("wrapper_class", "wrapper_kwargs", "vec_env_cls", "vec_env_kwargs"),
@@ -36,11 +37,13 @@ ARGUMENTS = frozenset(
 
 _TAKEN_BY = {
     "num_threads": "make_vec, make_batch and those of sb3",
-    "seed": "reset, and of those of sb3",
+    "seed": "load, reset and those of sb3",
     "level": "reset, as options={'level': ...}",
     "split": "reset, as options={'split': ...}",
     "max_cycles": "parallel_env",
     "padded": "parallel_env",
+    "black_death": "parallel_env",
+    "numpy_infos": "make",
     "respawn": "make_batch",
     "mode": "sb3.make_multi_agent_vec_env",
     "world_steps": "make_batch and sb3.make_multi_agent_vec_env",

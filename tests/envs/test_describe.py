@@ -44,7 +44,12 @@ EVERYTHING: dict[str, Any] = {
         "drive",
         {"name": "nearest_bodies", "count": 2},
         {"name": "neighbors", "count": 2},
+        {"name": "exact_free_travel", "directions": 24},
         "goal_record",
+        "route",
+        "position",
+        "heading",
+        "goal_position",
         {"name": "trail", "sectors": 9},
         {"name": "occupancy_image", "pixels": 40, "metres": 8, "edge": False},
         "top_view",
@@ -97,7 +102,7 @@ def test_directions_are_true() -> None:
     env.reset(seed=0)
     for _ in range(15):
         env.step(np.array([1.0, 0.0]))
-    answered = dict.fromkeys(("scan", "past_scans", "free_travel", "trail"), 0)
+    answered = dict.fromkeys(("scan", "past_scans", "free_travel", "exact_free_travel", "trail"), 0)
     for _ in range(45):
         observation, *_ = env.step(np.array([-1.0, 1.0]))
         x, y, heading = env.robot.pose
@@ -108,12 +113,14 @@ def test_directions_are_true() -> None:
             ("scan", bearing, width),
             ("past_scans", bearing, width),
             ("free_travel", bearing, 0.5 * 360 / 24),
+            ("exact_free_travel", bearing, 0.5 * 360 / 24),
             ("trail", math.pi - heading, 0.1),
         ):
             answered[name] += _answers(description.block(name), observation[name], math.degrees(where), slack)
         _check_places(description, observation, away, heading)
     assert answered["past_scans"] > 45  # where the scanner does not look, nothing answers: it has a gap of 1.8 rad
     assert answered["free_travel"] > 25
+    assert answered["exact_free_travel"] == 45
     assert (answered["scan"] > 25, answered["trail"]) == (True, 45)
 
 

@@ -94,7 +94,7 @@ def test_an_argument_of_another_function_is_told_with_its_owner(file: str) -> No
         UnknownNameError, match=r"no parameter 'num_envs' \(the number of worlds is .*, 'n_envs' of sb3.make_vec_env"
     ):
         make_vec_env(file, num_envs=2)
-    with pytest.raises(UnknownNameError, match=r"no parameter 'seed' \(an argument of reset, and of those of sb3\)"):
+    with pytest.raises(UnknownNameError, match=r"no parameter 'seed' \(an argument of load, reset and those of sb3\)"):
         irsim_gym.make(file, seed=2)
 
 

@@ -70,7 +70,7 @@ def test_half_a_turn_reads_minus_pi() -> None:
 def test_heading_wraps_into_the_angle_range() -> None:
     for kinematics in DRIVES.values():
         sim = simulation({"kinematics": kinematics, "state": [0, 0, -1.0], "angle_range": [0, 2 * np.pi]})
-        sim.step([0.0, 0.0])
+        sim.step([0.0, 0.0, 0.0])
         assert sim.state.pose[0, 0, 2] == pytest.approx(2 * np.pi - 1)
 
 

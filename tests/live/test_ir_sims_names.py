@@ -211,7 +211,7 @@ def test_arguments_that_mean_nothing(arguments: dict[str, Any], said: str) -> No
 
 
 def test_arguments_that_nobody_knows() -> None:
-    with pytest.raises(UnknownNameError, match=r"has no parameter 'sed' \(did you mean 'seed'\?\); it has none"):
+    with pytest.raises(UnknownNameError, match=r"has no parameter 'sed' \(did you mean 'seed', an argument of load"):
         irsim_gym.load(SCENARIO, sed=3)
 
 

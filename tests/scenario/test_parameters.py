@@ -80,7 +80,7 @@ def test_a_name_that_is_not_declared(file: Path) -> None:
     with pytest.raises(UnknownNameError, match=r"the given mapping has no parameter 'n'; it has none$"):
         load_scenario({}, {"n": 3})
     # not itself: it would not help
-    with pytest.raises(UnknownNameError, match=r"'num_envs' \(an argument of make_vec; did you mean 'n_envs'"):
+    with pytest.raises(UnknownNameError, match=r"'num_envs' \(the number of worlds is 'num_envs' of make_vec"):
         load_scenario({}, {"num_envs": 3})
 
 

@@ -68,8 +68,8 @@ class NearestBodies:
         gap = coded(self, "g", _sight(self.range, model))
         pace = f"v / {self.speed:g} m/s, relative to the robot"
         told = [
-            Columns("nearest body: cosine of the direction of its nearest point", "1 straight ahead, -1 behind"),
-            Columns("nearest body: sine of that direction", "1 to the left, -1 to the right; both 0 without a body"),
+            Columns("nearest body: cosine of its nearest point's bearing, 1 straight ahead", "0 without a body"),
+            Columns("nearest body: sine of that bearing, 1 to the left", "0 without a body"),
             Columns(
                 "nearest body: gap to it",
                 f"g between the outlines, as {gap}",
