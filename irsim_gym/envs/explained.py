@@ -26,8 +26,8 @@ class Explained:
     def compute_reward(self) -> Callable[[Any, Any, Any], Any]:
         """The reward of steps as if another place had been their goal, see ``Worlds.compute_reward``.
 
-        It is there with ``observation_form: goal`` alone, because libraries take an environment that has it for one with
-        such observations.
+        It is there with ``observation_form: goal`` alone, because libraries take whatever has it for an environment
+        with such observations.
         """
         form = self.worlds.task.observation_form
         if form != "goal":
