@@ -34,6 +34,7 @@ def main() -> None:
     warnings.simplefilter("ignore")  # scenarios may be odd
     import player
 
+    player.look_coarsely()
     player.share_among_threads()
     what = json.loads(sys.argv[1])
     for name, source in chosen(what).items():

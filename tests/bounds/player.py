@@ -16,6 +16,7 @@ from irsim_gym.families import OBSERVATIONS
 from irsim_gym.live import load
 from irsim_gym.render import make_renderer
 from irsim_gym.scenario import Scenario, load_scenario
+from irsim_gym.tasks.observations import route
 
 N_WORLDS = 2
 PICTURE = (64, 48)
@@ -32,6 +33,11 @@ NUMBERS = {
     "endings": ["arrived", "collided", "deadlocked", "left_world"],
     "audit": False,
 }
+
+
+def look_coarsely() -> None:
+    """Let routes be sought over few cells: plain Python takes long over many."""
+    route.CELL, route.FINEST = 1.0, 12
 
 
 def share_among_threads() -> None:

@@ -22,6 +22,8 @@ from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
+CELL = 0.1
+"""Side of the cells [m] where none is given, and the world is small enough."""
 FINEST = 200
 """Most cells along the longer side of the world, unless a side is given."""
 ENTRY = 4
@@ -49,7 +51,7 @@ class Route:
         """Return the ways, ``(n_worlds, n_agents, n_cells)``, the goals they lead to, the grid, and scratch memory."""
         bounds = simulation.model.bounds
         side = max(float(bounds[2] - bounds[0]), float(bounds[3] - bounds[1]))
-        grid = Grid.over(bounds, max(0.1, side / FINEST) if self.cell is None else self.cell)
+        grid = Grid.over(bounds, max(CELL, side / FINEST) if self.cell is None else self.cell)
         slots, n_agents = simulation.shards.n_slots, len(agents)
         shape = (simulation.n_worlds, n_agents, grid.rows * grid.columns)
         return {
