@@ -50,7 +50,7 @@ def find(name: str | Path, section: str = "scenarios") -> Path:
     A name without folder and suffix is a shipped one, unless a file of that name exists.
 
     Raises:
-        UnknownNameError: Nothing is shipped under the name; the message offers the nearest, shipped or a file beside the caller.
+        UnknownNameError: Nothing is shipped under the name; the message offers the nearest, also of files nearby.
     """
     path = Path(name)
     if isinstance(name, Path) or path.suffix in SUFFIXES or len(path.parts) != 1:
