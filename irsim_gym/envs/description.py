@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -12,7 +13,7 @@ from gymnasium import Space
 from gymnasium.spaces import Box, Dict
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.envs.spaces import action_space, observation_space
+from irsim_gym.envs.spaces import action_space, observation_key, observation_space
 from irsim_gym.tasks import Episodes, HitKind, Outcome
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import IsImage, Term
@@ -23,6 +24,11 @@ STATE_NAMES = {"is_success": "success"}
 """Keys of infos that ``EpisodeState`` has under another name."""
 CODES = {"outcome": Outcome, "hit_kind": HitKind}
 """Keys of infos whose numbers stand for words."""
+OF_TEAMS = {
+    "idle": "it had ended before the step (black_death)",
+    "action_mask": "1 for each choice that is worth trying, int8",
+}
+"""Keys of infos that the parallel environment adds."""
 SIGNS = {"potential": "+ or -", "bonus": "+", "penalty": "-", "running": "-"}
 
 
@@ -31,7 +37,7 @@ class Part:
     """Some neighbouring columns of a block; of a picture, channels.
 
     Attributes:
-        start: The first of them, in the observation; in the block where observations are dicts, and of pictures.
+        start: The first of them, in the array of the observation that holds the block.
         stop: One past the last of them.
         meaning: What they hold.
         scale: How the numbers come about, with units.
@@ -60,7 +66,8 @@ class Block:
     """What one observation of the task contributes.
 
     Attributes:
-        name: Its name in the task, and its key where observations are dicts.
+        name: Its name in the task.
+        key: Key of the array that holds it, in an observation that is a dict; empty where it is one array.
         summary: What it is, in a sentence.
         shape: Of the numbers that it contributes.
         parts: Its columns, or the channels of its picture, in order.
@@ -69,6 +76,7 @@ class Block:
     """
 
     name: str
+    key: str
     summary: str
     shape: tuple[int, ...]
     parts: tuple[Part, ...]
@@ -155,7 +163,7 @@ class Description:
         max_steps: Time limit [steps].
         step_time: Duration of a step [s].
         observation_space: As text.
-        form: ``"flat"`` or ``"dict"``.
+        form: ``"flat"``, ``"dict"`` or ``"goal"``.
         blocks: What the observation consists of.
         action: What an action means.
         rewards: What is paid.
@@ -241,24 +249,23 @@ def describe(episodes: Episodes, info: Mapping[str, Any], agent: int = 0, *, own
 def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
     """Return the blocks of an agent's observations, in the order of the flat observation; pictures stand apart."""
     bounds = {name: (low, high) for name, low, high in episodes.observation_terms}
-    blocks, start = [], 0
-    is_flat = episodes.task.observation_form == "flat"
+    blocks: list[Block] = []
+    held: Counter[str] = Counter()
     for term in episodes.terms["observations"]:
-        summary = first_sentence(kind_of(term))
+        key, summary = observation_key(episodes, term.name), first_sentence(kind_of(term))
         told = _told(episodes, term, agent)
         if isinstance(term.options, IsImage):
             view = getattr(term.options, "view", "")
             parts = _parts(told, np.ones(sum(one.count for one in told), np.bool_), (0.0, 255.0), 0)
-            blocks.append(Block(term.name, summary, term.image.shape[2:], parts, True, view))
+            blocks.append(Block(term.name, key, summary, term.image.shape[2:], parts, True, view))
             continue
         low, high = bounds[term.name]
         used = episodes.feature_mask[agent, term.column : term.column + low.size]
         kept = used if own else np.ones(low.size, np.bool_)
         if kept.any():
-            parts = _parts(told, kept, (low, high), start if is_flat else 0)
             width = int(kept.sum())
-            blocks.append(Block(term.name, summary, (width,), parts))
-            start += width
+            blocks.append(Block(term.name, key, summary, (width,), _parts(told, kept, (low, high), held[key])))
+            held[key] += width
     return tuple(blocks)
 
 
@@ -350,7 +357,7 @@ def _infos(info: Mapping[str, Any]) -> list[Info]:
             column = declared[name]
             told.append(Info(key, column.unit, f"{column.meaning}: {codes}" if codes else column.meaning))
         else:
-            told.append(Info(key, "", "not described"))
+            told.append(Info(key, "", OF_TEAMS.get(key, "not described")))
     return told
 
 

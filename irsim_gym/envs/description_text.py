@@ -123,7 +123,8 @@ def sheets(description: Description) -> Iterator[Sheet]:
 def _block_rows(block: Block, form: str) -> Iterator[tuple[str, ...]]:
     """Yield a row for each part of a block; the name of the block stands in the first."""
     shape = f" {block.shape}" if block.is_image or form == "dict" else ""
-    yield "", f"{block.name}{shape}", "", "", f"{block.summary} {block.view}".strip()
+    place = f" in {block.key}" if block.key not in ("", block.name) else ""
+    yield "", f"{block.name}{shape}{place}", "", "", f"{block.summary} {block.view}".strip()
     for part in block.parts:
         yield _span(part), "", f"{part.low:.3g}", f"{part.high:.3g}", _said(part)
 

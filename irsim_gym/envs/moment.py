@@ -201,6 +201,8 @@ class Bodies(Sequence[BodyMoment]):
             if index not in self.names:
                 raise UnknownNameError(f"no body named '{index}' here{suggestion(index, self.names)}")
             index = self.names.index(index)
+        if not -len(self) <= index < len(self):
+            raise IndexError(f"body {index}: there are {len(self)}")
         return BodyMoment(self._simulation, self._numbers[index], self._world)
 
     def __iter__(self) -> Iterator[BodyMoment]:

@@ -282,7 +282,8 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         Raises:
             UnknownNameError: There is no such agent.
         """
-        return self.worlds.describe(agent or 0, own=not self._padded)
+        first = self.possible_agents[0]
+        return self.worlds.describe(agent or 0, own=not self._padded, more=self._infos([first])[first])
 
     def close(self) -> None:
         """Close the window and free the renderer. May be called twice."""

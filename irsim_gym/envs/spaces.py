@@ -131,6 +131,19 @@ def observation_space(episodes: Episodes, agent: int | None = None) -> Space[Any
     return next(iter(spaces.values())) if len(spaces) == 1 else Dict(spaces)
 
 
+def observation_key(episodes: Episodes, name: str) -> str:
+    """Return under which key of an observation a term is found; empty where the observation is one array."""
+    form = episodes.task.observation_form
+    if form == "goal":
+        return PARTS.get(name, REST)
+    if form == "dict":
+        return name
+    images, n_columns = episodes.view.images, len(episodes.observation_terms)
+    if len(images) + bool(n_columns) == 1:
+        return ""
+    return name if name in images else VECTOR
+
+
 def _box(bounds: Sequence[tuple[Rays, Rays]]) -> Box:
     """Return the space of several terms side by side."""
     low, high = (np.concatenate(sides) for sides in zip(*bounds, strict=True))

@@ -256,12 +256,15 @@ class Worlds:
             raise IndexError(f"world {world}: there are {self.n_worlds}")
         return WorldMoment(self.simulation, world % self.n_worlds)
 
-    def describe(self, agent: str | int = 0, *, own: bool = False) -> Description:
+    def describe(
+        self, agent: str | int = 0, *, own: bool = False, more: Mapping[str, Any] | None = None
+    ) -> Description:
         """Return what observations, actions, rewards, endings and infos mean to a learner.
 
         Args:
             agent: Its name, or its number among the learners.
             own: Leave out columns and components that mean nothing to it.
+            more: What its infos hold besides those of ``info_of``.
 
         Raises:
             UnknownNameError: There is no such learner.
@@ -270,7 +273,7 @@ class Worlds:
         if isinstance(agent, str) and agent not in names:
             raise UnknownNameError(f"no agent named {agent!r}{suggestion(agent, names)}")
         a = names.index(agent) if isinstance(agent, str) else agent
-        return describe(self.episodes, self.info_of(0, a), a, own=own)
+        return describe(self.episodes, {**self.info_of(0, a), **(more or {})}, a, own=own)
 
     def close(self) -> None:
         """Close the window and free the renderers; everything else is plain memory."""

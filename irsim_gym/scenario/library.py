@@ -50,7 +50,7 @@ def find(name: str | Path, section: str = "scenarios") -> Path:
     A name without folder and suffix is a shipped one, unless a file of that name exists.
 
     Raises:
-        UnknownNameError: Nothing is shipped under the name; the message offers the nearest.
+        UnknownNameError: Nothing is shipped under the name; the message offers the nearest, also of files nearby.
     """
     path = Path(name)
     if isinstance(name, Path) or path.suffix in SUFFIXES or len(path.parts) != 1:
@@ -62,5 +62,7 @@ def find(name: str | Path, section: str = "scenarios") -> Path:
         return path
     one = section.removesuffix("s")
     shown = str(name)[:60]
-    near = suggestion(shown, shipped) or f"; shipped: {', '.join(shipped) or 'none'}; a file needs its suffix, .yaml"
+    here = sorted(file.name for file in Path().glob("*.y*ml") if file.suffix in SUFFIXES)
+    offer = f"; shipped: {', '.join(shipped) or 'none'}; a file needs its suffix, .yaml"
+    near = suggestion(shown, [*shipped, *here]) or offer
     raise UnknownNameError(f"no {one} named '{shown}'{near}")

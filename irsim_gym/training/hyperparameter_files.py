@@ -31,7 +31,7 @@ DEFAULT = "default"
 MOST_NAMES = 24
 SWITCHES = ("training", "norm_obs", "norm_reward")
 """Arguments of VecNormalize that are true or false."""
-_ENTRY = re.compile(r"irsim_gym/.+-v\d+")
+_ENTRY = re.compile(r"irsim_gym/.+-v0")
 _PLAIN_NUMBER = re.compile(r"(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 _DEVICE = re.compile(r"auto|cpu|mps|cuda(:\d+)?")
 
@@ -73,7 +73,8 @@ def _entry(name: str, entry: Any, algorithm: Algorithm, report: Report) -> dict[
     """Return the checked values of one entry."""
     if name != DEFAULT and not _ENTRY.fullmatch(name):
         is_key = name in option_fields(RunKeys) or name in _arguments(algorithm)
-        hint = f" (it belongs below '{DEFAULT}:')" if is_key else suggestion(name, [DEFAULT])
+        others = [DEFAULT, re.sub(r"-v\d+$", "-v0", name)] if "/" in name else [DEFAULT]
+        hint = f" (it belongs below '{DEFAULT}:')" if is_key else suggestion(name, others)
         report.add(
             (name,), f"no entry{hint}; entries are '{DEFAULT}' and environment ids such as irsim_gym/cluttered_room-v0"
         )

@@ -79,10 +79,12 @@ def train(
         console: Where progress is shown; None for standard error.
 
     Raises:
-        IrsimGymError: The folder holds another run, or one that should be resumed.
+        IrsimGymError: The folder holds another run, or one that should be resumed, or is a file.
         TrainingInterruptedError: Ctrl-C or SIGTERM; a checkpoint was written.
     """
     run, screen = Run(folder), console or Console(stderr=True)
+    if run.folder.is_file():
+        raise IrsimGymError(f"{run.folder} is a file; a run needs a folder, name one by --out")
     now = settings.snapshot()
     if overwrite:
         replaceable(run)

@@ -78,6 +78,7 @@ COMPLETE = "default: {n_timesteps: 10, n_envs: 2, "
         ("ppo", COMPLETE + "gamma: 0.9", 1, "not valid YAML"),
         ("ppo", "gamma: 0.9", 1, "gamma: no entry .it belongs below 'default:'"),
         ("ppo", "defualt: {n_envs: 2}", 1, "defualt: no entry .did you mean 'default'"),
+        ("ppo", COMPLETE + "}\nirsim_gym/cave-v9: {gamma: 0.9}", 2, "no entry .did you mean 'irsim_gym/cave-v0'"),
         ("ppo", "- 1", 1, r"must be a mapping with the entry 'default', got \[1\]"),
         ("ppo", "default: {}", 1, "default.n_envs: is required"),
     ],

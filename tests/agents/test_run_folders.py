@@ -156,6 +156,8 @@ def test_beginning_anew(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     train_anew = ["train", "yard.yaml", "--hyperparameters", "ppo.yaml", "--overwrite", "--dev-levels", 0, "--out"]
     assert command(monkeypatch, *train_anew, "mine") == 1
     assert "mine holds no training run, and --overwrite replaces nothing else" in capsys.readouterr().err
+    assert command(monkeypatch, *train_anew[:4], "--dev-levels", 0, "--out", "ppo.yaml") == 1
+    assert "ppo.yaml is a file; a run needs a folder, name one by --out" in capsys.readouterr().err
     assert command(monkeypatch, *train_anew, "run", "--set", "sped=2") == 1
     assert run.settings().seed == 5  # the settings that are asked for cannot be used
     assert command(monkeypatch, *train_anew, "run") == 0

@@ -73,26 +73,37 @@ def test_every_shipped_kind_describes_itself() -> None:
     assert shown == {entry.name for entry in OBSERVATIONS if entry.kind.__module__.startswith("irsim_gym.")}
 
 
-@pytest.mark.parametrize("form", ["flat", "dict"])
+GOAL_FORM = {
+    "name": "blank",
+    "observation_form": "goal",
+    "observations": ["scan", "velocity", "position", "drive"],
+    "endings": ["arrived", "collided"],
+    "rewards": ["arrival"],
+}
+
+
+@pytest.mark.parametrize("form", ["flat", "dict", "goal"])
 def test_columns_add_up_to_the_space(form: str) -> None:
-    env = yard(observation_form=form)
+    env = irsim_gym.make(YARD, task=GOAL_FORM).unwrapped if form == "goal" else yard(observation_form=form)
     description: Description = env.describe()
-    start = 0
+    ends = dict.fromkeys(env.observation_space, 0)
     for block in description.blocks:
-        space = env.observation_space[block.name if block.is_image or form == "dict" else "vector"]
+        space = env.observation_space[block.key]
         assert isinstance(space, Box)
         if block.is_image:
             assert (block.shape, len(block.parts)) == (space.shape, space.shape[2])
+            ends[block.key] = space.shape
             continue
-        start = 0 if form == "dict" else start
         for part in block.parts:
-            assert part.start == start
+            assert part.start == ends[block.key]
             here = slice(part.start, part.stop)
             assert (part.low, part.high) == (space.low[here].min(), space.high[here].max())
             assert not part.sectors or len(part.sectors) == part.stop - part.start
-            start = part.stop
-        assert form == "flat" or (start,) == space.shape
-    assert form == "dict" or (start,) == env.observation_space["vector"].shape
+            ends[block.key] = part.stop
+    assert {key: np.atleast_1d(end).tolist() for key, end in ends.items()} == {
+        key: list(space.shape) for key, space in env.observation_space.items()
+    }
+    assert form != "goal" or "goal_position in desired_goal" in str(description)
 
 
 def test_directions_are_true() -> None:
@@ -176,6 +187,13 @@ def test_infos_rewards_and_endings() -> None:
     assert all(f"{code.value} {code.name}" in outcomes for code in Outcome)
     assert {one.name: one.sign for one in description.rewards}["time"] == "-"
     assert [one.outcome for one in description.endings][-2:] == ["SUCCESS", "DEADLOCK"]  # of several the first counts
+
+
+def test_infos_of_teams() -> None:
+    task = {"name": "team_navigation", "action": "discrete"}
+    told = irsim_gym.parallel_env("circle_swap", task=task, black_death=True).describe("robot_1").infos
+    assert [one.meaning for one in told if "not described" in one.meaning] == []
+    assert {"idle", "action_mask"} <= {one.key for one in told}
 
 
 def test_agents_of_one_team_may_see_other_columns() -> None:

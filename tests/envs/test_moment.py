@@ -61,6 +61,11 @@ def test_environments_show_it_and_it_cannot_be_written() -> None:
     assert env.bodies[1:][0] == env.bodies[-1]
     with pytest.raises(UnknownNameError, match="did you mean 'obstacle_1'"):
         env.bodies["obstacle1"]
+    count = len(env.bodies)
+    assert env.bodies[-count].name == env.bodies[0].name
+    for wrong in (count, -count - 1):
+        with pytest.raises(IndexError, match=f"body {wrong}: there are {count}"):
+            env.bodies[wrong]
     for array in (before, env.robot.goal, env.robot.velocity, env.robot.twist, env.robot.scan()["ranges"]):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0

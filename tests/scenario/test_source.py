@@ -126,13 +126,18 @@ def test_impossible_paths() -> None:
             load_scenario(name)
 
 
-def test_unknown_name() -> None:
+def test_unknown_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(
         UnknownNameError, match=r"no scenario named 'cluttred_room' \(did you mean 'cluttered_room'\?\)"
     ):
         load_scenario("cluttred_room")
     with pytest.raises(UnknownNameError, match=r"no scenario named 'zzz'; shipped: .*empty_goal"):
         load_scenario("zzz")
+    (tmp_path / "my_world.yaml").touch()
+    monkeypatch.chdir(tmp_path)
+    for name in ("my_world.ymal", "my_world"):  # a file beside the caller, with a misspelt suffix or none
+        with pytest.raises(UnknownNameError, match=r"\(did you mean 'my_world.yaml'\?\)"):
+            load_scenario(name)
 
 
 @pytest.mark.parametrize("value", [None, 3, b"cluttered_room", ["a"]])
