@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Dict
 from gymnasium.utils.env_checker import check_env
+from stable_baselines3 import SAC, HerReplayBuffer
+from stable_baselines3.common.monitor import Monitor
+from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv
 
 from irsim_gym.envs.sb3 import make_vec_env
 from irsim_gym.envs.single import WorldEnv
@@ -128,17 +131,16 @@ def test_what_compute_reward_needs() -> None:
         WorldEnv(world()).compute_reward(np.zeros(2), np.zeros(2), info)
 
 
-def her(n_envs: int, seed: int, **options: Any) -> Any:
-    from stable_baselines3 import SAC, HerReplayBuffer
-
+def her(env: VecEnv, seed: int = 0, **options: Any) -> SAC:
+    """Return a learner that keeps four replayed goals for each step that happened."""
     kept = {"n_sampled_goal": 4, "goal_selection_strategy": "future", "copy_info_dict": True}
-    env = make_vec_env("empty_goal", n_envs, seed, task=TASK)
     return SAC("MultiInputPolicy", env, replay_buffer_class=HerReplayBuffer, replay_buffer_kwargs=kept, seed=seed,
                device="cpu", **options)  # fmt: skip
 
 
 def test_hindsight_replay_pays_arrivals_that_were_none() -> None:
-    model = her(2, 0, learning_starts=700, gradient_steps=1, train_freq=16, policy_kwargs={"net_arch": [16]})
+    env = make_vec_env("empty_goal", 2, 0, task=TASK)
+    model = her(env, learning_starts=700, gradient_steps=1, train_freq=16, policy_kwargs={"net_arch": [16]})
     model.learn(800)
     sample = model.replay_buffer.sample(200)
     arrived = (sample.rewards > 4.0).numpy().ravel()
@@ -146,3 +148,24 @@ def test_hindsight_replay_pays_arrivals_that_were_none() -> None:
     assert 10 < arrived.sum() < 150
     near, has_left = 5.0 * gap < 0.3, (sample.rewards < -1.0).numpy().ravel()
     assert np.array_equal(arrived, near & ~has_left)
+
+
+def test_the_replay_buffer_is_that_of_single_environments() -> None:
+    """Last observations, ends and time limits of three worlds; and 60 steps do not end at once in all of them."""
+    several = make_vec_env("empty_goal", 3, 5, task=TASK, max_steps=60)
+    singles = DummyVecEnv([lambda: Monitor(WorldEnv("empty_goal", TASK, max_steps=60)) for _ in range(3)])
+    singles.seed(5)
+    ours, theirs = (
+        her(env, buffer_size=900, learning_starts=1_000).learn(750).replay_buffer for env in (several, singles)
+    )
+    for name in ("dones", "timeouts", "rewards", "actions", "ep_start", "ep_length"):
+        assert np.array_equal(getattr(ours, name), getattr(theirs, name)), name
+    for part in ("observation", "achieved_goal", "desired_goal"):
+        assert np.array_equal(ours.observations[part], theirs.observations[part]), part
+        assert np.array_equal(ours.next_observations[part], theirs.next_observations[part]), part
+    ended = ours.dones[: ours.pos - 1] > 0
+    assert 0 < ours.timeouts.sum() < ended.sum()
+    goes_on = (
+        ours.next_observations["achieved_goal"][: ours.pos - 1] == ours.observations["achieved_goal"][1 : ours.pos]
+    )
+    assert np.array_equal(goes_on.all(axis=-1), ~ended)
