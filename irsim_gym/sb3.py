@@ -12,8 +12,10 @@ from irsim_gym.envs.sb3 import (
     make_multi_agent_vec_env,
     make_vec_env,
 )
+from irsim_gym.envs.sb3_goals import EndingHerReplayBuffer
 
 __all__ = [
+    "EndingHerReplayBuffer",
     "MaskedDictReplayBuffer",
     "MaskedDictRolloutBuffer",
     "MaskedReplayBuffer",

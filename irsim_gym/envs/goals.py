@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.tasks.goal_form import paid
@@ -72,14 +72,23 @@ class GoalReward:
         infos = info if isinstance(info, Mapping) else _together(info, self._names)
         reward: Floats = np.zeros(count)
         try:
-            near = self._distance(achieved, desired, np.asarray(infos["goal_distance"])) < self._threshold
-            arrived = near & ~np.isin(infos["outcome"], BEFORE_SUCCESS)
+            arrived = self._arrived(achieved, desired, infos)
             for name in self._names:
                 bonus = self._bonus.get(name)
                 reward = reward + (np.asarray(paid(infos, name)) if bonus is None else np.where(arrived, bonus, 0.0))
         except KeyError:
             raise ValueError(NO_INFO) from None
         return reward if count else float(reward)
+
+    def arrived(self, achieved_goal: Any, desired_goal: Any, infos: Sequence[Mapping[str, Any]]) -> Flags:
+        """Return which steps would have arrived, ``(n,)``; the arguments are those of a call, for several steps."""
+        achieved, desired = np.asarray(achieved_goal, np.float64), np.asarray(desired_goal, np.float64)
+        return self._arrived(achieved, desired, _together(infos, self._names))
+
+    def _arrived(self, achieved: Floats, desired: Floats, infos: Mapping[str, Any]) -> Flags:
+        near = self._distance(achieved, desired, np.asarray(infos["goal_distance"])) < self._threshold
+        arrived: Flags = near & ~np.isin(infos["outcome"], BEFORE_SUCCESS)
+        return arrived
 
     def _distance(self, achieved: Floats, desired: Floats, real: Floats) -> Floats:
         """Return distances [m]; the one that the step itself measured where the goal is its own, or as far away.

@@ -99,6 +99,10 @@ class WorldView:
         """Return the reward of steps as if another place had been the goal, see ``WorldEnv.compute_reward``."""
         return self.worlds.compute_reward(achieved_goal, desired_goal, info)
 
+    def would_arrive(self, achieved_goal: Any, desired_goal: Any, infos: Any) -> Flags:
+        """Return which steps would have arrived if another place had been the goal, ``(n,)``."""
+        return self.worlds.would_arrive(achieved_goal, desired_goal, infos)
+
     def describe(self) -> Description:
         """Return what observations, actions, rewards, endings and infos mean; it prints as tables."""
         return self.worlds.describe()

@@ -140,6 +140,12 @@ class Worlds:
             self._goal_reward = GoalReward(self.episodes)
         return self._goal_reward(achieved_goal, desired_goal, info)
 
+    def would_arrive(self, achieved_goal: Any, desired_goal: Any, infos: Any) -> Flags:
+        """Return which steps would have arrived if another place had been the goal, see ``GoalReward.arrived``."""
+        if self._goal_reward is None:
+            self._goal_reward = GoalReward(self.episodes)
+        return self._goal_reward.arrived(achieved_goal, desired_goal, infos)
+
     def action_masks(self) -> Flags:
         """Return which choices agents have, fresh, ``(n_worlds, n_agents, n_choices)``, see ``ActionMasks``."""
         if self._masks is None:
