@@ -14,8 +14,8 @@ from irsim_gym.arraytypes import Ints, Rays
 class EndingHerReplayBuffer(HerReplayBuffer):
     """``HerReplayBuffer`` in which an arrival that is replayed ends the episode, as one that happened does.
 
-    That of Stable-Baselines3 pays it and goes on, so that a learner finds it best to stand still where it takes the
-    goal to be, and stops short of it. Infos are always kept (``copy_info_dict``).
+    That of Stable-Baselines3 pays it and goes on, as if standing at the goal were worth
+    something. Infos are always kept (``copy_info_dict``).
     """
 
     def __init__(self, *args: Any, **options: Any) -> None:
