@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.envs.infos import reward_keys
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.tasks.goal_form import paid
 from irsim_gym.tasks.outcome import PRECEDENCE
 from irsim_gym.tasks.rewards.arrival import Arrival
 
@@ -43,10 +43,10 @@ class GoalReward:
             raise IrsimGymError("compute_reward needs one goal_threshold for all worlds, and they have different ones")
         x_min, y_min, x_max, y_max = model.bounds.tolist()
         self._half, self._threshold = 0.5 * max(x_max - x_min, y_max - y_min), float(thresholds[0])
-        self._names = episodes.reward_names
+        self._keys = reward_keys(episodes.reward_names)
         self._bonus = {
-            name: float(term.weight)
-            for name, term in zip(self._names, task.rewards, strict=True)
+            key: float(term.weight)
+            for key, term in zip(self._keys, task.rewards, strict=True)
             if isinstance(term, Arrival)
         }
 
@@ -69,13 +69,13 @@ class GoalReward:
             shapes = f"{achieved.shape} and {desired.shape}"
             raise ValueError(f"goals must both have shape (2,) or (n, 2), got {shapes}")
         count = achieved.shape[:-1]
-        infos = info if isinstance(info, Mapping) else _together(info, self._names)
+        infos = info if isinstance(info, Mapping) else _together(info, self._keys)
         reward: Floats = np.zeros(count)
         try:
             arrived = self._arrived(achieved, desired, infos)
-            for name in self._names:
-                bonus = self._bonus.get(name)
-                reward = reward + (np.asarray(paid(infos, name)) if bonus is None else np.where(arrived, bonus, 0.0))
+            for key in self._keys:
+                bonus = self._bonus.get(key)
+                reward = reward + (np.asarray(infos[key]) if bonus is None else np.where(arrived, bonus, 0.0))
         except KeyError:
             raise ValueError(NO_INFO) from None
         return reward if count else float(reward)
@@ -83,7 +83,7 @@ class GoalReward:
     def arrived(self, achieved_goal: Any, desired_goal: Any, infos: Sequence[Mapping[str, Any]]) -> Flags:
         """Return which steps would have arrived, ``(n,)``; the arguments are those of a call, for several steps."""
         achieved, desired = np.asarray(achieved_goal, np.float64), np.asarray(desired_goal, np.float64)
-        return self._arrived(achieved, desired, _together(infos, self._names))
+        return self._arrived(achieved, desired, _together(infos, self._keys))
 
     def _arrived(self, achieved: Floats, desired: Floats, infos: Mapping[str, Any]) -> Flags:
         near = self._distance(achieved, desired, np.asarray(infos["goal_distance"])) < self._threshold
@@ -99,10 +99,10 @@ class GoalReward:
         return np.where(np.abs(found - real) < ROUNDING * self._half, real, found)
 
 
-def _together(infos: Sequence[Mapping[str, Any]], names: Sequence[str]) -> dict[str, Any]:
+def _together(infos: Sequence[Mapping[str, Any]], keys: Sequence[str]) -> dict[str, Any]:
     """Return the infos of several steps as arrays."""
     try:
-        terms = {f"reward/{name}": np.array([paid(info, name) for info in infos], np.float64) for name in names}
+        terms = {key: np.array([info[key] for info in infos], np.float64) for key in keys}
         distance = np.array([info["goal_distance"] for info in infos], np.float64)
         outcome = np.array([info["outcome"] for info in infos], np.int64)
         return {"outcome": outcome, "goal_distance": distance, **terms}

@@ -37,13 +37,8 @@ STEP_FOR_STEP = {
         *(gymnasium.Wrapper, gymnasium.ObservationWrapper, gymnasium.ActionWrapper, gymnasium.RewardWrapper),
         *(wrappers.OrderEnforcing, wrappers.PassiveEnvChecker, wrappers.RecordEpisodeStatistics, TimeLimit),
         *(wrappers.DelayObservation, wrappers.FrameStackObservation, wrappers.TimeAwareObservation),
-        *(
-            Environment,
-            wrappers.NormalizeReward,
-            wrappers.RecordVideo,
-            wrappers.RenderCollection,
-            wrappers.StickyAction,
-        ),
+        *(wrappers.NormalizeReward, wrappers.RecordVideo, wrappers.RenderCollection, wrappers.StickyAction),
+        Environment,
     )
 }
 """What ``step`` is in wrappers of which one step is surely one step of what they wrap."""

@@ -136,15 +136,16 @@ class Worlds:
             IrsimGymError: The task has another ``observation_form``.
             ValueError: Shapes that do not fit, or an info that lacks the outcome or the reward terms.
         """
-        if self._goal_reward is None:
-            self._goal_reward = GoalReward(self.episodes)
-        return self._goal_reward(achieved_goal, desired_goal, info)
+        return self._goals()(achieved_goal, desired_goal, info)
 
     def would_arrive(self, achieved_goal: Any, desired_goal: Any, infos: Any) -> Flags:
         """Return which steps would have arrived if another place had been the goal, see ``GoalReward.arrived``."""
+        return self._goals().arrived(achieved_goal, desired_goal, infos)
+
+    def _goals(self) -> GoalReward:
         if self._goal_reward is None:
             self._goal_reward = GoalReward(self.episodes)
-        return self._goal_reward.arrived(achieved_goal, desired_goal, infos)
+        return self._goal_reward
 
     def action_masks(self) -> Flags:
         """Return which choices agents have, fresh, ``(n_worlds, n_agents, n_choices)``, see ``ActionMasks``."""

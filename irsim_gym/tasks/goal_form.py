@@ -6,7 +6,7 @@ nowhere else in the observation, and the reward of any goal can be worked out fr
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from irsim_gym.errors import Problem
@@ -54,12 +54,3 @@ def goal_terms(scenario: Scenario, agents: Sequence[int], terms: Terms, merged: 
             report.add(place, "a picture does not go with observation_form 'goal', which is made of numbers")
     given = {type(item) for _, item in kept}
     return [*kept, *((("observations",), kind()) for kind in (Heading, Position, GoalPosition) if kind not in given)]
-
-
-def paid(info: Mapping[str, Any], name: str) -> Any:
-    """Return what a reward term paid according to an info, or to infos as arrays.
-
-    Raises:
-        KeyError: The info does not say.
-    """
-    return info[f"reward/{name}"]

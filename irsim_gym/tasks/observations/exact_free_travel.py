@@ -14,12 +14,15 @@ from irsim_gym.geometry.cells import segment_cells_distance
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.observations.free_travel import shorten, way_columns
+from irsim_gym.tasks.observations.nearest_bodies import span
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
+
+Facing = tuple[float, float]
 
 NEAR_ENOUGH = 0.01
 """Gap [m] at which a disc counts as arrived at a map's occupied cells."""
@@ -157,6 +160,7 @@ def write_ways(
             row = out[w, a, column : column + ahead_x.shape[0]]
             row[:] = np.float32(far)
             place = pose[w, own]
+            facing = np.cos(place[2]), np.sin(place[2])
             for b in range(present.shape[1]):
                 if b == own or unobstructed[b] or not present[w, b]:
                     continue
@@ -164,20 +168,25 @@ def write_ways(
                 seen = far + own_radius + reach[w % reach.shape[0], b]
                 if dx * dx + dy * dy >= seen * seen:
                     continue
-                first, count = disc_start[b], disc_count[w % disc_count.shape[0], b]
-                for d in range(first, first + count):
-                    stop_at_disc(discs[w, d], place, own_radius, far, ahead_x, ahead_y, row)
-                first, count = segment_start[b], segment_count[w % segment_count.shape[0], b]
-                for s in range(first, first + count):
-                    stop_at_segment(segments[w, s], place, own_radius, far, ahead_x, ahead_y, row)
-            stop_at_cells(cells, place, own_radius, ahead_x, ahead_y, row)
+                first, last = span(disc_start, disc_count, w, b)
+                for d in range(first, last):
+                    stop_at_disc(discs[w, d], place, facing, own_radius, far, ahead_x, ahead_y, row)
+                first, last = span(segment_start, segment_count, w, b)
+                for s in range(first, last):
+                    stop_at_segment(segments[w, s], place, facing, own_radius, far, ahead_x, ahead_y, row)
+            stop_at_cells(cells, place, facing, own_radius, ahead_x, ahead_y, row)
             encode(row, code, np.float32(near), np.float32(zero), np.float32(far))
 
 
 @kernel
-def stop_at_disc(disc: Floats, place: Floats, own: float, far: float, ahead_x: Rays, ahead_y: Rays, row: Rays) -> None:
-    """Shorten the ways of a disc of radius ``own`` at ``place`` (x, y, heading) that another disc blocks."""
-    cosine, sine = np.cos(place[2]), np.sin(place[2])
+def stop_at_disc(
+    disc: Floats, place: Floats, facing: Facing, own: float, far: float, ahead_x: Rays, ahead_y: Rays, row: Rays
+) -> None:
+    """Shorten the ways of a disc of radius ``own`` at ``place`` that another disc blocks.
+
+    ``facing`` is cosine and sine of the heading.
+    """
+    cosine, sine = facing
     dx, dy, radius = disc[0] - place[0], disc[1] - place[1], disc[2] + own
     x, y = np.float32(dx * cosine + dy * sine), np.float32(dy * cosine - dx * sine)
     shorten(x, y, np.float32(radius * radius), np.float32(far), ahead_x, ahead_y, row)
@@ -185,10 +194,10 @@ def stop_at_disc(disc: Floats, place: Floats, own: float, far: float, ahead_x: R
 
 @kernel
 def stop_at_segment(
-    segment: Floats, place: Floats, own: float, far: float, ahead_x: Rays, ahead_y: Rays, row: Rays
+    segment: Floats, place: Floats, facing: Facing, own: float, far: float, ahead_x: Rays, ahead_y: Rays, row: Rays
 ) -> None:
     """Shorten the ways of a disc that a segment blocks: its two ends, and what lies between them."""
-    cosine, sine = np.cos(place[2]), np.sin(place[2])
+    cosine, sine = facing
     ax, ay = segment[0] - place[0], segment[1] - place[1]
     ux, uy = segment[2] - segment[0], segment[3] - segment[1]
     length = np.sqrt(ux * ux + uy * uy)
@@ -215,11 +224,13 @@ def stop_at_segment(
 
 
 @kernel
-def stop_at_cells(cells: CellMap | None, place: Floats, own: float, ahead_x: Rays, ahead_y: Rays, row: Rays) -> None:
+def stop_at_cells(
+    cells: CellMap | None, place: Floats, facing: Facing, own: float, ahead_x: Rays, ahead_y: Rays, row: Rays
+) -> None:
     """Shorten the ways of a disc that the map blocks; each step goes as far as there is room around it."""
     if cells is None:
         return
-    cosine, sine = np.cos(place[2]), np.sin(place[2])
+    cosine, sine = facing
     for j in range(row.shape[0]):
         dx, dy = ahead_x[j] * cosine - ahead_y[j] * sine, ahead_x[j] * sine + ahead_y[j] * cosine
         way, before = 0.0, -np.inf
