@@ -8,7 +8,6 @@ expects (Numba's calling convention), and the kernel is compiled with a *doorway
 
 from __future__ import annotations
 
-import struct
 import warnings
 from array import array
 from collections.abc import Callable, Hashable
@@ -27,6 +26,7 @@ from irsim_gym.arraytypes import Ints
 from irsim_gym.atomics import load
 from irsim_gym.jit import Calls, Kernel, config, kernel
 from irsim_gym.jit_doors import COUNT, WHERE
+from irsim_gym.structs import NotPackableError, Struct, Words, words_of
 
 BLOCK = 128
 """Worlds that go through all calls before the next ones do: few enough to stay in the processor's cache."""
@@ -36,7 +36,6 @@ typed: Any = typeof.typeof
 OK, OK_NONE = 0, -2
 """What a function of Numba's returns where nothing was raised, with and without a value."""
 
-Words = list[tuple[str, int]]
 Packed = tuple[Any, str, "array[int]"]
 """An argument: its type by Numba, a letter for each of its words, and the words."""
 WORLDS: Words = [("q", 0), ("q", 0), (COUNT, 0), ("q", 8), (WHERE, 0), (COUNT, 0), ("q", 8)]
@@ -167,7 +166,7 @@ class Packer:
 
 def _identity(value: Any) -> Hashable:
     """Return by what an array, or a tuple of arrays, is known again; None for anything else."""
-    if isinstance(value, np.ndarray):
+    if isinstance(value, np.ndarray | Struct):
         return id(value)
     if isinstance(value, tuple):
         parts = [_identity(item) for item in value]
@@ -198,24 +197,10 @@ def _warn(why: str) -> None:
 
 
 def _words(kind: Any, value: Any) -> Words:
-    """Return an argument as Numba passes it on: an array as owner, parent, size, item size, address, shape, strides.
-
-    Nobody owns an array here: the program holds on to it.
-    """
-    if isinstance(kind, types.Array):
-        return [("q", n) for n in (0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)]
-    if isinstance(kind, types.BaseTuple):
-        inside: Any = kind
-        return [word for inner, item in zip(inside.types, value, strict=True) for word in _words(inner, item)]
-    if isinstance(kind, types.Boolean):
-        return [("b", int(value))]
-    if kind == types.float64:
-        return [("d", struct.unpack("q", struct.pack("d", value))[0])]
-    if kind in (types.int64, types.uint64):
-        return [("q", struct.unpack("q", struct.pack("Q", int(value) % 2**64))[0])]
-    if kind == types.none:
-        return [("q", 0)]
-    raise NotRecordableError(f"an argument of type {kind}")
+    try:
+        return words_of(kind, value)
+    except NotPackableError as error:
+        raise NotRecordableError(str(error)) from error
 
 
 def _enter(context: Any, entry: Any, words: Any, where: Any, count: Any) -> Any:

@@ -11,6 +11,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from irsim_gym.structs import Struct
+
 CACHE_LINE = 64
 GB = 1e9
 
@@ -58,7 +60,7 @@ def aligned(shape: tuple[int, ...], dtype: type[Any]) -> Any:
     return room[begin : begin + n_bytes].view(dtype).reshape(shape)
 
 
-class Arrays:
+class Arrays(Struct):
     """Base of the dataclasses whose fields are declared with ``column``.
 
     Attributes:
