@@ -15,18 +15,8 @@ from array import array
 from typing import Any
 
 from llvmlite import ir
-from numba import types
-from numba.core.typing import typeof
-from numba.core.typing.templates import AttributeTemplate
-from numba.extending import (
-    NativeValue,
-    infer_getattr,
-    lower_getattr_generic,
-    models,
-    register_model,
-    typeof_impl,
-    unbox,
-)
+from numba import extending, types
+from numba.core.typing import templates, typeof
 
 WORD = ir.IntType(64)
 PACKED = "_numba_type_", "address"
@@ -34,6 +24,8 @@ PACKED = "_numba_type_", "address"
 
 Words = list[tuple[str, int]]
 numba_type: Any = typeof.typeof
+extend: Any = extending
+Template: Any = templates.AttributeTemplate
 
 
 class Struct:
@@ -58,7 +50,8 @@ class Struct:
         return {name: value for name, value in self.__dict__.items() if name not in (*PACKED, "_blocks")}
 
     def _pack(self) -> tuple[StructType, int]:
-        values = {one.name: getattr(self, one.name) for one in dataclasses.fields(self)}  # type: ignore[arg-type]
+        declared: Any = dataclasses.fields(self)  # type: ignore[arg-type]
+        values = {one.name: getattr(self, one.name) for one in declared}
         kinds = tuple((name, numba_type(value, typeof.Purpose.argument)) for name, value in values.items())
         kind = StructType(type(self).__name__, kinds)
         words = array("q", [word for name, one in kinds for _, word in words_of(one, values[name])])
@@ -67,7 +60,7 @@ class Struct:
         return kind, words.buffer_info()[0]
 
 
-class StructType(types.Type):  # type: ignore[misc]
+class StructType(types.Type):
     """Numba's type of a struct.
 
     Args:
@@ -89,25 +82,25 @@ class StructType(types.Type):  # type: ignore[misc]
         super().__init__(name=f"{name}_{digest}")
 
 
-register_model(StructType)(models.OpaqueModel)
+extend.register_model(StructType)(extend.models.OpaqueModel)
 
 
-@typeof_impl.register(Struct)
+@extend.typeof_impl.register(Struct)  # type: ignore[untyped-decorator]
 def _type_of(value: Struct, context: Any) -> Any:
     return value._numba_type_
 
 
-@unbox(StructType)
+@extend.unbox(StructType)  # type: ignore[untyped-decorator]
 def _unbox(kind: StructType, value: Any, context: Any) -> Any:
     """Return the address of the block."""
     number = context.pyapi.object_getattr_string(value, "address")
     address = context.pyapi.long_as_voidptr(number)
     context.pyapi.decref(number)
-    return NativeValue(address)
+    return extend.NativeValue(address)
 
 
-@infer_getattr
-class _FieldTypes(AttributeTemplate):  # type: ignore[misc]
+@extend.infer_getattr
+class _FieldTypes(Template):  # type: ignore[misc]
     key = StructType
 
     def generic_resolve(self, kind: StructType, name: str) -> Any:
@@ -115,7 +108,7 @@ class _FieldTypes(AttributeTemplate):  # type: ignore[misc]
         return kind.fields.get(name)
 
 
-@lower_getattr_generic(StructType)
+@extend.lower_getattr_generic(StructType)  # type: ignore[untyped-decorator]
 def _load(context: Any, build: Any, kind: StructType, block: Any, name: str) -> Any:
     """Load a field. Nobody writes into a block while a kernel runs, so LLVM may move loads out of loops."""
     packer = context.get_arg_packer([kind.fields[name]])
@@ -138,7 +131,8 @@ def n_words(kind: Any) -> int:
     """Return how many words a value of a type takes."""
     if isinstance(kind, types.Array):
         return 5 + 2 * int(kind.ndim)
-    return sum(map(n_words, kind.types)) if isinstance(kind, types.BaseTuple) else 1
+    inside: Any = kind
+    return sum([n_words(one) for one in inside.types]) if isinstance(kind, types.BaseTuple) else 1
 
 
 def words_of(kind: Any, value: Any) -> Words:

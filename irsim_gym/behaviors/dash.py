@@ -14,6 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 
@@ -95,9 +96,9 @@ def dash_differential(
             b = members[k]
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
             dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[min(w, goal_threshold.shape[0] - 1), b]:
+            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[row_of(goal_threshold, w), b]:
                 continue
-            fastest = velocity_max[min(w, velocity_max.shape[0] - 1), b]
+            fastest = velocity_max[row_of(velocity_max, w), b]
             error = wrap_below(np.arctan2(dy, dx) - pose[w, b, 2])
             command[w, b, 0] = fastest[0] * np.cos(error)
             if np.abs(error) >= params[k].angle_tolerance:
@@ -105,7 +106,7 @@ def dash_differential(
                     error,
                     params[k].angle_tolerance,
                     np.abs(fastest[1]),
-                    acceleration_limit[min(w, acceleration_limit.shape[0] - 1), b, 1],
+                    acceleration_limit[row_of(acceleration_limit, w), b, 1],
                     step_time[0],
                 )
 
@@ -134,9 +135,9 @@ def dash_omni(
             b = members[k]
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
             dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[min(w, goal_threshold.shape[0] - 1), b]:
+            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[row_of(goal_threshold, w), b]:
                 continue
-            fastest = velocity_max[min(w, velocity_max.shape[0] - 1), b]
+            fastest = velocity_max[row_of(velocity_max, w), b]
             error = wrap_below(np.arctan2(dy, dx) - pose[w, b, 2])
             command[w, b, 0], command[w, b, 1] = fastest[0] * np.cos(error), fastest[1] * np.sin(error)
 
@@ -162,9 +163,9 @@ def dash_omni_world(
             b = members[k]
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
             dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[min(w, goal_threshold.shape[0] - 1), b]:
+            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[row_of(goal_threshold, w), b]:
                 continue
-            fastest = velocity_max[min(w, velocity_max.shape[0] - 1), b]
+            fastest = velocity_max[row_of(velocity_max, w), b]
             direction = np.arctan2(dy, dx)
             command[w, b, 0], command[w, b, 1] = fastest[0] * np.cos(direction), fastest[1] * np.sin(direction)
 
@@ -192,9 +193,9 @@ def dash_omni_angular(
             if not has_goal[b]:
                 continue
             dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            fastest = velocity_max[min(w, velocity_max.shape[0] - 1), b]
+            fastest = velocity_max[row_of(velocity_max, w), b]
             target = goal[w, b, 2]
-            if np.sqrt(dx * dx + dy * dy) > goal_threshold[min(w, goal_threshold.shape[0] - 1), b]:
+            if np.sqrt(dx * dx + dy * dy) > goal_threshold[row_of(goal_threshold, w), b]:
                 target = np.arctan2(dy, dx)
                 error = wrap_below(target - pose[w, b, 2])
                 command[w, b, 0], command[w, b, 1] = fastest[0] * np.cos(error), fastest[1] * np.sin(error)
@@ -206,7 +207,7 @@ def dash_omni_angular(
                     error,
                     params[k].angle_tolerance,
                     np.abs(fastest[2]),
-                    acceleration_limit[min(w, acceleration_limit.shape[0] - 1), b, 2],
+                    acceleration_limit[row_of(acceleration_limit, w), b, 2],
                     step_time[0],
                 )
 
@@ -235,9 +236,9 @@ def dash_ackermann(
             b = members[k]
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
             dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[min(w, goal_threshold.shape[0] - 1), b]:
+            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[row_of(goal_threshold, w), b]:
                 continue
-            fastest = velocity_max[min(w, velocity_max.shape[0] - 1), b]
+            fastest = velocity_max[row_of(velocity_max, w), b]
             error = wrap_below(np.arctan2(dy, dx) - pose[w, b, 2])
             command[w, b, 0] = fastest[0]
             if np.abs(error) >= params[k].angle_tolerance:

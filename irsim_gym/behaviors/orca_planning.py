@@ -13,10 +13,12 @@ from irsim_gym.behaviors.orca_map import SIGHT, add_map
 from irsim_gym.behaviors.orca_neighbors import find_walls
 from irsim_gym.behaviors.orca_walls import is_covered, see_edge, wall_plane
 from irsim_gym.behaviors.steering import to_command
-from irsim_gym.behaviors.surroundings import Scene, row_of
+from irsim_gym.behaviors.surroundings import Scene
 from irsim_gym.geometry.linear_program import choose
 from irsim_gym.jit import kernel
-from irsim_gym.world.model import DIFFERENTIAL
+from irsim_gym.world.model import DIFFERENTIAL, WorldModel
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
 
 AT_GOAL = 0.1
 """An omnidirectional body this near to its goal wants to stand still [m]."""
@@ -90,33 +92,28 @@ def plan_velocities(
     members: Ints,
     squares: Floats,
     params: Any,
-    step_time: Floats,
-    drive: Ints,
-    velocity_max: Floats,
-    has_goal: Flags,
+    model: WorldModel,
+    state: WorldState,
     seen: Flags,
     plans: Flags,
     walls: Ints,
     is_wall: Flags,
-    goal: Floats,
-    plan: Floats,
     scene: Scene,
     crowd: Crowd,
     scratch: Scratch,
-    command: Floats,
 ) -> None:
     """Write the velocities that the members choose, in the world frame, to the first two components of ``command``.
 
     The circle in which a member looks for others grows until it holds enough of them.
     """
-    options, dt, most = params[0], step_time[0], crowd.nearest.shape[0]
+    options, dt, most = params[0], model.step_time[0], crowd.nearest.shape[0]
     columns, rows, first_ring, reach = int(squares[3]), int(squares[4]), squares[5], options.neighborDist
     places, moves, body, _, starts, found, gap2, nearest, nearest_gap, lanes = crowd
     planes, spare, has_obstacles = scratch.planes, scratch.spare, walls.shape[0] > 0 or scene.map_frame[4] >= 0.0
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        radii, pose, planned = scene.radius[row_of(scene.radius, w)], scene.pose[w], plan[w]
-        limits = velocity_max[row_of(velocity_max, w)]
+        radii, pose, planned = scene.radius[row_of(scene.radius, w)], scene.pose[w], state.plan[w]
+        limits = model.velocity_max[row_of(model.velocity_max, w)]
         sort_members(members, squares, seen, plans, scene.present[w], radii, pose, planned, scene.twist[w], crowd)
         for place in range(columns * rows):
             row = place // columns
@@ -135,7 +132,7 @@ def plan_velocities(
                     ring *= 2
                 n_near = keep_nearest(n_found, gap2, found, body, nearest_gap, nearest)
                 own = radii[b] + options.safe_radius
-                speed, n_hard = speed_cap(drive[b], limits[b, 0], limits[b, 1], options.maxSpeed), 0
+                speed, n_hard = speed_cap(model.drive[b], limits[b, 0], limits[b, 1], options.maxSpeed), 0
                 if has_obstacles:
                     n_hard = add_obstacles(w, walls, is_wall, own, speed, options, pose[b], planned[b], scene, scratch)
                 add_members(
@@ -143,13 +140,18 @@ def plan_velocities(
                     options.timeHorizon, body, places, moves, nearest, lanes, planes,
                 )  # fmt: skip
                 wanted_x, wanted_y = 0.0, 0.0
-                if has_goal[b]:
+                if model.has_goal[b]:
                     wanted_x, wanted_y = preferred_velocity(
-                        drive[b], limits[b, 0], limits[b, 1], speed, goal[w, b, 0] - x, goal[w, b, 1] - y
+                        model.drive[b],
+                        limits[b, 0],
+                        limits[b, 1],
+                        speed,
+                        state.goal[w, b, 0] - x,
+                        state.goal[w, b, 1] - y,
                     )
                 if options.sidestep and is_held(planned[b, 0], planned[b, 1], speed):
                     wanted_x, wanted_y = wanted_y, -wanted_x
-                command[w, b, 0], command[w, b, 1] = choose(
+                state.command[w, b, 0], state.command[w, b, 1] = choose(
                     planes, n_hard, n_hard + n_near, speed, wanted_x, wanted_y, spare
                 )
 
@@ -269,33 +271,23 @@ def add_walls(
 
 
 @kernel
-def command_plans(
-    worlds: Ints,
-    deciding: Ints,
-    step_time: Floats,
-    drive: Ints,
-    velocity_max: Floats,
-    present: Flags,
-    pose: Floats,
-    plan: Floats,
-    command: Floats,
-) -> None:
+def command_plans(worlds: Ints, deciding: Ints, model: WorldModel, state: WorldState) -> None:
     """Keep the chosen velocities as plans, and turn them into commands of the drives."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(deciding.shape[0]):
             b = deciding[k]
-            if not present[w, b]:
+            if not model.present[w, b]:
                 continue
-            plan[w, b, 0], plan[w, b, 1] = command[w, b, 0], command[w, b, 1]
+            state.plan[w, b, 0], state.plan[w, b, 1] = state.command[w, b, 0], state.command[w, b, 1]
             to_command(
-                drive[b],
-                pose[w, b, 2],
-                plan[w, b, 0],
-                plan[w, b, 1],
-                step_time[0],
+                model.drive[b],
+                state.pose[w, b, 2],
+                state.plan[w, b, 0],
+                state.plan[w, b, 1],
+                model.step_time[0],
                 TOLERANCE,
                 SLOW,
-                velocity_max[w % velocity_max.shape[0], b, 1],
-                command[w, b],
+                model.velocity_max[row_of(model.velocity_max, w), b, 1],
+                state.command[w, b],
             )

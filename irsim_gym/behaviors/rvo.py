@@ -8,10 +8,10 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.behaviors.free_samples import LANES, ROW_NUMBERS, nearest_free, rough_cones
 from irsim_gym.behaviors.steering import to_command, wanted_velocity
-from irsim_gym.behaviors.surroundings import MARGIN, Scene, look_around, most_map_walls, row_of, scene_of, wall_bodies
+from irsim_gym.behaviors.surroundings import MARGIN, Scene, look_around, most_map_walls, scene_of, wall_bodies
 from irsim_gym.behaviors.velocity_obstacles import (
     CONE,
     PITCH,
@@ -25,6 +25,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import DIFFERENTIAL, WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 TURN_TIME, TURN_TOLERANCE, SLOW, TURN_LIMIT = 0.2, 0.1, 0.02, 1.5
@@ -97,10 +98,8 @@ class Rvo:
             group.members,
             group.params,
             scene_of(model, state),
-            model.drive,
-            model.velocity_max,
-            model.has_goal,
-            state.goal,
+            model,
+            state,
             arrays["lines"],
             arrays["nearby"][slot],
             arrays["rounds"][slot],
@@ -110,7 +109,6 @@ class Rvo:
             arrays["order"][slot],
             arrays["spans"][slot],
             arrays["rows"][slot],
-            state.command,
         )
 
 
@@ -126,10 +124,8 @@ def decide_rvo(
     members: Ints,
     params: Any,
     scene: Scene,
-    drive: Ints,
-    velocity_max: Floats,
-    has_goal: Flags,
-    goal: Floats,
+    model: WorldModel,
+    state: WorldState,
     lines: Ints,
     nearby: Ints,
     rounds: Floats,
@@ -139,21 +135,20 @@ def decide_rvo(
     order: Ints,
     spans: Floats,
     rows: Floats,
-    command: Floats,
 ) -> None:
     """Write the commands of bodies that avoid what they see."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b, options = members[k], params[k]
-            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
-            if not has_goal[b] or not scene.present[w, b]:
+            state.command[w, b, 0], state.command[w, b, 1], state.command[w, b, 2] = 0.0, 0.0, 0.0
+            if not model.has_goal[b] or not scene.present[w, b]:
                 continue
             n_rounds, n_sides = look_around(
                 scene, w, b, options.target_roles, options.neighbor_threshold, lines, nearby, rounds, sides
             )
-            pose, fastest = scene.pose[w, b], velocity_max[w % velocity_max.shape[0], b]
-            wanted_x, wanted_y = wanted_velocity(pose[0], pose[1], goal[w, b], drive[b], fastest)
+            pose, fastest = scene.pose[w, b], model.velocity_max[row_of(model.velocity_max, w), b]
+            wanted_x, wanted_y = wanted_velocity(pose[0], pose[1], state.goal[w, b], model.drive[b], fastest)
             vx, vy = choose_velocity(
                 pose[0],
                 pose[1],
@@ -173,7 +168,7 @@ def decide_rvo(
                 rows,
             )
             alone = n_rounds == 0 and n_sides == 0
-            steer(drive[b], pose[2], vx, vy, alone, wanted_x, wanted_y, command[w, b])
+            steer(model.drive[b], pose[2], vx, vy, alone, wanted_x, wanted_y, state.command[w, b])
 
 
 @kernel

@@ -16,6 +16,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 DESIRED = option(1.0, ge=0.0, meaning="Weight of the force towards the goal.")
@@ -80,19 +81,13 @@ class SocialForce:
             group.members,
             group.params,
             scene_of(model, state),
-            model.drive,
-            model.step_time,
-            model.velocity_max,
-            model.acceleration_limit,
-            model.has_goal,
-            state.goal,
-            state.velocity,
+            model,
+            state,
             arrays["among"],
             arrays["lines"],
             arrays["nearby"][slot],
             arrays["sides"][slot],
             arrays["nearest"][slot],
-            state.command,
         )
 
 
@@ -112,31 +107,25 @@ def decide_social_force(
     members: Ints,
     params: Any,
     scene: Scene,
-    drive: Ints,
-    step_time: Floats,
-    velocity_max: Floats,
-    acceleration_limit: Floats,
-    has_goal: Flags,
-    goal: Floats,
-    velocity: Floats,
+    model: WorldModel,
+    state: WorldState,
     among: Flags,
     lines: Ints,
     nearby: Ints,
     sides: Floats,
     nearest: Floats,
-    command: Floats,
 ) -> None:
     """Write the commands of bodies that follow social forces; those without a goal stand."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
-            if not has_goal[b] or not scene.present[w, b]:
+            state.command[w, b, 0], state.command[w, b, 1], state.command[w, b, 2] = 0.0, 0.0, 0.0
+            if not model.has_goal[b] or not scene.present[w, b]:
                 continue
-            fastest = velocity_max[w % velocity_max.shape[0], b]
+            fastest = model.velocity_max[row_of(model.velocity_max, w), b]
             wanted_x, wanted_y = wanted_velocity(
-                scene.pose[w, b, 0], scene.pose[w, b, 1], goal[w, b], drive[b], fastest
+                scene.pose[w, b, 0], scene.pose[w, b, 1], state.goal[w, b], model.drive[b], fastest
             )
             vx, vy = planned_velocity(
                 scene,
@@ -148,22 +137,22 @@ def decide_social_force(
                 wanted_y,
                 0.0,
                 0.0,
-                step_time[0],
+                model.step_time[0],
                 False,
                 lines,
                 nearby,
                 sides,
                 nearest,
             )
-            acceleration = acceleration_limit[w % acceleration_limit.shape[0], b]
+            acceleration = model.acceleration_limit[row_of(model.acceleration_limit, w), b]
             follow(
-                drive[b],
+                model.drive[b],
                 scene.pose[w, b, 2],
                 vx,
                 vy,
-                velocity[w, b],
+                state.velocity[w, b],
                 fastest,
                 acceleration,
-                step_time[0],
-                command[w, b],
+                model.step_time[0],
+                state.command[w, b],
             )

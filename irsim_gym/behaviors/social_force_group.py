@@ -16,12 +16,13 @@ from irsim_gym.behaviors import renewal, social_force
 from irsim_gym.behaviors.social_force import reserve
 from irsim_gym.behaviors.social_pushes import follow, planned_velocity
 from irsim_gym.behaviors.steering import wanted_velocity
-from irsim_gym.behaviors.surroundings import MARGIN, Scene, row_of, scene_of
+from irsim_gym.behaviors.surroundings import MARGIN, Scene, scene_of
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 
@@ -110,19 +111,13 @@ class SocialForceGroup:
             arrays["decides"],
             arrays["party"],
             scene_of(model, state),
-            model.drive,
-            model.step_time,
-            model.velocity_max,
-            model.acceleration_limit,
-            model.has_goal,
-            state.goal,
-            state.velocity,
+            model,
+            state,
             arrays["among"],
             arrays["lines"],
             arrays["nearby"][slot],
             arrays["sides"][slot],
             arrays["nearest"][slot],
-            state.command,
         )
 
 
@@ -134,19 +129,13 @@ def decide_social_group(
     decides: Flags,
     party: Ints,
     scene: Scene,
-    drive: Ints,
-    step_time: Floats,
-    velocity_max: Floats,
-    acceleration_limit: Floats,
-    has_goal: Flags,
-    goal: Floats,
-    velocity: Floats,
+    model: WorldModel,
+    state: WorldState,
     among: Flags,
     lines: Ints,
     nearby: Ints,
     sides: Floats,
     nearest: Floats,
-    command: Floats,
 ) -> None:
     """Write the commands of the members; those without a goal stay, but give way."""
     for i in range(worlds.shape[0]):
@@ -155,13 +144,13 @@ def decide_social_group(
             b = members[k]
             if not decides[k]:
                 continue
-            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
+            state.command[w, b, 0], state.command[w, b, 1], state.command[w, b, 2] = 0.0, 0.0, 0.0
             if not scene.present[w, b]:
                 continue
-            fastest, wanted_x, wanted_y = velocity_max[w % velocity_max.shape[0], b], 0.0, 0.0
-            if has_goal[b]:
+            fastest, wanted_x, wanted_y = model.velocity_max[row_of(model.velocity_max, w), b], 0.0, 0.0
+            if model.has_goal[b]:
                 wanted_x, wanted_y = wanted_velocity(
-                    scene.pose[w, b, 0], scene.pose[w, b, 1], goal[w, b], drive[b], fastest
+                    scene.pose[w, b, 0], scene.pose[w, b, 1], state.goal[w, b], model.drive[b], fastest
                 )
             extra_x, extra_y = force_of_party(scene, w, k, members, party, params[k])
             vx, vy = planned_velocity(
@@ -174,24 +163,24 @@ def decide_social_group(
                 wanted_y,
                 extra_x,
                 extra_y,
-                step_time[0],
+                model.step_time[0],
                 True,
                 lines,
                 nearby,
                 sides,
                 nearest,
             )
-            acceleration = acceleration_limit[w % acceleration_limit.shape[0], b]
+            acceleration = model.acceleration_limit[row_of(model.acceleration_limit, w), b]
             follow(
-                drive[b],
+                model.drive[b],
                 scene.pose[w, b, 2],
                 vx,
                 vy,
-                velocity[w, b],
+                state.velocity[w, b],
                 fastest,
                 acceleration,
-                step_time[0],
-                command[w, b],
+                model.step_time[0],
+                state.command[w, b],
             )
 
 

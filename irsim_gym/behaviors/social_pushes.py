@@ -24,12 +24,12 @@ from irsim_gym.behaviors.surroundings import (
     is_seen,
     look_of,
     map_walls,
-    row_of,
 )
 from irsim_gym.geometry.buckets import find_nearby
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.geometry.segments import side
 from irsim_gym.jit import kernel
+from irsim_gym.world.rows import row_of
 
 FADED = 5.0
 """Walls farther away than this many decay lengths do not push."""

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from operator import attrgetter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
 from irsim_gym.geometry.buckets import find_nearby
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 MARGIN = 0.1
@@ -79,12 +79,6 @@ def most_map_walls(model: WorldModel, threshold: float) -> int:
         for count, side in zip(model.map_squares.shape[1:], model.map_frame[2:4], strict=True)
     ]
     return int(2.0 * (cells[0] + 1.0) * (cells[1] + 1.0)) + 1
-
-
-@kernel
-def row_of(values: NDArray[Any], w: int) -> int:
-    """Return the row of world w in an array that all worlds may share; a division would take as long as the rest."""
-    return w if w < values.shape[0] else 0
 
 
 @kernel

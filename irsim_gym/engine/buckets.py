@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.geometry.buckets import bucket_of, put
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
@@ -42,49 +42,33 @@ def n_buckets(n_bodies: int) -> int:
 def empty(model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Take all bodies out of the buckets."""
     if model.bucket_frame[3] > 0.0:
-        empty_buckets(shard.worlds, state.bucket, state.bucket_first, state.bucket_next)
+        empty_buckets(shard.worlds, state)
 
 
 def refresh(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Put bodies into the buckets where they are now."""
     if model.bucket_frame[3] > 0.0:
-        sort_bodies(
-            shard.worlds,
-            bodies,
-            model.bucket_frame,
-            model.bucketed,
-            model.present,
-            state.pose,
-            state.bucket,
-            state.bucket_first,
-            state.bucket_next,
-        )
+        sort_bodies(shard.worlds, bodies, model, state)
 
 
 @kernel
-def empty_buckets(worlds: Ints, bucket: Ints, first: Ints, following: Ints) -> None:
+def empty_buckets(worlds: Ints, state: WorldState) -> None:
     """Leave no body in any bucket."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        bucket[w, :], first[w, :], following[w, :] = -1, -1, -1
+        state.bucket[w, :], state.bucket_first[w, :], state.bucket_next[w, :] = -1, -1, -1
 
 
 @kernel
-def sort_bodies(
-    worlds: Ints,
-    bodies: Ints,
-    frame: Floats,
-    bucketed: Flags,
-    present: Flags,
-    pose: Floats,
-    bucket: Ints,
-    first: Ints,
-    following: Ints,
-) -> None:
+def sort_bodies(worlds: Ints, bodies: Ints, model: WorldModel, state: WorldState) -> None:
     """Move each body whose square has changed from its old list to the head of its new one."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(bodies.shape[0]):
             b = bodies[k]
-            place = bucket_of(pose[w, b, 0], pose[w, b, 1], bucketed[b], frame) if present[w, b] else -1
-            put(b, place, bucket[w], first[w], following[w])
+            place = (
+                bucket_of(state.pose[w, b, 0], state.pose[w, b, 1], model.bucketed[b], model.bucket_frame)
+                if model.present[w, b]
+                else -1
+            )
+            put(b, place, state.bucket[w], state.bucket_first[w], state.bucket_next[w])

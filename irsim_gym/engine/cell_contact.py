@@ -2,86 +2,72 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import CellMap, Floats, Ints
 from irsim_gym.geometry.cell_room import room_about
 from irsim_gym.geometry.cells import outline_cells_distance, outline_meets_cells
 from irsim_gym.jit import kernel
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
 
 
 @kernel
-def find_cell_contacts(
-    worlds: Ints,
-    bodies: Ints,
-    cells: CellMap,
-    present: Flags,
-    unobstructed: Flags,
-    solid: Flags,
-    reach: Floats,
-    pose: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    segments: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    discs: Floats,
-    collided: Flags,
-    hit: Ints,
-) -> None:
+def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState) -> None:
     """Note which bodies touch an occupied cell, for them and for the map's own body."""
     own = int(cells[0][4])
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        n_segments, n_discs = (
+            model.segment_count[row_of(model.segment_count, w)],
+            model.disc_count[row_of(model.disc_count, w)],
+        )
         for k in range(bodies.shape[0]):
             b = bodies[k]
-            if b == own or unobstructed[b] or not present[w, b] or not present[w, own]:
+            if b == own or model.unobstructed[b] or not model.present[w, b] or not model.present[w, own]:
                 continue
-            if room_about(cells, pose[w, b, 0], pose[w, b, 1])[0] > reach[w % reach.shape[0], b]:
+            if room_about(cells, state.pose[w, b, 0], state.pose[w, b, 1])[0] > model.reach[row_of(model.reach, w), b]:
                 continue
             if outline_meets_cells(
-                cells, segments[w], segment_start[b], n_segments[b], discs[w], disc_start[b], n_discs[b], solid[b]
+                cells,
+                state.segments[w],
+                model.segment_start[b],
+                n_segments[b],
+                state.discs[w],
+                model.disc_start[b],
+                n_discs[b],
+                model.solid[b],
             ):
-                collided[w, b], collided[w, own] = True, True
-                hit[w, b] = own if hit[w, b] < 0 else min(hit[w, b], own)
-                hit[w, own] = b if hit[w, own] < 0 else min(hit[w, own], b)
+                state.collided[w, b], state.collided[w, own] = True, True
+                state.hit[w, b] = own if state.hit[w, b] < 0 else min(state.hit[w, b], own)
+                state.hit[w, own] = b if state.hit[w, own] < 0 else min(state.hit[w, own], b)
 
 
 @kernel
 def measure_cell_clearance(
-    worlds: Ints,
-    bodies: Ints,
-    cells: CellMap,
-    present: Flags,
-    solid: Flags,
-    reach: Floats,
-    pose: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    segments: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    discs: Floats,
-    distance: Floats,
+    worlds: Ints, bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState, distance: Floats
 ) -> None:
     """Lower the surface distances of bodies [m], shape ``(n_worlds, n_bodies)``, to that of the nearest cell."""
     own = int(cells[0][4])
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        n_segments, n_discs = (
+            model.segment_count[row_of(model.segment_count, w)],
+            model.disc_count[row_of(model.disc_count, w)],
+        )
         for k in range(bodies.shape[0]):
             b = bodies[k]
-            if b == own or not present[w, own]:
+            if b == own or not model.present[w, own]:
                 continue
-            least = room_about(cells, pose[w, b, 0], pose[w, b, 1])[0]
-            if least - reach[w % reach.shape[0], b] < distance[w, k]:
+            least = room_about(cells, state.pose[w, b, 0], state.pose[w, b, 1])[0]
+            if least - model.reach[row_of(model.reach, w), b] < distance[w, k]:
                 distance[w, k] = outline_cells_distance(
                     cells,
-                    segments[w],
-                    segment_start[b],
+                    state.segments[w],
+                    model.segment_start[b],
                     n_segments[b],
-                    discs[w],
-                    disc_start[b],
+                    state.discs[w],
+                    model.disc_start[b],
                     n_discs[b],
-                    solid[b],
+                    model.solid[b],
                     distance[w, k],
                 )

@@ -11,6 +11,7 @@ from irsim_gym.geometry.overlap import disc_meets_outline, disc_outline_distance
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
 from irsim_gym.world.model import ROBOT, STOP, UNOBSTRUCTED, WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 NOBODY = -1
@@ -23,14 +24,14 @@ OutlineTables = tuple[Flags, Flags, Flags, Floats, Ints, Ints, Floats, Ints, Int
 
 def find(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write ``state.collided``, ``state.hit`` and ``state.stopped``."""
-    begin_contacts(shard.worlds, model.static_partner, state.collided, state.hit)
+    begin_contacts(shard.worlds, model, state)
     _find_pairs(movers, model, state, shard, model.static_known[:0])
     stop(model, state, shard)
 
 
 def stop(model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write ``state.stopped``: who is held in place, those that never move included, as in IR-SIM."""
-    stop_bodies(shard.worlds, model.collision_mode, model.role, state.collided, state.stopped)
+    stop_bodies(shard.worlds, model, state)
 
 
 def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -39,10 +40,9 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
     Where they stand as they stood in the level before, what was found then is taken.
     """
     worlds, may_recall = shard.worlds, bool(model.rigid[0]) and model.bucket_frame[3] == 0.0 and model.cells is None
-    known = (state.pose, model.static_partner, model.static_pose, model.static_known)
-    recall_contacts(worlds, bodies, may_recall, model.present, *known, state.collided, state.hit)
+    recall_contacts(worlds, bodies, may_recall, model, state)
     _find_pairs(bodies, model, state, shard, model.static_known)
-    note_partners(worlds, state.hit, model.static_partner, model.static_known, state.room)
+    note_partners(worlds, model, state)
 
 
 def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard, known: Flags) -> None:
@@ -62,24 +62,7 @@ def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
 
 def touch_cells(bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Add the contacts of ``bodies`` with the obstacle map."""
-    find_cell_contacts(
-        shard.worlds,
-        bodies,
-        cells,
-        model.present,
-        model.unobstructed,
-        model.solid,
-        model.reach,
-        state.pose,
-        model.segment_start,
-        model.segment_count,
-        state.segments,
-        model.disc_start,
-        model.disc_count,
-        state.discs,
-        state.collided,
-        state.hit,
-    )
+    find_cell_contacts(shard.worlds, bodies, cells, model, state)
 
 
 def _outline(model: WorldModel, state: WorldState) -> OutlineTables:
@@ -98,53 +81,42 @@ def _outline(model: WorldModel, state: WorldState) -> OutlineTables:
 
 
 @kernel
-def recall_contacts(
-    worlds: Ints,
-    bodies: Ints,
-    may_recall: bool,
-    present: Flags,
-    pose: Floats,
-    static_partner: Ints,
-    static_pose: Floats,
-    static_known: Flags,
-    collided: Flags,
-    hit: Ints,
-) -> None:
+def recall_contacts(worlds: Ints, bodies: Ints, may_recall: bool, model: WorldModel, state: WorldState) -> None:
     """Begin with the contacts of before where ``bodies`` have not moved since, else with nobody who touches anybody."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        is_known = static_known[w]
+        is_known = model.static_known[w]
         for k in range(bodies.shape[0]):
             b = bodies[k]
             for axis in range(3):
-                now = pose[w, b, axis] if present[w, b] else np.inf
-                is_known = is_known and static_pose[w, b, axis] == now
-                static_pose[w, b, axis] = now
-        static_known[w] = is_known and may_recall
-        for b in range(hit.shape[1]):
-            hit[w, b] = static_partner[w, b] if static_known[w] else NOBODY
-            collided[w, b] = collided[w, b] or hit[w, b] >= 0
+                now = state.pose[w, b, axis] if model.present[w, b] else np.inf
+                is_known = is_known and model.static_pose[w, b, axis] == now
+                model.static_pose[w, b, axis] = now
+        model.static_known[w] = is_known and may_recall
+        for b in range(state.hit.shape[1]):
+            state.hit[w, b] = model.static_partner[w, b] if model.static_known[w] else NOBODY
+            state.collided[w, b] = state.collided[w, b] or state.hit[w, b] >= 0
 
 
 @kernel
-def note_partners(worlds: Ints, hit: Ints, static_partner: Ints, static_known: Flags, room: Floats) -> None:
+def note_partners(worlds: Ints, model: WorldModel, state: WorldState) -> None:
     """Keep the contacts that last through the level, and forget how much room there was in the one before."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        static_known[w] = True
-        for b in range(hit.shape[1]):
-            static_partner[w, b] = hit[w, b]
-            room[w, b, 2] = 0.0
+        model.static_known[w] = True
+        for b in range(state.hit.shape[1]):
+            model.static_partner[w, b] = state.hit[w, b]
+            state.room[w, b, 2] = 0.0
 
 
 @kernel
-def begin_contacts(worlds: Ints, static_partner: Ints, collided: Flags, hit: Ints) -> None:
+def begin_contacts(worlds: Ints, model: WorldModel, state: WorldState) -> None:
     """Begin with the contacts that last through the level."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        for b in range(hit.shape[1]):
-            hit[w, b] = static_partner[w, b]
-            collided[w, b] = hit[w, b] >= 0
+        for b in range(state.hit.shape[1]):
+            state.hit[w, b] = model.static_partner[w, b]
+            state.collided[w, b] = state.hit[w, b] >= 0
 
 
 @kernel
@@ -178,15 +150,15 @@ def find_contacts(
         if known.shape[0] > 0 and known[w]:
             continue
         reaches, rows, rounds, here, there = (
-            reach[min(w, reach.shape[0] - 1)],
+            reach[row_of(reach, w)],
             segments[w],
             discs[w],
             pose[w],
             present[w],
         )
         n_segments, n_discs = (
-            segment_count[min(w, segment_count.shape[0] - 1)],
-            disc_count[min(w, disc_count.shape[0] - 1)],
+            segment_count[row_of(segment_count, w)],
+            disc_count[row_of(disc_count, w)],
         )
         for k in range(bodies.shape[0]):
             b = bodies[k]
@@ -227,14 +199,14 @@ def room_left(disc: Floats, room: Floats) -> float:
 
 
 @kernel
-def stop_bodies(worlds: Ints, collision_mode: Ints, role: Ints, collided: Flags, stopped: Flags) -> None:
+def stop_bodies(worlds: Ints, model: WorldModel, state: WorldState) -> None:
     """Hold collided bodies in place as the collision mode says."""
-    mode = collision_mode[0]
+    mode = model.collision_mode[0]
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        for b in range(collided.shape[1]):
-            holds = mode == STOP or (mode != UNOBSTRUCTED and role[b] == ROBOT)
-            stopped[w, b] = collided[w, b] and holds
+        for b in range(state.collided.shape[1]):
+            holds = mode == STOP or (mode != UNOBSTRUCTED and model.role[b] == ROBOT)
+            state.stopped[w, b] = state.collided[w, b] and holds
 
 
 def clearance(
@@ -266,22 +238,7 @@ def clearance(
     else:
         measure_clearance(shard.worlds, bodies, only_mover, limit, *outline, state.pose, state.room, distance)
     if (cells := model.cells) is not None:
-        measure_cell_clearance(
-            shard.worlds,
-            bodies,
-            cells,
-            model.present,
-            model.solid,
-            model.reach,
-            state.pose,
-            model.segment_start,
-            model.segment_count,
-            state.segments,
-            model.disc_start,
-            model.disc_count,
-            state.discs,
-            distance,
-        )
+        measure_cell_clearance(shard.worlds, bodies, cells, model, state, distance)
 
 
 @kernel
@@ -318,15 +275,15 @@ def measure_clearance(
     for i in range(worlds.shape[0]):
         w = worlds[i]
         reaches, rows, rounds, here, there = (
-            reach[min(w, reach.shape[0] - 1)],
+            reach[row_of(reach, w)],
             segments[w],
             discs[w],
             pose[w],
             present[w],
         )
         n_segments, n_discs = (
-            segment_count[min(w, segment_count.shape[0] - 1)],
-            disc_count[min(w, disc_count.shape[0] - 1)],
+            segment_count[row_of(segment_count, w)],
+            disc_count[row_of(disc_count, w)],
         )
         for k in range(bodies.shape[0]):
             b, best = bodies[k], limit[w, k]

@@ -6,6 +6,7 @@ from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.geometry.buckets import gather_nearby, square_of
 from irsim_gym.geometry.overlap import disc_outline_distance, outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
+from irsim_gym.world.rows import row_of
 
 ROUNDING = 1.0 + 1e-9
 
@@ -40,8 +41,8 @@ def find_near_contacts(
     for i in range(worlds.shape[0]):
         w = worlds[i]
         found = nearby[w]
-        reaches, rows, rounds = reach[w % reach.shape[0]], segments[w], discs[w]
-        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        reaches, rows, rounds = reach[row_of(reach, w)], segments[w], discs[w]
+        n_segments, n_discs = segment_count[row_of(segment_count, w)], disc_count[row_of(disc_count, w)]
         for k in range(bodies.shape[0]):
             b = bodies[k]
             if unobstructed[b] or not present[w, b]:
@@ -92,8 +93,8 @@ def measure_near_clearance(
     for i in range(worlds.shape[0]):
         w = worlds[i]
         found, first, following = nearby[w], bucket_first[w], bucket_next[w]
-        reaches, rows, rounds, here, there = reach[w % reach.shape[0]], segments[w], discs[w], pose[w], present[w]
-        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        reaches, rows, rounds, here, there = reach[row_of(reach, w)], segments[w], discs[w], pose[w], present[w]
+        n_segments, n_discs = segment_count[row_of(segment_count, w)], disc_count[row_of(disc_count, w)]
         for k in range(bodies.shape[0]):
             b, best = bodies[k], limit[w, k]
             x, y, own, d = here[b, 0], here[b, 1], reaches[b], disc_start[b]

@@ -8,6 +8,7 @@ from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.engine.measures import measure_into
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 
@@ -32,7 +33,7 @@ def detect(
     radius, centroid = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)
     everyone = np.arange(model.present.shape[1], dtype=np.int64)
     measure_into(worlds, everyone, model, radius, centroid)
-    find_in_sector(worlds, body, fov, depth, model.map_frame, model.present, state.pose, radius, detected)
+    find_in_sector(worlds, body, fov, depth, model, state, radius, detected)
 
 
 @kernel
@@ -41,21 +42,20 @@ def find_in_sector(
     body: int,
     fov: float,
     depth: float,
-    map_frame: Floats,
-    present: Flags,
-    pose: Floats,
+    model: WorldModel,
+    state: WorldState,
     radius: Floats,
     detected: Flags,
 ) -> None:
     """Write which discs reach into a sector."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        x, y, heading = pose[w, body, 0], pose[w, body, 1], pose[w, body, 2]
-        for b in range(present.shape[1]):
+        x, y, heading = state.pose[w, body, 0], state.pose[w, body, 1], state.pose[w, body, 2]
+        for b in range(model.present.shape[1]):
             detected[w, b] = False
-            if b == body or b == int(map_frame[4]) or not present[w, b] or not present[w, body]:
+            if b == body or b == int(model.map_frame[4]) or not model.present[w, b] or not model.present[w, body]:
                 continue
-            dx, dy, size = pose[w, b, 0] - x, pose[w, b, 1] - y, radius[w % radius.shape[0], b]
+            dx, dy, size = state.pose[w, b, 0] - x, state.pose[w, b, 1] - y, radius[row_of(radius, w), b]
             distance = np.sqrt(dx * dx + dy * dy)
             if distance - size > depth:
                 continue

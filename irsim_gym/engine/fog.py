@@ -93,13 +93,13 @@ def reveal(fog: Fog, model: WorldModel, state: WorldState, shard: Shard) -> None
             offsets,
             table["cast_angles"],
             table["ranges"],
-            model.present,
-            state.pose,
+            model,
+            state,
             fog.frame,
             fog.explored,
         )
     if len(fog.watchers):
-        reveal_views(shard.worlds, fog.watchers, fog.views, model.present, state.pose, fog.frame, fog.explored)
+        reveal_views(shard.worlds, fog.watchers, fog.views, model, state, fog.frame, fog.explored)
 
 
 @kernel
@@ -110,8 +110,8 @@ def reveal_beams(
     offsets: Floats,
     angles: Floats,
     ranges: Rays,
-    present: Flags,
-    pose: Floats,
+    model: WorldModel,
+    state: WorldState,
     frame: Floats,
     explored: Flags,
 ) -> None:
@@ -127,8 +127,6 @@ def reveal_beams(
         angles: Directions in the sensor frame [rad], shape ``(n_rows, n_beams)``: one row for all, or one for each
             world and member.
         ranges: Readings [m], shape ``(n_worlds, n_members, n_beams)``.
-        present: Which bodies exist.
-        pose: Poses.
         frame: See ``Fog``.
         explored: Changed, see ``Fog``.
     """
@@ -138,14 +136,14 @@ def reveal_beams(
         for c in range(chosen.shape[0]):
             k = chosen[c]
             b, mount = members[k], offsets[k]
-            if not present[w, b]:
+            if not model.present[w, b]:
                 continue
-            cosine, sine = np.cos(pose[w, b, 2]), np.sin(pose[w, b, 2])
-            x = pose[w, b, 0] + cosine * mount[0] - sine * mount[1]
-            y = pose[w, b, 1] + sine * mount[0] + cosine * mount[1]
+            cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
+            x = state.pose[w, b, 0] + cosine * mount[0] - sine * mount[1]
+            y = state.pose[w, b, 1] + sine * mount[0] + cosine * mount[1]
             row = w * members.shape[0] + k if angles.shape[0] > 1 else 0
             for j in range(ranges.shape[2]):
-                angle = pose[w, b, 2] + mount[2] + angles[row, j]
+                angle = state.pose[w, b, 2] + mount[2] + angles[row, j]
                 along_x, along_y, far = np.cos(angle), np.sin(angle), np.float64(ranges[w, k, j])
                 for n in range(int(far / step) + 2):
                     way = min(n * step, far + BEYOND * step)
@@ -154,7 +152,7 @@ def reveal_beams(
 
 @kernel
 def reveal_views(
-    worlds: Ints, watchers: Ints, views: Floats, present: Flags, pose: Floats, frame: Floats, explored: Flags
+    worlds: Ints, watchers: Ints, views: Floats, model: WorldModel, state: WorldState, frame: Floats, explored: Flags
 ) -> None:
     """Mark the cells whose centres lie in the fields of view, whatever stands between.
 
@@ -162,8 +160,6 @@ def reveal_views(
         worlds: The worlds to treat.
         watchers: The bodies that look.
         views: Width [rad] and depth [m] of their fields of view, shape ``(n_watchers, 2)``.
-        present: Which bodies exist.
-        pose: Poses.
         frame: See ``Fog``.
         explored: Changed, see ``Fog``.
     """
@@ -171,15 +167,15 @@ def reveal_views(
         w = worlds[i]
         for k in range(watchers.shape[0]):
             b, half, depth = watchers[k], 0.5 * views[k, 0], views[k, 1]
-            if not present[w, b]:
+            if not model.present[w, b]:
                 continue
             for column in range(explored.shape[1]):
                 for row in range(explored.shape[2]):
-                    dx = frame[0] + (column + 0.5) * frame[2] - pose[w, b, 0]
-                    dy = frame[1] + (row + 0.5) * frame[3] - pose[w, b, 1]
+                    dx = frame[0] + (column + 0.5) * frame[2] - state.pose[w, b, 0]
+                    dy = frame[1] + (row + 0.5) * frame[3] - state.pose[w, b, 1]
                     if dx * dx + dy * dy > depth * depth:
                         continue
-                    turn = (np.arctan2(dy, dx) - pose[w, b, 2] + np.pi) % (2.0 * np.pi) - np.pi
+                    turn = (np.arctan2(dy, dx) - state.pose[w, b, 2] + np.pi) % (2.0 * np.pi) - np.pi
                     if abs(turn) <= half or half >= np.pi or (dx == 0.0 and dy == 0.0):
                         explored[w, column, row] = True
 

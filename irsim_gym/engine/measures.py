@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.measures import CORNERS, centre_of_mass, corner_points, least_circle
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 
 
 def measure(worlds: Ints, bodies: Ints, model: WorldModel) -> None:
@@ -17,46 +18,22 @@ def measure(worlds: Ints, bodies: Ints, model: WorldModel) -> None:
 
 def measure_into(worlds: Ints, bodies: Ints, model: WorldModel, radius: Floats, centroid: Floats) -> None:
     """Write radius and centroid of bodies from their outlines, in arrays shaped as the model's."""
-    measure_bodies(
-        worlds,
-        bodies,
-        model.solid,
-        model.segment_start,
-        model.segment_count,
-        model.local_segments,
-        model.disc_start,
-        model.disc_count,
-        model.local_discs,
-        radius,
-        centroid,
-    )
+    measure_bodies(worlds, bodies, model, radius, centroid)
 
 
 @kernel(allocates=True)
-def measure_bodies(
-    worlds: Ints,
-    bodies: Ints,
-    solid: Flags,
-    segment_start: Ints,
-    segment_count: Ints,
-    local_segments: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    local_discs: Floats,
-    radius: Floats,
-    centroid: Floats,
-) -> None:
+def measure_bodies(worlds: Ints, bodies: Ints, model: WorldModel, radius: Floats, centroid: Floats) -> None:
     """Write the radius of the least circle around each footprint, and the centre of its area."""
-    points = np.empty((2 * local_segments.shape[1] + CORNERS * local_discs.shape[1], 2))
+    points = np.empty((2 * model.local_segments.shape[1] + CORNERS * model.local_discs.shape[1], 2))
     n_rows = worlds.shape[0] if radius.shape[0] > 1 else min(worlds.shape[0], 1)
     for i in range(n_rows):
         row = worlds[i] % radius.shape[0]
         for k in range(bodies.shape[0]):
             b = bodies[k]
-            start, disc = segment_start[b], disc_start[b]
-            own = local_segments[row % local_segments.shape[0], start : start + segment_count[row, b]]
-            rounds = local_discs[row % local_discs.shape[0], disc : disc + disc_count[row, b]]
-            centroid[row, b, 0], centroid[row, b, 1] = centre_of_mass(own, rounds, solid[b])
+            start, disc = model.segment_start[b], model.disc_start[b]
+            own = model.local_segments[row_of(model.local_segments, row)][start : start + model.segment_count[row, b]]
+            rounds = model.local_discs[row_of(model.local_discs, row)][disc : disc + model.disc_count[row, b]]
+            centroid[row, b, 0], centroid[row, b, 1] = centre_of_mass(own, rounds, model.solid[b])
             if own.shape[0] == 0 and rounds.shape[0] == 1:
                 radius[row, b] = rounds[0, 2]
             else:

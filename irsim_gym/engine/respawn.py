@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.engine import arrival, buckets, contact, outlines, ways
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.step import sense
@@ -37,18 +37,18 @@ def vanish(bodies: Ints, gone: Flags, model: WorldModel, state: WorldState, shar
         state: The moment.
         shard: The worlds to treat.
     """
-    remove(shard.worlds, bodies, gone, model.present, model.altered)
+    remove(shard.worlds, bodies, gone, model)
     buckets.refresh(bodies, model, state, shard)
 
 
 @kernel
-def remove(worlds: Ints, bodies: Ints, gone: Flags, present: Flags, altered: Flags) -> None:
+def remove(worlds: Ints, bodies: Ints, gone: Flags, model: WorldModel) -> None:
     """Mark bodies as absent, and worlds in which any is."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(bodies.shape[0]):
             if gone[w, k]:
-                present[w, bodies[k]], altered[w] = False, True
+                model.present[w, bodies[k]], model.altered[w] = False, True
 
 
 def respawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints, chosen: Flags) -> None:
@@ -71,30 +71,7 @@ def respawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bo
     """
     _find_places(parts, model, state, shard, bodies, chosen)
     twist = state.twist[shard.worlds]
-    begin_bodies(
-        shard.worlds,
-        bodies,
-        chosen,
-        model.has_goal,
-        model.initial_velocity,
-        model.initial_steering,
-        model.goal_renewal,
-        model.wander_low,
-        model.wander_high,
-        model.waypoint_count,
-        state.random,
-        model.waypoints,
-        state.waypoint,
-        state.waypoint_end,
-        state.goal,
-        state.velocity,
-        state.steering,
-        state.plan,
-        state.arrived,
-        state.collided,
-        state.stopped,
-        state.hit,
-    )
+    begin_bodies(shard.worlds, bodies, chosen, model, state)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)
     begun = np.zeros(twist.shape[:2], np.bool_)
@@ -113,7 +90,7 @@ def _find_places(parts: Parts, model: WorldModel, state: WorldState, shard: Shar
     groups = [group for group in parts.placements if np.isin(group.members, moved).any()]
     remaining = shard
     for _ in range(TRIES):
-        unplace(remaining.worlds, bodies, chosen, model.present, state.placed, failed)
+        unplace(remaining.worlds, bodies, chosen, model, state, failed)
         for group in groups:
             group.kind.draw(group, model, state, _concerned(group, remaining, bodies, chosen), failed)
         outlines.place(moved, model, state, remaining)
@@ -197,41 +174,18 @@ def _has_way(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
 
 
 @kernel
-def unplace(worlds: Ints, bodies: Ints, chosen: Flags, present: Flags, placed: Flags, failed: Ints) -> None:
+def unplace(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state: WorldState, failed: Ints) -> None:
     """Mark the chosen bodies as present and as still to be placed."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         failed[w] = 0
         for k in range(bodies.shape[0]):
             if chosen[w, k]:
-                present[w, bodies[k]], placed[w, bodies[k]] = True, False
+                model.present[w, bodies[k]], state.placed[w, bodies[k]] = True, False
 
 
 @kernel
-def begin_bodies(
-    worlds: Ints,
-    bodies: Ints,
-    chosen: Flags,
-    has_goal: Flags,
-    initial_velocity: Floats,
-    initial_steering: Floats,
-    goal_renewal: Ints,
-    wander_low: Floats,
-    wander_high: Floats,
-    waypoint_count: Ints,
-    random: Words,
-    waypoints: Floats,
-    waypoint: Ints,
-    waypoint_end: Ints,
-    goal: Floats,
-    velocity: Floats,
-    steering: Floats,
-    plan: Floats,
-    arrived: Flags,
-    collided: Flags,
-    stopped: Flags,
-    hit: Ints,
-) -> None:
+def begin_bodies(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state: WorldState) -> None:
     """Give the chosen bodies their first goals, and the velocities and flags of a beginning."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
@@ -239,16 +193,18 @@ def begin_bodies(
             if not chosen[w, k]:
                 continue
             b = bodies[k]
-            steering[w, b], hit[w, b] = initial_steering[b], -1
-            plan[w, b, 0], plan[w, b, 1] = 0.0, 0.0
-            arrived[w, b], collided[w, b], stopped[w, b] = False, False, False
+            state.steering[w, b], state.hit[w, b] = model.initial_steering[b], -1
+            state.plan[w, b, 0], state.plan[w, b, 1] = 0.0, 0.0
+            state.arrived[w, b], state.collided[w, b], state.stopped[w, b] = False, False, False
             for axis in range(3):
-                velocity[w, b, axis] = initial_velocity[b, axis]
-            if has_goal[b]:
-                waypoint[w, b], waypoint_end[w, b] = 0, waypoint_count[w, b]
-                if goal_renewal[b] == WANDER:
-                    waypoint_end[w, b] = 1
+                state.velocity[w, b, axis] = model.initial_velocity[b, axis]
+            if model.has_goal[b]:
+                state.waypoint[w, b], state.waypoint_end[w, b] = 0, model.waypoint_count[w, b]
+                if model.goal_renewal[b] == WANDER:
+                    state.waypoint_end[w, b] = 1
                     for axis in range(3):
-                        waypoints[w, b, 0, axis] = uniform(random, w, wander_low[b, axis], wander_high[b, axis])
+                        model.waypoints[w, b, 0, axis] = uniform(
+                            state.random, w, model.wander_low[b, axis], model.wander_high[b, axis]
+                        )
                 for axis in range(3):
-                    goal[w, b, axis] = waypoints[w, b, 0, axis]
+                    state.goal[w, b, axis] = model.waypoints[w, b, 0, axis]

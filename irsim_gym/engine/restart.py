@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.arraytypes import Ints, Words
 from irsim_gym.engine import arrival, buckets, contact, fog, measures, outlines, ways
 from irsim_gym.engine.fused import Fused
 from irsim_gym.engine.parts import Parts
@@ -59,7 +59,7 @@ def start_drawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard
     """Begin the episode of levels that were just drawn, and note how their random streams go on."""
     if len(parts.measured):
         measures.measure(shard.worlds, parts.measured, model)
-    copy_words(shard.worlds, state.random, model.level_random)
+    copy_words(shard.worlds, model, state)
     start(parts, model, state, shard)
 
 
@@ -103,24 +103,24 @@ def _failure(place: str) -> str:
 
 
 @kernel
-def note_streams(worlds: Ints, streams: Words, random: Words, level_stream: Words, altered: Flags) -> None:
+def note_streams(worlds: Ints, streams: Words, random: Words, model: WorldModel) -> None:
     """Begin the random streams that levels are drawn from, and keep them; arrays ``(n_worlds,)``."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        random[w], level_stream[w], altered[w] = streams[w], streams[w], False
+        random[w], model.level_stream[w], model.altered[w] = streams[w], streams[w], False
 
 
 @kernel
-def copy_words(worlds: Ints, source: Words, target: Words) -> None:
+def copy_words(worlds: Ints, model: WorldModel, state: WorldState) -> None:
     """Copy the numbers of some worlds, shape ``(n_worlds,)``."""
     for i in range(worlds.shape[0]):
-        target[worlds[i]] = source[worlds[i]]
+        model.level_random[worlds[i]] = state.random[worlds[i]]
 
 
 def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Draw presence, outlines and placements, and write ``state.failed``."""
     failed = state.failed
-    draw_presence(shard.worlds, parts.number_ranges, state.random, model.present, state.placed, state.pose, failed)
+    draw_presence(shard.worlds, parts.number_ranges, model, state, failed)
     for group in parts.footprints:
         group.kind.draw(group, model, state, shard)
     for group in parts.placements:
@@ -130,130 +130,68 @@ def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard)
 
 
 @kernel
-def draw_presence(
-    worlds: Ints, number_ranges: Ints, random: Words, present: Flags, placed: Flags, pose: Floats, failed: Ints
-) -> None:
+def draw_presence(worlds: Ints, number_ranges: Ints, model: WorldModel, state: WorldState, failed: Ints) -> None:
     """Decide how many bodies of each entry with a ``number_range`` exist, and forget all placements."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         failed[w] = 0
-        placed[w, :] = False
-        present[w, :] = True
-        pose[w, :, :] = 0.0
+        state.placed[w, :] = False
+        model.present[w, :] = True
+        state.pose[w, :, :] = 0.0
         for k in range(number_ranges.shape[0]):
             first, fewest, most = number_ranges[k, 0], number_ranges[k, 1], number_ranges[k, 2]
-            drawn = integer(random, w, fewest, most + 1)
+            drawn = integer(state.random, w, fewest, most + 1)
             for b in range(first + drawn, first + most):
-                present[w, b] = False
+                model.present[w, b] = False
 
 
 def begin_moment(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Set clocks, flags, velocities and first goals."""
-    write_first_goals(
-        shard.worlds,
-        parts.goal_bodies,
-        parts.loop_returns,
-        model.arrive_mode,
-        model.goal_renewal,
-        model.wander_low,
-        model.wander_high,
-        model.waypoint_count,
-        model.present,
-        state.pose,
-        state.random,
-        model.start,
-        model.waypoints,
-        state.waypoint,
-        state.waypoint_end,
-        state.goal,
-    )
-    clear_moment(
-        shard.worlds,
-        model.initial_velocity,
-        model.initial_steering,
-        state.time,
-        state.step,
-        state.command,
-        state.velocity,
-        state.twist,
-        state.steering,
-        state.plan,
-        state.arrived,
-        state.collided,
-        state.stopped,
-        state.hit,
-    )
+    write_first_goals(shard.worlds, parts.goal_bodies, parts.loop_returns, model, state)
+    clear_moment(shard.worlds, model, state)
 
 
 @kernel
-def clear_moment(
-    worlds: Ints,
-    initial_velocity: Floats,
-    initial_steering: Floats,
-    time: Floats,
-    step: Ints,
-    command: Floats,
-    velocity: Floats,
-    twist: Floats,
-    steering: Floats,
-    plan: Floats,
-    arrived: Flags,
-    collided: Flags,
-    stopped: Flags,
-    hit: Ints,
-) -> None:
+def clear_moment(worlds: Ints, model: WorldModel, state: WorldState) -> None:
     """Reset what an episode accumulates."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        time[w], step[w] = 0.0, 0
-        for b in range(hit.shape[1]):
-            steering[w, b] = initial_steering[b]
-            plan[w, b, 0], plan[w, b, 1] = 0.0, 0.0
-            arrived[w, b], collided[w, b], stopped[w, b], hit[w, b] = False, False, False, -1
+        state.time[w], state.step[w] = 0.0, 0
+        for b in range(state.hit.shape[1]):
+            state.steering[w, b] = model.initial_steering[b]
+            state.plan[w, b, 0], state.plan[w, b, 1] = 0.0, 0.0
+            state.arrived[w, b], state.collided[w, b], state.stopped[w, b], state.hit[w, b] = False, False, False, -1
             for axis in range(3):
-                command[w, b, axis], twist[w, b, axis] = 0.0, 0.0
-                velocity[w, b, axis] = initial_velocity[b, axis]
+                state.command[w, b, axis], state.twist[w, b, axis] = 0.0, 0.0
+                state.velocity[w, b, axis] = model.initial_velocity[b, axis]
 
 
 @kernel
 def write_first_goals(
-    worlds: Ints,
-    goal_bodies: Ints,
-    loop_returns: Ints,
-    arrive_mode: Ints,
-    goal_renewal: Ints,
-    wander_low: Floats,
-    wander_high: Floats,
-    waypoint_count: Ints,
-    present: Flags,
-    pose: Floats,
-    random: Words,
-    start: Floats,
-    waypoints: Floats,
-    waypoint: Ints,
-    waypoint_end: Ints,
-    goal: Floats,
+    worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: WorldModel, state: WorldState
 ) -> None:
     """Set each body's first goal (NaN for an absent body); wanderers draw theirs, loopers with one come back."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        for b in range(start.shape[1]):
+        for b in range(model.start.shape[1]):
             for axis in range(3):
-                start[w, b, axis] = pose[w, b, axis]
+                model.start[w, b, axis] = state.pose[w, b, axis]
         for k in range(goal_bodies.shape[0]):
             b = goal_bodies[k]
-            waypoint[w, b], waypoint_end[w, b] = 0, waypoint_count[w, b]
-            if not present[w, b]:
-                goal[w, b, :] = np.nan
+            state.waypoint[w, b], state.waypoint_end[w, b] = 0, model.waypoint_count[w, b]
+            if not model.present[w, b]:
+                state.goal[w, b, :] = np.nan
                 continue
-            if goal_renewal[b] == WANDER:
-                waypoint_end[w, b] = 1
+            if model.goal_renewal[b] == WANDER:
+                state.waypoint_end[w, b] = 1
                 for axis in range(3):
-                    waypoints[w, b, 0, axis] = uniform(random, w, wander_low[b, axis], wander_high[b, axis])
+                    model.waypoints[w, b, 0, axis] = uniform(
+                        state.random, w, model.wander_low[b, axis], model.wander_high[b, axis]
+                    )
             for axis in range(3):
-                goal[w, b, axis] = waypoints[w, b, 0, axis]
+                state.goal[w, b, axis] = model.waypoints[w, b, 0, axis]
         for k in range(loop_returns.shape[0]):
             b = loop_returns[k]
-            waypoint_end[w, b] = 1
-            for axis in range(3 if arrive_mode[b] == STATE else 2):
-                waypoints[w, b, 1, axis] = start[w, b, axis]
+            state.waypoint_end[w, b] = 1
+            for axis in range(3 if model.arrive_mode[b] == STATE else 2):
+                model.waypoints[w, b, 1, axis] = model.start[w, b, axis]

@@ -188,7 +188,7 @@ class Simulation:
 
     def begin(self, shard: Shard, streams: Words) -> None:
         """Draw a new level in the shard's worlds from random streams ``(n_worlds,)``; for ``run_beginning``."""
-        restart.note_streams(shard.worlds, streams, self.state.random, self.model.level_stream, self.model.altered)
+        restart.note_streams(shard.worlds, streams, self.state.random, self.model)
         restart.begin(self.state, shard, self._draw, self._start)
 
     def _draw_level(self, shard: Shard) -> None:

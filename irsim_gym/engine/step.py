@@ -68,7 +68,7 @@ def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, or
     sense(parts, model, state, shard)
     if parts.fog is not None:
         fog.reveal(parts.fog, model, state, shard)
-    tick(shard.worlds, model.step_time, state.step, state.time)
+    tick(shard.worlds, model, state)
 
 
 def refresh(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -88,8 +88,8 @@ def sense(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> N
 
 
 @kernel
-def tick(worlds: Ints, step_time: Floats, step: Ints, time: Floats) -> None:
+def tick(worlds: Ints, model: WorldModel, state: WorldState) -> None:
     """Count the step; the time is a multiple of the step time, so it gathers no rounding."""
     for i in range(worlds.shape[0]):
-        step[worlds[i]] += 1
-        time[worlds[i]] = step[worlds[i]] * step_time[0]
+        state.step[worlds[i]] += 1
+        state.time[worlds[i]] = state.step[worlds[i]] * model.step_time[0]

@@ -13,6 +13,7 @@ from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.world.group import Shard
 from irsim_gym.world.model import KEEP_GOAL, UNOBSTRUCTED, WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 CELL_PER_REACH = 0.5
@@ -67,14 +68,7 @@ def check(ways: Ways, model: WorldModel, state: WorldState, shard: Shard, failed
     check_ways(
         shard.worlds,
         ways.agents,
-        model.present,
-        model.stands,
-        model.unobstructed,
-        model.goal_renewal,
-        model.waypoint_count,
-        model.waypoints,
-        model.solid,
-        model.reach,
+        model,
         (model.segment_start, model.segment_count, model.disc_start, model.disc_count),
         (state.pose, state.segments, state.discs),
         ways.blocks[shard.slot],
@@ -89,14 +83,7 @@ def check(ways: Ways, model: WorldModel, state: WorldState, shard: Shard, failed
 def check_ways(
     worlds: Ints,
     agents: Ints,
-    present: Flags,
-    stands: Flags,
-    unobstructed: Flags,
-    goal_renewal: Ints,
-    waypoint_count: Ints,
-    waypoints: Floats,
-    solid: Flags,
-    reach: Floats,
+    model: WorldModel,
     tables: tuple[Ints, Ints, Ints, Ints],
     scene: tuple[Floats, Floats, Floats],
     blocks: Flags,
@@ -112,25 +99,27 @@ def check_ways(
         w = worlds[i]
         for k in range(agents.shape[0]):
             own = agents[k]
-            if failed[w] > 0 or goal_renewal[own] != KEEP_GOAL:
+            if failed[w] > 0 or model.goal_renewal[own] != KEEP_GOAL:
                 continue
             for b in range(blocks.shape[0]):
-                blocks[b] = present[w, b] and stands[b] and not unobstructed[b]
+                blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b]
             outlines = (
                 segments[w],
                 segment_start,
-                segment_count[w % segment_count.shape[0]],
+                segment_count[row_of(segment_count, w)],
                 discs[w],
                 disc_start,
-                disc_count[w % disc_count.shape[0]],
-                solid,
+                disc_count[row_of(disc_count, w)],
+                model.solid,
                 blocks,
                 map_cells,
             )
             x, y = pose[w, own, 0], pose[w, own, 1]
-            for g in range(waypoint_count[w, own]):
-                goal_x, goal_y = waypoints[w, own, g, 0], waypoints[w, own, g, 1]
-                if not way_exists(outlines, pose[w], rigid, reach[w % reach.shape[0], own], x, y, goal_x, goal_y, grid):
+            for g in range(model.waypoint_count[w, own]):
+                goal_x, goal_y = model.waypoints[w, own, g, 0], model.waypoints[w, own, g, 1]
+                if not way_exists(
+                    outlines, pose[w], rigid, model.reach[row_of(model.reach, w), own], x, y, goal_x, goal_y, grid
+                ):
                     failed[w] = own + 1
                     break
                 x, y = goal_x, goal_y

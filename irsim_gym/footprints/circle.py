@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Words
+from irsim_gym.arraytypes import Ints
 from irsim_gym.jit import kernel
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
@@ -51,19 +51,15 @@ class Circle:
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Draw the members' radii."""
-        draw_discs(
-            shard.worlds, group.members, group.params, model.disc_start, state.random, model.local_discs, model.reach
-        )
+        draw_discs(shard.worlds, group.members, group.params, model, state)
 
 
 @kernel
-def draw_discs(
-    worlds: Ints, members: Ints, params: Any, disc_start: Ints, random: Words, local_discs: Floats, reach: Floats
-) -> None:
+def draw_discs(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
     """Write a radius between the bounds of ``radius_range`` and the reach that follows from it."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
-            disc = local_discs[w, disc_start[members[k]]]
-            disc[2] = uniform(random, w, params[k].radius_range[0], params[k].radius_range[1])
-            reach[w, members[k]] = np.sqrt(disc[0] * disc[0] + disc[1] * disc[1]) + disc[2]
+            disc = model.local_discs[w, model.disc_start[members[k]]]
+            disc[2] = uniform(state.random, w, params[k].radius_range[0], params[k].radius_range[1])
+            model.reach[w, members[k]] = np.sqrt(disc[0] * disc[0] + disc[1] * disc[1]) + disc[2]

@@ -33,14 +33,4 @@ class Linestring(VertexShape):
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Draw the members' chains: random outlines without their last side."""
-        draw_outlines(
-            shard.worlds,
-            group.members,
-            group.params,
-            False,
-            model.segment_start,
-            state.random,
-            model.local_segments,
-            model.segment_count,
-            model.reach,
-        )
+        draw_outlines(shard.worlds, group.members, group.params, False, model, state)

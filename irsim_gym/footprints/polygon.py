@@ -38,17 +38,7 @@ class Polygon(VertexShape):
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Draw the members' outlines."""
-        draw_outlines(
-            shard.worlds,
-            group.members,
-            group.params,
-            True,
-            model.segment_start,
-            state.random,
-            model.local_segments,
-            model.segment_count,
-            model.reach,
-        )
+        draw_outlines(shard.worlds, group.members, group.params, True, model, state)
 
 
 def flaw_of(vertices: tuple[tuple[float, float], ...]) -> str:

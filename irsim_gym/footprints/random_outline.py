@@ -11,7 +11,9 @@ from irsim_gym.arraytypes import Floats, Ints, Words
 from irsim_gym.jit import kernel
 from irsim_gym.rng import integer, normal, uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
+from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import chain
+from irsim_gym.world.state import WorldState
 
 STEP_TRIES = 32
 LEAST_DISTANCE = 0.01
@@ -87,17 +89,7 @@ def outline_problems(options: VertexShape) -> Iterator[tuple[str, str]]:
 
 
 @kernel
-def draw_outlines(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    closed: bool,
-    segment_start: Ints,
-    random: Words,
-    local_segments: Floats,
-    segment_count: Ints,
-    reach: Floats,
-) -> None:
+def draw_outlines(worlds: Ints, members: Ints, params: Any, closed: bool, model: WorldModel, state: WorldState) -> None:
     """Write a random outline for each member: its segments, their count and its reach.
 
     The generator is IR-SIM's: a centre, a mean radius R, irregularity, spikeyness and a number of vertices are
@@ -108,17 +100,17 @@ def draw_outlines(
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            rows = local_segments[w, segment_start[b] :]
-            n = draw_vertices(random, w, params[k], rows)
+            rows = model.local_segments[w, model.segment_start[b] :]
+            n = draw_vertices(state.random, w, params[k], rows)
             if params[k].is_convex:
                 n = hull(rows, n)
             for v in range(n):
                 rows[v, 2], rows[v, 3] = rows[(v + 1) % n, 0], rows[(v + 1) % n, 1]
-            segment_count[w, b] = n if closed else n - 1
+            model.segment_count[w, b] = n if closed else n - 1
             largest = 0.0
             for v in range(n):
                 largest = max(largest, rows[v, 0] * rows[v, 0] + rows[v, 1] * rows[v, 1])
-            reach[w, b] = np.sqrt(largest)
+            model.reach[w, b] = np.sqrt(largest)
 
 
 @kernel

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Words
+from irsim_gym.arraytypes import Ints
 from irsim_gym.jit import kernel
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import kind, option, unordered_ranges
@@ -53,34 +53,24 @@ class Rectangle:
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Draw the members' lengths and widths."""
-        draw_rectangles(
-            shard.worlds,
-            group.members,
-            group.params,
-            model.segment_start,
-            state.random,
-            model.local_segments,
-            model.reach,
-        )
+        draw_rectangles(shard.worlds, group.members, group.params, model, state)
 
 
 @kernel
-def draw_rectangles(
-    worlds: Ints, members: Ints, params: Any, segment_start: Ints, random: Words, local_segments: Floats, reach: Floats
-) -> None:
+def draw_rectangles(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
     """Write the sides of rectangles with random length and width, and the reach that follows."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             bounds = params[k]
-            right = 0.5 * uniform(random, w, bounds.length_range[0], bounds.length_range[1])
-            top = 0.5 * uniform(random, w, bounds.width_range[0], bounds.width_range[1])
+            right = 0.5 * uniform(state.random, w, bounds.length_range[0], bounds.length_range[1])
+            top = 0.5 * uniform(state.random, w, bounds.width_range[0], bounds.width_range[1])
             ahead = 0.0 if np.isnan(bounds.wheelbase) else 0.5 * bounds.wheelbase
-            sides = local_segments[w, segment_start[members[k]] : segment_start[members[k]] + 4]
+            sides = model.local_segments[w, model.segment_start[members[k]] : model.segment_start[members[k]] + 4]
             for side in range(4):
                 x0 = right if side == 1 or side == 2 else -right
                 y0 = top if side >= 2 else -top
                 x1 = right if side <= 1 else -right
                 y1 = top if side == 1 or side == 2 else -top
                 sides[side, 0], sides[side, 1], sides[side, 2], sides[side, 3] = x0 + ahead, y0, x1 + ahead, y1
-            reach[w, members[k]] = np.sqrt((right + ahead) * (right + ahead) + top * top)
+            model.reach[w, members[k]] = np.sqrt((right + ahead) * (right + ahead) + top * top)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import wrap_below, wrap_from
 from irsim_gym.jit import kernel
 from irsim_gym.kinematics import noise
@@ -69,93 +69,53 @@ class Ackermann:
     @staticmethod
     def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' twists at the start of an episode, from their poses and initial velocities."""
-        twist_ackermann(
-            shard.worlds,
-            group.members,
-            group.params,
-            model.wheelbase,
-            state.pose,
-            state.velocity,
-            state.steering,
-            state.twist,
-        )
+        twist_ackermann(shard.worlds, group.members, group.params, model, state)
 
     @staticmethod
     def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
         executed = noise.executed(group, model, state, shard)
-        move_ackermann(
-            shard.worlds,
-            group.members,
-            group.params,
-            model.step_time,
-            model.wheelbase,
-            model.heading_low,
-            model.wraps_heading,
-            state.stopped,
-            executed,
-            state.pose,
-            state.steering,
-        )
+        move_ackermann(shard.worlds, group.members, group.params, model, state, executed)
         Ackermann.begin(group, model, state, shard)
 
 
 @kernel
-def twist_ackermann(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    wheelbase: Floats,
-    pose: Floats,
-    velocity: Floats,
-    steering: Floats,
-    twist: Floats,
-) -> None:
+def twist_ackermann(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
     """Write velocities in the world frame; the yaw rate is that of the present steering angle."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            speed = velocity[w, b, 0]
-            twist[w, b, 0] = speed * np.cos(pose[w, b, 2])
-            twist[w, b, 1] = speed * np.sin(pose[w, b, 2])
-            twist[w, b, 2] = speed * np.tan(steering[w, b]) / wheelbase[b]
+            speed = state.velocity[w, b, 0]
+            state.twist[w, b, 0] = speed * np.cos(state.pose[w, b, 2])
+            state.twist[w, b, 1] = speed * np.sin(state.pose[w, b, 2])
+            state.twist[w, b, 2] = speed * np.tan(state.steering[w, b]) / model.wheelbase[b]
             if params[k].mode == 1:
-                twist[w, b, 2] = velocity[w, b, 1] if speed != 0.0 else 0.0
+                state.twist[w, b, 2] = state.velocity[w, b, 1] if speed != 0.0 else 0.0
 
 
 @kernel
 def move_ackermann(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    step_time: Floats,
-    wheelbase: Floats,
-    heading_low: Floats,
-    wraps_heading: Flags,
-    stopped: Flags,
-    executed: Floats,
-    pose: Floats,
-    steering: Floats,
+    worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, executed: Floats
 ) -> None:
     """Write poses and steering angles of the members that are free to move, from what they execute."""
-    dt = step_time[0]
+    dt = model.step_time[0]
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            if stopped[w, b]:
+            if state.stopped[w, b]:
                 continue
-            heading, speed, second = pose[w, b, 2], executed[w, b, 0], executed[w, b, 1]
-            pose[w, b, 0] += speed * np.cos(heading) * dt
-            pose[w, b, 1] += speed * np.sin(heading) * dt
+            heading, speed, second = state.pose[w, b, 2], executed[w, b, 0], executed[w, b, 1]
+            state.pose[w, b, 0] += speed * np.cos(heading) * dt
+            state.pose[w, b, 1] += speed * np.sin(heading) * dt
             if params[k].mode == 0:
-                rate = speed * np.tan(steering[w, b]) / wheelbase[b]
-                steering[w, b] = second
+                rate = speed * np.tan(state.steering[w, b]) / model.wheelbase[b]
+                state.steering[w, b] = second
             elif speed != 0.0:
                 rate = second
-                steering[w, b] = np.arctan(second * wheelbase[b] / speed)
+                state.steering[w, b] = np.arctan(second * model.wheelbase[b] / speed)
             else:
                 rate = 0.0
             heading = wrap_below(heading + rate * dt)
-            pose[w, b, 2] = wrap_from(heading, heading_low[b]) if wraps_heading[b] else heading
+            state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b]) if model.wraps_heading[b] else heading

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import turned, wrap_below, wrap_from
 from irsim_gym.jit import kernel
 from irsim_gym.kinematics import noise
@@ -54,72 +54,48 @@ class Differential:
     @staticmethod
     def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' twists at the start of an episode, from their poses and initial velocities."""
-        twist_differential(shard.worlds, group.members, state.pose, state.velocity, state.twist)
+        twist_differential(shard.worlds, group.members, state)
 
     @staticmethod
     def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
         executed = noise.executed(group, model, state, shard)
-        move_differential(
-            shard.worlds,
-            group.members,
-            model.step_time,
-            model.heading_low,
-            model.wraps_heading,
-            state.stopped,
-            executed,
-            state.velocity,
-            state.pose,
-            state.direction,
-            state.twist,
-        )
+        move_differential(shard.worlds, group.members, model, state, executed)
 
 
 @kernel
-def twist_differential(worlds: Ints, members: Ints, pose: Floats, velocity: Floats, twist: Floats) -> None:
+def twist_differential(worlds: Ints, members: Ints, state: WorldState) -> None:
     """Write velocities in the world frame."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            twist[w, b, 0] = velocity[w, b, 0] * np.cos(pose[w, b, 2])
-            twist[w, b, 1] = velocity[w, b, 0] * np.sin(pose[w, b, 2])
-            twist[w, b, 2] = velocity[w, b, 1]
+            state.twist[w, b, 0] = state.velocity[w, b, 0] * np.cos(state.pose[w, b, 2])
+            state.twist[w, b, 1] = state.velocity[w, b, 0] * np.sin(state.pose[w, b, 2])
+            state.twist[w, b, 2] = state.velocity[w, b, 1]
 
 
 @kernel
-def move_differential(
-    worlds: Ints,
-    members: Ints,
-    step_time: Floats,
-    heading_low: Floats,
-    wraps_heading: Flags,
-    stopped: Flags,
-    executed: Floats,
-    velocity: Floats,
-    pose: Floats,
-    direction: Floats,
-    twist: Floats,
-) -> None:
+def move_differential(worlds: Ints, members: Ints, model: WorldModel, state: WorldState, executed: Floats) -> None:
     """Write the poses of the members that are free to move, from what they execute, and all twists.
 
     A twist has the heading after the move and the velocity that was asked for, without noise.
     """
-    dt = step_time[0]
+    dt = model.step_time[0]
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            if not stopped[w, b]:
-                heading = pose[w, b, 2]
-                cosine, sine = turned(heading, direction[w, b])
-                pose[w, b, 0] += executed[w, b, 0] * cosine * dt
-                pose[w, b, 1] += executed[w, b, 0] * sine * dt
+            if not state.stopped[w, b]:
+                heading = state.pose[w, b, 2]
+                cosine, sine = turned(heading, state.direction[w, b])
+                state.pose[w, b, 0] += executed[w, b, 0] * cosine * dt
+                state.pose[w, b, 1] += executed[w, b, 0] * sine * dt
                 heading = wrap_below(heading + executed[w, b, 1] * dt)
-                pose[w, b, 2] = wrap_from(heading, heading_low[b]) if wraps_heading[b] else heading
-            known = direction[w, b]
-            known[0], known[1] = turned(pose[w, b, 2], known)
-            known[2] = pose[w, b, 2]
-            twist[w, b, 0] = velocity[w, b, 0] * known[0]
-            twist[w, b, 1] = velocity[w, b, 0] * known[1]
-            twist[w, b, 2] = velocity[w, b, 1]
+                state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b]) if model.wraps_heading[b] else heading
+            known = state.direction[w, b]
+            known[0], known[1] = turned(state.pose[w, b, 2], known)
+            known[2] = state.pose[w, b, 2]
+            state.twist[w, b, 0] = state.velocity[w, b, 0] * known[0]
+            state.twist[w, b, 1] = state.velocity[w, b, 0] * known[1]
+            state.twist[w, b, 2] = state.velocity[w, b, 1]

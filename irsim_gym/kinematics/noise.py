@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
 from irsim_gym.world.group import Group, Shard
@@ -58,29 +58,13 @@ def executed(group: Group, model: WorldModel, state: WorldState, shard: Shard) -
     if "variance" not in group.arrays:
         return state.velocity
     found: Floats = group.arrays["executed"]
-    add_noise(
-        shard.worlds,
-        group.members,
-        group.arrays["variance"],
-        model.present,
-        state.stopped,
-        state.velocity,
-        state.random,
-        found,
-    )
+    add_noise(shard.worlds, group.members, group.arrays["variance"], model, state, found)
     return found
 
 
 @kernel
 def add_noise(
-    worlds: Ints,
-    members: Ints,
-    variance: Floats,
-    present: Flags,
-    stopped: Flags,
-    velocity: Floats,
-    random: Words,
-    executed: Floats,
+    worlds: Ints, members: Ints, variance: Floats, model: WorldModel, state: WorldState, executed: Floats
 ) -> None:
     """Write velocities with normal deviations, drawn from each world's stream: member by member, in component order.
 
@@ -89,21 +73,17 @@ def add_noise(
         members: Bodies that are treated.
         variance: Of each component: constant, per square of the first and of the second component,
             shape ``(n_bodies, 3, 3)``. Nothing is drawn for a row of zeros.
-        present: The body exists, shape ``(n_worlds, n_bodies)``.
-        stopped: It is held in place, shape ``(n_worlds, n_bodies)``.
-        velocity: Commanded, shape ``(n_worlds, n_bodies, 3)``.
-        random: Streams of the worlds, advanced.
         executed: Written, shape ``(n_worlds, n_bodies, 3)``.
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            first, second = velocity[w, b, 0], velocity[w, b, 1]
-            is_free = present[w, b] and not stopped[w, b]
+            first, second = state.velocity[w, b, 0], state.velocity[w, b, 1]
+            is_free = model.present[w, b] and not state.stopped[w, b]
             for axis in range(3):
                 base, by_first, by_second = variance[b, axis, 0], variance[b, axis, 1], variance[b, axis, 2]
-                executed[w, b, axis] = velocity[w, b, axis]
+                executed[w, b, axis] = state.velocity[w, b, axis]
                 if is_free and base + by_first + by_second > 0.0:
                     deviation = np.sqrt(base + by_first * first * first + by_second * second * second)
-                    executed[w, b, axis] += normal(random, w, 0.0, deviation)
+                    executed[w, b, axis] += normal(state.random, w, 0.0, deviation)

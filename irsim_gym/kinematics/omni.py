@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import wrap_from
 from irsim_gym.jit import kernel
 from irsim_gym.kinematics import noise
@@ -66,69 +66,45 @@ class Omni:
     @staticmethod
     def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' twists at the start of an episode, from their poses and initial velocities."""
-        twist_omni(shard.worlds, group.members, group.params, state.pose, state.velocity, state.twist)
+        twist_omni(shard.worlds, group.members, group.params, state)
 
     @staticmethod
     def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Advance the members' positions by one step."""
         executed = noise.executed(group, model, state, shard)
-        move_omni(
-            shard.worlds,
-            group.members,
-            group.params,
-            model.step_time,
-            model.heading_low,
-            model.wraps_heading,
-            state.stopped,
-            executed,
-            state.velocity,
-            state.pose,
-            state.twist,
-        )
+        move_omni(shard.worlds, group.members, group.params, model, state, executed)
 
 
 @kernel
-def twist_omni(worlds: Ints, members: Ints, params: Any, pose: Floats, velocity: Floats, twist: Floats) -> None:
+def twist_omni(worlds: Ints, members: Ints, params: Any, state: WorldState) -> None:
     """Write velocities in the world frame."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            turn = pose[w, b, 2] if params[k].frame == 1 else 0.0
+            turn = state.pose[w, b, 2] if params[k].frame == 1 else 0.0
             cosine, sine = np.cos(turn), np.sin(turn)
-            twist[w, b, 0] = cosine * velocity[w, b, 0] - sine * velocity[w, b, 1]
-            twist[w, b, 1] = sine * velocity[w, b, 0] + cosine * velocity[w, b, 1]
-            twist[w, b, 2] = 0.0
+            state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]
+            state.twist[w, b, 1] = sine * state.velocity[w, b, 0] + cosine * state.velocity[w, b, 1]
+            state.twist[w, b, 2] = 0.0
 
 
 @kernel
-def move_omni(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    step_time: Floats,
-    heading_low: Floats,
-    wraps_heading: Flags,
-    stopped: Flags,
-    executed: Floats,
-    velocity: Floats,
-    pose: Floats,
-    twist: Floats,
-) -> None:
+def move_omni(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, executed: Floats) -> None:
     """Write the positions of the members that are free to move, from what they execute, and all twists."""
-    dt = step_time[0]
+    dt = model.step_time[0]
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
             cosine, sine = 1.0, 0.0
             if params[k].frame == 1:
-                cosine, sine = np.cos(pose[w, b, 2]), np.sin(pose[w, b, 2])
-            if not stopped[w, b]:
-                pose[w, b, 0] += (cosine * executed[w, b, 0] - sine * executed[w, b, 1]) * dt
-                pose[w, b, 1] += (sine * executed[w, b, 0] + cosine * executed[w, b, 1]) * dt
-                if wraps_heading[b]:
-                    pose[w, b, 2] = wrap_from(pose[w, b, 2], heading_low[b])
-            twist[w, b, 0] = cosine * velocity[w, b, 0] - sine * velocity[w, b, 1]
-            twist[w, b, 1] = sine * velocity[w, b, 0] + cosine * velocity[w, b, 1]
-            twist[w, b, 2] = 0.0
+                cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
+            if not state.stopped[w, b]:
+                state.pose[w, b, 0] += (cosine * executed[w, b, 0] - sine * executed[w, b, 1]) * dt
+                state.pose[w, b, 1] += (sine * executed[w, b, 0] + cosine * executed[w, b, 1]) * dt
+                if model.wraps_heading[b]:
+                    state.pose[w, b, 2] = wrap_from(state.pose[w, b, 2], model.heading_low[b])
+            state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]
+            state.twist[w, b, 1] = sine * state.velocity[w, b, 0] + cosine * state.velocity[w, b, 1]
+            state.twist[w, b, 2] = 0.0

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import wrap_below, wrap_from
 from irsim_gym.jit import kernel
 from irsim_gym.kinematics import noise
@@ -56,66 +56,44 @@ class OmniAngular:
     @staticmethod
     def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' twists at the start of an episode, from their poses and initial velocities."""
-        twist_omni_angular(shard.worlds, group.members, state.pose, state.velocity, state.twist)
+        twist_omni_angular(shard.worlds, group.members, state)
 
     @staticmethod
     def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
         executed = noise.executed(group, model, state, shard)
-        move_omni_angular(
-            shard.worlds,
-            group.members,
-            model.step_time,
-            model.heading_low,
-            model.wraps_heading,
-            state.stopped,
-            executed,
-            state.velocity,
-            state.pose,
-            state.twist,
-        )
+        move_omni_angular(shard.worlds, group.members, model, state, executed)
 
 
 @kernel
-def twist_omni_angular(worlds: Ints, members: Ints, pose: Floats, velocity: Floats, twist: Floats) -> None:
+def twist_omni_angular(worlds: Ints, members: Ints, state: WorldState) -> None:
     """Write velocities in the world frame."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            cosine, sine = np.cos(pose[w, b, 2]), np.sin(pose[w, b, 2])
-            twist[w, b, 0] = cosine * velocity[w, b, 0] - sine * velocity[w, b, 1]
-            twist[w, b, 1] = sine * velocity[w, b, 0] + cosine * velocity[w, b, 1]
-            twist[w, b, 2] = velocity[w, b, 2]
+            cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
+            state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]
+            state.twist[w, b, 1] = sine * state.velocity[w, b, 0] + cosine * state.velocity[w, b, 1]
+            state.twist[w, b, 2] = state.velocity[w, b, 2]
 
 
 @kernel
-def move_omni_angular(
-    worlds: Ints,
-    members: Ints,
-    step_time: Floats,
-    heading_low: Floats,
-    wraps_heading: Flags,
-    stopped: Flags,
-    executed: Floats,
-    velocity: Floats,
-    pose: Floats,
-    twist: Floats,
-) -> None:
+def move_omni_angular(worlds: Ints, members: Ints, model: WorldModel, state: WorldState, executed: Floats) -> None:
     """Write the poses of the members that are free to move, from what they execute, and all twists."""
-    dt = step_time[0]
+    dt = model.step_time[0]
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            if not stopped[w, b]:
-                heading = pose[w, b, 2]
+            if not state.stopped[w, b]:
+                heading = state.pose[w, b, 2]
                 cosine, sine = np.cos(heading), np.sin(heading)
-                pose[w, b, 0] += (cosine * executed[w, b, 0] - sine * executed[w, b, 1]) * dt
-                pose[w, b, 1] += (sine * executed[w, b, 0] + cosine * executed[w, b, 1]) * dt
+                state.pose[w, b, 0] += (cosine * executed[w, b, 0] - sine * executed[w, b, 1]) * dt
+                state.pose[w, b, 1] += (sine * executed[w, b, 0] + cosine * executed[w, b, 1]) * dt
                 heading = wrap_below(heading + executed[w, b, 2] * dt)
-                pose[w, b, 2] = wrap_from(heading, heading_low[b]) if wraps_heading[b] else heading
-            cosine, sine = np.cos(pose[w, b, 2]), np.sin(pose[w, b, 2])
-            twist[w, b, 0] = cosine * velocity[w, b, 0] - sine * velocity[w, b, 1]
-            twist[w, b, 1] = sine * velocity[w, b, 0] + cosine * velocity[w, b, 1]
-            twist[w, b, 2] = velocity[w, b, 2]
+                state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b]) if model.wraps_heading[b] else heading
+            cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
+            state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]
+            state.twist[w, b, 1] = sine * state.velocity[w, b, 0] + cosine * state.velocity[w, b, 1]
+            state.twist[w, b, 2] = state.velocity[w, b, 2]

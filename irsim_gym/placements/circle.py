@@ -15,6 +15,7 @@ from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 MARGIN = 0.5
@@ -74,7 +75,7 @@ class CirclePlacement:
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
         """Put the members on their starts; ``failed[w]`` becomes body + 1 where a shifted one found no place."""
         if not group.options[0].is_random:
-            put_on_start(shard.worlds, group.members, model.start, state.pose, state.placed)
+            put_on_start(shard.worlds, group.members, model, state)
             return
         shapes, targets, scene = bundles(model, state)
         draw_shifted(
@@ -148,12 +149,12 @@ def shift_start(
         y = circle[2] * np.sin(angle) + along * np.sin(direction)
         pose[w, b, 0], pose[w, b, 1], pose[w, b, 2] = circle[0] + x, circle[1] + y, np.arctan2(-y, -x)
         place_outline(
-            local_segments[w % local_segments.shape[0]],
-            local_discs[w % local_discs.shape[0]],
+            local_segments[row_of(local_segments, w)],
+            local_discs[row_of(local_discs, w)],
             segment_start[b],
-            segment_count[w % segment_count.shape[0], b],
+            segment_count[row_of(segment_count, w), b],
             disc_start[b],
-            disc_count[w % disc_count.shape[0], b],
+            disc_count[row_of(disc_count, w), b],
             pose[w, b, 0],
             pose[w, b, 1],
             pose[w, b, 2],
@@ -200,11 +201,11 @@ def are_goals_apart(
     w: int, b: int, members: Ints, clearance: float, present: Any, reach: Floats, placed: Any, waypoints: Floats
 ) -> bool:
     """Return whether body b has room at its goal beside the other members that are placed, at theirs."""
-    row = w % reach.shape[0]
+    reaches = reach[row_of(reach, w)]
     for k in range(members.shape[0]):
         q = members[k]
         dx, dy = waypoints[w, q, 0, 0] - waypoints[w, b, 0, 0], waypoints[w, q, 0, 1] - waypoints[w, b, 0, 1]
-        room = reach[row, b] + reach[row, q] + clearance
+        room = reaches[b] + reaches[q] + clearance
         if q != b and placed[w, q] and present[w, q] and dx * dx + dy * dy < room * room:
             return False
     return True

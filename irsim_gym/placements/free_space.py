@@ -15,6 +15,7 @@ from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point
 from irsim_gym.jit import kernel
 from irsim_gym.paths.regions import way_exists
 from irsim_gym.world.model import KEEP_GOAL, WANDER, WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 
@@ -59,8 +60,12 @@ def is_start_free(
     present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
     stands = targets[1]
     pose, segments, discs, placed, cells = scene
-    row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
-    own_segments, own_discs = segment_count[n_segments, b], disc_count[n_discs, b]
+    reaches, n_segments, n_discs = (
+        reach[row_of(reach, w)],
+        segment_count[row_of(segment_count, w)],
+        disc_count[row_of(disc_count, w)],
+    )
+    own_segments, own_discs = n_segments[b], n_discs[b]
     if outline_near_cells(
         cells, segments[w], segment_start[b], own_segments, discs[w], disc_start[b], own_discs, solid[b], clearance
     ):
@@ -72,7 +77,7 @@ def is_start_free(
         if q == b or not placed[w, q] or not present[w, q]:
             continue
         dx, dy = pose[w, q, 0] - pose[w, b, 0], pose[w, q, 1] - pose[w, b, 1]
-        near = reach[row, b] + reach[row, q] + clearance
+        near = reaches[b] + reaches[q] + clearance
         if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
             continue
         if is_closer(
@@ -85,9 +90,9 @@ def is_start_free(
             own_discs,
             solid[b],
             segment_start[q],
-            segment_count[n_segments, q],
+            n_segments[q],
             disc_start[q],
-            disc_count[n_discs, q],
+            n_discs[q],
             solid[q],
         ):
             return False
@@ -100,7 +105,11 @@ def is_clear_of_goals(w: int, b: int, clearance: float, shapes: Any, targets: An
     present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
     has_goal, _, goal_renewal, waypoints, waypoint_count = targets
     _, segments, discs, placed, _ = scene
-    row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
+    reaches, n_segments, n_discs = (
+        reach[row_of(reach, w)],
+        segment_count[row_of(segment_count, w)],
+        disc_count[row_of(disc_count, w)],
+    )
     for q in range(present.shape[1]):
         if not has_goal[q] or goal_renewal[q] == WANDER or q == b or not placed[w, q] or not present[w, q]:
             continue
@@ -111,13 +120,13 @@ def is_clear_of_goals(w: int, b: int, clearance: float, shapes: Any, targets: An
                 goal[1],
                 segments[w],
                 segment_start[b],
-                segment_count[n_segments, b],
+                n_segments[b],
                 discs[w],
                 disc_start[b],
-                disc_count[n_discs, b],
+                n_discs[b],
                 solid[b],
             )
-            if gap < reach[row, q] + clearance:
+            if gap < reaches[q] + clearance:
                 return False
     return True
 
@@ -160,8 +169,12 @@ def is_goal_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, sc
     present, solid, reach, segment_start, segment_count, _, disc_start, disc_count, _ = shapes
     has_goal, stands, goal_renewal, waypoints, _ = targets
     pose, segments, discs, placed, cells = scene
-    row, n_segments, n_discs = w % reach.shape[0], w % segment_count.shape[0], w % disc_count.shape[0]
-    x, y, room = waypoints[w, b, 0, 0], waypoints[w, b, 0, 1], reach[row, b] + clearance
+    reaches, n_segments, n_discs = (
+        reach[row_of(reach, w)],
+        segment_count[row_of(segment_count, w)],
+        disc_count[row_of(disc_count, w)],
+    )
+    x, y, room = waypoints[w, b, 0, 0], waypoints[w, b, 0, 1], reaches[b] + clearance
     if cells_are_closer(cells, x, y, room):
         return False
     for q in range(present.shape[1]):
@@ -169,13 +182,13 @@ def is_goal_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, sc
             continue
         if has_goal[q] and goal_renewal[q] != WANDER:
             dx, dy = waypoints[w, q, 0, 0] - x, waypoints[w, q, 0, 1] - y
-            apart = reach[row, b] + reach[row, q]
+            apart = reaches[b] + reaches[q]
             if dx * dx + dy * dy < apart * apart:
                 return False
         if not stands[q]:
             continue
         dx, dy = pose[w, q, 0] - x, pose[w, q, 1] - y
-        near = reach[row, b] + reach[row, q] + clearance
+        near = reaches[b] + reaches[q] + clearance
         if dx * dx + dy * dy > near * near:
             continue
         gap = point_outline_distance(
@@ -183,13 +196,13 @@ def is_goal_free(w: int, b: int, clearance: float, shapes: Any, targets: Any, sc
             y,
             segments[w],
             segment_start[q],
-            segment_count[n_segments, q],
+            n_segments[q],
             discs[w],
             disc_start[q],
-            disc_count[n_discs, q],
+            n_discs[q],
             solid[q],
         )
-        if gap < reach[row, b] + clearance:
+        if gap < reaches[b] + clearance:
             return False
     return True
 
@@ -219,13 +232,13 @@ def has_way_on(w: int, b: int, shapes: Any, targets: Any, scene: Any, rigid: boo
     outlines = (
         segments[w],
         segment_start,
-        segment_count[w % segment_count.shape[0]],
+        segment_count[row_of(segment_count, w)],
         discs[w],
         disc_start,
-        disc_count[w % disc_count.shape[0]],
+        disc_count[row_of(disc_count, w)],
         solid,
         blocks,
         cells,
     )
-    radius, x, y = reach[w % reach.shape[0], b], pose[w, b, 0], pose[w, b, 1]
+    radius, x, y = reach[row_of(reach, w), b], pose[w, b, 0], pose[w, b, 1]
     return bool(way_exists(outlines, pose[w], rigid, radius, x, y, goal[0], goal[1], grid))

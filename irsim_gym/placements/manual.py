@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
 from irsim_gym.world.group import Group, Shard
@@ -32,21 +32,21 @@ class ManualPlacement:
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
         """Put the members on their given starts."""
-        put_on_start(shard.worlds, group.members, model.start, state.pose, state.placed)
+        put_on_start(shard.worlds, group.members, model, state)
 
 
 @kernel
-def put_on_start(worlds: Ints, members: Ints, start: Floats, pose: Floats, placed: Flags) -> None:
+def put_on_start(worlds: Ints, members: Ints, model: WorldModel, state: WorldState) -> None:
     """Copy starts to the poses of members that have no place yet."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for k in range(members.shape[0]):
             b = members[k]
-            if placed[w, b]:
+            if state.placed[w, b]:
                 continue
             for axis in range(3):
-                pose[w, b, axis] = start[w, b, axis]
-            placed[w, b] = True
+                state.pose[w, b, axis] = model.start[w, b, axis]
+            state.placed[w, b] = True
 
 
 def world_box(model: WorldModel, margin: float) -> tuple[Floats, Floats]:

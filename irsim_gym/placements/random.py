@@ -19,6 +19,7 @@ from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 MARGIN = 0.5
@@ -252,18 +253,18 @@ def draw_start(
             peers, n_peers, others, n_others = members, members.shape[0], everyone, everyone.shape[0]
         else:
             frame, _, _, first, following, found = near
-            radius = max(options.min_distance, reach[w % reach.shape[0], b] + options.clearance + frame[5])
+            radius = max(options.min_distance, reach[row_of(reach, w), b] + options.clearance + frame[5])
             n_others = gather_nearby(pose[w, b, 0], pose[w, b, 1], radius, frame, first[w], following[w], found[w])
             peers, n_peers, others = found[w], n_others, found[w]
         if not is_spaced(pose[w], peers, n_peers, is_member, b, options.min_distance, shapes[0][w], placed[w]):
             continue
         place_outline(
-            local_segments[w % local_segments.shape[0]],
-            local_discs[w % local_discs.shape[0]],
+            local_segments[row_of(local_segments, w)],
+            local_discs[row_of(local_discs, w)],
             segment_start[b],
-            segment_count[w % segment_count.shape[0], b],
+            segment_count[row_of(segment_count, w), b],
             disc_start[b],
-            disc_count[w % disc_count.shape[0], b],
+            disc_count[row_of(disc_count, w), b],
             pose[w, b, 0],
             pose[w, b, 1],
             pose[w, b, 2],

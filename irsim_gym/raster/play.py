@@ -59,6 +59,7 @@ from irsim_gym.raster.records import (
 from irsim_gym.raster.sheets import paint
 from irsim_gym.raster.ways import paint_outline
 from irsim_gym.world.model import STATE
+from irsim_gym.world.rows import row_of
 
 ROBOT = 0
 LABEL_GAP = 0.08
@@ -145,12 +146,12 @@ def _draw_body(
 ) -> None:
     """Draw a footprint, its shadow, image, heading or impact."""
     b, kind, place = item.body, item.kind, desk.place
-    segment_rows = model.segment_start[b], model.segment_count[w % model.segment_count.shape[0], b]
-    disc_rows = model.disc_start[b], model.disc_count[w % model.disc_count.shape[0], b]
+    segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
+    disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
     segments, discs = state.segments[w], state.discs[w]
     if kind in (HEADING, IMAGE):
-        segments = model.local_segments[w % model.local_segments.shape[0]]
-        discs = model.local_discs[w % model.local_discs.shape[0]]
+        segments = model.local_segments[row_of(model.local_segments, w)]
+        discs = model.local_discs[row_of(model.local_discs, w)]
         heading = state.pose[w, b, 2]
         if item.turns and (state.twist[w, b, 0] != 0.0 or state.twist[w, b, 1] != 0.0):
             heading = np.arctan2(state.twist[w, b, 1], state.twist[w, b, 0])
@@ -204,13 +205,13 @@ def _draw_past(
             desk.points[count, 0], desk.points[count, 1] = pose[0], pose[1]
             count += 1
         else:
-            segment_rows = model.segment_start[b], model.segment_count[w % model.segment_count.shape[0], b]
-            disc_rows = model.disc_start[b], model.disc_count[w % model.disc_count.shape[0], b]
+            segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
+            disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
             set_place(desk.place, view, pose[0], pose[1], pose[2])
             paint_ghost(
                 picture, desk.sheet, box, desk.points, item,
-                model.local_segments[w % model.local_segments.shape[0]], segment_rows,
-                model.local_discs[w % model.local_discs.shape[0]], disc_rows,
+                model.local_segments[row_of(model.local_segments, w)], segment_rows,
+                model.local_discs[row_of(model.local_discs, w)], disc_rows,
                 desk.place, model.solid[b], desk.colour,
             )  # fmt: skip
     if item.kind == PATH:
@@ -288,7 +289,7 @@ def _draw_goal(
 ) -> None:
     """Draw the circle of a goal, or its flag and the goals after it."""
     b, goal = item.body, state.goal[w, item.body]
-    threshold = model.goal_threshold[w % model.goal_threshold.shape[0], b]
+    threshold = model.goal_threshold[row_of(model.goal_threshold, w), b]
     if item.kind == GOAL_CIRCLE:
         turned = model.arrive_mode[b] == STATE
         paint_goal(picture, desk.sheet, box, desk.points, item, goal, threshold, state.arrived[w, b], turned, view)
@@ -308,10 +309,10 @@ def _draw_label(
     """Draw a label: that of a goal below it; that of a body at its place or above it, below it where a flag stands."""
     b, view, box = item.body, look.views[f], desk.colour
     x, y, height = state.pose[w, b, 0], state.pose[w, b, 1], 1.3 * item.width / view[2]
-    segment_rows = model.segment_start[b], model.segment_count[w % model.segment_count.shape[0], b]
-    disc_rows = model.disc_start[b], model.disc_count[w % model.disc_count.shape[0], b]
+    segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
+    disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
     if item.kind == GOAL_LABEL:  # its own flag stands there
-        below = model.goal_threshold[w % model.goal_threshold.shape[0], b] + height
+        below = model.goal_threshold[row_of(model.goal_threshold, w), b] + height
         x, y = state.goal[w, b, 0], state.goal[w, b, 1] - below
     elif item.in_metres:
         x, y = x + item.x, y + item.y

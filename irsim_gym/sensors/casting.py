@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Rays, Spans
+from irsim_gym.arraytypes import Floats, Ints, Rays, Spans
 from irsim_gym.geometry.angles import turned
 from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.ray_chunks import (
@@ -25,6 +25,9 @@ from irsim_gym.geometry.ray_chunks import (
 )
 from irsim_gym.geometry.rays import inverse_depth_disc, inverse_depth_segment
 from irsim_gym.jit import kernel
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
 
 BOWS, ARCS = 9 * CHUNK, 4 * CHUNK
 """Where the discs of a chunk begin in ``slopes`` and ``spans``, after the segments."""
@@ -96,18 +99,8 @@ def cast_bodies(
     fan: Floats,
     beams_x: Rays,
     beams_y: Rays,
-    pose: Floats,
-    direction: Floats,
-    present: Flags,
-    unobstructed: Flags,
-    solid: Flags,
-    reach: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    segments: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    discs: Floats,
+    model: WorldModel,
+    state: WorldState,
     near: Floats,
     slopes: Rays,
     spans: Spans,
@@ -125,15 +118,15 @@ def cast_bodies(
     first, density, laid = np.float32(fan[0]), np.float32(fan[1]), -1
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        reaches, rows, rings = reach[min(w, reach.shape[0] - 1)], segments[w], discs[w]
-        here, there = pose[w], present[w]
+        reaches, rows, rings = model.reach[row_of(model.reach, w)], state.segments[w], state.discs[w]
+        here, there = state.pose[w], model.present[w]
         n_segments, n_discs = (
-            segment_count[min(w, segment_count.shape[0] - 1)],
-            disc_count[min(w, disc_count.shape[0] - 1)],
+            model.segment_count[row_of(model.segment_count, w)],
+            model.disc_count[row_of(model.disc_count, w)],
         )
         for k in range(members.shape[0]):
             own, far, row = members[k], params[k].range_max, w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
-            x, y, cosine, sine = mount(here[own], direction[w, own], params[k].offset)
+            x, y, cosine, sine = mount(here[own], state.direction[w, own], params[k].offset)
             scratch = slopes, spans, rays, inverse
             beams = x, y, cosine, sine, far, first, density, beams_x[row], beams_y[row], *scratch
             if row != laid:
@@ -144,16 +137,16 @@ def cast_bodies(
             for b in range(there.shape[0]):
                 dx, dy, within = here[b, 0] - x, here[b, 1] - y, far + reaches[b]
                 distance2 = dx * dx + dy * dy
-                if distance2 > within * within or b == own or unobstructed[b] or not there[b]:
+                if distance2 > within * within or b == own or model.unobstructed[b] or not there[b]:
                     continue
-                for d in range(disc_start[b], disc_start[b] + n_discs[b]):
+                for d in range(model.disc_start[b], model.disc_start[b] + n_discs[b]):
                     if n_rounds == CHUNK:
                         n_sides = n_rounds = cast_chunk(n_sides, n_rounds, sides, limits, rounds, *beams)
                     rounds[n_rounds], rounds[n_rounds + CHUNK] = rings[d, 0] - x, rings[d, 1] - y
                     rounds[n_rounds + 2 * CHUNK] = rings[d, 2]
                     n_rounds += 1
-                start, end, limit = segment_start[b], segment_start[b] + n_segments[b], 0.0
-                if not solid[b] or (
+                start, end, limit = model.segment_start[b], model.segment_start[b] + n_segments[b], 0.0
+                if not model.solid[b] or (
                     distance2 <= reaches[b] * reaches[b] and contains_point(rows, start, end - start, x, y)
                 ):
                     limit = np.inf

@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints, Labels, Rays
+from irsim_gym.arraytypes import CellMap, Ints, Labels, Rays
 from irsim_gym.geometry.cell_rays import cast_cells
 from irsim_gym.jit import kernel
 from irsim_gym.sensors.casting import mount_pose
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
 
 
 @kernel
@@ -20,8 +22,8 @@ def scan_cells(
     beams_x: Rays,
     beams_y: Rays,
     cells: CellMap,
-    present: Flags,
-    pose: Floats,
+    model: WorldModel,
+    state: WorldState,
     floats: Rays,
     integers: Labels,
     ranges: Rays,
@@ -36,8 +38,6 @@ def scan_cells(
             world and member.
         beams_y: As ``beams_x``.
         cells: The map.
-        present: Which bodies exist, shape ``(n_worlds, n_bodies)``.
-        pose: Poses [m, m, rad], shape ``(n_worlds, n_bodies, 3)``.
         floats: Scratch, see ``cell_rays``.
         integers: Scratch, see ``cell_rays``.
         ranges: Changed [m], shape ``(n_worlds, n_members, n_beams)``.
@@ -45,10 +45,10 @@ def scan_cells(
     own = int(cells[0][4])
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        if not present[w, own]:
+        if not model.present[w, own]:
             continue
         for k in range(members.shape[0]):
-            x, y, heading = mount_pose(pose[w, members[k]], params[k].offset)
+            x, y, heading = mount_pose(state.pose[w, members[k]], params[k].offset)
             turned = w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
             row = ranges[w, k]
             cast_cells(cells, x, y, heading, beams_x[turned], beams_y[turned], floats, integers, row)

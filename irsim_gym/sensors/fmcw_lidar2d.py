@@ -100,11 +100,9 @@ class FmcwLidar2D:
             group.members,
             group.params,
             table["cast_angles"],
-            state.pose,
-            state.twist,
+            state,
             table["ranges"],
             table["hit"],
-            state.random,
             table["radial_velocity"],
         )
 

@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Rays, Words
+from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
 from irsim_gym.sensors.casting import cast_disc, cast_segment, mount_pose
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 SAME = 1e-4
@@ -39,17 +40,8 @@ def find(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
         table["cast_params"],
         table["beams_x"],
         table["beams_y"],
-        state.pose,
-        model.present,
-        model.unobstructed,
-        model.reach,
-        model.map_frame,
-        model.segment_start,
-        model.segment_count,
-        state.segments,
-        model.disc_start,
-        model.disc_count,
-        state.discs,
+        model,
+        state,
         table["ranges"],
         table["inverse"][shard.slot],
         table["nearest"][shard.slot],
@@ -80,17 +72,8 @@ def find_hits(
     params: Any,
     beams_x: Rays,
     beams_y: Rays,
-    pose: Floats,
-    present: Flags,
-    unobstructed: Flags,
-    reach: Floats,
-    map_frame: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    segments: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    discs: Floats,
+    model: WorldModel,
+    state: WorldState,
     ranges: Rays,
     inverse: Rays,
     nearest: Rays,
@@ -99,30 +82,33 @@ def find_hits(
     """Cast against one body after the other and note for each beam which came nearest."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        reaches = reach[w % reach.shape[0]]
-        n_segments, n_discs = segment_count[w % segment_count.shape[0]], disc_count[w % disc_count.shape[0]]
+        reaches = model.reach[row_of(model.reach, w)]
+        n_segments, n_discs = (
+            model.segment_count[row_of(model.segment_count, w)],
+            model.disc_count[row_of(model.disc_count, w)],
+        )
         for k in range(members.shape[0]):
             own, far = members[k], params[k].range_max
             row = w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
             along_x, along_y = beams_x[row], beams_y[row]
-            x, y, heading = mount_pose(pose[w, own], params[k].offset)
+            x, y, heading = mount_pose(state.pose[w, own], params[k].offset)
             cosine, sine = np.cos(heading), np.sin(heading)
             nearest[:] = np.float32(0.0)
             hit[w, k, :] = -1
-            for b in range(present.shape[1]):
-                dx, dy, near = pose[w, b, 0] - x, pose[w, b, 1] - y, far + reaches[b]
-                if b == own or unobstructed[b] or not present[w, b] or dx * dx + dy * dy > near * near:
+            for b in range(model.present.shape[1]):
+                dx, dy, near = state.pose[w, b, 0] - x, state.pose[w, b, 1] - y, far + reaches[b]
+                if b == own or model.unobstructed[b] or not model.present[w, b] or dx * dx + dy * dy > near * near:
                     continue
                 inverse[:] = np.float32(0.0)
-                for d in range(disc_start[b], disc_start[b] + n_discs[b]):
-                    cx, cy, radius = discs[w, d, 0] - x, discs[w, d, 1] - y, discs[w, d, 2]
+                for d in range(model.disc_start[b], model.disc_start[b] + n_discs[b]):
+                    cx, cy, radius = state.discs[w, d, 0] - x, state.discs[w, d, 1] - y, state.discs[w, d, 2]
                     cast_disc(cx, cy, radius, cosine, sine, along_x, along_y, inverse)
-                for s in range(segment_start[b], segment_start[b] + n_segments[b]):
-                    ax, ay = segments[w, s, 0] - x, segments[w, s, 1] - y
-                    bx, by = segments[w, s, 2] - x, segments[w, s, 3] - y
+                for s in range(model.segment_start[b], model.segment_start[b] + n_segments[b]):
+                    ax, ay = state.segments[w, s, 0] - x, state.segments[w, s, 1] - y
+                    bx, by = state.segments[w, s, 2] - x, state.segments[w, s, 3] - y
                     cast_segment(ax, ay, bx, by, cosine, sine, along_x, along_y, inverse)
                 note_nearer(b, inverse, nearest, hit[w, k])
-            settle(np.float32(far), int(map_frame[4]), ranges[w, k], nearest, hit[w, k])
+            settle(np.float32(far), int(model.map_frame[4]), ranges[w, k], nearest, hit[w, k])
 
 
 @kernel
@@ -168,11 +154,9 @@ def write_radial_velocity(
     members: Ints,
     params: Any,
     cast_angles: Floats,
-    pose: Floats,
-    twist: Floats,
+    state: WorldState,
     ranges: Rays,
     hit: Ints,
-    random: Words,
     radial_velocity: Floats,
 ) -> None:
     """Write how fast the range of each valid beam grows [m/s], 0 for the others.
@@ -186,14 +170,17 @@ def write_radial_velocity(
             own, row = members[k], w * members.shape[0] + k if cast_angles.shape[0] > 1 else 0
             shortest, farthest = np.float32(params[k].range_min), np.float32(params[k].range_max)
             share = 0.0 if params[k].motion_compensate else 1.0
-            heading = pose[w, own, 2] + params[k].offset[2]
+            heading = state.pose[w, own, 2] + params[k].offset[2]
             for j in range(hit.shape[2]):
                 error = 0.0
                 if params[k].velocity_noise_std > 0.0:
-                    error = normal(random, w, 0.0, params[k].velocity_noise_std)
+                    error = normal(state.random, w, 0.0, params[k].velocity_noise_std)
                 radial_velocity[w, k, j] = 0.0
                 b = hit[w, k, j]
                 if b >= 0 and shortest < ranges[w, k, j] < farthest:
-                    vx, vy = twist[w, b, 0] - share * twist[w, own, 0], twist[w, b, 1] - share * twist[w, own, 1]
+                    vx, vy = (
+                        state.twist[w, b, 0] - share * state.twist[w, own, 0],
+                        state.twist[w, b, 1] - share * state.twist[w, own, 1],
+                    )
                     angle = heading + cast_angles[row, j]
                     radial_velocity[w, k, j] = vx * np.cos(angle) + vy * np.sin(angle) + error

@@ -16,6 +16,8 @@ from irsim_gym.geometry.ray_chunks import CHUNK, clear_depths, lay_beams
 from irsim_gym.jit import kernel
 from irsim_gym.sensors.casting import cast_chunk, mount, write_ranges
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
 
 DISCS, OWNERS, AREAS = 0, CHUNK, 2 * CHUNK
 """What the three parts of ``listed`` hold: discs that can be seen, whose they are, and bodies with an inside."""
@@ -35,18 +37,8 @@ def cast_room(
     fan: Floats,
     beams_x: Rays,
     beams_y: Rays,
-    pose: Floats,
-    direction: Floats,
-    present: Flags,
-    unobstructed: Flags,
-    solid: Flags,
-    reach: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    segments: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    discs: Floats,
+    model: WorldModel,
+    state: WorldState,
     near: Floats,
     slopes: Rays,
     spans: Spans,
@@ -58,33 +50,31 @@ def cast_room(
     """Write the ranges of all members in all given worlds, as ``cast_bodies`` does for any world."""
     limits, rounds = near[4 * CHUNK : 5 * CHUNK], near[5 * CHUNK :]
     first, density, laid = np.float32(fan[0]), np.float32(fan[1]), -1
-    is_noted, is_shared = False, segment_count.shape[0] == 1 and disc_count.shape[0] == 1
+    is_noted, is_shared = False, model.segment_count.shape[0] == 1 and model.disc_count.shape[0] == 1
     n_rings, n_areas = 0, 0
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        rows, rings, here, there = segments[w], discs[w], pose[w], present[w]
-        reaches = reach[min(w, reach.shape[0] - 1)]
+        rows, rings, here, there = state.segments[w], state.discs[w], state.pose[w], model.present[w]
+        reaches = model.reach[row_of(model.reach, w)]
         n_segments, n_discs = (
-            segment_count[min(w, segment_count.shape[0] - 1)],
-            disc_count[min(w, disc_count.shape[0] - 1)],
+            model.segment_count[row_of(model.segment_count, w)],
+            model.disc_count[row_of(model.disc_count, w)],
         )
         is_complete = is_shared and count_present(there) == there.shape[0]
         is_noted = is_noted and is_complete
         for k in range(members.shape[0]):
             own, far, row = members[k], params[k].range_max, w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
-            x, y, cosine, sine = mount(here[own], direction[w, own], params[k].offset)
+            x, y, cosine, sine = mount(here[own], state.direction[w, own], params[k].offset)
             scratch = slopes, spans, rays, inverse
             beams = x, y, cosine, sine, far, first, density, beams_x[row], beams_y[row], *scratch
             if not is_noted:
-                n_rings, n_areas = note_rows(
-                    there, unobstructed, solid, segment_start, n_segments, disc_start, n_discs, limits, listed
-                )
+                n_rings, n_areas = note_rows(there, model, n_segments, n_discs, limits, listed)
                 is_noted = is_complete
-            for s in range(segment_start[own], segment_start[own] + n_segments[own]):
+            for s in range(model.segment_start[own], model.segment_start[own] + n_segments[own]):
                 limits[s], is_noted = -np.inf, False
             for m in range(n_areas):
                 b = listed[AREAS + m]
-                dx, dy, start, count = here[b, 0] - x, here[b, 1] - y, segment_start[b], n_segments[b]
+                dx, dy, start, count = here[b, 0] - x, here[b, 1] - y, model.segment_start[b], n_segments[b]
                 is_near = dx * dx + dy * dy <= reaches[b] * reaches[b] and b != own
                 if is_near and contains_point(rows, start, count, x, y):
                     limits[start : start + count], is_noted = np.inf, False
@@ -113,29 +103,21 @@ def count_present(present: Flags) -> int:
 
 @kernel
 def note_rows(
-    present: Flags,
-    unobstructed: Flags,
-    solid: Flags,
-    segment_start: Ints,
-    n_segments: Ints,
-    disc_start: Ints,
-    n_discs: Ints,
-    limits: Floats,
-    listed: Ints,
+    present: Flags, model: WorldModel, n_segments: Ints, n_discs: Ints, limits: Floats, listed: Ints
 ) -> tuple[int, int]:
     """Write from which sides segments are seen, and list discs and areas; return the numbers of both."""
     n_rings, n_areas = 0, 0
     for s in range(CHUNK):
         limits[s] = -np.inf
     for b in range(present.shape[0]):
-        if unobstructed[b] or not present[b]:
+        if model.unobstructed[b] or not present[b]:
             continue
-        for d in range(disc_start[b], disc_start[b] + n_discs[b]):
+        for d in range(model.disc_start[b], model.disc_start[b] + n_discs[b]):
             listed[DISCS + n_rings], listed[OWNERS + n_rings] = d, b
             n_rings += 1
-        for s in range(segment_start[b], segment_start[b] + n_segments[b]):
-            limits[s] = 0.0 if solid[b] else np.inf
-        if solid[b] and n_segments[b] > 0:
+        for s in range(model.segment_start[b], model.segment_start[b] + n_segments[b]):
+            limits[s] = 0.0 if model.solid[b] else np.inf
+        if model.solid[b] and n_segments[b] > 0:
             listed[AREAS + n_areas] = b
             n_areas += 1
     return n_rings, n_areas

@@ -119,10 +119,20 @@ def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
         noise.turn_beams(group, state, shard)
     cast(group, model, state, shard)
     if (cells := model.cells) is not None:
-        rows = table["beams_x"], table["beams_y"]
         members, params = group.members, table["cast_params"]
-        scratch = table["walk_floats"][shard.slot], table["walk_integers"][shard.slot]
-        scan_cells(shard.worlds, members, params, *rows, cells, model.present, state.pose, *scratch, table["ranges"])
+        scan_cells(
+            shard.worlds,
+            members,
+            params,
+            table["beams_x"],
+            table["beams_y"],
+            cells,
+            model,
+            state,
+            table["walk_floats"][shard.slot],
+            table["walk_integers"][shard.slot],
+            table["ranges"],
+        )
     if "hit" in table:
         hits.find(group, model, state, shard)
     if is_noisy:
@@ -134,32 +144,38 @@ def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> No
 def cast(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write what the members' beams meet of bodies."""
     table, slot = group.arrays, shard.slot
-    given = (
-        shard.worlds,
-        group.members,
-        table["cast_params"],
-        table["fan"],
-        table["beams_x"],
-        table["beams_y"],
-        state.pose,
-        state.direction,
-        model.present,
-        model.unobstructed,
-        model.solid,
-        model.reach,
-        model.segment_start,
-        model.segment_count,
-        state.segments,
-        model.disc_start,
-        model.disc_count,
-        state.discs,
-        table["near"][slot],
-        table["slopes"][slot],
-        table["spans"][slot],
-        table["rays"][slot],
-        table["inverse"][slot],
-    )
     if is_small(model):
-        cast_room(*given, table["listed"][slot], table["ranges"])
+        cast_room(
+            shard.worlds,
+            group.members,
+            table["cast_params"],
+            table["fan"],
+            table["beams_x"],
+            table["beams_y"],
+            model,
+            state,
+            table["near"][slot],
+            table["slopes"][slot],
+            table["spans"][slot],
+            table["rays"][slot],
+            table["inverse"][slot],
+            table["listed"][slot],
+            table["ranges"],
+        )
     else:
-        cast_bodies(*given, table["ranges"])
+        cast_bodies(
+            shard.worlds,
+            group.members,
+            table["cast_params"],
+            table["fan"],
+            table["beams_x"],
+            table["beams_y"],
+            model,
+            state,
+            table["near"][slot],
+            table["slopes"][slot],
+            table["spans"][slot],
+            table["rays"][slot],
+            table["inverse"][slot],
+            table["ranges"],
+        )

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.families import ACTIONS
 from irsim_gym.jit import kernel
@@ -21,6 +21,7 @@ from irsim_gym.tasks.outcome import RUNNING
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 FRAME = option("body", meaning="Frame of an omni drive's action: its own, or that of its commands (the world's).")
@@ -47,7 +48,7 @@ class VelocityAction:
     @staticmethod
     def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Take over the learner's numbers, cut to [-1, 1]."""
-        take_given(shard.worlds, term.action_sizes, episode.given, episode.action, episode.previous_action)
+        take_given(shard.worlds, term.action_sizes, episode)
 
 
 @kind
@@ -97,7 +98,7 @@ class DiscreteAction:
     @staticmethod
     def act(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Look up the learner's choices."""
-        take_choice(shard.worlds, term.arrays["grid"], episode.choice, episode.action, episode.previous_action)
+        take_choice(shard.worlds, term.arrays["grid"], episode)
 
 
 ACTIONS.register("velocity", VelocityAction)
@@ -156,108 +157,85 @@ def all_within(worlds: Ints, count: int, choice: Ints) -> bool:
 
 
 @kernel
-def take_given(worlds: Ints, sizes: Ints, given: Floats, action: Floats, previous_action: Floats) -> None:
+def take_given(worlds: Ints, sizes: Ints, episode: EpisodeState) -> None:
     """Move the latest action to ``previous_action`` and write the new one, cut to [-1, 1].
 
     Components from ``sizes[a]`` on, which the agent's drive does not have, are not looked at and become 0.
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        for a in range(action.shape[1]):
-            for c in range(action.shape[2]):
-                previous_action[w, a, c] = action[w, a, c]
-                action[w, a, c] = min(max(given[w, a, c], -1.0), 1.0) if c < sizes[a] else 0.0
+        for a in range(episode.action.shape[1]):
+            for c in range(episode.action.shape[2]):
+                episode.previous_action[w, a, c] = episode.action[w, a, c]
+                episode.action[w, a, c] = min(max(episode.given[w, a, c], -1.0), 1.0) if c < sizes[a] else 0.0
 
 
 @kernel
-def take_choice(worlds: Ints, grid: Floats, choice: Ints, action: Floats, previous_action: Floats) -> None:
+def take_choice(worlds: Ints, grid: Floats, episode: EpisodeState) -> None:
     """Move the latest action to ``previous_action`` and write the chosen row of ``grid``."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        for a in range(action.shape[1]):
-            for c in range(action.shape[2]):
-                previous_action[w, a, c] = action[w, a, c]
-                action[w, a, c] = grid[a, choice[w, a], c]
+        for a in range(episode.action.shape[1]):
+            for c in range(episode.action.shape[2]):
+                episode.previous_action[w, a, c] = episode.action[w, a, c]
+                episode.action[w, a, c] = grid[a, episode.choice[w, a], c]
 
 
 @kernel
-def command(
-    worlds: Ints,
-    agents: Ints,
-    velocity_min: Floats,
-    velocity_max: Floats,
-    outcome: Ints,
-    action: Floats,
-    commanded: Floats,
-) -> None:
+def command(worlds: Ints, agents: Ints, model: WorldModel, state: WorldState, episode: EpisodeState) -> None:
     """Map actions in [-1, 1] affinely to the agents' velocity limits; an agent whose episode is over stands still.
 
     Args:
         worlds: The worlds to treat.
         agents: Body of each agent, ``(n_agents,)``.
-        velocity_min: ``(n_worlds or 1, n_bodies, 3)`` [m/s or rad/s].
-        velocity_max: The same.
-        outcome: ``(n_worlds, n_agents)``.
-        action: ``(n_worlds, n_agents, n_components)``.
-        commanded: Written, ``(n_worlds, n_bodies, 3)`` [m/s or rad/s].
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
         slowest, fastest = (
-            velocity_min[min(w, velocity_min.shape[0] - 1)],
-            velocity_max[min(w, velocity_max.shape[0] - 1)],
+            model.velocity_min[row_of(model.velocity_min, w)],
+            model.velocity_max[row_of(model.velocity_max, w)],
         )
         for a in range(agents.shape[0]):
             b = agents[a]
-            for c in range(action.shape[2]):
+            for c in range(episode.action.shape[2]):
                 low, high = slowest[b, c], fastest[b, c]
-                wanted = 0.5 * (low + high) + action[w, a, c] * (0.5 * (high - low))
-                commanded[w, b, c] = wanted if outcome[w, a] == RUNNING else 0.0
+                wanted = 0.5 * (low + high) + episode.action[w, a, c] * (0.5 * (high - low))
+                state.command[w, b, c] = wanted if episode.outcome[w, a] == RUNNING else 0.0
 
 
 @kernel
-def turn_commands(worlds: Ints, agents: Ints, pose: Floats, commanded: Floats) -> None:
+def turn_commands(worlds: Ints, agents: Ints, state: WorldState) -> None:
     """Turn the commands of omnidirectional agents from the body frame into the world frame.
 
     Args:
         worlds: The worlds to treat.
         agents: Bodies whose commands are velocities in the world frame, ``(n,)``.
-        pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
-        commanded: Rewritten, ``(n_worlds, n_bodies, 3)`` [m/s].
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
             b = agents[a]
-            cosine, sine = np.cos(pose[w, b, 2]), np.sin(pose[w, b, 2])
-            ahead, left = commanded[w, b, 0], commanded[w, b, 1]
-            commanded[w, b, 0] = cosine * ahead - sine * left
-            commanded[w, b, 1] = sine * ahead + cosine * left
+            cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
+            ahead, left = state.command[w, b, 0], state.command[w, b, 1]
+            state.command[w, b, 0] = cosine * ahead - sine * left
+            state.command[w, b, 1] = sine * ahead + cosine * left
 
 
 @kernel
-def rest(
-    worlds: Ints,
-    agents: Ints,
-    velocity_min: Floats,
-    velocity_max: Floats,
-    began: Flags,
-    action: Floats,
-    previous_action: Floats,
-) -> None:
+def rest(worlds: Ints, agents: Ints, model: WorldModel, episode: EpisodeState) -> None:
     """Write the action that asks for standing still, or for the slowest command there is, where episodes begin."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         slowest, fastest = (
-            velocity_min[min(w, velocity_min.shape[0] - 1)],
-            velocity_max[min(w, velocity_max.shape[0] - 1)],
+            model.velocity_min[row_of(model.velocity_min, w)],
+            model.velocity_max[row_of(model.velocity_max, w)],
         )
         for a in range(agents.shape[0]):
             b = agents[a]
-            if not began[w, a]:
+            if not episode.began[w, a]:
                 continue
-            for c in range(action.shape[2]):
+            for c in range(episode.action.shape[2]):
                 low, high = slowest[b, c], fastest[b, c]
                 still = -(low + high) / (high - low) if high > low else 0.0
-                action[w, a, c] = min(max(still, -1.0), 1.0)
-                previous_action[w, a, c] = action[w, a, c]
+                episode.action[w, a, c] = min(max(still, -1.0), 1.0)
+                episode.previous_action[w, a, c] = episode.action[w, a, c]

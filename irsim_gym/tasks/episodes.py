@@ -254,32 +254,8 @@ class Episodes:
         """Begin the episodes of the agents that ``state.began`` names, where their bodies stand."""
         simulation, model, state, worlds = self.simulation, self.simulation.model, self.state, shard.worlds
         simulation.clearance(shard, self._agents, state.clearance)
-        limits = model.velocity_min, model.velocity_max
-        actions.rest(worlds, self._agents, *limits, state.began, state.action, state.previous_action)
-        account.open_books(
-            worlds,
-            self._agents,
-            simulation.state.pose,
-            simulation.state.goal_distance,
-            state.clearance,
-            state.began,
-            state.position,
-            state.min_clearance,
-            state.path_length,
-            state.goal_distance,
-            state.steps,
-            state.stalled,
-            state.deadlocked,
-            state.hit,
-            state.hit_kind,
-            state.outcome,
-            state.success,
-            state.over,
-            state.terminated,
-            state.truncated,
-            state.reward_term,
-            state.reward,
-        )
+        actions.rest(worlds, self._agents, model, state)
+        account.open_books(worlds, self._agents, simulation.state, state)
         for term in self._remembering:
             term.options.begin(term, model, simulation.state, state, shard)
         self._observe(shard)
@@ -289,82 +265,41 @@ class Episodes:
         """Play one step in the shard's worlds. This order is the specification."""
         simulation, model, world, state = self.simulation, self.simulation.model, self.simulation.state, self.state
         if self.task.ended == "vanish":
-            account.note_ended(shard.worlds, state.terminated, state.truncated, state.over)
+            account.note_ended(shard.worlds, state)
             simulation.vanish(shard, self._agents, state.over)
         self._act(shard)
         simulation.advance(shard)
-        account.limit_clearance(shard.worlds, self._minded_clearance, state.min_clearance, state.clearance)
+        account.limit_clearance(shard.worlds, self._minded_clearance, state)
         simulation.clearance(shard, self._agents, state.clearance, limit=state.clearance)
         self._keep_books(shard)
         for term in self._endings:
             term.options.ends(term, model, world, state, shard)
-        account.settle(
-            shard.worlds,
-            self._outcomes,
-            self.task.max_steps,
-            state.ending,
-            state.over,
-            state.steps,
-            state.outcome,
-            state.success,
-            state.terminated,
-            state.truncated,
-        )
+        account.settle(shard.worlds, self._outcomes, self.task.max_steps, state)
         for term in self._rewards:
             term.options.pay(term, model, world, state, shard)
         if self.task.team_reward > 0.0 and self.n_agents > 1:
-            account.share_rewards(shard.worlds, self.task.team_reward, state.over, state.reward_term)
-        account.add_up(shard.worlds, state.over, state.reward_term, state.reward)
+            account.share_rewards(shard.worlds, self.task.team_reward, state)
+        account.add_up(shard.worlds, state)
         self._observe(shard)
 
     def _act(self, shard: Shard) -> None:
         model, state = self.simulation.model, self.state
         self._action.options.act(self._action, model, self.simulation.state, state, shard)
-        actions.command(
-            shard.worlds,
-            self._agents,
-            model.velocity_min,
-            model.velocity_max,
-            state.outcome,
-            state.action,
-            self.simulation.state.command,
-        )
+        actions.command(shard.worlds, self._agents, model, self.simulation.state, state)
         if len(self._turned):
-            actions.turn_commands(shard.worlds, self._turned, self.simulation.state.pose, self.simulation.state.command)
+            actions.turn_commands(shard.worlds, self._turned, self.simulation.state)
 
     def _keep_books(self, shard: Shard) -> None:
         world, state = self.simulation.state, self.state
-        account.keep_books(
-            shard.worlds,
-            self._agents,
-            world.pose,
-            world.goal_distance,
-            world.hit,
-            self._hit_kinds,
-            state.clearance,
-            state.outcome,
-            state.position,
-            state.min_clearance,
-            state.path_length,
-            state.goal_distance,
-            state.steps,
-            state.hit,
-            state.hit_kind,
-            state.over,
-        )
+        account.keep_books(shard.worlds, self._agents, world, state, self._hit_kinds)
         account.watch_standstill(
             shard.worlds,
             self._agents,
-            self.simulation.model.step_time,
+            self.simulation.model,
+            world,
+            state,
             self.task.deadlock_speed,
             self.task.deadlock_time,
-            self.simulation.model.has_goal,
-            world.arrived,
-            world.stopped,
-            world.twist,
-            state.outcome,
-            state.stalled,
-            state.deadlocked,
         )
 
     def _observe(self, shard: Shard) -> None:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.engine import Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.tasks.outcome import RUNNING
 from irsim_gym.tasks.scaling import unit
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
 
 WIDTH = 10
 """Numbers for each agent."""
@@ -18,39 +21,13 @@ def team_states(simulation: Simulation, agents: Ints, outcome: Ints, worlds: Int
     """Return the state of the whole teams of some worlds, fresh, ``(n, WIDTH * n_agents)``."""
     model, world = simulation.model, simulation.state
     states = np.zeros((len(worlds), WIDTH * len(agents)), np.float32)
-    write_team_state(
-        worlds,
-        agents,
-        model.bounds,
-        model.velocity_max,
-        model.velocity_min,
-        model.has_goal,
-        world.stopped,
-        world.pose,
-        world.twist,
-        world.goal,
-        outcome,
-        model.present,
-        states,
-    )
+    write_team_state(worlds, agents, model, world, outcome, states)
     return states
 
 
 @kernel
 def write_team_state(
-    worlds: Ints,
-    agents: Ints,
-    bounds: Floats,
-    velocity_max: Floats,
-    velocity_min: Floats,
-    has_goal: Flags,
-    stopped: Flags,
-    pose: Floats,
-    twist: Floats,
-    goal: Floats,
-    outcome: Ints,
-    present: Flags,
-    out: Rays,
+    worlds: Ints, agents: Ints, model: WorldModel, state: WorldState, outcome: Ints, out: Rays
 ) -> None:
     """Write ten numbers for each agent: x, y, cos and sin of the heading, velocity x, y, goal x, y, live, present.
 
@@ -60,34 +37,34 @@ def write_team_state(
     Args:
         worlds: The worlds to treat, ``(n,)``.
         agents: Body of each agent, ``(n_agents,)``.
-        bounds: World rectangle [m].
-        velocity_max: ``(n_worlds or 1, n_bodies, 3)`` [m/s or rad/s].
-        velocity_min: The same.
-        has_goal: ``(n_bodies,)``.
-        stopped: ``(n_worlds, n_bodies)``.
-        pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
-        twist: The same shape, in the world frame [m/s, m/s, rad/s].
-        goal: The same shape [m, m, rad].
         outcome: ``(n_worlds, n_agents)``.
-        present: ``(n_worlds, n_bodies)``.
         out: Written, ``(n, n_agents * 10)``, in the order of ``worlds``.
     """
-    middle_x, middle_y = 0.5 * (bounds[0] + bounds[2]), 0.5 * (bounds[1] + bounds[3])
-    half_x, half_y = 0.5 * (bounds[2] - bounds[0]), 0.5 * (bounds[3] - bounds[1])
+    middle_x, middle_y = 0.5 * (model.bounds[0] + model.bounds[2]), 0.5 * (model.bounds[1] + model.bounds[3])
+    half_x, half_y = 0.5 * (model.bounds[2] - model.bounds[0]), 0.5 * (model.bounds[3] - model.bounds[1])
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        fastest, slowest = velocity_max[w % velocity_max.shape[0]], velocity_min[w % velocity_min.shape[0]]
+        fastest, slowest = (
+            model.velocity_max[row_of(model.velocity_max, w)],
+            model.velocity_min[row_of(model.velocity_min, w)],
+        )
         for a in range(agents.shape[0]):
             b, row = agents[a], out[i, WIDTH * a : WIDTH * (a + 1)]
             row[:] = np.float32(0.0)
-            if has_goal[b]:
-                row[6], row[7] = unit((goal[w, b, 0] - middle_x) / half_x), unit((goal[w, b, 1] - middle_y) / half_y)
-            if not present[w, b]:
+            if model.has_goal[b]:
+                row[6], row[7] = (
+                    unit((state.goal[w, b, 0] - middle_x) / half_x),
+                    unit((state.goal[w, b, 1] - middle_y) / half_y),
+                )
+            if not model.present[w, b]:
                 continue
-            row[0], row[1] = unit((pose[w, b, 0] - middle_x) / half_x), unit((pose[w, b, 1] - middle_y) / half_y)
-            row[2], row[3] = np.float32(np.cos(pose[w, b, 2])), np.float32(np.sin(pose[w, b, 2]))
+            row[0], row[1] = (
+                unit((state.pose[w, b, 0] - middle_x) / half_x),
+                unit((state.pose[w, b, 1] - middle_y) / half_y),
+            )
+            row[2], row[3] = np.float32(np.cos(state.pose[w, b, 2])), np.float32(np.sin(state.pose[w, b, 2]))
             largest = max(np.abs(fastest[b, 0]), np.abs(slowest[b, 0]))
-            if largest > 0.0 and not stopped[w, b]:
-                row[4], row[5] = unit(twist[w, b, 0] / largest), unit(twist[w, b, 1] / largest)
+            if largest > 0.0 and not state.stopped[w, b]:
+                row[4], row[5] = unit(state.twist[w, b, 0] / largest), unit(state.twist[w, b, 1] / largest)
             row[8] = np.float32(1.0) if outcome[w, a] == RUNNING else np.float32(0.0)
             row[9] = np.float32(1.0)

@@ -29,4 +29,4 @@ class Arrived:
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""
-        copy_flag(shard.worlds, term.agents, term.column, state.arrived, episode.ending)
+        copy_flag(shard.worlds, term.agents, term.column, state, episode)

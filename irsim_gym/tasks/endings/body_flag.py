@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Flags, Ints
+from irsim_gym.arraytypes import Ints
 from irsim_gym.jit import kernel
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.world.state import WorldState
 
 
 @kernel
-def copy_flag(worlds: Ints, agents: Ints, column: int, flag: Flags, ending: Flags) -> None:
+def copy_flag(worlds: Ints, agents: Ints, column: int, state: WorldState, episode: EpisodeState) -> None:
     """Copy the agents' entries of a flag of bodies, ``(n_worlds, n_bodies)``, into a column of ``ending``."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            ending[w, a, column] = flag[w, agents[a]]
+            episode.ending[w, a, column] = state.arrived[w, agents[a]]

@@ -51,23 +51,13 @@ class Collided:
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""
-        find_hits(
-            shard.worlds,
-            term.agents,
-            term.column,
-            term.arrays["counts"],
-            state.collided,
-            episode.hit_kind,
-            episode.ending,
-        )
+        find_hits(shard.worlds, term.agents, term.column, term.arrays["counts"], state, episode)
 
 
 @kernel
-def find_hits(
-    worlds: Ints, agents: Ints, column: int, counts: Flags, collided: Flags, hit_kind: Ints, ending: Flags
-) -> None:
+def find_hits(worlds: Ints, agents: Ints, column: int, counts: Flags, state: WorldState, episode: EpisodeState) -> None:
     """Write a column of ``ending``: the agent touches a body of a kind that counts."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            ending[w, a, column] = collided[w, agents[a]] and counts[hit_kind[w, a]]
+            episode.ending[w, a, column] = state.collided[w, agents[a]] and counts[episode.hit_kind[w, a]]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.arraytypes import Flags, Ints
+from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
@@ -30,13 +30,13 @@ class Deadlocked:
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""
-        copy_deadlocks(shard.worlds, term.column, episode.deadlocked, episode.ending)
+        copy_deadlocks(shard.worlds, term.column, episode)
 
 
 @kernel
-def copy_deadlocks(worlds: Ints, column: int, deadlocked: Flags, ending: Flags) -> None:
+def copy_deadlocks(worlds: Ints, column: int, episode: EpisodeState) -> None:
     """Copy the flag of each agent into a column of ``ending``."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        for a in range(deadlocked.shape[1]):
-            ending[w, a, column] = deadlocked[w, a]
+        for a in range(episode.deadlocked.shape[1]):
+            episode.ending[w, a, column] = episode.deadlocked[w, a]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
@@ -12,6 +12,7 @@ from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 
@@ -30,19 +31,19 @@ class LeftWorld:
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the flag."""
-        find_outside(shard.worlds, term.agents, term.column, model.bounds, model.reach, state.pose, episode.ending)
+        find_outside(shard.worlds, term.agents, term.column, model, state, episode)
 
 
 @kernel
 def find_outside(
-    worlds: Ints, agents: Ints, column: int, bounds: Floats, reach: Floats, pose: Floats, ending: Flags
+    worlds: Ints, agents: Ints, column: int, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
     """Write a column of ``ending``: the body's origin is further outside ``bounds`` than its reach [m]."""
-    x_min, y_min, x_max, y_max = bounds[0], bounds[1], bounds[2], bounds[3]
+    x_min, y_min, x_max, y_max = model.bounds[0], model.bounds[1], model.bounds[2], model.bounds[3]
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
             b = agents[a]
-            r = reach[w % reach.shape[0], b]
-            x, y = pose[w, b, 0], pose[w, b, 1]
-            ending[w, a, column] = x < x_min - r or x > x_max + r or y < y_min - r or y > y_max + r
+            r = model.reach[row_of(model.reach, w), b]
+            x, y = state.pose[w, b, 0], state.pose[w, b, 1]
+            episode.ending[w, a, column] = x < x_min - r or x > x_max + r or y < y_min - r or y > y_max + r

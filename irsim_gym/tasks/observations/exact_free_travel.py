@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import CellMap, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.cells import segment_cells_distance
 from irsim_gym.jit import kernel
@@ -20,6 +20,7 @@ from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 Facing = tuple[float, float]
@@ -87,18 +88,10 @@ class ExactFreeTravel:
             code_number(options.code),
             options.near,
             options.zero,
-            model.present,
-            model.unobstructed,
+            model,
+            state,
+            episode,
             model.cells,
-            model.reach,
-            model.segment_start,
-            model.segment_count,
-            model.disc_start,
-            model.disc_count,
-            state.segments,
-            state.discs,
-            state.pose,
-            episode.observation,
         )
 
 
@@ -114,18 +107,10 @@ def write_ways(
     code: int,
     near: float,
     zero: float,
-    present: Flags,
-    unobstructed: Flags,
+    model: WorldModel,
+    state: WorldState,
+    episode: EpisodeState,
     cells: CellMap | None,
-    reach: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    disc_start: Ints,
-    disc_count: Ints,
-    segments: Floats,
-    discs: Floats,
-    pose: Floats,
-    out: Rays,
 ) -> None:
     """Write the free way in each direction, encoded.
 
@@ -140,40 +125,29 @@ def write_ways(
         code: INVERSE or LINEAR.
         near: See ``ExactFreeTravel`` [m].
         zero: See ``ExactFreeTravel`` [1/m].
-        present: See WorldModel, as are the next arrays up to ``disc_count``.
-        unobstructed: Bodies that are not seen.
         cells: The obstacle map.
-        reach: Bounding radius [m].
-        segment_start: First segment of a body.
-        segment_count: Number of its segments.
-        disc_start: First disc of a body.
-        disc_count: Number of its discs.
-        segments: Outlines in the world frame [m], ``(n_worlds, n_segments, 4)``.
-        discs: The same, ``(n_worlds, n_discs, 3)``.
-        pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
-        out: Written, ``(n_worlds, n_agents, n_features)``.
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
             own, own_radius = agents[a], radius[a]
-            row = out[w, a, column : column + ahead_x.shape[0]]
+            row = episode.observation[w, a, column : column + ahead_x.shape[0]]
             row[:] = np.float32(far)
-            place = pose[w, own]
+            place = state.pose[w, own]
             facing = np.cos(place[2]), np.sin(place[2])
-            for b in range(present.shape[1]):
-                if b == own or unobstructed[b] or not present[w, b]:
+            for b in range(model.present.shape[1]):
+                if b == own or model.unobstructed[b] or not model.present[w, b]:
                     continue
-                dx, dy = pose[w, b, 0] - place[0], pose[w, b, 1] - place[1]
-                seen = far + own_radius + reach[w % reach.shape[0], b]
+                dx, dy = state.pose[w, b, 0] - place[0], state.pose[w, b, 1] - place[1]
+                seen = far + own_radius + model.reach[row_of(model.reach, w), b]
                 if dx * dx + dy * dy >= seen * seen:
                     continue
-                first, last = span(disc_start, disc_count, w, b)
+                first, last = span(model.disc_start, model.disc_count, w, b)
                 for d in range(first, last):
-                    stop_at_disc(discs[w, d], place, facing, own_radius, far, ahead_x, ahead_y, row)
-                first, last = span(segment_start, segment_count, w, b)
+                    stop_at_disc(state.discs[w, d], place, facing, own_radius, far, ahead_x, ahead_y, row)
+                first, last = span(model.segment_start, model.segment_count, w, b)
                 for s in range(first, last):
-                    stop_at_segment(segments[w, s], place, facing, own_radius, far, ahead_x, ahead_y, row)
+                    stop_at_segment(state.segments[w, s], place, facing, own_radius, far, ahead_x, ahead_y, row)
             stop_at_cells(cells, place, facing, own_radius, ahead_x, ahead_y, row)
             encode(row, code, np.float32(near), np.float32(zero), np.float32(far))
 

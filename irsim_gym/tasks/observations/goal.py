@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.engine import Shard
 from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
@@ -59,11 +59,9 @@ class Goal:
             term.column,
             np.nan if given is None else given,
             term.options.near,
-            model.bounds,
-            state.pose,
-            state.direction,
-            state.goal,
-            episode.observation,
+            model,
+            state,
+            episode,
         )
 
 
@@ -74,29 +72,27 @@ def write_goal(
     column: int,
     scale: float,
     near: float,
-    bounds: Floats,
-    pose: Floats,
-    direction: Floats,
-    goal: Floats,
-    out: Rays,
+    model: WorldModel,
+    state: WorldState,
+    episode: EpisodeState,
 ) -> None:
     """Write distance, cosine and sine of the bearing (1, 0 at the goal itself) and the near term.
 
     A ``scale`` of NaN stands for the diagonal of the world's rectangle ``bounds``.
     """
-    width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
+    width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     full = np.sqrt(width * width + height * height) if np.isnan(scale) else scale
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
             b = agents[a]
-            dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
+            dx, dy = state.goal[w, b, 0] - state.pose[w, b, 0], state.goal[w, b, 1] - state.pose[w, b, 1]
             d = np.sqrt(dx * dx + dy * dy)
             ahead, side = 1.0, 0.0
             if d > 0.0:
-                cosine, sine = turned(pose[w, b, 2], direction[w, b])
+                cosine, sine = turned(state.pose[w, b, 2], state.direction[w, b])
                 ahead, side = (dx * cosine + dy * sine) / d, (dy * cosine - dx * sine) / d
-            out[w, a, column] = np.float32(min(d / full, 1.0))
-            out[w, a, column + 1] = np.float32(min(max(ahead, -1.0), 1.0))
-            out[w, a, column + 2] = np.float32(min(max(side, -1.0), 1.0))
-            out[w, a, column + 3] = np.float32(np.exp(-d / near))
+            episode.observation[w, a, column] = np.float32(min(d / full, 1.0))
+            episode.observation[w, a, column + 1] = np.float32(min(max(ahead, -1.0), 1.0))
+            episode.observation[w, a, column + 2] = np.float32(min(max(side, -1.0), 1.0))
+            episode.observation[w, a, column + 3] = np.float32(np.exp(-d / near))

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
@@ -41,16 +41,16 @@ class GoalHeading:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the two elements."""
-        write_goal_heading(shard.worlds, term.agents, term.column, state.pose, state.goal, episode.observation)
+        write_goal_heading(shard.worlds, term.agents, term.column, state, episode)
 
 
 @kernel
-def write_goal_heading(worlds: Ints, agents: Ints, column: int, pose: Floats, goal: Floats, out: Rays) -> None:
+def write_goal_heading(worlds: Ints, agents: Ints, column: int, state: WorldState, episode: EpisodeState) -> None:
     """Write cosine and sine of goal heading minus heading."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            turn = goal[w, agents[a], 2] - pose[w, agents[a], 2]
+            turn = state.goal[w, agents[a], 2] - state.pose[w, agents[a], 2]
             known = not np.isnan(turn)
-            out[w, a, column] = np.float32(np.cos(turn)) if known else np.float32(0.0)
-            out[w, a, column + 1] = np.float32(np.sin(turn)) if known else np.float32(0.0)
+            episode.observation[w, a, column] = np.float32(np.cos(turn)) if known else np.float32(0.0)
+            episode.observation[w, a, column + 1] = np.float32(np.sin(turn)) if known else np.float32(0.0)

@@ -37,4 +37,4 @@ class GoalPosition:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the two elements."""
-        write_place(shard.worlds, term.agents, term.column, model.bounds, state.goal, episode.observation)
+        write_place(shard.worlds, term.agents, term.column, model, episode, state.goal)

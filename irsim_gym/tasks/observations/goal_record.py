@@ -65,13 +65,11 @@ class GoalRecord:
             term.column,
             term.options.near,
             term.options.soon,
-            state.time,
-            state.goal,
-            state.goal_distance,
+            state,
+            episode,
             term.arrays["target"],
             term.arrays["nearest"],
             term.arrays["since"],
-            episode.observation,
         )
 
 
@@ -82,23 +80,21 @@ def write_record(
     column: int,
     near: float,
     soon: float,
-    time: Floats,
-    goal: Floats,
-    goal_distance: Floats,
+    state: WorldState,
+    episode: EpisodeState,
     target: Floats,
     nearest: Floats,
     since: Floats,
-    out: Rays,
 ) -> None:
     """Write how far and for how long the goal has been farther away than at the record; a new goal begins a new one."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
             b = agents[a]
-            d, x, y = goal_distance[w, b], goal[w, b, 0], goal[w, b, 1]
+            d, x, y = state.goal_distance[w, b], state.goal[w, b, 0], state.goal[w, b, 1]
             if d < nearest[w, a] or x != target[w, a, 0] or y != target[w, a, 1]:
                 target[w, a, 0], target[w, a, 1] = x, y
-                nearest[w, a], since[w, a] = d, time[w]
-            excess, elapsed = d - nearest[w, a], time[w] - since[w, a]
-            out[w, a, column] = np.float32(excess / (excess + near))
-            out[w, a, column + 1] = np.float32(elapsed / (elapsed + soon))
+                nearest[w, a], since[w, a] = d, state.time[w]
+            excess, elapsed = d - nearest[w, a], state.time[w] - since[w, a]
+            episode.observation[w, a, column] = np.float32(excess / (excess + near))
+            episode.observation[w, a, column + 1] = np.float32(elapsed / (elapsed + soon))

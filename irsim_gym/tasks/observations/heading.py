@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
@@ -38,14 +38,14 @@ class Heading:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the two elements."""
-        write_heading(shard.worlds, term.agents, term.column, state.pose, episode.observation)
+        write_heading(shard.worlds, term.agents, term.column, state, episode)
 
 
 @kernel
-def write_heading(worlds: Ints, agents: Ints, column: int, pose: Floats, out: Rays) -> None:
+def write_heading(worlds: Ints, agents: Ints, column: int, state: WorldState, episode: EpisodeState) -> None:
     """Write cosine and sine of the headings of poses ``(n_worlds, n_bodies, 3)`` [m, m, rad]."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            out[w, a, column] = np.float32(np.cos(pose[w, agents[a], 2]))
-            out[w, a, column + 1] = np.float32(np.sin(pose[w, agents[a], 2]))
+            episode.observation[w, a, column] = np.float32(np.cos(state.pose[w, agents[a], 2]))
+            episode.observation[w, a, column + 1] = np.float32(np.sin(state.pose[w, agents[a], 2]))

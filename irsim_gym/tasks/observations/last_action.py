@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
@@ -44,14 +44,14 @@ class LastAction:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the action."""
-        write_action(shard.worlds, term.column, episode.action, episode.observation)
+        write_action(shard.worlds, term.column, episode)
 
 
 @kernel
-def write_action(worlds: Ints, column: int, action: Floats, out: Rays) -> None:
+def write_action(worlds: Ints, column: int, episode: EpisodeState) -> None:
     """Copy the agents' actions, ``(n_worlds, n_agents, n_components)``."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        for a in range(action.shape[1]):
-            for c in range(action.shape[2]):
-                out[w, a, column + c] = np.float32(action[w, a, c])
+        for a in range(episode.action.shape[1]):
+            for c in range(episode.action.shape[2]):
+                episode.observation[w, a, column + c] = np.float32(episode.action[w, a, c])

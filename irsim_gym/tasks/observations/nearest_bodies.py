@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import CellMap, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.cells import nearest_cell_point
 from irsim_gym.jit import kernel
@@ -19,6 +19,7 @@ from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 WIDTH = 5
@@ -93,22 +94,12 @@ class NearestBodies:
             code_number(term.options.code),
             term.options.near,
             term.options.zero,
-            model.present,
-            model.unobstructed,
+            model,
+            state,
+            episode,
             model.cells,
-            model.reach,
-            model.segment_start,
-            model.segment_count,
-            model.disc_start,
-            model.disc_count,
-            state.segments,
-            state.discs,
-            state.pose,
-            state.twist,
-            state.stopped,
             term.arrays["distance"][shard.slot],
             term.arrays["found"][shard.slot],
-            episode.observation,
         )
 
 
@@ -127,22 +118,12 @@ def write_nearest(
     code: int,
     near: float,
     zero: float,
-    present: Flags,
-    unobstructed: Flags,
+    model: WorldModel,
+    state: WorldState,
+    episode: EpisodeState,
     cells: CellMap | None,
-    reach: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    disc_start: Ints,
-    disc_count: Ints,
-    segments: Floats,
-    discs: Floats,
-    pose: Floats,
-    twist: Floats,
-    stopped: Flags,
     distance: Floats,
     found: Floats,
-    out: Rays,
 ) -> None:
     """Write five numbers for each of the nearest bodies.
 
@@ -155,56 +136,43 @@ def write_nearest(
         code: INVERSE or LINEAR.
         near: See ``NearestBodies`` [m].
         zero: See ``NearestBodies`` [1/m].
-        present: See WorldModel, as are the next arrays up to ``disc_count``.
-        unobstructed: Bodies that are not seen.
         cells: The obstacle map, which counts as one body at its nearest point.
-        reach: Bounding radius [m].
-        segment_start: First segment of a body.
-        segment_count: Number of its segments.
-        disc_start: First disc of a body.
-        disc_count: Number of its discs.
-        segments: Outlines in the world frame [m], ``(n_worlds, n_segments, 4)``.
-        discs: The same, ``(n_worlds, n_discs, 3)``.
-        pose: See WorldState, as are the next two.
-        twist: See ``pose``.
-        stopped: See ``pose``.
         distance: Scratch, ``(count,)``.
         found: Scratch, ``(count, 4)``.
-        out: Written, ``(n_worlds, n_agents, n_features)``.
     """
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
             own = agents[a]
-            x, y = pose[w, own, 0], pose[w, own, 1]
+            x, y = state.pose[w, own, 0], state.pose[w, own, 1]
             distance[:], found[:] = far, 0.0
-            for b in range(present.shape[1]):
-                if b == own or unobstructed[b] or not present[w, b]:
+            for b in range(model.present.shape[1]):
+                if b == own or model.unobstructed[b] or not model.present[w, b]:
                     continue
-                dx, dy = pose[w, b, 0] - x, pose[w, b, 1] - y
-                nearest_possible = np.sqrt(dx * dx + dy * dy) - reach[w % reach.shape[0], b]
+                dx, dy = state.pose[w, b, 0] - x, state.pose[w, b, 1] - y
+                nearest_possible = np.sqrt(dx * dx + dy * dy) - model.reach[row_of(model.reach, w), b]
                 if nearest_possible >= distance[distance.shape[0] - 1]:
                     continue
-                first, last = span(disc_start, disc_count, w, b)
-                gap, px, py = nearest_on_discs(discs[w, first:last], x, y)
-                first, last = span(segment_start, segment_count, w, b)
-                edge_gap, ex, ey = nearest_point(segments[w, first:last], x, y)
+                first, last = span(model.disc_start, model.disc_count, w, b)
+                gap, px, py = nearest_on_discs(state.discs[w, first:last], x, y)
+                first, last = span(model.segment_start, model.segment_count, w, b)
+                edge_gap, ex, ey = nearest_point(state.segments[w, first:last], x, y)
                 gap, px, py = (edge_gap, ex, ey) if edge_gap < gap else (gap, px, py)
                 keep(gap, px - x, py - y, b, distance, found)
             keep_cell(cells, x, y, distance, found)
-            first, last = span(disc_start, disc_count, w, own)
-            own_discs = discs[w, first:last]
-            first, last = span(segment_start, segment_count, w, own)
-            row = out[w, a, column : column + WIDTH * found.shape[0]]
-            write_gaps(segments[w, first:last], own_discs, x, y, distance, found, code, near, zero, far, row)
-            write_motions(w, own, found, speed, pose, twist, stopped, row)
+            first, last = span(model.disc_start, model.disc_count, w, own)
+            own_discs = state.discs[w, first:last]
+            first, last = span(model.segment_start, model.segment_count, w, own)
+            row = episode.observation[w, a, column : column + WIDTH * found.shape[0]]
+            write_gaps(state.segments[w, first:last], own_discs, x, y, distance, found, code, near, zero, far, row)
+            write_motions(w, own, found, speed, state, row)
 
 
 @kernel
 def span(start: Ints, count: Ints, w: int, body: int) -> tuple[int, int]:
     """Return the first row of a body's outline in a table, and the row after its last one."""
     first = int(start[body])
-    return first, first + int(count[w % count.shape[0], body])
+    return first, first + int(count[row_of(count, w), body])
 
 
 @kernel
@@ -307,17 +275,15 @@ def write_gaps(
 
 
 @kernel
-def write_motions(
-    w: int, own: int, found: Floats, speed: float, pose: Floats, twist: Floats, stopped: Flags, row: Rays
-) -> None:
+def write_motions(w: int, own: int, found: Floats, speed: float, state: WorldState, row: Rays) -> None:
     """Write direction and relative velocity of each body that was found, in the agent's frame."""
-    cosine, sine = np.cos(pose[w, own, 2]), np.sin(pose[w, own, 2])
+    cosine, sine = np.cos(state.pose[w, own, 2]), np.sin(state.pose[w, own, 2])
     for k in range(found.shape[0]):
         dx, dy, b, there = found[k, 0], found[k, 1], int(found[k, 2]), found[k, 3]
         away = np.sqrt(dx * dx + dy * dy)
         scale = 1.0 / away if away > 0.0 else 0.0
-        vx = moving(w, b, 0, twist, stopped) - moving(w, own, 0, twist, stopped)
-        vy = moving(w, b, 1, twist, stopped) - moving(w, own, 1, twist, stopped)
+        vx = moving(w, b, 0, state) - moving(w, own, 0, state)
+        vy = moving(w, b, 1, state) - moving(w, own, 1, state)
         at = WIDTH * k
         row[at] = unit((dx * cosine + dy * sine) * scale)
         row[at + 1] = unit((dy * cosine - dx * sine) * scale)
@@ -326,6 +292,6 @@ def write_motions(
 
 
 @kernel
-def moving(w: int, b: int, axis: int, twist: Floats, stopped: Flags) -> float:
+def moving(w: int, b: int, axis: int, state: WorldState) -> float:
     """Return a component of a body's velocity; 0 when it is held in place."""
-    return 0.0 if stopped[w, b] else twist[w, b, axis]
+    return 0.0 if state.stopped[w, b] else state.twist[w, b, axis]

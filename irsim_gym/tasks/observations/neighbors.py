@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
@@ -18,6 +18,7 @@ from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 WIDTH = 6
@@ -83,15 +84,11 @@ class Neighbors:
             term.column,
             np.nan if given is None else given,
             term.options.speed,
-            model.bounds,
-            model.present,
-            model.reach,
-            state.stopped,
-            state.pose,
-            state.twist,
+            model,
+            state,
+            episode,
             term.arrays["distance"][shard.slot],
             term.arrays["found"][shard.slot],
-            episode.observation,
         )
 
 
@@ -103,15 +100,11 @@ def write_neighbors(
     column: int,
     seen: float,
     speed: float,
-    bounds: Floats,
-    present: Flags,
-    reach: Floats,
-    stopped: Flags,
-    pose: Floats,
-    twist: Floats,
+    model: WorldModel,
+    state: WorldState,
+    episode: EpisodeState,
     distance: Floats,
     found: Ints,
-    out: Rays,
 ) -> None:
     """Write six numbers for each of the nearest robots.
 
@@ -122,17 +115,10 @@ def write_neighbors(
         column: First column of ``out``.
         seen: How far robots are seen [m]; NaN: the diagonal of ``bounds``.
         speed: Relative speed that counts as 1 [m/s].
-        bounds: World rectangle [m].
-        present: ``(n_worlds, n_bodies)``.
-        reach: Bounding radius [m].
-        stopped: Bodies that are held in place.
-        pose: ``(n_worlds, n_bodies, 3)`` [m, m, rad].
-        twist: Velocities in the world frame [m/s].
         distance: Scratch, ``(count,)``.
         found: Scratch, ``(count,)``.
-        out: Written, ``(n_worlds, n_agents, n_features)``.
     """
-    width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
+    width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     far = np.sqrt(width * width + height * height) if np.isnan(seen) else seen
     for i in range(worlds.shape[0]):
         w = worlds[i]
@@ -141,14 +127,12 @@ def write_neighbors(
             distance[:], found[:] = far * far, -1
             for q in range(robots.shape[0]):
                 b = robots[q]
-                if b != own and present[w, b]:
-                    dx, dy = pose[w, b, 0] - pose[w, own, 0], pose[w, b, 1] - pose[w, own, 1]
+                if b != own and model.present[w, b]:
+                    dx, dy = state.pose[w, b, 0] - state.pose[w, own, 0], state.pose[w, b, 1] - state.pose[w, own, 1]
                     insert(dx * dx + dy * dy, b, distance, found)
-            row = out[w, a, column : column + WIDTH * found.shape[0]]
+            row = episode.observation[w, a, column : column + WIDTH * found.shape[0]]
             for k in range(found.shape[0]):
-                describe(
-                    w, own, found[k], far, speed, reach[w % reach.shape[0]], stopped, pose, twist, row[WIDTH * k :]
-                )
+                describe(w, own, found[k], far, speed, model.reach[row_of(model.reach, w)], state, row[WIDTH * k :])
 
 
 @kernel
@@ -165,26 +149,17 @@ def insert(squared: float, body: int, distance: Floats, found: Ints) -> None:
 
 @kernel
 def describe(
-    w: int,
-    own: int,
-    body: int,
-    far: float,
-    speed: float,
-    reach: Floats,
-    stopped: Flags,
-    pose: Floats,
-    twist: Floats,
-    out: Rays,
+    w: int, own: int, body: int, far: float, speed: float, reach: Floats, state: WorldState, out: Rays
 ) -> None:
     """Write the six numbers of a body, zeros for none (-1), cut to [-1, 1]."""
     for c in range(WIDTH):
         out[c] = np.float32(0.0)
     if body < 0:
         return
-    cosine, sine = np.cos(pose[w, own, 2]), np.sin(pose[w, own, 2])
-    dx, dy = pose[w, body, 0] - pose[w, own, 0], pose[w, body, 1] - pose[w, own, 1]
-    vx = moving(w, body, 0, twist, stopped) - moving(w, own, 0, twist, stopped)
-    vy = moving(w, body, 1, twist, stopped) - moving(w, own, 1, twist, stopped)
+    cosine, sine = np.cos(state.pose[w, own, 2]), np.sin(state.pose[w, own, 2])
+    dx, dy = state.pose[w, body, 0] - state.pose[w, own, 0], state.pose[w, body, 1] - state.pose[w, own, 1]
+    vx = moving(w, body, 0, state) - moving(w, own, 0, state)
+    vy = moving(w, body, 1, state) - moving(w, own, 1, state)
     out[0], out[1] = unit((dx * cosine + dy * sine) / far), unit((dy * cosine - dx * sine) / far)
     out[2], out[3] = unit((vx * cosine + vy * sine) / speed), unit((vy * cosine - vx * sine) / speed)
     out[4] = unit(reach[body] / far)

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import Bytes, CellMap, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
@@ -21,9 +21,9 @@ from irsim_gym.tasks.observations.painting import (
     add_outside,
     around,
     clear,
-    column_of,
+    image_column,
+    image_row,
     painters,
-    row_of,
     sights,
     view_from,
 )
@@ -32,6 +32,7 @@ from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import ROBOT, WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 LEAST_GOAL = 1.5
@@ -108,13 +109,39 @@ class OccupancyImage:
             beams = table["members"], table["mount"], table["beams"], table["spread"], table["far"], table["ranges"]
             paint_scan(*camera, *beams, table["free"], *tools, term.image)
         else:
-            drawn = options.bodies, options.edge, options.robot_channel
             cells = model.cells if options.map else None
-            paint_occupied(*camera, *drawn, model.bounds, cells, seen, *tools, term.image)
+            paint_occupied(
+                shard.worlds,
+                term.agents,
+                options.rotated,
+                scale,
+                model,
+                state,
+                options.bodies,
+                options.edge,
+                options.robot_channel,
+                cells,
+                seen,
+                table["box"],
+                table["white"],
+                sheet,
+                term.image,
+            )
         if options.robot_channel:
             paint_robots(*camera, seen, *tools, term.image)
         if options.goal_channel:
-            paint_goal(*camera, model.has_goal, model.goal_threshold, state.goal, *tools, term.image)
+            paint_goal(
+                shard.worlds,
+                term.agents,
+                options.rotated,
+                scale,
+                model,
+                state,
+                table["box"],
+                table["white"],
+                sheet,
+                term.image,
+            )
 
 
 @kernel
@@ -123,11 +150,11 @@ def paint_occupied(
     agents: Ints,
     rotated: bool,
     scale: float,
-    pose: Floats,
+    model: WorldModel,
+    state: WorldState,
     with_bodies: bool,
     with_edge: bool,
     without_robots: bool,
-    bounds: Floats,
     cells: CellMap | None,
     seen: Sights,
     box: Ints,
@@ -142,11 +169,9 @@ def paint_occupied(
         agents: Body of each agent.
         rotated: See ``OccupancyImage``.
         scale: Pixels per metre.
-        pose: Poses of the bodies.
         with_bodies: Paint them.
         with_edge: Paint what is outside of the world.
         without_robots: Leave robots out.
-        bounds: The world's rectangle [m].
         cells: The map, or None.
         seen: What can be seen.
         box: The whole picture.
@@ -159,14 +184,14 @@ def paint_occupied(
         for a in range(agents.shape[0]):
             picture, own = image[w, a], agents[a]
             clear(picture, 0)
-            view = view_from(pose[w, own], rotated, scale, picture.shape[0])
+            view = view_from(state.pose[w, own], rotated, scale, picture.shape[0])
             if with_bodies:
                 for b in range(seen.role.shape[0]):
                     is_left_out = b == own or seen.unobstructed[b] or (without_robots and seen.role[b] == ROBOT)
                     if seen.present[w, b] and not is_left_out:
                         add_body(sheet, box, view, seen, w, b)
             if with_edge:
-                add_outside(sheet, box, view, bounds)
+                add_outside(sheet, box, view, model.bounds)
             add_cells(sheet, box, view, cells)
             paint(picture[:, :, :1], sheet, box, white, False)
 
@@ -203,10 +228,8 @@ def paint_goal(
     agents: Ints,
     rotated: bool,
     scale: float,
-    pose: Floats,
-    has_goal: Flags,
-    threshold: Floats,
-    goal: Floats,
+    model: WorldModel,
+    state: WorldState,
     box: Ints,
     white: Floats,
     sheet: Rays,
@@ -222,10 +245,6 @@ def paint_goal(
         agents: Body of each agent.
         rotated: See ``OccupancyImage``.
         scale: Pixels per metre.
-        pose: Poses of the bodies.
-        has_goal: Whether there is a goal, ``(n_bodies,)``.
-        threshold: Distance under which it is reached [m].
-        goal: The goals that are next.
         box: The whole picture.
         white: Value and opacity of what is painted.
         sheet: Empty before and after.
@@ -235,12 +254,12 @@ def paint_goal(
         w = worlds[i]
         for a in range(agents.shape[0]):
             picture, own = image[w, a], agents[a]
-            if not has_goal[own]:
+            if not model.has_goal[own]:
                 continue
-            view, half = view_from(pose[w, own], rotated, scale, picture.shape[0]), 0.5 * picture.shape[0]
-            x, y = goal[w, own, 0], goal[w, own, 1]
-            aside, below = column_of(view, x, y) - half, row_of(view, x, y) - half
-            radius = max(threshold[min(w, threshold.shape[0] - 1), own] * scale, LEAST_GOAL)
+            view, half = view_from(state.pose[w, own], rotated, scale, picture.shape[0]), 0.5 * picture.shape[0]
+            x, y = state.goal[w, own, 0], state.goal[w, own, 1]
+            aside, below = image_column(view, x, y) - half, image_row(view, x, y) - half
+            radius = max(model.goal_threshold[row_of(model.goal_threshold, w), own] * scale, LEAST_GOAL)
             away = max(np.abs(aside), np.abs(below))
             share = max(half - radius, 0.0) / away if away > half - radius else 1.0
             add_disc(sheet, box, half + share * aside, half + share * below, radius, 1.0)

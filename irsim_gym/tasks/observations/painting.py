@@ -18,6 +18,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import add_edge, new_sheet, note, scan_edge
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 View = tuple[float, float, float, float, float, float, float]
@@ -79,13 +80,13 @@ def clear(picture: Bytes, value: int) -> None:
 
 
 @kernel(inlined=True)
-def column_of(view: View, x: float, y: float) -> float:
+def image_column(view: View, x: float, y: float) -> float:
     """Return where a place [m] is, from the left of the picture [pixel]."""
     return view[5] + view[4] * ((x - view[0]) * view[3] - (y - view[1]) * view[2])
 
 
 @kernel(inlined=True)
-def row_of(view: View, x: float, y: float) -> float:
+def image_row(view: View, x: float, y: float) -> float:
     """Return where a place [m] is, from the top of the picture [pixel]."""
     return view[6] - view[4] * ((x - view[0]) * view[2] + (y - view[1]) * view[3])
 
@@ -93,13 +94,25 @@ def row_of(view: View, x: float, y: float) -> float:
 @kernel
 def add_side(sheet: Rays, box: Ints, view: View, ax: float, ay: float, bx: float, by: float) -> None:
     """Add a side of an area from a to b [m] to a sheet, the area to the left of it."""
-    add_edge(sheet, box, column_of(view, bx, by), row_of(view, bx, by), column_of(view, ax, ay), row_of(view, ax, ay))
+    add_edge(
+        sheet,
+        box,
+        image_column(view, bx, by),
+        image_row(view, bx, by),
+        image_column(view, ax, ay),
+        image_row(view, ax, ay),
+    )
 
 
 @kernel
 def add_wall(sheet: Rays, box: Ints, view: View, ax: float, ay: float, bx: float, by: float) -> None:
     """Add a line from a to b [m] of the least thickness that can be seen well, a little longer at both ends."""
-    px, py, qx, qy = column_of(view, ax, ay), row_of(view, ax, ay), column_of(view, bx, by), row_of(view, bx, by)
+    px, py, qx, qy = (
+        image_column(view, ax, ay),
+        image_row(view, ax, ay),
+        image_column(view, bx, by),
+        image_row(view, bx, by),
+    )
     dx, dy = qx - px, qy - py
     length = np.sqrt(dx * dx + dy * dy)
     if length > 0.0:
@@ -114,7 +127,7 @@ def add_wall(sheet: Rays, box: Ints, view: View, ax: float, ay: float, bx: float
 @kernel
 def is_near(view: View, box: Ints, x: float, y: float, reach: float) -> bool:
     """Return whether something around a place [m] may be in the picture, which is ``box``."""
-    column, row, far = column_of(view, x, y), row_of(view, x, y), reach * view[4] + LINE
+    column, row, far = image_column(view, x, y), image_row(view, x, y), reach * view[4] + LINE
     is_beside: bool = column + far <= box[0] or column - far >= box[2]
     return not (is_beside or row + far <= box[1] or row - far >= box[3])
 
@@ -122,21 +135,21 @@ def is_near(view: View, box: Ints, x: float, y: float, reach: float) -> bool:
 @kernel
 def add_body(sheet: Rays, box: Ints, view: View, seen: Sights, w: int, b: int) -> None:
     """Add a body of a world to a sheet."""
-    reach = seen.reach[min(w, seen.reach.shape[0] - 1), b]
+    reach = seen.reach[row_of(seen.reach, w), b]
     if not is_near(view, box, seen.pose[w, b, 0], seen.pose[w, b, 1], reach):
         return
-    first, row = seen.segment_start[b], min(w, seen.segment_count.shape[0] - 1)
+    first = seen.segment_start[b]
     is_solid, segments, discs = seen.solid[b], seen.segments[w], seen.discs[w]
-    for s in range(first, first + seen.segment_count[row, b]):
+    for s in range(first, first + seen.segment_count[row_of(seen.segment_count, w), b]):
         ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
         if is_solid:
             add_side(sheet, box, view, ax, ay, bx, by)
         else:
             add_wall(sheet, box, view, ax, ay, bx, by)
-    first, row = seen.disc_start[b], min(w, seen.disc_count.shape[0] - 1)
-    for d in range(first, first + seen.disc_count[row, b]):
+    first = seen.disc_start[b]
+    for d in range(first, first + seen.disc_count[row_of(seen.disc_count, w), b]):
         x, y = discs[d, 0], discs[d, 1]
-        add_disc(sheet, box, column_of(view, x, y), row_of(view, x, y), discs[d, 2] * view[4], 1.0)
+        add_disc(sheet, box, image_column(view, x, y), image_row(view, x, y), discs[d, 2] * view[4], 1.0)
 
 
 @kernel
@@ -146,16 +159,16 @@ def add_rectangle(sheet: Rays, box: Ints, view: View, left: float, low: float, r
     if not is_near(view, box, left + half_x, low + half_y, np.sqrt(half_x * half_x + half_y * half_y)):
         return
     ax, ay, bx, by = (
-        column_of(view, left, low),
-        row_of(view, left, low),
-        column_of(view, right, low),
-        row_of(view, right, low),
+        image_column(view, left, low),
+        image_row(view, left, low),
+        image_column(view, right, low),
+        image_row(view, right, low),
     )
     cx, cy, dx, dy = (
-        column_of(view, right, high),
-        row_of(view, right, high),
-        column_of(view, left, high),
-        row_of(view, left, high),
+        image_column(view, right, high),
+        image_row(view, right, high),
+        image_column(view, left, high),
+        image_row(view, left, high),
     )
     note(sheet, box, min(ax, bx, cx, dx), min(ay, by, cy, dy), max(ax, bx, cx, dx), max(ay, by, cy, dy))
     scan_edge(sheet, box, bx, by, ax, ay)

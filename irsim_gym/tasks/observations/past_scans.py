@@ -97,8 +97,9 @@ class PastScans:
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Remember the present scan, and write the sectors of earlier ones."""
         options, table = term.options, term.arrays
-        memory = (table["scans"], table["poses"])
-        note_scans(shard.worlds, term.agents, table["members"], table["ranges"], state.pose, episode.steps, *memory)
+        note_scans(
+            shard.worlds, term.agents, table["members"], table["ranges"], state, episode, table["scans"], table["poses"]
+        )
         write_past(
             shard.worlds,
             term.agents,
@@ -112,26 +113,33 @@ class PastScans:
             table["mount"],
             table["beams"],
             table["ago"],
-            state.pose,
-            episode.steps,
-            *memory,
-            episode.observation,
+            state,
+            episode,
+            table["scans"],
+            table["poses"],
         )
 
 
 @kernel
 def note_scans(
-    worlds: Ints, agents: Ints, members: Ints, ranges: Rays, pose: Floats, steps: Ints, scans: Rays, poses: Floats
+    worlds: Ints,
+    agents: Ints,
+    members: Ints,
+    ranges: Rays,
+    state: WorldState,
+    episode: EpisodeState,
+    scans: Rays,
+    poses: Floats,
 ) -> None:
     """Put each agent's scan, and the pose that it was taken from, in place of the oldest one."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            slot = steps[w, a] % scans.shape[2]
+            slot = episode.steps[w, a] % scans.shape[2]
             for k in range(scans.shape[3]):
                 scans[w, a, slot, k] = ranges[w, members[a], k]
             for axis in range(3):
-                poses[w, a, slot, axis] = pose[w, agents[a], axis]
+                poses[w, a, slot, axis] = state.pose[w, agents[a], axis]
 
 
 @kernel
@@ -148,23 +156,22 @@ def write_past(
     mount: Floats,
     beams: Floats,
     ago: Ints,
-    pose: Floats,
-    steps: Ints,
+    state: WorldState,
+    episode: EpisodeState,
     scans: Rays,
     poses: Floats,
-    out: Rays,
 ) -> None:
     """Write the depths of earlier scans, encoded; ``PastScans.arrays`` tells what the arguments are."""
     near_32, zero_32 = np.float32(near), np.float32(zero)
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            newest = steps[w, a]
+            newest = episode.steps[w, a]
             for j in range(ago.shape[0]):
                 slot = (newest - min(ago[j], newest)) % scans.shape[2]
-                row = out[w, a, column + j * sectors : column + (j + 1) * sectors]
+                row = episode.observation[w, a, column + j * sectors : column + (j + 1) * sectors]
                 row[:] = far[a]
-                project(scans[w, a, slot], poses[w, a, slot], pose[w, agents[a]], mount[a], beams[a], far[a],
+                project(scans[w, a, slot], poses[w, a, slot], state.pose[w, agents[a]], mount[a], beams[a], far[a],
                         reach[a], row)  # fmt: skip
                 encode(row, code, near_32, zero_32, far[a])
 

@@ -40,7 +40,7 @@ class Position:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the two elements."""
-        write_place(shard.worlds, term.agents, term.column, model.bounds, state.pose, episode.observation)
+        write_place(shard.worlds, term.agents, term.column, model, episode, state.pose)
 
 
 def place_scale(axis: str, model: WorldModel) -> str:
@@ -51,12 +51,14 @@ def place_scale(axis: str, model: WorldModel) -> str:
 
 
 @kernel
-def write_place(worlds: Ints, agents: Ints, column: int, bounds: Floats, places: Floats, out: Rays) -> None:
+def write_place(
+    worlds: Ints, agents: Ints, column: int, model: WorldModel, episode: EpisodeState, places: Floats
+) -> None:
     """Write x and y of the agents' places ``(n_worlds, n_bodies, 3)`` [m], scaled as the world's rectangle is."""
-    half = 0.5 * max(bounds[2] - bounds[0], bounds[3] - bounds[1])
-    middle_x, middle_y = 0.5 * (bounds[0] + bounds[2]), 0.5 * (bounds[1] + bounds[3])
+    half = 0.5 * max(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1])
+    middle_x, middle_y = 0.5 * (model.bounds[0] + model.bounds[2]), 0.5 * (model.bounds[1] + model.bounds[3])
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            out[w, a, column] = np.float32((places[w, agents[a], 0] - middle_x) / half)
-            out[w, a, column + 1] = np.float32((places[w, agents[a], 1] - middle_y) / half)
+            episode.observation[w, a, column] = np.float32((places[w, agents[a], 0] - middle_x) / half)
+            episode.observation[w, a, column + 1] = np.float32((places[w, agents[a], 1] - middle_y) / half)

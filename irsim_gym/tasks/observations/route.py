@@ -20,6 +20,7 @@ from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term, forget
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 CELL = 0.1
@@ -91,19 +92,9 @@ class Route:
         find_ways(
             shard.worlds,
             term.agents,
-            model.present,
-            model.stands,
-            model.unobstructed,
-            model.reach,
-            state.segments,
-            model.segment_start,
-            model.segment_count,
-            state.discs,
-            model.disc_start,
-            model.disc_count,
-            model.solid,
+            model,
+            state,
             model.cells,
-            state.goal,
             table["grid"],
             table["blocked"][slot],
             table["field"][slot],
@@ -118,15 +109,13 @@ class Route:
             term.agents,
             term.column,
             term.options.ahead,
-            model.bounds,
+            model,
+            state,
+            episode,
             table["grid"],
             table["blocked"].shape[2],
             table["onward"],
             table["length"],
-            state.pose,
-            state.direction,
-            state.goal,
-            episode.observation,
         )
 
 
@@ -134,19 +123,9 @@ class Route:
 def find_ways(
     worlds: Ints,
     agents: Ints,
-    present: Flags,
-    stands: Flags,
-    unobstructed: Flags,
-    reach: Floats,
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
+    model: WorldModel,
+    state: WorldState,
     cells: CellMap | None,
-    goal: Floats,
     grid: Floats,
     blocked: Bytes,
     field: Floats,
@@ -161,24 +140,24 @@ def find_ways(
         w = worlds[i]
         for a in range(agents.shape[0]):
             own = agents[a]
-            goal_x, goal_y = goal[w, own, 0], goal[w, own, 1]
+            goal_x, goal_y = state.goal[w, own, 0], state.goal[w, own, 1]
             if goal_x == target[w, a, 0] and goal_y == target[w, a, 1]:
                 continue
             target[w, a, 0], target[w, a, 1] = goal_x, goal_y
             for b in range(blocks.shape[0]):
-                blocks[b] = present[w, b] and stands[b] and not unobstructed[b] and b != own
+                blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != own
             outlines = (
-                segments[w],
-                segment_start,
-                segment_count[w % segment_count.shape[0]],
-                discs[w],
-                disc_start,
-                disc_count[w % disc_count.shape[0]],
-                solid,
+                state.segments[w],
+                model.segment_start,
+                model.segment_count[row_of(model.segment_count, w)],
+                state.discs[w],
+                model.disc_start,
+                model.disc_count[row_of(model.disc_count, w)],
+                model.solid,
                 blocks,
                 cells,
             )
-            radius = reach[w % reach.shape[0], own]
+            radius = model.reach[row_of(model.reach, w), own]
             mark_blocked(*outlines, radius, grid[0], grid[1], grid[2], blocked)
             clear_field(field, queue)
             offer_gates(*outlines, radius, goal_x, goal_y, grid[0], grid[1], grid[2], blocked, field, queue)
@@ -195,24 +174,22 @@ def write_route(
     agents: Ints,
     column: int,
     ahead: float,
-    bounds: Floats,
+    model: WorldModel,
+    state: WorldState,
+    episode: EpisodeState,
     grid: Floats,
     columns: int,
     onward: Ints,
     length: Rays,
-    pose: Floats,
-    direction: Floats,
-    goal: Floats,
-    out: Rays,
 ) -> None:
     """Write cosine and sine of the way's direction, (1, 0) at the goal itself, and its length over the diagonal."""
-    width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
+    width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
             b = agents[a]
-            x, y = pose[w, b, 0], pose[w, b, 1]
-            to_x, to_y = goal[w, b, 0], goal[w, b, 1]
+            x, y = state.pose[w, b, 0], state.pose[w, b, 1]
+            to_x, to_y = state.goal[w, b, 0], state.goal[w, b, 1]
             way = np.sqrt((to_x - x) * (to_x - x) + (to_y - y) * (to_y - y))
             first = entry(length[w, a], grid, columns, x, y)
             if first >= 0 and float(length[w, a, first]) > ahead:
@@ -220,8 +197,8 @@ def write_route(
                 to_x, to_y = point_ahead(onward[w, a], grid, columns, first, ahead, to_x, to_y)
             dx, dy = to_x - x, to_y - y
             far = np.sqrt(dx * dx + dy * dy)
-            cosine, sine = turned(pose[w, b, 2], direction[w, b])
-            row = out[w, a, column : column + 3]
+            cosine, sine = turned(state.pose[w, b, 2], state.direction[w, b])
+            row = episode.observation[w, a, column : column + 3]
             row[0] = unit((dx * cosine + dy * sine) / far if far > 0.0 else 1.0)
             row[1] = unit((dy * cosine - dx * sine) / far if far > 0.0 else 0.0)
             row[2] = unit(way / np.sqrt(width * width + height * height))

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import Bytes, CellMap, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
@@ -23,9 +23,9 @@ from irsim_gym.tasks.observations.painting import (
     add_outside,
     add_side,
     around,
-    column_of,
+    image_column,
+    image_row,
     painters,
-    row_of,
     sights,
     view_from,
 )
@@ -33,6 +33,7 @@ from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import OBSTACLE, ROBOT, WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 COLOURS = ("background", "outside", "obstacles", "goals", "robots", "itself", "headings")
@@ -104,11 +105,9 @@ class TopView:
             whole,
             options.rotated,
             options.pixels / options.metres,
-            model.bounds,
+            model,
+            state,
             model.cells,
-            model.has_goal,
-            model.goal_threshold,
-            state.goal,
             sights(model, state),
             table["colours"],
             table["box"],
@@ -124,11 +123,9 @@ def paint_view(
     whole: bool,
     rotated: bool,
     scale: float,
-    bounds: Floats,
+    model: WorldModel,
+    state: WorldState,
     cells: CellMap | None,
-    has_goal: Flags,
-    threshold: Floats,
-    goal: Floats,
     seen: Sights,
     colours: Floats,
     box: Ints,
@@ -143,11 +140,7 @@ def paint_view(
         whole: Show all of the world.
         rotated: See ``TopView``.
         scale: Pixels per metre around a robot.
-        bounds: The world's rectangle [m].
         cells: The map, or None.
-        has_goal: Whether there is a goal, ``(n_bodies,)``.
-        threshold: Distance under which it is reached [m].
-        goal: The goals that are next.
         seen: What can be seen.
         colours: Colours and opacities, ``(n_colours, 4)``.
         box: The whole picture.
@@ -160,14 +153,14 @@ def paint_view(
             picture, own = image[w, a], agents[a]
             view = view_from(seen.pose[w, own], rotated, scale, picture.shape[0])
             if whole:
-                view = view_of_all(bounds, picture.shape[0])
+                view = view_of_all(model.bounds, picture.shape[0])
             fill(picture, colours[BACKGROUND])
-            add_outside(sheet, box, view, bounds)
+            add_outside(sheet, box, view, model.bounds)
             paint(picture, sheet, box, colours[OUTSIDE], False)
-            if has_goal[own]:
-                x, y = goal[w, own, 0], goal[w, own, 1]
-                radius = max(threshold[min(w, threshold.shape[0] - 1), own] * scale_of(view), 1.5)
-                add_disc(sheet, box, column_of(view, x, y), row_of(view, x, y), radius, 1.0)
+            if model.has_goal[own]:
+                x, y = state.goal[w, own, 0], state.goal[w, own, 1]
+                radius = max(model.goal_threshold[row_of(model.goal_threshold, w), own] * scale_of(view), 1.5)
+                add_disc(sheet, box, image_column(view, x, y), image_row(view, x, y), radius, 1.0)
                 paint(picture, sheet, box, colours[GOALS], False)
             add_cells(sheet, box, view, cells)
             add_bodies(sheet, box, view, seen, w, OBSTACLE, NOBODY)
@@ -220,7 +213,7 @@ def add_headings(sheet: Rays, box: Ints, view: View, seen: Sights, w: int) -> No
     for b in range(seen.role.shape[0]):
         if seen.role[b] != ROBOT or not seen.present[w, b]:
             continue
-        size = seen.reach[min(w, seen.reach.shape[0] - 1), b]
+        size = seen.reach[row_of(seen.reach, w), b]
         x, y, heading = seen.pose[w, b, 0], seen.pose[w, b, 1], seen.pose[w, b, 2]
         ahead_x, ahead_y = size * np.cos(heading), size * np.sin(heading)
         tip_x, tip_y, aside_x, aside_y = x + 0.9 * ahead_x, y + 0.9 * ahead_y, -0.5 * ahead_y, 0.5 * ahead_x

@@ -69,10 +69,10 @@ class Trail:
             options.spacing,
             options.fresh,
             options.near,
-            state.pose,
+            state,
+            episode,
             term.arrays["marks"],
             term.arrays["count"],
-            episode.observation,
         )
 
 
@@ -85,18 +85,18 @@ def write_trail(
     spacing: float,
     fresh: int,
     near: float,
-    pose: Floats,
+    state: WorldState,
+    episode: EpisodeState,
     marks: Floats,
     count: Ints,
-    out: Rays,
 ) -> None:
     """Write the nearness of the nearest mark in each sector."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            x, y, heading = pose[w, agents[a], 0], pose[w, agents[a], 1], pose[w, agents[a], 2]
+            x, y, heading = state.pose[w, agents[a], 0], state.pose[w, agents[a], 1], state.pose[w, agents[a], 2]
             leave_mark(x, y, spacing, marks[w, a], count[w], a)
-            row = out[w, a, column : column + sectors]
+            row = episode.observation[w, a, column : column + sectors]
             row[:] = np.float32(0.0)
             n, size = count[w, a], marks.shape[2]
             for m in range(max(0, n - size), n - fresh):

@@ -15,6 +15,7 @@ from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import AHEAD_AND_LEFT, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import OMNI_WORLD, WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 
@@ -62,54 +63,39 @@ class Velocity:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the velocity."""
-        write_velocity(
-            shard.worlds,
-            term.agents,
-            term.column,
-            term.action_size,
-            model.drive,
-            model.velocity_min,
-            model.velocity_max,
-            state.stopped,
-            state.pose,
-            state.velocity,
-            episode.observation,
-        )
+        write_velocity(shard.worlds, term.agents, term.column, term.action_size, model, state, episode)
 
 
 @kernel
 def write_velocity(
-    worlds: Ints,
-    agents: Ints,
-    column: int,
-    size: int,
-    drive: Ints,
-    velocity_min: Floats,
-    velocity_max: Floats,
-    stopped: Flags,
-    pose: Floats,
-    velocity: Floats,
-    out: Rays,
+    worlds: Ints, agents: Ints, column: int, size: int, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
     """Write ``size`` components of the velocity over max(abs(velocity_min), abs(velocity_max)); 0 when stopped."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         slowest, fastest = (
-            velocity_min[min(w, velocity_min.shape[0] - 1)],
-            velocity_max[min(w, velocity_max.shape[0] - 1)],
+            model.velocity_min[row_of(model.velocity_min, w)],
+            model.velocity_max[row_of(model.velocity_max, w)],
         )
         for a in range(agents.shape[0]):
             b = agents[a]
-            if drive[b] == OMNI_WORLD:
-                write_turned(pose[w, b, 2], velocity[w, b], slowest[b], fastest[b], stopped[w, b], out[w, a, column:])
+            if model.drive[b] == OMNI_WORLD:
+                write_turned(
+                    state.pose[w, b, 2],
+                    state.velocity[w, b],
+                    slowest[b],
+                    fastest[b],
+                    state.stopped[w, b],
+                    episode.observation[w, a, column:],
+                )
                 continue
             for c in range(size):
                 low, high = slowest[b, c], fastest[b, c]
                 largest = max(np.abs(low), np.abs(high))
                 scaled = 0.0
-                if largest > 0.0 and not stopped[w, b]:
-                    scaled = min(max(velocity[w, b, c], min(low, 0.0)), max(high, 0.0)) / largest
-                out[w, a, column + c] = np.float32(scaled)
+                if largest > 0.0 and not state.stopped[w, b]:
+                    scaled = min(max(state.velocity[w, b, c], min(low, 0.0)), max(high, 0.0)) / largest
+                episode.observation[w, a, column + c] = np.float32(scaled)
 
 
 @kernel

@@ -33,4 +33,4 @@ class Arrival:
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the bonus."""
-        pay_outcome(shard.worlds, term.column, SUCCESS, term.options.weight, episode.outcome, episode.reward_term)
+        pay_outcome(shard.worlds, term.column, SUCCESS, term.options.weight, episode)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
@@ -42,14 +42,14 @@ class Clearance:
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the cost of the present clearance."""
         amount = -term.options.weight / term.max_steps
-        pay_closeness(shard.worlds, term.column, amount, term.options.safe, episode.clearance, episode.reward_term)
+        pay_closeness(shard.worlds, term.column, amount, term.options.safe, episode)
 
 
 @kernel
-def pay_closeness(worlds: Ints, column: int, amount: float, safe: float, clearance: Floats, out: Floats) -> None:
+def pay_closeness(worlds: Ints, column: int, amount: float, safe: float, episode: EpisodeState) -> None:
     """Write ``amount`` times the squared shortfall of the clearance [m], relative to ``safe`` [m]."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        for a in range(clearance.shape[1]):
-            short = max(0.0, 1.0 - clearance[w, a] / safe)
-            out[w, a, column] = amount * short * short
+        for a in range(episode.clearance.shape[1]):
+            short = max(0.0, 1.0 - episode.clearance[w, a] / safe)
+            episode.reward_term[w, a, column] = amount * short * short

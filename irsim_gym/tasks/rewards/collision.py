@@ -68,35 +68,19 @@ class Collision:
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the penalty."""
         pay_onset(
-            shard.worlds,
-            term.agents,
-            term.column,
-            term.arrays["amounts"],
-            state.collided,
-            episode.hit_kind,
-            episode.outcome,
-            term.arrays["touching"],
-            episode.reward_term,
+            shard.worlds, term.agents, term.column, term.arrays["amounts"], state, episode, term.arrays["touching"]
         )
 
 
 @kernel
 def pay_onset(
-    worlds: Ints,
-    agents: Ints,
-    column: int,
-    amounts: Floats,
-    collided: Flags,
-    hit_kind: Ints,
-    outcome: Ints,
-    touching: Flags,
-    out: Floats,
+    worlds: Ints, agents: Ints, column: int, amounts: Floats, state: WorldState, episode: EpisodeState, touching: Flags
 ) -> None:
     """Write the amount for what is touched where a collision begins or ends the episode; remember who collides."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
-            now = collided[w, agents[a]]
-            pays = now and (not touching[w, a] or outcome[w, a] == COLLISION)
-            out[w, a, column] = amounts[hit_kind[w, a]] if pays else 0.0
+            now = state.collided[w, agents[a]]
+            pays = now and (not touching[w, a] or episode.outcome[w, a] == COLLISION)
+            episode.reward_term[w, a, column] = amounts[episode.hit_kind[w, a]] if pays else 0.0
             touching[w, a] = now

@@ -33,4 +33,4 @@ class Deadlock:
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the penalty."""
-        pay_outcome(shard.worlds, term.column, DEADLOCK, -term.options.weight, episode.outcome, episode.reward_term)
+        pay_outcome(shard.worlds, term.column, DEADLOCK, -term.options.weight, episode)

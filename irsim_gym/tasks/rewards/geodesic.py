@@ -15,6 +15,7 @@ from irsim_gym.paths.grid import Grid
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 
@@ -38,21 +39,10 @@ def note_fields(term: Term, model: WorldModel, state: WorldState, episode: Episo
     draw_fields(
         shard.worlds,
         term.agents,
-        episode.began,
-        model.present,
-        model.stands,
-        model.unobstructed,
-        model.reach,
-        state.segments,
-        model.segment_start,
-        model.segment_count,
-        state.discs,
-        model.disc_start,
-        model.disc_count,
-        model.solid,
+        model,
+        state,
+        episode,
         model.cells,
-        state.pose,
-        state.goal,
         table["grid"],
         table["blocked"][slot],
         table["queue"][slot],
@@ -71,8 +61,8 @@ def pay_field_gain(term: Term, model: WorldModel, state: WorldState, shard: Shar
         term.agents,
         term.column,
         term.options.weight,
-        model.bounds,
-        state.pose,
+        model,
+        state,
         table["grid"],
         table["field"],
         table["potential"],
@@ -84,21 +74,10 @@ def pay_field_gain(term: Term, model: WorldModel, state: WorldState, shard: Shar
 def draw_fields(
     worlds: Ints,
     agents: Ints,
-    began: Flags,
-    present: Flags,
-    stands: Flags,
-    unobstructed: Flags,
-    reach: Floats,
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
+    model: WorldModel,
+    state: WorldState,
+    episode: EpisodeState,
     cells: CellMap | None,
-    pose: Floats,
-    goal: Floats,
     grid: Floats,
     blocked: Bytes,
     queue: Ints,
@@ -115,23 +94,28 @@ def draw_fields(
         w = worlds[i]
         for a in range(agents.shape[0]):
             own = agents[a]
-            x, y, goal_x, goal_y = pose[w, own, 0], pose[w, own, 1], goal[w, own, 0], goal[w, own, 1]
-            if not began[w, a] and goal_x == target[w, a, 0] and goal_y == target[w, a, 1]:
+            x, y, goal_x, goal_y = (
+                state.pose[w, own, 0],
+                state.pose[w, own, 1],
+                state.goal[w, own, 0],
+                state.goal[w, own, 1],
+            )
+            if not episode.began[w, a] and goal_x == target[w, a, 0] and goal_y == target[w, a, 1]:
                 continue
             target[w, a, 0], target[w, a, 1] = goal_x, goal_y
             for b in range(blocks.shape[0]):
-                blocks[b] = present[w, b] and stands[b] and not unobstructed[b] and b != own
+                blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != own
             distance_field(
-                segments[w],
-                segment_start,
-                segment_count[w % segment_count.shape[0]],
-                discs[w],
-                disc_start,
-                disc_count[w % disc_count.shape[0]],
-                solid,
+                state.segments[w],
+                model.segment_start,
+                model.segment_count[row_of(model.segment_count, w)],
+                state.discs[w],
+                model.disc_start,
+                model.disc_count[row_of(model.disc_count, w)],
+                model.solid,
                 blocks,
                 cells,
-                reach[w % reach.shape[0], own],
+                model.reach[row_of(model.reach, w), own],
                 goal_x,
                 goal_y,
                 grid[0],
@@ -152,21 +136,21 @@ def pay_gain(
     agents: Ints,
     column: int,
     weight: float,
-    bounds: Floats,
-    pose: Floats,
+    model: WorldModel,
+    state: WorldState,
     grid: Floats,
     field: Floats,
     potential: Floats,
     out: Floats,
 ) -> None:
     """Write the weighted loss of distance over the diagonal of ``bounds``; nothing where the field knows no way."""
-    width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
+    width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     rate = weight / np.sqrt(width * width + height * height)
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
             b = agents[a]
-            here = field_at(field[w, a], grid[0], grid[1], grid[2], pose[w, b, 0], pose[w, b, 1])
+            here = field_at(field[w, a], grid[0], grid[1], grid[2], state.pose[w, b, 0], state.pose[w, b, 1])
             here = here if here < np.inf else potential[w, a]
             out[w, a, column] = rate * (potential[w, a] - here)
             potential[w, a] = here

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.arraytypes import Ints
 from irsim_gym.jit import kernel
+from irsim_gym.tasks.state import EpisodeState
 
 
 @kernel
-def pay_outcome(worlds: Ints, column: int, wanted: int, amount: float, outcome: Ints, out: Floats) -> None:
+def pay_outcome(worlds: Ints, column: int, wanted: int, amount: float, episode: EpisodeState) -> None:
     """Write ``amount`` where the outcome is the wanted one, else 0."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        for a in range(outcome.shape[1]):
-            out[w, a, column] = amount if outcome[w, a] == wanted else 0.0
+        for a in range(episode.outcome.shape[1]):
+            episode.reward_term[w, a, column] = amount if episode.outcome[w, a] == wanted else 0.0

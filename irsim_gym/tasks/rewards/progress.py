@@ -52,7 +52,7 @@ class Progress:
             note_fields(term, model, state, episode, shard)
         else:
             memory = term.arrays
-            note(shard.worlds, term.agents, state.pose, state.goal, memory["target"], memory["potential"])
+            note(shard.worlds, term.agents, state, memory["target"], memory["potential"])
 
     def when(self, term: Term) -> str:
         """Return when and how much it pays."""
@@ -72,12 +72,11 @@ class Progress:
             term.agents,
             term.column,
             term.options.weight,
-            model.bounds,
-            state.pose,
-            state.goal,
+            model,
+            state,
+            episode,
             memory["target"],
             memory["potential"],
-            episode.reward_term,
         )
 
 
@@ -89,14 +88,14 @@ def distance(pose: Floats, target: Floats) -> float:
 
 
 @kernel
-def note(worlds: Ints, agents: Ints, pose: Floats, goal: Floats, target: Floats, potential: Floats) -> None:
+def note(worlds: Ints, agents: Ints, state: WorldState, target: Floats, potential: Floats) -> None:
     """Write where each agent's goal is and how far away [m]."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
             b = agents[a]
-            target[w, a, 0], target[w, a, 1] = goal[w, b, 0], goal[w, b, 1]
-            potential[w, a] = distance(pose[w, b], target[w, a])
+            target[w, a, 0], target[w, a, 1] = state.goal[w, b, 0], state.goal[w, b, 1]
+            potential[w, a] = distance(state.pose[w, b], target[w, a])
 
 
 @kernel
@@ -105,21 +104,20 @@ def pay_gain(
     agents: Ints,
     column: int,
     weight: float,
-    bounds: Floats,
-    pose: Floats,
-    goal: Floats,
+    model: WorldModel,
+    state: WorldState,
+    episode: EpisodeState,
     target: Floats,
     potential: Floats,
-    out: Floats,
 ) -> None:
     """Write the weighted loss of distance to the noted goal, over the diagonal of ``bounds``; note what is new."""
-    width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
+    width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     rate = weight / np.sqrt(width * width + height * height)
     for i in range(worlds.shape[0]):
         w = worlds[i]
         for a in range(agents.shape[0]):
             b = agents[a]
-            gain = potential[w, a] - distance(pose[w, b], target[w, a])
-            out[w, a, column] = rate * gain
-            target[w, a, 0], target[w, a, 1] = goal[w, b, 0], goal[w, b, 1]
-            potential[w, a] = distance(pose[w, b], target[w, a])
+            gain = potential[w, a] - distance(state.pose[w, b], target[w, a])
+            episode.reward_term[w, a, column] = rate * gain
+            target[w, a, 0], target[w, a, 1] = state.goal[w, b, 0], state.goal[w, b, 1]
+            potential[w, a] = distance(state.pose[w, b], target[w, a])

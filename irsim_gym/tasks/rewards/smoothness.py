@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
@@ -35,33 +35,17 @@ class Smoothness:
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the cost of the latest change."""
-        pay_change(
-            shard.worlds,
-            term.column,
-            -term.options.weight / term.max_steps,
-            term.action_sizes,
-            episode.previous_action,
-            episode.action,
-            episode.reward_term,
-        )
+        pay_change(shard.worlds, term.column, -term.options.weight / term.max_steps, term.action_sizes, episode)
 
 
 @kernel
-def pay_change(
-    worlds: Ints,
-    column: int,
-    amount: float,
-    sizes: Ints,
-    previous_action: Floats,
-    action: Floats,
-    out: Floats,
-) -> None:
+def pay_change(worlds: Ints, column: int, amount: float, sizes: Ints, episode: EpisodeState) -> None:
     """Write ``amount`` times the squared change of the action, scaled to [0, 1]; actions lie in [-1, 1]."""
     for i in range(worlds.shape[0]):
         w = worlds[i]
-        for a in range(action.shape[1]):
+        for a in range(episode.action.shape[1]):
             squared = 0.0
-            for c in range(action.shape[2]):
-                change = action[w, a, c] - previous_action[w, a, c]
+            for c in range(episode.action.shape[2]):
+                change = episode.action[w, a, c] - episode.previous_action[w, a, c]
                 squared += change * change
-            out[w, a, column] = amount * squared / (4.0 * sizes[a])
+            episode.reward_term[w, a, column] = amount * squared / (4.0 * sizes[a])
