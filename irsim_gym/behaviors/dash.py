@@ -90,8 +90,7 @@ def dash_differential(
     ``e`` is the goal's bearing; behind the robot the speed is negative. With a limited angular acceleration the
     turn rate is held down to what can still be braked before the goal is ahead.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
@@ -129,10 +128,8 @@ def dash_omni(
 
     With unequal limits the way is not straight. There is no slowing down.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(members.shape[0]):
-            b = members[k]
+    for w in worlds:
+        for b in members:
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
             dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
             if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[row_of(goal_threshold, w), b]:
@@ -157,10 +154,8 @@ def dash_omni_world(
     command: Floats,
 ) -> None:
     """Write an omnidirectional drive's command in the world frame, as ``dash_omni`` does at heading 0."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(members.shape[0]):
-            b = members[k]
+    for w in worlds:
+        for b in members:
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
             dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
             if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[row_of(goal_threshold, w), b]:
@@ -185,8 +180,7 @@ def dash_omni_angular(
     command: Floats,
 ) -> None:
     """Write the command of an omnidirectional drive that turns: towards the goal, and there to the goal's heading."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
@@ -230,8 +224,7 @@ def dash_ackermann(
 
     It never slows down or reverses, so it circles around a goal that is nearer than it can turn.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
             command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0

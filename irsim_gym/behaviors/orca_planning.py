@@ -110,8 +110,7 @@ def plan_velocities(
     columns, rows, first_ring, reach = int(squares[3]), int(squares[4]), squares[5], options.neighborDist
     places, moves, body, _, starts, found, gap2, nearest, nearest_gap, lanes = crowd
     planes, spare, has_obstacles = scratch.planes, scratch.spare, walls.shape[0] > 0 or scene.map_frame[4] >= 0.0
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         radii, pose, planned = scene.radius[row_of(scene.radius, w)], scene.pose[w], state.plan[w]
         limits = model.velocity_max[row_of(model.velocity_max, w)]
         sort_members(members, squares, seen, plans, scene.present[w], radii, pose, planned, scene.twist[w], crowd)
@@ -273,10 +272,8 @@ def add_walls(
 @kernel
 def command_plans(worlds: Ints, deciding: Ints, model: WorldModel, state: WorldState) -> None:
     """Keep the chosen velocities as plans, and turn them into commands of the drives."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(deciding.shape[0]):
-            b = deciding[k]
+    for w in worlds:
+        for b in deciding:
             if not model.present[w, b]:
                 continue
             state.plan[w, b, 0], state.plan[w, b, 1] = state.command[w, b, 0], state.command[w, b, 1]

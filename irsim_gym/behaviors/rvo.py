@@ -137,8 +137,7 @@ def decide_rvo(
     rows: Floats,
 ) -> None:
     """Write the commands of bodies that avoid what they see."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             b, options = members[k], params[k]
             state.command[w, b, 0], state.command[w, b, 1], state.command[w, b, 2] = 0.0, 0.0, 0.0

@@ -116,8 +116,7 @@ def decide_social_force(
     nearest: Floats,
 ) -> None:
     """Write the commands of bodies that follow social forces; those without a goal stand."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
             state.command[w, b, 0], state.command[w, b, 1], state.command[w, b, 2] = 0.0, 0.0, 0.0

@@ -138,8 +138,7 @@ def decide_social_group(
     nearest: Floats,
 ) -> None:
     """Write the commands of the members; those without a goal stay, but give way."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
             if not decides[k]:

@@ -207,8 +207,7 @@ def push_of_lines(scene: Scene, w: int, b: int, options: Any, among: Flags, line
     r = scene.radius[row_of(scene.radius, w), b] + MARGIN
     reach = FADED * options.sigma_obstacle + r
     sum_x, sum_y = 0.0, 0.0
-    for k in range(lines.shape[0]):
-        q = lines[k]
+    for q in lines:
         seen = is_seen(b, q, options.target_roles, scene.role, scene.present[w])
         if among[q] or not seen:
             continue

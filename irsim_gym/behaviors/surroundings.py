@@ -174,8 +174,7 @@ def look_around(
                 rounds[n_rounds, 2], rounds[n_rounds, 3] = scene.twist[w, q, 0], scene.twist[w, q, 1]
                 rounds[n_rounds, 4] = radius[q] + MARGIN
                 n_rounds += 1
-    for k in range(lines.shape[0]):
-        q = lines[k]
+    for q in lines:
         if is_seen(b, q, target_roles, role, present):
             n_sides = copy_sides(segments, scene.segment_start[q], n_segments[q], sides, n_sides)
     if is_map_seen(target_roles, scene.map_frame, role, present):

@@ -40,20 +40,16 @@ def goal_gap(pose: Floats, goal: Floats, with_heading: bool) -> float:
 @kernel
 def measure_distance(worlds: Ints, goal_bodies: Ints, state: WorldState) -> None:
     """Write the distances to the goals."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(goal_bodies.shape[0]):
-            b = goal_bodies[k]
+    for w in worlds:
+        for b in goal_bodies:
             state.goal_distance[w, b] = goal_gap(state.pose[w, b], state.goal[w, b], False)
 
 
 @kernel
 def check_arrival(worlds: Ints, goal_bodies: Ints, model: WorldModel, state: WorldState) -> None:
     """Compare each body with its goal; arrival is strictly nearer than the threshold."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(goal_bodies.shape[0]):
-            b = goal_bodies[k]
+    for w in worlds:
+        for b in goal_bodies:
             with_heading = model.arrive_mode[b] == STATE
             near = goal_gap(state.pose[w, b], state.goal[w, b], with_heading)
             state.arrived[w, b] = (
@@ -76,10 +72,8 @@ def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Worl
 
     On the way between one goal and the start headings do not matter, unless they do on arrival.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(goal_bodies.shape[0]):
-            b = goal_bodies[k]
+    for w in worlds:
+        for b in goal_bodies:
             if not state.arrived[w, b] or state.stopped[w, b]:
                 continue
             if model.goal_renewal[b] == WANDER:
@@ -96,7 +90,6 @@ def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Worl
             for axis in range(3):
                 state.goal[w, b, axis] = model.waypoints[w, b, 0, axis]
             state.arrived[w, b] = False
-        for k in range(loop_returns.shape[0]):
-            b = loop_returns[k]
+        for b in loop_returns:
             if model.arrive_mode[b] != STATE and state.waypoint_end[w, b] > 1:
                 state.goal[w, b, 2] = np.nan

@@ -54,18 +54,15 @@ def refresh(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) ->
 @kernel
 def empty_buckets(worlds: Ints, state: WorldState) -> None:
     """Leave no body in any bucket."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         state.bucket[w, :], state.bucket_first[w, :], state.bucket_next[w, :] = -1, -1, -1
 
 
 @kernel
 def sort_bodies(worlds: Ints, bodies: Ints, model: WorldModel, state: WorldState) -> None:
     """Move each body whose square has changed from its old list to the head of its new one."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(bodies.shape[0]):
-            b = bodies[k]
+    for w in worlds:
+        for b in bodies:
             place = (
                 bucket_of(state.pose[w, b, 0], state.pose[w, b, 1], model.bucketed[b], model.bucket_frame)
                 if model.present[w, b]

@@ -15,14 +15,12 @@ from irsim_gym.world.state import WorldState
 def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState) -> None:
     """Note which bodies touch an occupied cell, for them and for the map's own body."""
     own = int(cells[0][4])
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         n_segments, n_discs = (
             model.segment_count[row_of(model.segment_count, w)],
             model.disc_count[row_of(model.disc_count, w)],
         )
-        for k in range(bodies.shape[0]):
-            b = bodies[k]
+        for b in bodies:
             if b == own or model.unobstructed[b] or not model.present[w, b] or not model.present[w, own]:
                 continue
             if room_about(cells, state.pose[w, b, 0], state.pose[w, b, 1])[0] > model.reach[row_of(model.reach, w), b]:
@@ -48,8 +46,7 @@ def measure_cell_clearance(
 ) -> None:
     """Lower the surface distances of bodies [m], shape ``(n_worlds, n_bodies)``, to that of the nearest cell."""
     own = int(cells[0][4])
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         n_segments, n_discs = (
             model.segment_count[row_of(model.segment_count, w)],
             model.disc_count[row_of(model.disc_count, w)],

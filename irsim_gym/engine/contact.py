@@ -83,11 +83,9 @@ def _outline(model: WorldModel, state: WorldState) -> OutlineTables:
 @kernel
 def recall_contacts(worlds: Ints, bodies: Ints, may_recall: bool, model: WorldModel, state: WorldState) -> None:
     """Begin with the contacts of before where ``bodies`` have not moved since, else with nobody who touches anybody."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         is_known = model.static_known[w]
-        for k in range(bodies.shape[0]):
-            b = bodies[k]
+        for b in bodies:
             for axis in range(3):
                 now = state.pose[w, b, axis] if model.present[w, b] else np.inf
                 is_known = is_known and model.static_pose[w, b, axis] == now
@@ -101,8 +99,7 @@ def recall_contacts(worlds: Ints, bodies: Ints, may_recall: bool, model: WorldMo
 @kernel
 def note_partners(worlds: Ints, model: WorldModel, state: WorldState) -> None:
     """Keep the contacts that last through the level, and forget how much room there was in the one before."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         model.static_known[w] = True
         for b in range(state.hit.shape[1]):
             model.static_partner[w, b] = state.hit[w, b]
@@ -112,8 +109,7 @@ def note_partners(worlds: Ints, model: WorldModel, state: WorldState) -> None:
 @kernel
 def begin_contacts(worlds: Ints, model: WorldModel, state: WorldState) -> None:
     """Begin with the contacts that last through the level."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for b in range(state.hit.shape[1]):
             state.hit[w, b] = model.static_partner[w, b]
             state.collided[w, b] = state.hit[w, b] >= 0
@@ -145,8 +141,7 @@ def find_contacts(
     Closed sets: touching counts. Bodies marked unobstructed touch nobody. Discs that ``room`` shows to be clear of
     everything are not tested, and nobody in worlds that are ``known``, if that says anything.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         if known.shape[0] > 0 and known[w]:
             continue
         reaches, rows, rounds, here, there = (
@@ -160,8 +155,7 @@ def find_contacts(
             segment_count[row_of(segment_count, w)],
             disc_count[row_of(disc_count, w)],
         )
-        for k in range(bodies.shape[0]):
-            b = bodies[k]
+        for b in bodies:
             if unobstructed[b] or not there[b]:
                 continue
             x, y, own, moves, d = here[b, 0], here[b, 1], reaches[b], movable[b], disc_start[b]
@@ -202,8 +196,7 @@ def room_left(disc: Floats, room: Floats) -> float:
 def stop_bodies(worlds: Ints, model: WorldModel, state: WorldState) -> None:
     """Hold collided bodies in place as the collision mode says."""
     mode = model.collision_mode[0]
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for b in range(state.collided.shape[1]):
             holds = mode == STOP or (mode != UNOBSTRUCTED and model.role[b] == ROBOT)
             state.stopped[w, b] = state.collided[w, b] and holds
@@ -272,8 +265,7 @@ def measure_clearance(
 
     That of a disc that is the only body that moves is noted in ``room``: until it has moved as far it touches nothing.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         reaches, rows, rounds, here, there = (
             reach[row_of(reach, w)],
             segments[w],

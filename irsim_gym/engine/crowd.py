@@ -38,13 +38,11 @@ def find_near_contacts(
 
     Bodies in the buckets reach no farther than ``frame[5]``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         found = nearby[w]
         reaches, rows, rounds = reach[row_of(reach, w)], segments[w], discs[w]
         n_segments, n_discs = segment_count[row_of(segment_count, w)], disc_count[row_of(disc_count, w)]
-        for k in range(bodies.shape[0]):
-            b = bodies[k]
+        for b in bodies:
             if unobstructed[b] or not present[w, b]:
                 continue
             x, y, within = pose[w, b, 0], pose[w, b, 1], reaches[b] * ROUNDING + frame[5]
@@ -90,8 +88,7 @@ def measure_near_clearance(
     distance: Floats,
 ) -> None:
     """Write the same distances as ``contact.measure_clearance``: the search grows until nobody nearer can be left."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         found, first, following = nearby[w], bucket_first[w], bucket_next[w]
         reaches, rows, rounds, here, there = reach[row_of(reach, w)], segments[w], discs[w], pose[w], present[w]
         n_segments, n_discs = segment_count[row_of(segment_count, w)], disc_count[row_of(disc_count, w)]

@@ -48,8 +48,7 @@ def find_in_sector(
     detected: Flags,
 ) -> None:
     """Write which discs reach into a sector."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         x, y, heading = state.pose[w, body, 0], state.pose[w, body, 1], state.pose[w, body, 2]
         for b in range(model.present.shape[1]):
             detected[w, b] = False

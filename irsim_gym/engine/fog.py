@@ -131,10 +131,8 @@ def reveal_beams(
         explored: Changed, see ``Fog``.
     """
     step = 0.5 * min(frame[2], frame[3])
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for c in range(chosen.shape[0]):
-            k = chosen[c]
+    for w in worlds:
+        for k in chosen:
             b, mount = members[k], offsets[k]
             if not model.present[w, b]:
                 continue
@@ -163,8 +161,7 @@ def reveal_views(
         frame: See ``Fog``.
         explored: Changed, see ``Fog``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(watchers.shape[0]):
             b, half, depth = watchers[k], 0.5 * views[k, 0], views[k, 1]
             if not model.present[w, b]:

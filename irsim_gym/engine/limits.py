@@ -22,15 +22,13 @@ def limit_velocity(worlds: Ints, movers: Ints, model: WorldModel, state: WorldSt
     The upper end wins where the interval is empty. A body that nobody commands stands still, whatever its limits.
     """
     dt = model.step_time[0]
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         slowest, fastest = (
             model.velocity_min[row_of(model.velocity_min, w)],
             model.velocity_max[row_of(model.velocity_max, w)],
         )
         sharpest = model.acceleration_limit[row_of(model.acceleration_limit, w)]
-        for k in range(movers.shape[0]):
-            b = movers[k]
+        for b in movers:
             asked, now, low, high, change = (
                 state.command[w, b],
                 state.velocity[w, b],

@@ -28,8 +28,7 @@ def measure_bodies(worlds: Ints, bodies: Ints, model: WorldModel, radius: Floats
     n_rows = worlds.shape[0] if radius.shape[0] > 1 else min(worlds.shape[0], 1)
     for i in range(n_rows):
         row = worlds[i] % radius.shape[0]
-        for k in range(bodies.shape[0]):
-            b = bodies[k]
+        for b in bodies:
             start, disc = model.segment_start[b], model.disc_start[b]
             own = model.local_segments[row_of(model.local_segments, row)][start : start + model.segment_count[row, b]]
             rounds = model.local_discs[row_of(model.local_discs, row)][disc : disc + model.disc_count[row, b]]

@@ -19,10 +19,8 @@ def place(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> N
 @kernel
 def place_bodies(worlds: Ints, bodies: Ints, model: WorldModel, state: WorldState) -> None:
     """Turn and shift the bodies' outlines into the world frame."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(bodies.shape[0]):
-            b = bodies[k]
+    for w in worlds:
+        for b in bodies:
             place_outline(
                 model.local_segments[row_of(model.local_segments, w)],
                 model.local_discs[row_of(model.local_discs, w)],

@@ -44,8 +44,7 @@ def vanish(bodies: Ints, gone: Flags, model: WorldModel, state: WorldState, shar
 @kernel
 def remove(worlds: Ints, bodies: Ints, gone: Flags, model: WorldModel) -> None:
     """Mark bodies as absent, and worlds in which any is."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(bodies.shape[0]):
             if gone[w, k]:
                 model.present[w, bodies[k]], model.altered[w] = False, True
@@ -176,8 +175,7 @@ def _has_way(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
 @kernel
 def unplace(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state: WorldState, failed: Ints) -> None:
     """Mark the chosen bodies as present and as still to be placed."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         failed[w] = 0
         for k in range(bodies.shape[0]):
             if chosen[w, k]:
@@ -187,8 +185,7 @@ def unplace(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state:
 @kernel
 def begin_bodies(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state: WorldState) -> None:
     """Give the chosen bodies their first goals, and the velocities and flags of a beginning."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(bodies.shape[0]):
             if not chosen[w, k]:
                 continue

@@ -105,8 +105,7 @@ def _failure(place: str) -> str:
 @kernel
 def note_streams(worlds: Ints, streams: Words, random: Words, model: WorldModel) -> None:
     """Begin the random streams that levels are drawn from, and keep them; arrays ``(n_worlds,)``."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         random[w], model.level_stream[w], model.altered[w] = streams[w], streams[w], False
 
 
@@ -132,8 +131,7 @@ def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard)
 @kernel
 def draw_presence(worlds: Ints, number_ranges: Ints, model: WorldModel, state: WorldState, failed: Ints) -> None:
     """Decide how many bodies of each entry with a ``number_range`` exist, and forget all placements."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         failed[w] = 0
         state.placed[w, :] = False
         model.present[w, :] = True
@@ -154,8 +152,7 @@ def begin_moment(parts: Parts, model: WorldModel, state: WorldState, shard: Shar
 @kernel
 def clear_moment(worlds: Ints, model: WorldModel, state: WorldState) -> None:
     """Reset what an episode accumulates."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         state.time[w], state.step[w] = 0.0, 0
         for b in range(state.hit.shape[1]):
             state.steering[w, b] = model.initial_steering[b]
@@ -171,13 +168,11 @@ def write_first_goals(
     worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: WorldModel, state: WorldState
 ) -> None:
     """Set each body's first goal (NaN for an absent body); wanderers draw theirs, loopers with one come back."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for b in range(model.start.shape[1]):
             for axis in range(3):
                 model.start[w, b, axis] = state.pose[w, b, axis]
-        for k in range(goal_bodies.shape[0]):
-            b = goal_bodies[k]
+        for b in goal_bodies:
             state.waypoint[w, b], state.waypoint_end[w, b] = 0, model.waypoint_count[w, b]
             if not model.present[w, b]:
                 state.goal[w, b, :] = np.nan
@@ -190,8 +185,7 @@ def write_first_goals(
                     )
             for axis in range(3):
                 state.goal[w, b, axis] = model.waypoints[w, b, 0, axis]
-        for k in range(loop_returns.shape[0]):
-            b = loop_returns[k]
+        for b in loop_returns:
             state.waypoint_end[w, b] = 1
             for axis in range(3 if model.arrive_mode[b] == STATE else 2):
                 model.waypoints[w, b, 1, axis] = model.start[w, b, axis]

@@ -95,10 +95,8 @@ def check_ways(
     """Look for a way past all bodies that stand, from the start to the first goal and from each goal to the next."""
     segment_start, segment_count, disc_start, disc_count = tables
     pose, segments, discs = scene
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(agents.shape[0]):
-            own = agents[k]
+    for w in worlds:
+        for own in agents:
             if failed[w] > 0 or model.goal_renewal[own] != KEEP_GOAL:
                 continue
             for b in range(blocks.shape[0]):

@@ -57,8 +57,7 @@ class Circle:
 @kernel
 def draw_discs(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
     """Write a radius between the bounds of ``radius_range`` and the reach that follows from it."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             disc = model.local_discs[w, model.disc_start[members[k]]]
             disc[2] = uniform(state.random, w, params[k].radius_range[0], params[k].radius_range[1])

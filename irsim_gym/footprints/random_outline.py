@@ -96,8 +96,7 @@ def draw_outlines(worlds: Ints, members: Ints, params: Any, closed: bool, model:
     drawn; angle steps differ by the irregularity, distances are normal about R with deviation spikeyness * R,
     clipped to [0.01 R, 2 R] (IR-SIM: [0, 2 R], where two vertices in the centre would pinch the outline).
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
             rows = model.local_segments[w, model.segment_start[b] :]

@@ -59,8 +59,7 @@ class Rectangle:
 @kernel
 def draw_rectangles(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
     """Write the sides of rectangles with random length and width, and the reach that follows."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             bounds = params[k]
             right = 0.5 * uniform(state.random, w, bounds.length_range[0], bounds.length_range[1])

@@ -82,8 +82,7 @@ class Ackermann:
 @kernel
 def twist_ackermann(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
     """Write velocities in the world frame; the yaw rate is that of the present steering angle."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
             speed = state.velocity[w, b, 0]
@@ -100,8 +99,7 @@ def move_ackermann(
 ) -> None:
     """Write poses and steering angles of the members that are free to move, from what they execute."""
     dt = model.step_time[0]
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
             if state.stopped[w, b]:

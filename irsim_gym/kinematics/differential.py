@@ -66,10 +66,8 @@ class Differential:
 @kernel
 def twist_differential(worlds: Ints, members: Ints, state: WorldState) -> None:
     """Write velocities in the world frame."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(members.shape[0]):
-            b = members[k]
+    for w in worlds:
+        for b in members:
             state.twist[w, b, 0] = state.velocity[w, b, 0] * np.cos(state.pose[w, b, 2])
             state.twist[w, b, 1] = state.velocity[w, b, 0] * np.sin(state.pose[w, b, 2])
             state.twist[w, b, 2] = state.velocity[w, b, 1]
@@ -82,10 +80,8 @@ def move_differential(worlds: Ints, members: Ints, model: WorldModel, state: Wor
     A twist has the heading after the move and the velocity that was asked for, without noise.
     """
     dt = model.step_time[0]
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(members.shape[0]):
-            b = members[k]
+    for w in worlds:
+        for b in members:
             if not state.stopped[w, b]:
                 heading = state.pose[w, b, 2]
                 cosine, sine = turned(heading, state.direction[w, b])

@@ -75,10 +75,8 @@ def add_noise(
             shape ``(n_bodies, 3, 3)``. Nothing is drawn for a row of zeros.
         executed: Written, shape ``(n_worlds, n_bodies, 3)``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(members.shape[0]):
-            b = members[k]
+    for w in worlds:
+        for b in members:
             first, second = state.velocity[w, b, 0], state.velocity[w, b, 1]
             is_free = model.present[w, b] and not state.stopped[w, b]
             for axis in range(3):

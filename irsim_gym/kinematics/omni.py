@@ -78,8 +78,7 @@ class Omni:
 @kernel
 def twist_omni(worlds: Ints, members: Ints, params: Any, state: WorldState) -> None:
     """Write velocities in the world frame."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
             turn = state.pose[w, b, 2] if params[k].frame == 1 else 0.0
@@ -93,8 +92,7 @@ def twist_omni(worlds: Ints, members: Ints, params: Any, state: WorldState) -> N
 def move_omni(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, executed: Floats) -> None:
     """Write the positions of the members that are free to move, from what they execute, and all twists."""
     dt = model.step_time[0]
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
             cosine, sine = 1.0, 0.0

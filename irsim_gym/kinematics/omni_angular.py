@@ -68,10 +68,8 @@ class OmniAngular:
 @kernel
 def twist_omni_angular(worlds: Ints, members: Ints, state: WorldState) -> None:
     """Write velocities in the world frame."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(members.shape[0]):
-            b = members[k]
+    for w in worlds:
+        for b in members:
             cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
             state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]
             state.twist[w, b, 1] = sine * state.velocity[w, b, 0] + cosine * state.velocity[w, b, 1]
@@ -82,10 +80,8 @@ def twist_omni_angular(worlds: Ints, members: Ints, state: WorldState) -> None:
 def move_omni_angular(worlds: Ints, members: Ints, model: WorldModel, state: WorldState, executed: Floats) -> None:
     """Write the poses of the members that are free to move, from what they execute, and all twists."""
     dt = model.step_time[0]
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(members.shape[0]):
-            b = members[k]
+    for w in worlds:
+        for b in members:
             if not state.stopped[w, b]:
                 heading = state.pose[w, b, 2]
                 cosine, sine = np.cos(heading), np.sin(heading)

@@ -107,8 +107,7 @@ def draw_shifted(
 ) -> None:
     """Turn the circle, then shift the start and the goal of one member after the other until they are free."""
     present, has_goal, placed, options = shapes[0], targets[0], scene[3], params[0]
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         turned = uniform(random, w, 0.0, 2.0 * np.pi) if options.turn else 0.0
         for k in range(members.shape[0]):
             b = members[k]
@@ -202,8 +201,7 @@ def are_goals_apart(
 ) -> bool:
     """Return whether body b has room at its goal beside the other members that are placed, at theirs."""
     reaches = reach[row_of(reach, w)]
-    for k in range(members.shape[0]):
-        q = members[k]
+    for q in members:
         dx, dy = waypoints[w, q, 0, 0] - waypoints[w, b, 0, 0], waypoints[w, q, 0, 1] - waypoints[w, b, 0, 1]
         room = reaches[b] + reaches[q] + clearance
         if q != b and placed[w, q] and present[w, q] and dx * dx + dy * dy < room * room:

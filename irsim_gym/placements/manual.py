@@ -38,10 +38,8 @@ class ManualPlacement:
 @kernel
 def put_on_start(worlds: Ints, members: Ints, model: WorldModel, state: WorldState) -> None:
     """Copy starts to the poses of members that have no place yet."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for k in range(members.shape[0]):
-            b = members[k]
+    for w in worlds:
+        for b in members:
             if state.placed[w, b]:
                 continue
             for axis in range(3):

@@ -188,12 +188,10 @@ def draw_members(
     """
     present, has_goal, placed, options, members = shapes[0], targets[0], scene[3], params[0], lists[0]
     low, high, goal_low, goal_high = bounds
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         if near is not None:
             sort_placed(w, present, placed, scene[0], near)
-        for k in range(members.shape[0]):
-            b = members[k]
+        for b in members:
             if failed[w] > 0 or not present[w, b] or placed[w, b]:
                 continue
             for _ in range(PATH_TRIES if has_goal[b] else 1):

@@ -100,8 +100,7 @@ def draw_items(
     for f in frames:
         w, picture, view = worlds[f], pictures[f], look.views[f]
         _find_struck(w, model, state, desk)
-        for number in range(items.shape[0]):
-            item = items[number]
+        for item in items:
             kind, b, box = item.kind, item.body, look.boxes[f, item.box]
             if b >= 0 and not model.present[w, b]:
                 continue

@@ -116,8 +116,7 @@ def cast_bodies(
     """
     sides, limits, rounds = near[: 4 * CHUNK], near[4 * CHUNK : 5 * CHUNK], near[5 * CHUNK :]
     first, density, laid = np.float32(fan[0]), np.float32(fan[1]), -1
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         reaches, rows, rings = model.reach[row_of(model.reach, w)], state.segments[w], state.discs[w]
         here, there = state.pose[w], model.present[w]
         n_segments, n_discs = (

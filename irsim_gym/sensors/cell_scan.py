@@ -43,8 +43,7 @@ def scan_cells(
         ranges: Changed [m], shape ``(n_worlds, n_members, n_beams)``.
     """
     own = int(cells[0][4])
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         if not model.present[w, own]:
             continue
         for k in range(members.shape[0]):

@@ -57,8 +57,7 @@ def clip(group: Group, shard: Shard) -> None:
 @kernel
 def raise_ranges(worlds: Ints, params: Any, ranges: Rays) -> None:
     """Report range_min for what is nearer."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(params.shape[0]):
             shortest = np.float32(params[k].range_min)
             for j in range(ranges.shape[2]):
@@ -80,8 +79,7 @@ def find_hits(
     hit: Ints,
 ) -> None:
     """Cast against one body after the other and note for each beam which came nearest."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         reaches = model.reach[row_of(model.reach, w)]
         n_segments, n_discs = (
             model.segment_count[row_of(model.segment_count, w)],
@@ -139,8 +137,7 @@ def write_velocity(worlds: Ints, twist: Floats, hit: Ints, velocity: Floats) -> 
         hit: Body that each beam hits, shape ``(n_worlds, n_members, n_beams)``.
         velocity: Written, shape ``(n_worlds, n_members, 2, n_beams)``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(hit.shape[1]):
             for j in range(hit.shape[2]):
                 b = hit[w, k, j]
@@ -164,8 +161,7 @@ def write_radial_velocity(
     The sensor's own velocity is that of its body's origin; what its turning adds at an offset is left out, as in
     IR-SIM. With ``motion_compensate`` the sensor counts as standing still.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(members.shape[0]):
             own, row = members[k], w * members.shape[0] + k if cast_angles.shape[0] > 1 else 0
             shortest, farthest = np.float32(params[k].range_min), np.float32(params[k].range_max)

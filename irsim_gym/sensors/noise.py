@@ -50,8 +50,7 @@ def draw_directions(
     worlds: Ints, params: Any, angles: Floats, random: Words, cast_angles: Floats, beams_x: Rays, beams_y: Rays
 ) -> None:
     """Write each beam's nominal direction plus noise, and its unit vector, for all members."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(params.shape[0]):
             deviation = params[k].angle_std
             if deviation <= 0.0:
@@ -66,8 +65,7 @@ def draw_directions(
 @kernel
 def add_range_noise(worlds: Ints, params: Any, deviation: Floats, random: Words, ranges: Rays) -> None:
     """Blur the ranges below range_max, then clip them to [range_min, range_max]."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for k in range(params.shape[0]):
             shortest, farthest = np.float32(params[k].range_min), np.float32(params[k].range_max)
             for j in range(ranges.shape[2]):

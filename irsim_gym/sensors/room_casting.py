@@ -52,8 +52,7 @@ def cast_room(
     first, density, laid = np.float32(fan[0]), np.float32(fan[1]), -1
     is_noted, is_shared = False, model.segment_count.shape[0] == 1 and model.disc_count.shape[0] == 1
     n_rings, n_areas = 0, 0
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         rows, rings, here, there = state.segments[w], state.discs[w], state.pose[w], model.present[w]
         reaches = model.reach[row_of(model.reach, w)]
         n_segments, n_discs = (

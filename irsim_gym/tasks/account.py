@@ -20,8 +20,7 @@ def open_books(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeSt
         worlds: The worlds to treat.
         agents: Body of each agent, ``(n_agents,)``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
             if not episode.began[w, a]:
@@ -52,8 +51,7 @@ def mark(worlds: Ints, value: bool, flags: Flags) -> None:
 @kernel
 def note_ended(worlds: Ints, episode: EpisodeState) -> None:
     """Write whose episode has ended."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(episode.over.shape[1]):
             episode.over[w, a] = episode.terminated[w, a] or episode.truncated[w, a]
 
@@ -61,8 +59,7 @@ def note_ended(worlds: Ints, episode: EpisodeState) -> None:
 @kernel
 def limit_clearance(worlds: Ints, minded: float, episode: EpisodeState) -> None:
     """Write up to where clearances matter [m]: to the terms that mind them, and as a new minimum."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(episode.clearance.shape[1]):
             episode.clearance[w, a] = max(episode.min_clearance[w, a], minded)
 
@@ -76,8 +73,7 @@ def keep_books(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeSt
         agents: Body of each agent, ``(n_agents,)``.
         kinds: HitKind of each body, ``(n_bodies,)``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
             episode.over[w, a] = episode.outcome[w, a] != RUNNING
@@ -110,8 +106,7 @@ def watch_standstill(
         slow: Speed below which an agent stands still [m/s].
         patience: Time after which it is deadlocked [s].
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
             if episode.outcome[w, a] != RUNNING:
@@ -132,8 +127,7 @@ def settle(worlds: Ints, outcomes: Ints, max_steps: int, episode: EpisodeState) 
         outcomes: Outcome of each ending, in order of precedence, ``(n_endings,)``.
         max_steps: The time limit.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(episode.outcome.shape[1]):
             if episode.over[w, a]:
                 continue
@@ -150,8 +144,7 @@ def settle(worlds: Ints, outcomes: Ints, max_steps: int, episode: EpisodeState) 
 @kernel
 def add_up(worlds: Ints, episode: EpisodeState) -> None:
     """Sum the reward terms in their order; nothing is paid to an agent whose episode had ended before."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(episode.reward.shape[1]):
             total = 0.0
             for k in range(episode.reward_term.shape[2]):
@@ -167,8 +160,7 @@ def share_rewards(worlds: Ints, share: float, episode: EpisodeState) -> None:
 
     An agent whose episode had ended before counts with 0 in the mean.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         n_agents = episode.reward_term.shape[1]
         for k in range(episode.reward_term.shape[2]):
             total = 0.0

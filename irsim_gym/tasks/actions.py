@@ -136,8 +136,7 @@ def all_finite(worlds: Ints, sizes: Ints, given: Floats) -> bool:
 
     Components that an agent's drive does not have, from ``sizes[a]`` on, are not looked at.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(given.shape[1]):
             for c in range(sizes[a]):
                 if not np.isfinite(given[w, a, c]):
@@ -148,8 +147,7 @@ def all_finite(worlds: Ints, sizes: Ints, given: Floats) -> bool:
 @kernel
 def all_within(worlds: Ints, count: int, choice: Ints) -> bool:
     """Return whether the choices ``(n_worlds, n_agents)`` of all given worlds lie in [0, count)."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(choice.shape[1]):
             if choice[w, a] < 0 or choice[w, a] >= count:
                 return False
@@ -162,8 +160,7 @@ def take_given(worlds: Ints, sizes: Ints, episode: EpisodeState) -> None:
 
     Components from ``sizes[a]`` on, which the agent's drive does not have, are not looked at and become 0.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(episode.action.shape[1]):
             for c in range(episode.action.shape[2]):
                 episode.previous_action[w, a, c] = episode.action[w, a, c]
@@ -173,8 +170,7 @@ def take_given(worlds: Ints, sizes: Ints, episode: EpisodeState) -> None:
 @kernel
 def take_choice(worlds: Ints, grid: Floats, episode: EpisodeState) -> None:
     """Move the latest action to ``previous_action`` and write the chosen row of ``grid``."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(episode.action.shape[1]):
             for c in range(episode.action.shape[2]):
                 episode.previous_action[w, a, c] = episode.action[w, a, c]
@@ -189,8 +185,7 @@ def command(worlds: Ints, agents: Ints, model: WorldModel, state: WorldState, ep
         worlds: The worlds to treat.
         agents: Body of each agent, ``(n_agents,)``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         slowest, fastest = (
             model.velocity_min[row_of(model.velocity_min, w)],
             model.velocity_max[row_of(model.velocity_max, w)],
@@ -211,10 +206,8 @@ def turn_commands(worlds: Ints, agents: Ints, state: WorldState) -> None:
         worlds: The worlds to treat.
         agents: Bodies whose commands are velocities in the world frame, ``(n,)``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
-        for a in range(agents.shape[0]):
-            b = agents[a]
+    for w in worlds:
+        for b in agents:
             cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
             ahead, left = state.command[w, b, 0], state.command[w, b, 1]
             state.command[w, b, 0] = cosine * ahead - sine * left
@@ -224,8 +217,7 @@ def turn_commands(worlds: Ints, agents: Ints, state: WorldState) -> None:
 @kernel
 def rest(worlds: Ints, agents: Ints, model: WorldModel, episode: EpisodeState) -> None:
     """Write the action that asks for standing still, or for the slowest command there is, where episodes begin."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         slowest, fastest = (
             model.velocity_min[row_of(model.velocity_min, w)],
             model.velocity_max[row_of(model.velocity_max, w)],

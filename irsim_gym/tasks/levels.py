@@ -37,8 +37,7 @@ def take_levels(worlds: Ints, base: Words, first_level: Ints, episode: Ints, lev
         level: Written, ``(n_worlds, n_agents)``.
         stream: Written, ``(n_worlds,)``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         here = later_level(int(first_level[w]), int(episode[w]))
         stream[w] = level_stream(base[w], int(here))
         for a in range(level.shape[1]):

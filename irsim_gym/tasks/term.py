@@ -172,8 +172,7 @@ def forget(memory: NDArray[Any], value: Any, episode: EpisodeState, shard: Shard
 @kernel
 def overwrite(worlds: Ints, chosen: Flags, value: Any, memory: NDArray[Any]) -> None:
     """Write a value into the chosen rows ``(n_worlds, n_agents)`` of a memory ``(n_worlds, n_agents, n)``."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(chosen.shape[1]):
             for k in range(memory.shape[2] if chosen[w, a] else 0):
                 memory[w, a, k] = value

@@ -57,7 +57,6 @@ class Collided:
 @kernel
 def find_hits(worlds: Ints, agents: Ints, column: int, counts: Flags, state: WorldState, episode: EpisodeState) -> None:
     """Write a column of ``ending``: the agent touches a body of a kind that counts."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             episode.ending[w, a, column] = state.collided[w, agents[a]] and counts[episode.hit_kind[w, a]]

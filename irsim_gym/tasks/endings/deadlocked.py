@@ -36,7 +36,6 @@ class Deadlocked:
 @kernel
 def copy_deadlocks(worlds: Ints, column: int, episode: EpisodeState) -> None:
     """Copy the flag of each agent into a column of ``ending``."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(episode.deadlocked.shape[1]):
             episode.ending[w, a, column] = episode.deadlocked[w, a]

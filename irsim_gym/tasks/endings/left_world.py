@@ -40,8 +40,7 @@ def find_outside(
 ) -> None:
     """Write a column of ``ending``: the body's origin is further outside ``bounds`` than its reach [m]."""
     x_min, y_min, x_max, y_max = model.bounds[0], model.bounds[1], model.bounds[2], model.bounds[3]
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
             r = model.reach[row_of(model.reach, w), b]

@@ -60,8 +60,7 @@ class Drive:
 @kernel
 def write_drive(worlds: Ints, column: int, own: Rays, out: Rays) -> None:
     """Copy each agent's row of ``own``, ``(n_agents, n_drives)``."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(own.shape[0]):
             for k in range(own.shape[1]):
                 out[w, a, column + k] = own[a, k]

@@ -127,8 +127,7 @@ def write_ways(
         zero: See ``ExactFreeTravel`` [1/m].
         cells: The obstacle map.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             own, own_radius = agents[a], radius[a]
             row = episode.observation[w, a, column : column + ahead_x.shape[0]]

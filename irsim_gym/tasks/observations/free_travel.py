@@ -157,8 +157,7 @@ def measure(
         out: Written, ``(n_worlds, n_agents, n_features)``.
     """
     near_32, zero_32 = np.float32(near), np.float32(zero)
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(members.shape[0]):
             row = out[w, a, column : column + ahead_x.shape[0]]
             row[:] = far[a]

@@ -82,8 +82,7 @@ def write_goal(
     """
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     full = np.sqrt(width * width + height * height) if np.isnan(scale) else scale
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
             dx, dy = state.goal[w, b, 0] - state.pose[w, b, 0], state.goal[w, b, 1] - state.pose[w, b, 1]

@@ -47,8 +47,7 @@ class GoalHeading:
 @kernel
 def write_goal_heading(worlds: Ints, agents: Ints, column: int, state: WorldState, episode: EpisodeState) -> None:
     """Write cosine and sine of goal heading minus heading."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             turn = state.goal[w, agents[a], 2] - state.pose[w, agents[a], 2]
             known = not np.isnan(turn)

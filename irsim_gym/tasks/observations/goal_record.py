@@ -87,8 +87,7 @@ def write_record(
     since: Floats,
 ) -> None:
     """Write how far and for how long the goal has been farther away than at the record; a new goal begins a new one."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
             d, x, y = state.goal_distance[w, b], state.goal[w, b, 0], state.goal[w, b, 1]

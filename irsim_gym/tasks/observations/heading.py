@@ -44,8 +44,7 @@ class Heading:
 @kernel
 def write_heading(worlds: Ints, agents: Ints, column: int, state: WorldState, episode: EpisodeState) -> None:
     """Write cosine and sine of the headings of poses ``(n_worlds, n_bodies, 3)`` [m, m, rad]."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             episode.observation[w, a, column] = np.float32(np.cos(state.pose[w, agents[a], 2]))
             episode.observation[w, a, column + 1] = np.float32(np.sin(state.pose[w, agents[a], 2]))

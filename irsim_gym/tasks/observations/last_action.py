@@ -50,8 +50,7 @@ class LastAction:
 @kernel
 def write_action(worlds: Ints, column: int, episode: EpisodeState) -> None:
     """Copy the agents' actions, ``(n_worlds, n_agents, n_components)``."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(episode.action.shape[1]):
             for c in range(episode.action.shape[2]):
                 episode.observation[w, a, column + c] = np.float32(episode.action[w, a, c])

@@ -140,8 +140,7 @@ def write_nearest(
         distance: Scratch, ``(count,)``.
         found: Scratch, ``(count, 4)``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             own = agents[a]
             x, y = state.pose[w, own, 0], state.pose[w, own, 1]

@@ -120,13 +120,11 @@ def write_neighbors(
     """
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     far = np.sqrt(width * width + height * height) if np.isnan(seen) else seen
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             own = agents[a]
             distance[:], found[:] = far * far, -1
-            for q in range(robots.shape[0]):
-                b = robots[q]
+            for b in robots:
                 if b != own and model.present[w, b]:
                     dx, dy = state.pose[w, b, 0] - state.pose[w, own, 0], state.pose[w, b, 1] - state.pose[w, own, 1]
                     insert(dx * dx + dy * dy, b, distance, found)

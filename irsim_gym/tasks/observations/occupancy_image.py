@@ -179,8 +179,7 @@ def paint_occupied(
         sheet: Empty before and after.
         image: Written, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             picture, own = image[w, a], agents[a]
             clear(picture, 0)
@@ -210,8 +209,7 @@ def paint_robots(
     image: Bytes,
 ) -> None:
     """Paint other robots into the second channel; see ``paint_occupied``."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             picture, own = image[w, a], agents[a]
             view = view_from(pose[w, own], rotated, scale, picture.shape[0])
@@ -250,8 +248,7 @@ def paint_goal(
         sheet: Empty before and after.
         image: Written, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             picture, own = image[w, a], agents[a]
             if not model.has_goal[own]:

@@ -132,8 +132,7 @@ def note_scans(
     poses: Floats,
 ) -> None:
     """Put each agent's scan, and the pose that it was taken from, in place of the oldest one."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             slot = episode.steps[w, a] % scans.shape[2]
             for k in range(scans.shape[3]):
@@ -163,8 +162,7 @@ def write_past(
 ) -> None:
     """Write the depths of earlier scans, encoded; ``PastScans.arrays`` tells what the arguments are."""
     near_32, zero_32 = np.float32(near), np.float32(zero)
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             newest = episode.steps[w, a]
             for j in range(ago.shape[0]):

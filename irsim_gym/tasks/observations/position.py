@@ -57,8 +57,7 @@ def write_place(
     """Write x and y of the agents' places ``(n_worlds, n_bodies, 3)`` [m], scaled as the world's rectangle is."""
     half = 0.5 * max(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1])
     middle_x, middle_y = 0.5 * (model.bounds[0] + model.bounds[2]), 0.5 * (model.bounds[1] + model.bounds[3])
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             episode.observation[w, a, column] = np.float32((places[w, agents[a], 0] - middle_x) / half)
             episode.observation[w, a, column + 1] = np.float32((places[w, agents[a], 1] - middle_y) / half)

@@ -136,8 +136,7 @@ def find_ways(
     length: Rays,
 ) -> None:
     """Write for each free cell the next one on the way to the goal and how long the way is, where the goal is new."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             own = agents[a]
             goal_x, goal_y = state.goal[w, own, 0], state.goal[w, own, 1]
@@ -184,8 +183,7 @@ def write_route(
 ) -> None:
     """Write cosine and sine of the way's direction, (1, 0) at the goal itself, and its length over the diagonal."""
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
             x, y = state.pose[w, b, 0], state.pose[w, b, 1]

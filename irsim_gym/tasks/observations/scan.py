@@ -172,8 +172,7 @@ def pool(
     """
     n_sectors = first.shape[0]
     near_32, zero_32 = np.float32(near), np.float32(zero)
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(members.shape[0]):
             scan, own, row = ranges[w, members[a]], extent[a], out[w, a, column : column + n_sectors]
             if n_sectors == own.shape[0]:

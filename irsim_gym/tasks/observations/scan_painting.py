@@ -81,8 +81,7 @@ def paint_scan(
         sheet: Empty before and after.
         image: Written, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             picture, at = image[w, a], pose[w, agents[a]]
             clear(picture, 0)

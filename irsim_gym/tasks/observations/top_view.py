@@ -147,8 +147,7 @@ def paint_view(
         sheet: Empty before and after.
         image: Written, ``(n_worlds, n_agents, pixels, pixels, 3)``.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             picture, own = image[w, a], agents[a]
             view = view_from(seen.pose[w, own], rotated, scale, picture.shape[0])

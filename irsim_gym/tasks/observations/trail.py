@@ -91,8 +91,7 @@ def write_trail(
     count: Ints,
 ) -> None:
     """Write the nearness of the nearest mark in each sector."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             x, y, heading = state.pose[w, agents[a], 0], state.pose[w, agents[a], 1], state.pose[w, agents[a], 2]
             leave_mark(x, y, spacing, marks[w, a], count[w], a)

@@ -71,8 +71,7 @@ def write_velocity(
     worlds: Ints, agents: Ints, column: int, size: int, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
     """Write ``size`` components of the velocity over max(abs(velocity_min), abs(velocity_max)); 0 when stopped."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         slowest, fastest = (
             model.velocity_min[row_of(model.velocity_min, w)],
             model.velocity_max[row_of(model.velocity_max, w)],

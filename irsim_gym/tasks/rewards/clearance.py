@@ -48,8 +48,7 @@ class Clearance:
 @kernel
 def pay_closeness(worlds: Ints, column: int, amount: float, safe: float, episode: EpisodeState) -> None:
     """Write ``amount`` times the squared shortfall of the clearance [m], relative to ``safe`` [m]."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(episode.clearance.shape[1]):
             short = max(0.0, 1.0 - episode.clearance[w, a] / safe)
             episode.reward_term[w, a, column] = amount * short * short

@@ -77,8 +77,7 @@ def pay_onset(
     worlds: Ints, agents: Ints, column: int, amounts: Floats, state: WorldState, episode: EpisodeState, touching: Flags
 ) -> None:
     """Write the amount for what is touched where a collision begins or ends the episode; remember who collides."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             now = state.collided[w, agents[a]]
             pays = now and (not touching[w, a] or episode.outcome[w, a] == COLLISION)

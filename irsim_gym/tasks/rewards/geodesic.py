@@ -90,8 +90,7 @@ def draw_fields(
 
     Where the field knows no way from the agent the straight distance takes its place.
     """
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             own = agents[a]
             x, y, goal_x, goal_y = (
@@ -146,8 +145,7 @@ def pay_gain(
     """Write the weighted loss of distance over the diagonal of ``bounds``; nothing where the field knows no way."""
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     rate = weight / np.sqrt(width * width + height * height)
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
             here = field_at(field[w, a], grid[0], grid[1], grid[2], state.pose[w, b, 0], state.pose[w, b, 1])

@@ -10,7 +10,6 @@ from irsim_gym.tasks.state import EpisodeState
 @kernel
 def pay_outcome(worlds: Ints, column: int, wanted: int, amount: float, episode: EpisodeState) -> None:
     """Write ``amount`` where the outcome is the wanted one, else 0."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(episode.outcome.shape[1]):
             episode.reward_term[w, a, column] = amount if episode.outcome[w, a] == wanted else 0.0

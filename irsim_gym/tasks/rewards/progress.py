@@ -90,8 +90,7 @@ def distance(pose: Floats, target: Floats) -> float:
 @kernel
 def note(worlds: Ints, agents: Ints, state: WorldState, target: Floats, potential: Floats) -> None:
     """Write where each agent's goal is and how far away [m]."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
             target[w, a, 0], target[w, a, 1] = state.goal[w, b, 0], state.goal[w, b, 1]
@@ -113,8 +112,7 @@ def pay_gain(
     """Write the weighted loss of distance to the noted goal, over the diagonal of ``bounds``; note what is new."""
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     rate = weight / np.sqrt(width * width + height * height)
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
             gain = potential[w, a] - distance(state.pose[w, b], target[w, a])

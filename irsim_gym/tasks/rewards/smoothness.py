@@ -41,8 +41,7 @@ class Smoothness:
 @kernel
 def pay_change(worlds: Ints, column: int, amount: float, sizes: Ints, episode: EpisodeState) -> None:
     """Write ``amount`` times the squared change of the action, scaled to [0, 1]; actions lie in [-1, 1]."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(episode.action.shape[1]):
             squared = 0.0
             for c in range(episode.action.shape[2]):

@@ -40,7 +40,6 @@ class Time:
 @kernel
 def fill(worlds: Ints, column: int, amount: float, out: Floats) -> None:
     """Write one amount into a column for all agents of the worlds."""
-    for i in range(worlds.shape[0]):
-        w = worlds[i]
+    for w in worlds:
         for a in range(out.shape[1]):
             out[w, a, column] = amount
