@@ -18,7 +18,7 @@ OWN = "irsim_gym"
 
 # Who may import what, beyond the standard library, numpy and COMMON. "scenario.options" names one module.
 COMMON = {"errors", "registry", "families", "arraytypes"}
-KIND = {"jit", "rng", "geometry", "world", "scenario.options"}
+KIND = {"jit", "rng", "structs", "geometry", "world", "scenario.options"}
 ALLOWED: dict[str, set[str]] = {
     "errors": set(),
     "registry": set(),
@@ -33,10 +33,11 @@ ALLOWED: dict[str, set[str]] = {
     "jit_trust": set(),
     "jit_watch": {"numba", "rich"},
     "atomics": {"numba", "llvmlite"},
-    "replay": {"numba", "llvmlite", "jit", "jit_doors", "atomics"},
+    "replay": {"numba", "llvmlite", "jit", "jit_doors", "atomics", "structs"},
     "rng": {"numba", "jit"},
-    "geometry": {"jit"},
-    "world": {"jit"},
+    "structs": {"numba", "llvmlite"},
+    "geometry": {"jit", "structs"},
+    "world": {"jit", "structs"},
     "scenario": {"pydantic", "pydantic_core", "yaml", "PIL"},
     "kinematics": KIND,
     "behaviors": KIND,
@@ -44,12 +45,12 @@ ALLOWED: dict[str, set[str]] = {
     "placements": KIND | {"paths"},
     "sensors": KIND,
     "maps": {"scenario.options", "world", "PIL"},
-    "paths": {"jit", "geometry", "world"},
-    "engine": {"scenario", "world", "geometry", "paths", "jit", "rng", "replay", "atomics"},
-    "tasks": {"engine", "world", "geometry", "scenario", "paths", "jit", "rng", "pydantic", "pydantic_core"},
+    "paths": {"jit", "structs", "geometry", "world"},
+    "engine": {"scenario", "world", "geometry", "paths", "jit", "rng", "structs", "replay", "atomics"},
+    "tasks": {"engine", "world", "geometry", "scenario", "paths", "jit", "rng", "structs", "pydantic", "pydantic_core"},
     "envs": {"tasks", "engine", "scenario", "world", "render", "gymnasium"},
     "evaluation": {"envs", "tasks", "engine", "world", "paths", "scenario", "rich"},
-    "raster": {"jit", "geometry", "world", "scenario.plot_spec"},
+    "raster": {"jit", "structs", "geometry", "world", "scenario.plot_spec"},
     "render": {
         "world",
         "scenario.spec",
