@@ -12,6 +12,7 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
+from kernel_access import kernels
 
 PACKAGE = Path(__file__).parents[1] / "irsim_gym"
 OWN = "irsim_gym"
@@ -528,3 +529,22 @@ def test_public_things_have_docstrings() -> None:
                 if not overloaded and not ast.get_docstring(node):
                     problems.append(f"{module.place}:{node.lineno} {node.name}: no docstring")
     report(problems)
+
+
+def test_kernels_say_what_they_read_and_write() -> None:
+    """``python tests/kernel_access.py`` writes it."""
+    wrong = [
+        f"{kernel.file.name}:{kernel.tree.lineno} {name} should say\n{kernel.expected()}"
+        for (_, name), kernel in kernels().items()
+        if kernel.structs and kernel.expected() != kernel.found()
+    ]
+    report(wrong)
+
+
+def test_what_kernels_access_is_read_from_their_bodies() -> None:
+    found = kernels()
+    tick = found["irsim_gym.engine.step", "tick"]
+    assert tick.reads == {("worlds", ""), ("model", "step_time"), ("state", "step")}
+    assert tick.writes == {("state", "step"), ("state", "time")}
+    moved = found["irsim_gym.kinematics.differential", "move_differential"].writes
+    assert moved == {("state", "pose"), ("state", "direction"), ("state", "twist")}
