@@ -7,6 +7,7 @@ Every kind is called with the same five things: its ``Term``, the ``WorldModel``
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
@@ -15,10 +16,28 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Bytes, Flags, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
+from irsim_gym.structs import Struct
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.world.group import records
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
+
+
+@dataclass
+class Bound(Struct):
+    """What kernels read of a term.
+
+    Attributes:
+        agents: Body of each agent, shape ``(n_agents,)``.
+        column: Where the term writes.
+        options: Its options, numbers alone, as one record, shape ``(1,)``; see ``world.group.records``.
+    """
+
+    agents: Ints
+    column: int
+    options: Any
+
 
 Role = Literal["potential", "bonus", "penalty", "running"]
 Words = tuple[tuple[str, str], ...]
@@ -37,7 +56,7 @@ class Term:
         action_size: Components of an action, and of the command that it becomes; the largest of all agents.
         action_sizes: The same for each agent by itself, shape ``(n_agents,)``; it has no use for others.
         column: Where the term writes: first column of the observation, column of the reward or of the ending.
-        arrays: The term's own arrays: tables, memory, live readings of sensors.
+        arrays: The term's own arrays: tables, memory, live readings of sensors; a dict, or a struct for kernels.
         components: Of each agent, what the components of its action are when they are mapped to its limits, and their
             units: ``(("speed ahead", "m/s"), ...)``.
         image: What an observation that is a picture writes, ``(n_worlds, n_agents, height, width, n_channels)``; empty
@@ -51,16 +70,21 @@ class Term:
     action_size: int
     action_sizes: Ints
     column: int = 0
-    arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+    arrays: Any = field(default_factory=dict)
     components: tuple[Words, ...] = ()
     image: Bytes = field(default_factory=lambda: np.zeros((0, 0, 0, 0, 0), np.uint8))
+
+    @cached_property
+    def bound(self) -> Bound:
+        """What kernels read of it; its column has to be known."""
+        return Bound(self.agents, self.column, records([self.options]))
 
 
 @runtime_checkable
 class HasArrays(Protocol):
     """A kind with arrays of its own."""
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]] | Struct:
         """Return what ``Term.arrays`` will hold."""
 
 

@@ -13,7 +13,7 @@ from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -52,36 +52,15 @@ class Goal:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the four elements."""
-        given = term.options.scale
-        write_goal(
-            shard.worlds,
-            term.agents,
-            term.column,
-            np.nan if given is None else given,
-            term.options.near,
-            model,
-            state,
-            episode,
-        )
+        write_goal(shard.worlds, term.bound, model, state, episode)
 
 
 @kernel
-def write_goal(
-    worlds: Ints,
-    agents: Ints,
-    column: int,
-    scale: float,
-    near: float,
-    model: WorldModel,
-    state: WorldState,
-    episode: EpisodeState,
-) -> None:
-    """Write distance, cosine and sine of the bearing (1, 0 at the goal itself) and the near term.
-
-    A ``scale`` of NaN stands for the diagonal of the world's rectangle ``bounds``.
-    """
+def write_goal(worlds: Ints, term: Bound, model: WorldModel, state: WorldState, episode: EpisodeState) -> None:
+    """Write distance, cosine and sine of the bearing (1, 0 at the goal itself) and the near term."""
+    options, agents, column = term.options[0], term.agents, term.column
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
-    full = np.sqrt(width * width + height * height) if np.isnan(scale) else scale
+    full = np.sqrt(width * width + height * height) if np.isnan(options.scale) else options.scale
     for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
@@ -94,4 +73,4 @@ def write_goal(
             episode.observation[w, a, column] = np.float32(min(d / full, 1.0))
             episode.observation[w, a, column + 1] = np.float32(min(max(ahead, -1.0), 1.0))
             episode.observation[w, a, column + 2] = np.float32(min(max(side, -1.0), 1.0))
-            episode.observation[w, a, column + 3] = np.float32(np.exp(-d / near))
+            episode.observation[w, a, column + 3] = np.float32(np.exp(-d / options.near))

@@ -3,20 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term, forget
+from irsim_gym.tasks.term import Bound, Term, forget
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
+
+
+@dataclass
+class Records(Struct):
+    """The nearest that agents have been to their goals.
+
+    Attributes:
+        nearest: Least goal distance [m], shape ``(n_worlds, n_agents)``.
+        since: Its time [s], shape ``(n_worlds, n_agents)``.
+        target: The goal [m], shape ``(n_worlds, n_agents, 2)``.
+    """
+
+    nearest: Floats
+    since: Floats
+    target: Floats
 
 
 @kind
@@ -35,10 +51,10 @@ class GoalRecord:
     near: float = option(1.0, gt=0.0, unit="m", meaning="Distance beyond the record that reads 0.5.")
     soon: float = option(2.0, gt=0.0, unit="s", meaning="Time since the record that reads 0.5.")
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return the memory: least goal distance [m], its time [s], both ``(n_worlds, n_agents)``, and the goal."""
+    def arrays(self, simulation: Simulation, agents: Ints) -> Records:
+        """Return the memory."""
         shape = (simulation.n_worlds, len(agents))
-        return {"nearest": np.zeros(shape), "since": np.zeros(shape), "target": np.zeros((*shape, 2))}
+        return Records(np.zeros(shape), np.zeros(shape), np.zeros((*shape, 2)))
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds of the two elements."""
@@ -47,7 +63,7 @@ class GoalRecord:
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Forget the record."""
-        forget(term.arrays["nearest"], np.inf, episode, shard)
+        forget(term.arrays.nearest, np.inf, episode, shard)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return what the two elements are."""
@@ -59,41 +75,20 @@ class GoalRecord:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Update the record and write the two elements."""
-        write_record(
-            shard.worlds,
-            term.agents,
-            term.column,
-            term.options.near,
-            term.options.soon,
-            state,
-            episode,
-            term.arrays["target"],
-            term.arrays["nearest"],
-            term.arrays["since"],
-        )
+        write_record(shard.worlds, term.bound, term.arrays, state, episode)
 
 
 @kernel
-def write_record(
-    worlds: Ints,
-    agents: Ints,
-    column: int,
-    near: float,
-    soon: float,
-    state: WorldState,
-    episode: EpisodeState,
-    target: Floats,
-    nearest: Floats,
-    since: Floats,
-) -> None:
+def write_record(worlds: Ints, term: Bound, records: Records, state: WorldState, episode: EpisodeState) -> None:
     """Write how far and for how long the goal has been farther away than at the record; a new goal begins a new one."""
+    options, column = term.options[0], term.column
     for w in worlds:
-        for a in range(agents.shape[0]):
-            b = agents[a]
+        for a in range(term.agents.shape[0]):
+            b, target = term.agents[a], records.target[w, a]
             d, x, y = state.goal_distance[w, b], state.goal[w, b, 0], state.goal[w, b, 1]
-            if d < nearest[w, a] or x != target[w, a, 0] or y != target[w, a, 1]:
-                target[w, a, 0], target[w, a, 1] = x, y
-                nearest[w, a], since[w, a] = d, state.time[w]
-            excess, elapsed = d - nearest[w, a], state.time[w] - since[w, a]
-            episode.observation[w, a, column] = np.float32(excess / (excess + near))
-            episode.observation[w, a, column + 1] = np.float32(elapsed / (elapsed + soon))
+            if d < records.nearest[w, a] or x != target[0] or y != target[1]:
+                target[0], target[1] = x, y
+                records.nearest[w, a], records.since[w, a] = d, state.time[w]
+            excess, elapsed = d - records.nearest[w, a], state.time[w] - records.since[w, a]
+            episode.observation[w, a, column] = np.float32(excess / (excess + options.near))
+            episode.observation[w, a, column + 1] = np.float32(elapsed / (elapsed + options.soon))

@@ -3,25 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.tasks.observations.nearest_bodies import moving
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 WIDTH = 6
+
+
+@dataclass
+class Robots(Struct):
+    """Whom agents look for, and scratch memory for the nearest ones found so far, nearest first.
+
+    Attributes:
+        bodies: The robots, shape ``(n_robots,)``.
+        distance: Squared distances [m2], shape ``(n_slots, count)``.
+        found: Their bodies, -1 for none, shape ``(n_slots, count)``.
+    """
+
+    bodies: Ints
+    distance: Floats
+    found: Ints
 
 
 @kind
@@ -42,15 +58,10 @@ class Neighbors:
     range: float | None = option(None, gt=0.0, unit="m", meaning="How far it sees; none: the world's diagonal.")
     speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that counts as 1; faster is cut to it.")
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return the robots, and scratch memory for the nearest ones, one row for each shard."""
-        slots = simulation.shards.n_slots
-        robots = np.array(simulation.scenario.robots, np.int64)
-        return {
-            "robots": robots,
-            "distance": np.zeros((slots, self.count)),
-            "found": np.zeros((slots, self.count), np.int64),
-        }
+    def arrays(self, simulation: Simulation, agents: Ints) -> Robots:
+        """Return the robots, and scratch memory."""
+        shape = (simulation.shards.n_slots, self.count)
+        return Robots(np.array(simulation.scenario.robots, np.int64), np.zeros(shape), np.zeros(shape, np.int64))
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds, six for each robot."""
@@ -76,61 +87,29 @@ class Neighbors:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the robots' numbers."""
-        given = term.options.range
-        write_neighbors(
-            shard.worlds,
-            term.agents,
-            term.arrays["robots"],
-            term.column,
-            np.nan if given is None else given,
-            term.options.speed,
-            model,
-            state,
-            episode,
-            term.arrays["distance"][shard.slot],
-            term.arrays["found"][shard.slot],
-        )
+        write_neighbors(shard.worlds, shard.slot, term.bound, term.arrays, model, state, episode)
 
 
 @kernel
 def write_neighbors(
-    worlds: Ints,
-    agents: Ints,
-    robots: Ints,
-    column: int,
-    seen: float,
-    speed: float,
-    model: WorldModel,
-    state: WorldState,
-    episode: EpisodeState,
-    distance: Floats,
-    found: Ints,
+    worlds: Ints, slot: int, term: Bound, robots: Robots, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
-    """Write six numbers for each of the nearest robots.
-
-    Args:
-        worlds: The worlds to treat.
-        agents: Body of each agent, ``(n_agents,)``.
-        robots: Bodies that are robots.
-        column: First column of ``out``.
-        seen: How far robots are seen [m]; NaN: the diagonal of ``bounds``.
-        speed: Relative speed that counts as 1 [m/s].
-        distance: Scratch, ``(count,)``.
-        found: Scratch, ``(count,)``.
-    """
+    """Write six numbers for each of the nearest robots."""
+    options, distance, found = term.options[0], robots.distance[slot], robots.found[slot]
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
-    far = np.sqrt(width * width + height * height) if np.isnan(seen) else seen
+    far = np.sqrt(width * width + height * height) if np.isnan(options.range) else options.range
     for w in worlds:
-        for a in range(agents.shape[0]):
-            own = agents[a]
+        reach = model.reach[row_of(model.reach, w)]
+        for a in range(term.agents.shape[0]):
+            own = term.agents[a]
             distance[:], found[:] = far * far, -1
-            for b in robots:
+            for b in robots.bodies:
                 if b != own and model.present[w, b]:
                     dx, dy = state.pose[w, b, 0] - state.pose[w, own, 0], state.pose[w, b, 1] - state.pose[w, own, 1]
                     insert(dx * dx + dy * dy, b, distance, found)
-            row = episode.observation[w, a, column : column + WIDTH * found.shape[0]]
+            row = episode.observation[w, a, term.column : term.column + WIDTH * found.shape[0]]
             for k in range(found.shape[0]):
-                describe(w, own, found[k], far, speed, model.reach[row_of(model.reach, w)], state, row[WIDTH * k :])
+                describe(w, own, found[k], far, options.speed, reach, state, row[WIDTH * k :])
 
 
 @kernel

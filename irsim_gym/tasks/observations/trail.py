@@ -3,20 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term, forget
+from irsim_gym.tasks.term import Bound, Term, forget
 from irsim_gym.tasks.words import Columns, evenly
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
+
+
+@dataclass
+class Marks(Struct):
+    """Where agents have been.
+
+    Attributes:
+        places: The marks [m], shape ``(n_worlds, n_agents, n_marks, 2)``; a new one takes the place of the oldest.
+        count: How many there have been, shape ``(n_worlds, n_agents)``.
+    """
+
+    places: Floats
+    count: Ints
 
 
 @kind
@@ -37,10 +51,10 @@ class Trail:
     fresh: int = option(2, ge=0, meaning="Number of latest marks that do not count.")
     near: float = option(0.5, gt=0.0, unit="m", meaning="Distance of a mark that reads 0.5.")
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return the memory: marks [m], ``(n_worlds, n_agents, n_marks, 2)``, and how many there have been."""
+    def arrays(self, simulation: Simulation, agents: Ints) -> Marks:
+        """Return the memory."""
         shape = (simulation.n_worlds, len(agents))
-        return {"marks": np.zeros((*shape, self.marks, 2)), "count": np.zeros(shape, np.int64)}
+        return Marks(np.zeros((*shape, self.marks, 2)), np.zeros(shape, np.int64))
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds of the sectors."""
@@ -49,7 +63,7 @@ class Trail:
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Forget all marks."""
-        forget(term.arrays["count"], 0, episode, shard)
+        forget(term.arrays.count, 0, episode, shard)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return the sectors."""
@@ -60,49 +74,27 @@ class Trail:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Leave a mark if it is time for one, and write the sectors."""
-        options = term.options
-        write_trail(
-            shard.worlds,
-            term.agents,
-            term.column,
-            options.sectors,
-            options.spacing,
-            options.fresh,
-            options.near,
-            state,
-            episode,
-            term.arrays["marks"],
-            term.arrays["count"],
-        )
+        write_trail(shard.worlds, term.bound, term.arrays, state, episode)
 
 
 @kernel
-def write_trail(
-    worlds: Ints,
-    agents: Ints,
-    column: int,
-    sectors: int,
-    spacing: float,
-    fresh: int,
-    near: float,
-    state: WorldState,
-    episode: EpisodeState,
-    marks: Floats,
-    count: Ints,
-) -> None:
+def write_trail(worlds: Ints, term: Bound, marks: Marks, state: WorldState, episode: EpisodeState) -> None:
     """Write the nearness of the nearest mark in each sector."""
+    options, size = term.options[0], marks.places.shape[2]
     for w in worlds:
-        for a in range(agents.shape[0]):
-            x, y, heading = state.pose[w, agents[a], 0], state.pose[w, agents[a], 1], state.pose[w, agents[a], 2]
-            leave_mark(x, y, spacing, marks[w, a], count[w], a)
-            row = episode.observation[w, a, column : column + sectors]
+        for a in range(term.agents.shape[0]):
+            b = term.agents[a]
+            x, y, heading = state.pose[w, b, 0], state.pose[w, b, 1], state.pose[w, b, 2]
+            places = marks.places[w, a]
+            leave_mark(x, y, options.spacing, places, marks.count[w], a)
+            row = episode.observation[w, a, term.column : term.column + options.sectors]
             row[:] = np.float32(0.0)
-            n, size = count[w, a], marks.shape[2]
-            for m in range(max(0, n - size), n - fresh):
-                dx, dy = marks[w, a, m % size, 0] - x, marks[w, a, m % size, 1] - y
+            n = marks.count[w, a]
+            for m in range(max(0, n - size), n - options.fresh):
+                dx, dy = places[m % size, 0] - x, places[m % size, 1] - y
                 turn = (np.arctan2(dy, dx) - heading) / (2.0 * np.pi) + 0.5
-                sector = min(int((turn - np.floor(turn)) * sectors), sectors - 1)
-                nearness = np.float32(near / (np.sqrt(dx * dx + dy * dy) + near))
+                sector = min(int((turn - np.floor(turn)) * options.sectors), options.sectors - 1)
+                nearness = np.float32(options.near / (np.sqrt(dx * dx + dy * dy) + options.near))
                 row[sector] = max(row[sector], nearness)
 
 
