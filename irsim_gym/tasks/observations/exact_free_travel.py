@@ -3,32 +3,56 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import CellMap, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.cells import segment_cells_distance
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.observations.free_travel import shorten, way_columns
+from irsim_gym.structs import Struct
+from irsim_gym.tasks.observations.free_travel import directions, shorten, way_columns
 from irsim_gym.tasks.observations.nearest_bodies import span
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
-Facing = tuple[float, float]
-
 NEAR_ENOUGH = 0.01
 """Gap [m] at which a disc counts as arrived at a map's occupied cells."""
 LONGEST_WALK = 256
 """Steps after which a walk along a map ends; a way that takes more of them leads along a wall, closer than 0.1 m."""
+
+
+class Place(NamedTuple):
+    """A disc that looks for ways: where it is [m], cosine and sine of its heading, its radius [m]."""
+
+    x: float
+    y: float
+    cosine: float
+    sine: float
+    radius: float
+
+
+@dataclass
+class Directions(Struct):
+    """Directions that are looked into.
+
+    Attributes:
+        ahead_x: Directions in the body frame, shape ``(n_directions,)``.
+        ahead_y: As ``ahead_x``.
+        radius: Radius of the disc around each agent [m], shape ``(n_agents,)``.
+    """
+
+    ahead_x: Rays
+    ahead_y: Rays
+    radius: Floats
 
 
 @kind
@@ -53,14 +77,9 @@ class ExactFreeTravel:
         """Return what is wrong with options that are right one by one: key and message."""
         return code_problems(self)
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+    def arrays(self, simulation: Simulation, agents: Ints) -> Directions:
         """Return the directions in the body frame and the radii of the discs around the agents."""
-        ahead = 2.0 * np.pi * np.arange(self.directions) / self.directions - np.pi
-        return {
-            "ahead_x": np.cos(ahead).astype(np.float32),
-            "ahead_y": np.sin(ahead).astype(np.float32),
-            "radius": simulation.model.reach[:, agents].max(axis=0) + self.margin,
-        }
+        return Directions(*directions(self.directions), simulation.model.reach[:, agents].max(axis=0) + self.margin)
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the codes of the longest way and of contact."""
@@ -76,102 +95,60 @@ class ExactFreeTravel:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the directions' codes."""
-        options, table = term.options, term.arrays
-        write_ways(
-            shard.worlds,
-            term.agents,
-            term.column,
-            table["ahead_x"],
-            table["ahead_y"],
-            table["radius"],
-            options.horizon,
-            code_number(options.code),
-            options.near,
-            options.zero,
-            model,
-            state,
-            episode,
-            model.cells,
-        )
+        write_ways(shard.worlds, term.bound, term.arrays, model, model.cells, state, episode)
 
 
 @kernel
 def write_ways(
     worlds: Ints,
-    agents: Ints,
-    column: int,
-    ahead_x: Rays,
-    ahead_y: Rays,
-    radius: Floats,
-    far: float,
-    code: int,
-    near: float,
-    zero: float,
+    term: Bound,
+    ways: Directions,
     model: WorldModel,
+    cells: CellMap | None,
     state: WorldState,
     episode: EpisodeState,
-    cells: CellMap | None,
 ) -> None:
-    """Write the free way in each direction, encoded.
-
-    Args:
-        worlds: The worlds to treat.
-        agents: Body of each agent, ``(n_agents,)``.
-        column: First column of ``out``.
-        ahead_x: Directions in the body frame, ``(n_directions,)``.
-        ahead_y: As ``ahead_x``.
-        radius: Radius of the disc around each agent [m], ``(n_agents,)``.
-        far: Longest way [m].
-        code: INVERSE or LINEAR.
-        near: See ``ExactFreeTravel`` [m].
-        zero: See ``ExactFreeTravel`` [1/m].
-        cells: The obstacle map.
-    """
+    """Write the free way in each direction, encoded."""
+    options, column, far = term.options[0], term.column, term.options[0].horizon
+    near, zero = np.float32(options.near), np.float32(options.zero)
     for w in worlds:
-        for a in range(agents.shape[0]):
-            own, own_radius = agents[a], radius[a]
-            row = episode.observation[w, a, column : column + ahead_x.shape[0]]
+        for a in range(term.agents.shape[0]):
+            own, radius = term.agents[a], ways.radius[a]
+            row = episode.observation[w, a, column : column + ways.ahead_x.shape[0]]
             row[:] = np.float32(far)
-            place = state.pose[w, own]
-            facing = np.cos(place[2]), np.sin(place[2])
+            x, y, heading = state.pose[w, own, 0], state.pose[w, own, 1], state.pose[w, own, 2]
+            place = Place(x, y, np.cos(heading), np.sin(heading), radius)
             for b in range(model.present.shape[1]):
                 if b == own or model.unobstructed[b] or not model.present[w, b]:
                     continue
-                dx, dy = state.pose[w, b, 0] - place[0], state.pose[w, b, 1] - place[1]
-                seen = far + own_radius + model.reach[row_of(model.reach, w), b]
+                dx, dy = state.pose[w, b, 0] - x, state.pose[w, b, 1] - y
+                seen = far + radius + model.reach[row_of(model.reach, w), b]
                 if dx * dx + dy * dy >= seen * seen:
                     continue
                 first, last = span(model.disc_start, model.disc_count, w, b)
                 for d in range(first, last):
-                    stop_at_disc(state.discs[w, d], place, facing, own_radius, far, ahead_x, ahead_y, row)
+                    stop_at_disc(state.discs[w, d], place, far, ways, row)
                 first, last = span(model.segment_start, model.segment_count, w, b)
                 for s in range(first, last):
-                    stop_at_segment(state.segments[w, s], place, facing, own_radius, far, ahead_x, ahead_y, row)
-            stop_at_cells(cells, place, facing, own_radius, ahead_x, ahead_y, row)
-            encode(row, code, np.float32(near), np.float32(zero), np.float32(far))
+                    stop_at_segment(state.segments[w, s], place, far, ways, row)
+            stop_at_cells(cells, place, ways, row)
+            encode(row, options.code, near, zero, np.float32(far))
 
 
 @kernel
-def stop_at_disc(
-    disc: Floats, place: Floats, facing: Facing, own: float, far: float, ahead_x: Rays, ahead_y: Rays, row: Rays
-) -> None:
-    """Shorten the ways of a disc of radius ``own`` at ``place`` that another disc blocks.
-
-    ``facing`` is cosine and sine of the heading.
-    """
-    cosine, sine = facing
-    dx, dy, radius = disc[0] - place[0], disc[1] - place[1], disc[2] + own
-    x, y = np.float32(dx * cosine + dy * sine), np.float32(dy * cosine - dx * sine)
-    shorten(x, y, np.float32(radius * radius), np.float32(far), ahead_x, ahead_y, row)
+def stop_at_disc(disc: Floats, place: Place, far: float, ways: Directions, row: Rays) -> None:
+    """Shorten the ways that another disc blocks."""
+    dx, dy, radius = disc[0] - place.x, disc[1] - place.y, disc[2] + place.radius
+    x = np.float32(dx * place.cosine + dy * place.sine)
+    y = np.float32(dy * place.cosine - dx * place.sine)
+    shorten(x, y, np.float32(radius * radius), np.float32(far), ways.ahead_x, ways.ahead_y, row)
 
 
 @kernel
-def stop_at_segment(
-    segment: Floats, place: Floats, facing: Facing, own: float, far: float, ahead_x: Rays, ahead_y: Rays, row: Rays
-) -> None:
-    """Shorten the ways of a disc that a segment blocks: its two ends, and what lies between them."""
-    cosine, sine = facing
-    ax, ay = segment[0] - place[0], segment[1] - place[1]
+def stop_at_segment(segment: Floats, place: Place, far: float, ways: Directions, row: Rays) -> None:
+    """Shorten the ways that a segment blocks: its two ends, and what lies between them."""
+    cosine, sine, own, ahead_x, ahead_y = place.cosine, place.sine, place.radius, ways.ahead_x, ways.ahead_y
+    ax, ay = segment[0] - place.x, segment[1] - place.y
     ux, uy = segment[2] - segment[0], segment[3] - segment[1]
     length = np.sqrt(ux * ux + uy * uy)
     px, py = ax * cosine + ay * sine, ay * cosine - ax * sine
@@ -197,18 +174,16 @@ def stop_at_segment(
 
 
 @kernel
-def stop_at_cells(
-    cells: CellMap | None, place: Floats, facing: Facing, own: float, ahead_x: Rays, ahead_y: Rays, row: Rays
-) -> None:
-    """Shorten the ways of a disc that the map blocks; each step goes as far as there is room around it."""
+def stop_at_cells(cells: CellMap | None, place: Place, ways: Directions, row: Rays) -> None:
+    """Shorten the ways that the map blocks; each step goes as far as there is room around it."""
     if cells is None:
         return
-    cosine, sine = facing
+    cosine, sine, own, ahead_x, ahead_y = place.cosine, place.sine, place.radius, ways.ahead_x, ways.ahead_y
     for j in range(row.shape[0]):
         dx, dy = ahead_x[j] * cosine - ahead_y[j] * sine, ahead_x[j] * sine + ahead_y[j] * cosine
         way, before = 0.0, -np.inf
         for _ in range(LONGEST_WALK):
-            x, y = place[0] + way * dx, place[1] + way * dy
+            x, y = place.x + way * dx, place.y + way * dy
             room = segment_cells_distance(cells, x, y, x, y, own + row[j]) - own
             if room < NEAR_ENOUGH and room <= before:
                 row[j] = np.float32(max(way, 0.0))

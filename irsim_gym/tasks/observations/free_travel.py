@@ -2,22 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, shared_sensors
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
+
+
+@dataclass
+class Ways(Struct):
+    """Directions that are looked into, and what the sensor tells of them.
+
+    Attributes:
+        ahead_x: Directions in the body frame, shape ``(n_directions,)``.
+        ahead_y: As ``ahead_x``.
+        radius: Radius of the disc around each agent [m], shape ``(n_agents,)``.
+        far: Longest way of each agent [m], shape ``(n_agents,)``.
+        ranges: Live readings [m], shape ``(n_worlds, n_members, n_beams)``.
+        members: Each agent's row in ``ranges``, shape ``(n_agents,)``.
+        beams_x: Directions of the beams in the body frame, shape ``(n_agents, n_beams)``.
+        beams_y: As ``beams_x``.
+        mount: Place of the sensor in the body frame [m], shape ``(n_agents, 2)``.
+        sight: Greatest range of each agent's sensor [m], shape ``(n_agents,)``.
+    """
+
+    ahead_x: Rays
+    ahead_y: Rays
+    radius: Rays
+    far: Rays
+    ranges: Rays
+    members: Ints
+    beams_x: Rays
+    beams_y: Rays
+    mount: Rays
+    sight: Rays
 
 
 @kind
@@ -46,28 +76,28 @@ class FreeTravel:
         """Return what is wrong with options that are right one by one: key and message."""
         return code_problems(self)
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+    def arrays(self, simulation: Simulation, agents: Ints) -> Ways:
         """Return the live ranges, who has which, the beams in the body frame, the directions and the discs' radii."""
         group, members = shared_sensors(simulation, agents, "free_travel")
         table, mounts = group.arrays, [group.options[k] for k in members]
         turned = np.array([table["angles"] + mount.offset[2] for mount in mounts])
-        ahead = 2.0 * np.pi * np.arange(self.directions) / self.directions - np.pi
-        return {
-            "ranges": table["ranges"],
-            "members": members,
-            "beams_x": np.cos(turned).astype(np.float32),
-            "beams_y": np.sin(turned).astype(np.float32),
-            "mount": np.array([mount.offset[:2] for mount in mounts], np.float32),
-            "ahead_x": np.cos(ahead).astype(np.float32),
-            "ahead_y": np.sin(ahead).astype(np.float32),
-            "radius": (simulation.model.reach[:, agents].max(axis=0) + self.margin).astype(np.float32),
-            "far": np.array([min(mount.range_max, self.horizon) for mount in mounts], np.float32),
-            "sight": np.array([mount.range_max for mount in mounts], np.float32),
-        }
+        ahead_x, ahead_y = directions(self.directions)
+        return Ways(
+            ahead_x=ahead_x,
+            ahead_y=ahead_y,
+            radius=(simulation.model.reach[:, agents].max(axis=0) + self.margin).astype(np.float32),
+            far=np.array([min(mount.range_max, self.horizon) for mount in mounts], np.float32),
+            ranges=table["ranges"],
+            members=members,
+            beams_x=np.cos(turned).astype(np.float32),
+            beams_y=np.sin(turned).astype(np.float32),
+            mount=np.array([mount.offset[:2] for mount in mounts], np.float32),
+            sight=np.array([mount.range_max for mount in mounts], np.float32),
+        )
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the codes of the longest way and of contact."""
-        far = float(term.arrays["far"].max())
+        far = float(term.arrays.far.max())
         low, high = np.full(self.directions, far, np.float32), np.zeros(self.directions, np.float32)
         for values in (low, high):
             encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), np.float32(far))
@@ -75,33 +105,21 @@ class FreeTravel:
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return the directions."""
-        return way_columns(self, term.arrays, agent, float(term.arrays["far"][agent]))
+        return way_columns(self, term.arrays, agent, float(term.arrays.far[agent]))
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the directions' codes."""
-        options, table = term.options, term.arrays
-        measure(
-            shard.worlds,
-            table["members"],
-            term.column,
-            table["beams_x"],
-            table["beams_y"],
-            table["mount"],
-            table["ahead_x"],
-            table["ahead_y"],
-            table["radius"],
-            table["far"],
-            table["sight"],
-            table["ranges"],
-            code_number(options.code),
-            options.near,
-            options.zero,
-            episode.observation,
-        )
+        measure(shard.worlds, term.bound, term.arrays, episode)
 
 
-def way_columns(options: Any, table: Mapping[str, NDArray[Any]], agent: int, far: float) -> list[Columns]:
+def directions(count: int) -> tuple[Rays, Rays]:
+    """Return directions evenly spread over a full turn, the first one straight behind: their cosines and sines."""
+    ahead = 2.0 * np.pi * np.arange(count) / count - np.pi
+    return np.cos(ahead).astype(np.float32), np.sin(ahead).astype(np.float32)
+
+
+def way_columns(options: Any, table: Any, agent: int, far: float) -> list[Columns]:
     """Return what the numbers of free ways are.
 
     Args:
@@ -110,66 +128,35 @@ def way_columns(options: Any, table: Mapping[str, NDArray[Any]], agent: int, far
         agent: Which agent's.
         far: Longest way [m].
     """
-    ahead = np.arctan2(table["ahead_y"].astype(np.float64), table["ahead_x"].astype(np.float64))
+    ahead = np.arctan2(table.ahead_y.astype(np.float64), table.ahead_x.astype(np.float64))
     ahead[0] = -np.pi
-    scale = f"s = way of a disc of {float(table['radius'][agent]):.3g} m around it, as {coded(options, 's', far)}"
+    scale = f"s = way of a disc of {float(table.radius[agent]):.3g} m around it, as {coded(options, 's', far)}"
     directions = tuple((angle, angle) for angle in ahead.tolist())
     return [Columns("free way straight in a direction", scale, options.directions, directions)]
 
 
 @kernel
-def measure(
-    worlds: Ints,
-    members: Ints,
-    column: int,
-    beams_x: Rays,
-    beams_y: Rays,
-    mount: Rays,
-    ahead_x: Rays,
-    ahead_y: Rays,
-    radius: Rays,
-    far: Rays,
-    sight: Rays,
-    ranges: Rays,
-    code: int,
-    near: float,
-    zero: float,
-    out: Rays,
-) -> None:
-    """Write the free way in each direction, encoded.
-
-    Args:
-        worlds: The worlds to treat.
-        members: Each agent's row in ``ranges``, ``(n_agents,)``.
-        column: First column of ``out``.
-        beams_x: Beam directions in the body frame, ``(n_agents, n_beams)``.
-        beams_y: As ``beams_x``.
-        mount: Sensor positions in the body frame [m], ``(n_agents, 2)``.
-        ahead_x: Directions in the body frame, ``(n_directions,)``.
-        ahead_y: As ``ahead_x``.
-        radius: Radius of the disc around each agent [m], ``(n_agents,)``.
-        far: Longest way of each agent [m], ``(n_agents,)``.
-        sight: Greatest range of each agent's sensor [m], ``(n_agents,)``.
-        ranges: Readings [m], ``(n_worlds, n_members, n_beams)``.
-        code: INVERSE or LINEAR.
-        near: See ``FreeTravel`` [m].
-        zero: See ``FreeTravel`` [1/m].
-        out: Written, ``(n_worlds, n_agents, n_features)``.
-    """
-    near_32, zero_32 = np.float32(near), np.float32(zero)
+def measure(worlds: Ints, term: Bound, ways: Ways, episode: EpisodeState) -> None:
+    """Write the free way in each direction, encoded."""
+    options, mount, beams_x, beams_y = term.options[0], ways.mount, ways.beams_x, ways.beams_y
+    column, near, zero = term.column, np.float32(options.near), np.float32(options.zero)
     for w in worlds:
-        for a in range(members.shape[0]):
-            row = out[w, a, column : column + ahead_x.shape[0]]
-            row[:] = far[a]
-            scan = ranges[w, members[a]]
-            beyond = np.sqrt(mount[a, 0] * mount[a, 0] + mount[a, 1] * mount[a, 1]) + radius[a]
-            limit = min(sight[a], far[a] + beyond)
+        for a in range(ways.members.shape[0]):
+            row, far, radius = (
+                episode.observation[w, a, column : column + ways.ahead_x.shape[0]],
+                ways.far[a],
+                ways.radius[a],
+            )
+            row[:] = far
+            scan = ways.ranges[w, ways.members[a]]
+            beyond = np.sqrt(mount[a, 0] * mount[a, 0] + mount[a, 1] * mount[a, 1]) + radius
+            limit = min(ways.sight[a], far + beyond)
             for k in range(scan.shape[0]):
                 if scan[k] < limit:
                     x = mount[a, 0] + scan[k] * beams_x[a, k]
                     y = mount[a, 1] + scan[k] * beams_y[a, k]
-                    shorten(x, y, radius[a] * radius[a], far[a], ahead_x, ahead_y, row)
-            encode(row, code, near_32, zero_32, far[a])
+                    shorten(x, y, radius * radius, far, ways.ahead_x, ways.ahead_y, row)
+            encode(row, options.code, near, zero, far)
 
 
 @kernel(contract=True)

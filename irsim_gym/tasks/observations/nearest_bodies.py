@@ -3,28 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import CellMap, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.cells import nearest_cell_point
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encoded
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 WIDTH = 5
-FOUND = 4
-"""Columns of the scratch memory: way to the nearest point (x, y), body, and whether there is one."""
+
+
+@dataclass
+class Nearest(Struct):
+    """The nearest bodies found so far, nearest first: scratch memory.
+
+    Attributes:
+        sight: How far bodies are seen [m].
+        distance: Distance of their nearest points [m], shape ``(n_slots, count)``.
+        way_x: Way to that point [m], shape ``(n_slots, count)``.
+        way_y: As ``way_x``.
+        body: The bodies, -1 for none, shape ``(n_slots, count)``.
+    """
+
+    sight: float
+    distance: Floats
+    way_x: Floats
+    way_y: Floats
+    body: Ints
 
 
 @kind
@@ -52,10 +70,11 @@ class NearestBodies:
         """Return what is wrong with options that are right one by one: key and message."""
         return code_problems(self)
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return scratch memory for the nearest bodies found so far, one row for each shard."""
-        slots = simulation.shards.n_slots
-        return {"distance": np.zeros((slots, self.count)), "found": np.zeros((slots, self.count, FOUND))}
+    def arrays(self, simulation: Simulation, agents: Ints) -> Nearest:
+        """Return scratch memory."""
+        shape = (simulation.shards.n_slots, self.count)
+        far = _sight(self.range, simulation.model)
+        return Nearest(far, np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape, np.int64))
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds, five for each body."""
@@ -85,22 +104,7 @@ class NearestBodies:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the bodies' numbers."""
-        write_nearest(
-            shard.worlds,
-            term.agents,
-            term.column,
-            _sight(term.options.range, model),
-            term.options.speed,
-            code_number(term.options.code),
-            term.options.near,
-            term.options.zero,
-            model,
-            state,
-            episode,
-            model.cells,
-            term.arrays["distance"][shard.slot],
-            term.arrays["found"][shard.slot],
-        )
+        write_nearest(shard.worlds, shard.slot, term.bound, term.arrays, model, model.cells, state, episode)
 
 
 def _sight(given: float | None, model: WorldModel) -> float:
@@ -111,60 +115,42 @@ def _sight(given: float | None, model: WorldModel) -> float:
 @kernel
 def write_nearest(
     worlds: Ints,
-    agents: Ints,
-    column: int,
-    far: float,
-    speed: float,
-    code: int,
-    near: float,
-    zero: float,
+    slot: int,
+    term: Bound,
+    nearest: Nearest,
     model: WorldModel,
+    cells: CellMap | None,
     state: WorldState,
     episode: EpisodeState,
-    cells: CellMap | None,
-    distance: Floats,
-    found: Floats,
 ) -> None:
-    """Write five numbers for each of the nearest bodies.
-
-    Args:
-        worlds: The worlds to treat.
-        agents: Body of each agent, ``(n_agents,)``.
-        column: First column of ``out``.
-        far: How far bodies are seen [m].
-        speed: Relative speed that counts as 1 [m/s].
-        code: INVERSE or LINEAR.
-        near: See ``NearestBodies`` [m].
-        zero: See ``NearestBodies`` [1/m].
-        cells: The obstacle map, which counts as one body at its nearest point.
-        distance: Scratch, ``(count,)``.
-        found: Scratch, ``(count, 4)``.
-    """
+    """Write five numbers for each of the nearest bodies; the obstacle map counts as one, at its nearest point."""
+    distance, speed, column = nearest.distance[slot], term.options[0].speed, term.column
+    n_found = distance.shape[0]
     for w in worlds:
-        for a in range(agents.shape[0]):
-            own = agents[a]
+        for a in range(term.agents.shape[0]):
+            own = term.agents[a]
             x, y = state.pose[w, own, 0], state.pose[w, own, 1]
-            distance[:], found[:] = far, 0.0
+            distance[:], nearest.way_x[slot, :], nearest.way_y[slot, :] = nearest.sight, 0.0, 0.0
+            nearest.body[slot, :] = -1
             for b in range(model.present.shape[1]):
                 if b == own or model.unobstructed[b] or not model.present[w, b]:
                     continue
                 dx, dy = state.pose[w, b, 0] - x, state.pose[w, b, 1] - y
                 nearest_possible = np.sqrt(dx * dx + dy * dy) - model.reach[row_of(model.reach, w), b]
-                if nearest_possible >= distance[distance.shape[0] - 1]:
+                if nearest_possible >= distance[n_found - 1]:
                     continue
                 first, last = span(model.disc_start, model.disc_count, w, b)
                 gap, px, py = nearest_on_discs(state.discs[w, first:last], x, y)
                 first, last = span(model.segment_start, model.segment_count, w, b)
                 edge_gap, ex, ey = nearest_point(state.segments[w, first:last], x, y)
                 gap, px, py = (edge_gap, ex, ey) if edge_gap < gap else (gap, px, py)
-                keep(gap, px - x, py - y, b, distance, found)
-            keep_cell(cells, x, y, distance, found)
-            first, last = span(model.disc_start, model.disc_count, w, own)
-            own_discs = state.discs[w, first:last]
-            first, last = span(model.segment_start, model.segment_count, w, own)
-            row = episode.observation[w, a, column : column + WIDTH * found.shape[0]]
-            write_gaps(state.segments[w, first:last], own_discs, x, y, distance, found, code, near, zero, far, row)
-            write_motions(w, own, found, speed, state, row)
+                keep(gap, px - x, py - y, b, slot, nearest)
+            if cells is not None:
+                gap, px, py = nearest_cell_point(cells, x, y, distance[n_found - 1])
+                keep(gap, px - x, py - y, int(cells[0][4]), slot, nearest)
+            row = episode.observation[w, a, column : column + WIDTH * n_found]
+            write_gaps(w, own, slot, nearest, term, model, state, row)
+            write_motions(w, own, slot, nearest, speed, state, row)
 
 
 @kernel
@@ -229,56 +215,48 @@ def extent_towards(segments: Floats, discs: Floats, x: float, y: float, dx: floa
 
 
 @kernel
-def keep(gap: float, dx: float, dy: float, body: int, distance: Floats, found: Floats) -> None:
-    """Insert a body into the sorted list of the nearest ones: way to its nearest point, number, and 1 for "there"."""
+def keep(gap: float, dx: float, dy: float, body: int, slot: int, nearest: Nearest) -> None:
+    """Insert a body, and the way to its nearest point, into the sorted list of the nearest ones."""
+    distance, way_x, way_y, bodies = (
+        nearest.distance[slot],
+        nearest.way_x[slot],
+        nearest.way_y[slot],
+        nearest.body[slot],
+    )
     k = distance.shape[0] - 1
     if gap >= distance[k]:
         return
     while k > 0 and gap < distance[k - 1]:
-        distance[k] = distance[k - 1]
-        for column in range(found.shape[1]):
-            found[k, column] = found[k - 1, column]
+        distance[k], way_x[k], way_y[k], bodies[k] = distance[k - 1], way_x[k - 1], way_y[k - 1], bodies[k - 1]
         k -= 1
-    distance[k] = gap
-    found[k, 0], found[k, 1], found[k, 2], found[k, 3] = dx, dy, float(body), 1.0
-
-
-@kernel
-def keep_cell(cells: CellMap | None, x: float, y: float, distance: Floats, found: Floats) -> None:
-    """Insert the nearest occupied cell of the map, at rest, if it is near enough."""
-    if cells is None:
-        return
-    gap, px, py = nearest_cell_point(cells, x, y, distance[distance.shape[0] - 1])
-    keep(gap, px - x, py - y, int(cells[0][4]), distance, found)
+    distance[k], way_x[k], way_y[k], bodies[k] = gap, dx, dy, body
 
 
 @kernel
 def write_gaps(
-    segments: Floats,
-    discs: Floats,
-    x: float,
-    y: float,
-    distance: Floats,
-    found: Floats,
-    code: int,
-    near: float,
-    zero: float,
-    far: float,
-    row: Rays,
+    w: int, own: int, slot: int, nearest: Nearest, term: Bound, model: WorldModel, state: WorldState, row: Rays
 ) -> None:
-    """Write the code of the gap between each body that was found and the agent's own segments and discs at (x, y)."""
-    for k in range(found.shape[0]):
-        beyond = distance[k] - extent_towards(segments, discs, x, y, found[k, 0], found[k, 1])
-        gap: Any = np.float32(min(max(beyond, 0.0), far))
-        row[WIDTH * k + 2] = encoded(gap, code, np.float32(near), np.float32(zero), np.float32(far))
+    """Write the code of the gap between each body that was found and the agent's own outline."""
+    options, far = term.options[0], nearest.sight
+    first, last = span(model.segment_start, model.segment_count, w, own)
+    segments = state.segments[w, first:last]
+    first, last = span(model.disc_start, model.disc_count, w, own)
+    discs = state.discs[w, first:last]
+    x, y = state.pose[w, own, 0], state.pose[w, own, 1]
+    for k in range(nearest.distance.shape[1]):
+        extent = extent_towards(segments, discs, x, y, nearest.way_x[slot, k], nearest.way_y[slot, k])
+        gap: Any = np.float32(min(max(nearest.distance[slot, k] - extent, 0.0), far))
+        code, near, zero = options.code, np.float32(options.near), np.float32(options.zero)
+        row[WIDTH * k + 2] = encoded(gap, code, near, zero, np.float32(far))
 
 
 @kernel
-def write_motions(w: int, own: int, found: Floats, speed: float, state: WorldState, row: Rays) -> None:
+def write_motions(w: int, own: int, slot: int, nearest: Nearest, speed: float, state: WorldState, row: Rays) -> None:
     """Write direction and relative velocity of each body that was found, in the agent's frame."""
     cosine, sine = np.cos(state.pose[w, own, 2]), np.sin(state.pose[w, own, 2])
-    for k in range(found.shape[0]):
-        dx, dy, b, there = found[k, 0], found[k, 1], int(found[k, 2]), found[k, 3]
+    for k in range(nearest.distance.shape[1]):
+        dx, dy, found = nearest.way_x[slot, k], nearest.way_y[slot, k], nearest.body[slot, k]
+        b, there = (found, 1.0) if found >= 0 else (0, 0.0)
         away = np.sqrt(dx * dx + dy * dy)
         scale = 1.0 / away if away > 0.0 else 0.0
         vx = moving(w, b, 0, state) - moving(w, own, 0, state)

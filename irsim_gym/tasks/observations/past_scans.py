@@ -3,23 +3,52 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, shared_sensors
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded, evenly
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 LONGEST = 1000
+
+
+@dataclass
+class Memory(Struct):
+    """Earlier scans, and what they were taken with.
+
+    Attributes:
+        ranges: Live readings [m], shape ``(n_worlds, n_members, n_beams)``.
+        members: Each agent's row in ``ranges``, shape ``(n_agents,)``.
+        beams: Directions in the body frame, shape ``(n_agents, 2, n_beams)``.
+        mount: Place of the sensor in the body frame [m], shape ``(n_agents, 2)``.
+        reach: Radius of the disc that holds the agent [m], shape ``(n_agents,)``.
+        far: Greatest range [m], shape ``(n_agents,)``.
+        ago: How old the scans are that are shown [steps], shape ``(n_shown,)``.
+        scans: The latest scans [m], shape ``(n_worlds, n_agents, n_kept, n_beams)``; a scan's place is the number of
+            its step modulo ``n_kept``.
+        poses: The poses that they were taken from [m, m, rad], shape ``(n_worlds, n_agents, n_kept, 3)``.
+    """
+
+    ranges: Rays
+    members: Ints
+    beams: Floats
+    mount: Floats
+    reach: Floats
+    far: Rays
+    ago: Ints
+    scans: Rays
+    poses: Floats
 
 
 @kind
@@ -51,33 +80,28 @@ class PastScans:
             problems.append(("ago", f"must be whole numbers from 1 to {LONGEST}, got {list(self.ago)}"))
         return problems
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return the live ranges, who has which, the beams in the body frame, and the memory.
-
-        The memory holds the latest scans [m] ``(n_worlds, n_agents, n_kept, n_beams)``, the poses [m, m, rad] that
-        they were taken from; the slot of a scan is the number of its step modulo ``n_kept``.
-        """
+    def arrays(self, simulation: Simulation, agents: Ints) -> Memory:
+        """Return the memory."""
         group, members = shared_sensors(simulation, agents, "past_scans")
         table, mounts = group.arrays, [group.options[k] for k in members]
         turned = np.array([table["angles"] + mount.offset[2] for mount in mounts])
-        shape = (simulation.n_worlds, len(agents))
-        kept = max(self.ago, default=0) + 1
-        return {
-            "ranges": table["ranges"],
-            "members": members,
-            "beams": np.stack([np.cos(turned), np.sin(turned)], axis=1),
-            "mount": np.array([mount.offset[:2] for mount in mounts], np.float64),
-            "reach": simulation.model.reach[:, agents].max(axis=0),
-            "far": np.array([mount.range_max for mount in mounts], np.float32),
-            "ago": np.array(self.ago, np.int64),
-            "scans": np.zeros((*shape, kept, len(table["angles"])), np.float32),
-            "poses": np.zeros((*shape, kept, 3)),
-        }
+        shape = (simulation.n_worlds, len(agents), max(self.ago, default=0) + 1)
+        return Memory(
+            ranges=table["ranges"],
+            members=members,
+            beams=np.stack([np.cos(turned), np.sin(turned)], axis=1),
+            mount=np.array([mount.offset[:2] for mount in mounts], np.float64),
+            reach=simulation.model.reach[:, agents].max(axis=0),
+            far=np.array([mount.range_max for mount in mounts], np.float32),
+            ago=np.array(self.ago, np.int64),
+            scans=np.zeros((*shape, len(table["angles"])), np.float32),
+            poses=np.zeros((*shape, 3)),
+        )
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the codes of the greatest depth and of contact."""
         width = self.sectors * len(self.ago)
-        far = term.arrays["far"].max()
+        far = term.arrays.far.max()
         low, high = np.full(width, far, np.float32), np.zeros(width, np.float32)
         for values in (low, high):
             encode(values, code_number(self.code), np.float32(self.near), np.float32(self.zero), far)
@@ -85,7 +109,7 @@ class PastScans:
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return the sectors of each scan."""
-        far = float(term.arrays["far"][agent])
+        far = float(term.arrays.far[agent])
         scale = f"d = free depth beyond its reach, as {coded(self, 'd', far)}"
         sectors = evenly(self.sectors)
         return [
@@ -96,82 +120,38 @@ class PastScans:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Remember the present scan, and write the sectors of earlier ones."""
-        options, table = term.options, term.arrays
-        note_scans(
-            shard.worlds, term.agents, table["members"], table["ranges"], state, episode, table["scans"], table["poses"]
-        )
-        write_past(
-            shard.worlds,
-            term.agents,
-            term.column,
-            options.sectors,
-            code_number(options.code),
-            options.near,
-            options.zero,
-            table["far"],
-            table["reach"],
-            table["mount"],
-            table["beams"],
-            table["ago"],
-            state,
-            episode,
-            table["scans"],
-            table["poses"],
-        )
+        note_scans(shard.worlds, term.agents, term.arrays, state, episode)
+        write_past(shard.worlds, term.bound, term.arrays, state, episode)
 
 
 @kernel
-def note_scans(
-    worlds: Ints,
-    agents: Ints,
-    members: Ints,
-    ranges: Rays,
-    state: WorldState,
-    episode: EpisodeState,
-    scans: Rays,
-    poses: Floats,
-) -> None:
+def note_scans(worlds: Ints, agents: Ints, memory: Memory, state: WorldState, episode: EpisodeState) -> None:
     """Put each agent's scan, and the pose that it was taken from, in place of the oldest one."""
     for w in worlds:
         for a in range(agents.shape[0]):
-            slot = episode.steps[w, a] % scans.shape[2]
-            for k in range(scans.shape[3]):
-                scans[w, a, slot, k] = ranges[w, members[a], k]
+            slot = episode.steps[w, a] % memory.scans.shape[2]
+            for k in range(memory.scans.shape[3]):
+                memory.scans[w, a, slot, k] = memory.ranges[w, memory.members[a], k]
             for axis in range(3):
-                poses[w, a, slot, axis] = state.pose[w, agents[a], axis]
+                memory.poses[w, a, slot, axis] = state.pose[w, agents[a], axis]
 
 
 @kernel
-def write_past(
-    worlds: Ints,
-    agents: Ints,
-    column: int,
-    sectors: int,
-    code: int,
-    near: float,
-    zero: float,
-    far: Rays,
-    reach: Floats,
-    mount: Floats,
-    beams: Floats,
-    ago: Ints,
-    state: WorldState,
-    episode: EpisodeState,
-    scans: Rays,
-    poses: Floats,
-) -> None:
-    """Write the depths of earlier scans, encoded; ``PastScans.arrays`` tells what the arguments are."""
-    near_32, zero_32 = np.float32(near), np.float32(zero)
+def write_past(worlds: Ints, term: Bound, memory: Memory, state: WorldState, episode: EpisodeState) -> None:
+    """Write the depths of earlier scans, encoded."""
+    options, ago = term.options[0], memory.ago
+    sectors, near, zero = options.sectors, np.float32(options.near), np.float32(options.zero)
     for w in worlds:
-        for a in range(agents.shape[0]):
-            newest = episode.steps[w, a]
+        for a in range(term.agents.shape[0]):
+            newest, far, now = episode.steps[w, a], memory.far[a], state.pose[w, term.agents[a]]
             for j in range(ago.shape[0]):
-                slot = (newest - min(ago[j], newest)) % scans.shape[2]
-                row = episode.observation[w, a, column + j * sectors : column + (j + 1) * sectors]
-                row[:] = far[a]
-                project(scans[w, a, slot], poses[w, a, slot], state.pose[w, agents[a]], mount[a], beams[a], far[a],
-                        reach[a], row)  # fmt: skip
-                encode(row, code, near_32, zero_32, far[a])
+                slot = (newest - min(ago[j], newest)) % memory.scans.shape[2]
+                column = term.column + j * sectors
+                row = episode.observation[w, a, column : column + sectors]
+                row[:] = far
+                scan, then = memory.scans[w, a, slot], memory.poses[w, a, slot]
+                project(scan, then, now, memory.mount[a], memory.beams[a], far, memory.reach[a], row)
+                encode(row, options.code, near, zero, far)
 
 
 @kernel

@@ -3,21 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats, Ints, Rays, Words
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, encoded, shared_sensors
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
+
+
+@dataclass
+class Sectors(Struct):
+    """What a scan is pooled with.
+
+    Attributes:
+        ranges: Live readings [m], shape ``(n_worlds, n_members, n_beams)``.
+        members: Each agent's row in ``ranges``, shape ``(n_agents,)``.
+        first: First beam of each sector, shape ``(n_sectors,)``; unsigned, which spares a test for negative numbers.
+        last: One past its last beam.
+        extent: Distance to the agent's own outline [m], shape ``(n_agents, n_beams)``.
+        far: Greatest range of each agent's sensor [m], shape ``(n_agents,)``.
+        angles: Directions of the beams [rad], shape ``(n_beams,)``.
+        turns: Heading of each agent's sensor in the body frame [rad], shape ``(n_agents,)``.
+    """
+
+    ranges: Rays
+    members: Ints
+    first: Words
+    last: Words
+    extent: Rays
+    far: Rays
+    angles: Floats
+    turns: Floats
 
 
 @kind
@@ -44,27 +70,27 @@ class Scan:
         """Return what is wrong with options that are right one by one: key and message."""
         return code_problems(self)
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+    def arrays(self, simulation: Simulation, agents: Ints) -> Sectors:
         """Return the live ranges, who has which, the sectors' beams and the agents' own extents."""
         group, members = shared_sensors(simulation, agents, "scan")
         table = group.arrays
         first, last = sector_beams(table["angles"], self.sectors)
-        far = np.array([group.options[k].range_max for k in members], np.float32)
-        return {
-            "ranges": table["ranges"],
-            "members": members,
-            "first": first.astype(np.uint64),
-            "last": last.astype(np.uint64),
-            "extent": np.ascontiguousarray(table["footprint"][members]),
-            "far": far,
-            "angles": table["angles"],
-            "turns": np.array([group.options[k].offset[2] for k in members]),
-        }
+        return Sectors(
+            ranges=table["ranges"],
+            members=members,
+            first=first.astype(np.uint64),
+            last=last.astype(np.uint64),
+            extent=np.ascontiguousarray(table["footprint"][members]),
+            far=np.array([group.options[k].range_max for k in members], np.float32),
+            angles=table["angles"],
+            turns=np.array([group.options[k].offset[2] for k in members]),
+        )
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the codes of the greatest depth that each sector can show, and of contact."""
-        first, last, far = term.arrays["first"], term.arrays["last"], term.arrays["far"]
-        farthest = far[:, None] - term.arrays["extent"]
+        sectors: Sectors = term.arrays
+        first, last, far = sectors.first, sectors.last, sectors.far
+        farthest = far[:, None] - sectors.extent
         low = np.stack([farthest[:, int(i) : int(j)].min(axis=1) for i, j in zip(first, last, strict=True)], axis=1)
         low, high = np.maximum(low, np.float32(0.0)), np.zeros_like(low)
         for a in range(len(far)):
@@ -74,9 +100,9 @@ class Scan:
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return where the sectors look: from their outer beams, and half a beam more, to each side."""
-        angles, table = term.arrays["angles"], term.arrays
-        edges = sector_edges(angles, len(table["first"])) + table["turns"][agent]
-        far = float(table["far"][agent])
+        table: Sectors = term.arrays
+        edges = sector_edges(table.angles, len(table.first)) + table.turns[agent]
+        far = float(table.far[agent])
         scale = f"d = free depth beyond its own outline, as {coded(self, 'd', far)}"
         sectors = tuple(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
         return [Columns("least range of a sector of the scan", scale, len(sectors), sectors)]
@@ -84,21 +110,7 @@ class Scan:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the sectors' codes."""
-        options, table = term.options, term.arrays
-        pool(
-            shard.worlds,
-            table["members"],
-            term.column,
-            code_number(options.code),
-            options.near,
-            options.zero,
-            table["far"],
-            table["first"],
-            table["last"],
-            table["extent"],
-            table["ranges"],
-            episode.observation,
-        )
+        pool(shard.worlds, term.bound, term.arrays, episode)
 
 
 def half_beam(angles: Floats) -> float:
@@ -140,51 +152,25 @@ def sector_beams(angles: Floats, sectors: int) -> tuple[Ints, Ints]:
 
 
 @kernel
-def pool(
-    worlds: Ints,
-    members: Ints,
-    column: int,
-    code: int,
-    near: float,
-    zero: float,
-    far: Rays,
-    first: Words,
-    last: Words,
-    extent: Rays,
-    ranges: Rays,
-    out: Rays,
-) -> None:
-    """Write each sector's least depth beyond the own outline, encoded.
-
-    Args:
-        worlds: The worlds to treat.
-        members: Each agent's row in ``ranges``, ``(n_agents,)``.
-        column: First column of ``out``.
-        code: INVERSE or LINEAR.
-        near: See ``Scan`` [m].
-        zero: See ``Scan`` [1/m].
-        far: Greatest range of each agent's sensor [m], ``(n_agents,)``.
-        first: First beam of each sector, ``(n_sectors,)``; unsigned, which spares a test for negative numbers.
-        last: One past its last beam.
-        extent: Distance to the own outline [m], ``(n_agents, n_beams)``.
-        ranges: Readings [m], ``(n_worlds, n_members, n_beams)``.
-        out: Written, ``(n_worlds, n_agents, n_features)``.
-    """
-    n_sectors = first.shape[0]
-    near_32, zero_32 = np.float32(near), np.float32(zero)
+def pool(worlds: Ints, term: Bound, sectors: Sectors, episode: EpisodeState) -> None:
+    """Write each sector's least depth beyond the own outline, encoded."""
+    options, first, last = term.options[0], sectors.first, sectors.last
+    n_sectors, column = first.shape[0], term.column
+    code, near, zero = options.code, np.float32(options.near), np.float32(options.zero)
     for w in worlds:
-        for a in range(members.shape[0]):
-            scan, own, row = ranges[w, members[a]], extent[a], out[w, a, column : column + n_sectors]
+        for a in range(sectors.members.shape[0]):
+            scan, own, far = sectors.ranges[w, sectors.members[a]], sectors.extent[a], sectors.far[a]
+            row = episode.observation[w, a, column : column + n_sectors]
             if n_sectors == own.shape[0]:
-                write_depths(code, near_32, zero_32, far[a], own, scan, row)
+                write_depths(code, near, zero, far, own, scan, row)
                 continue
             for s in range(n_sectors):
-                least = far[a]
+                least = far
                 for k in range(first[s], last[s]):
                     depth = scan[k] - own[k]
                     least = depth if depth < least else least
                 row[s] = least if least > np.float32(0.0) else np.float32(0.0)
-            encode(row, code, near_32, zero_32, far[a])
+            encode(row, code, near, zero, far)
 
 
 @kernel(inlined=True)
