@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Bytes, CellMap, Floats, Ints, Rays
+from irsim_gym.arraytypes import Bytes, CellMap, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import paint
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.tasks.observations.painting import (
-    Sights,
+    Canvas,
+    Paints,
+    View,
     add_body,
     add_cells,
     add_outside,
@@ -23,13 +26,11 @@ from irsim_gym.tasks.observations.painting import (
     clear,
     image_column,
     image_row,
-    painters,
-    sights,
     view_from,
 )
-from irsim_gym.tasks.observations.scan_painting import paint_scan, scan_tables
+from irsim_gym.tasks.observations.scan_painting import Beams, beams_of, paint_scan
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import ROBOT, WorldModel
 from irsim_gym.world.rows import row_of
@@ -37,6 +38,14 @@ from irsim_gym.world.state import WorldState
 
 LEAST_GOAL = 1.5
 """Least radius of the goal's disc [pixel]."""
+
+
+@dataclass
+class Tools(Struct):
+    """What an occupancy image is painted with, and the scans where it shows them."""
+
+    paints: Paints
+    beams: Beams | None
 
 
 @kind
@@ -78,10 +87,10 @@ class OccupancyImage:
         """Height and width [pixels] and number of channels."""
         return self.pixels, self.pixels, 1 + self.robot_channel + self.goal_channel
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+    def arrays(self, simulation: Simulation, agents: Ints) -> Tools:
         """Return what is painted with, and the scans where they are shown."""
-        tables = scan_tables(simulation, agents, "occupancy_image") if self.from_scan else {}
-        return {**painters(simulation, self.pixels, self.pixels), **tables, "white": np.array([255.0, 1.0])}
+        paints = Paints.of(simulation, self.pixels, self.pixels, [[0.0, 1.0], [255.0, 1.0]])
+        return Tools(paints, beams_of(simulation, agents, "occupancy_image") if self.from_scan else None)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return what the channels show."""
@@ -101,164 +110,104 @@ class OccupancyImage:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Paint the picture."""
-        options, table, seen = term.options, term.arrays, sights(model, state)
-        sheet, scale = table["sheets"][shard.slot], options.pixels / options.metres
-        tools = table["box"], table["white"], sheet
-        camera = shard.worlds, term.agents, options.rotated, scale, state.pose
-        if options.from_scan:
-            beams = table["members"], table["mount"], table["beams"], table["spread"], table["far"], table["ranges"]
-            paint_scan(*camera, *beams, table["free"], *tools, term.image)
+        options, tools, bound, image = term.options, term.arrays, term.bound, term.image
+        worlds, slot, paints = shard.worlds, shard.slot, tools.paints
+        if tools.beams is not None:
+            paint_scan(worlds, slot, bound, tools.beams, paints, state, image)
         else:
             cells = model.cells if options.map else None
-            paint_occupied(
-                shard.worlds,
-                term.agents,
-                options.rotated,
-                scale,
-                model,
-                state,
-                options.bodies,
-                options.edge,
-                options.robot_channel,
-                cells,
-                seen,
-                table["box"],
-                table["white"],
-                sheet,
-                term.image,
-            )
+            paint_occupied(worlds, slot, bound, paints, model, cells, state, image)
         if options.robot_channel:
-            paint_robots(*camera, seen, *tools, term.image)
+            paint_robots(worlds, slot, bound, paints, model, state, image)
         if options.goal_channel:
-            paint_goal(
-                shard.worlds,
-                term.agents,
-                options.rotated,
-                scale,
-                model,
-                state,
-                table["box"],
-                table["white"],
-                sheet,
-                term.image,
-            )
+            paint_goal(worlds, slot, bound, paints, model, state, image)
 
 
 @kernel
 def paint_occupied(
     worlds: Ints,
-    agents: Ints,
-    rotated: bool,
-    scale: float,
+    slot: int,
+    term: Bound,
+    paints: Paints,
     model: WorldModel,
-    state: WorldState,
-    with_bodies: bool,
-    with_edge: bool,
-    without_robots: bool,
     cells: CellMap | None,
-    seen: Sights,
-    box: Ints,
-    white: Floats,
-    sheet: Rays,
+    state: WorldState,
     image: Bytes,
 ) -> None:
     """Clear the pictures, and paint what is occupied into their first channel.
 
     Args:
         worlds: The worlds to treat.
-        agents: Body of each agent.
-        rotated: See ``OccupancyImage``.
-        scale: Pixels per metre.
-        with_bodies: Paint them.
-        with_edge: Paint what is outside of the world.
-        without_robots: Leave robots out.
+        slot: Whose sheet is used.
+        term: An ``OccupancyImage``.
+        paints: Free and occupied in this order.
+        model: What there is.
         cells: The map, or None.
-        seen: What can be seen.
-        box: The whole picture.
-        white: Value and opacity of what is painted.
-        sheet: Empty before and after.
+        state: Where it is.
         image: Written, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
     """
+    options, box, sheet = term.options[0], paints.box, paints.sheets[slot]
     for w in worlds:
-        for a in range(agents.shape[0]):
-            picture, own = image[w, a], agents[a]
+        for a in range(term.agents.shape[0]):
+            picture, own = image[w, a], term.agents[a]
             clear(picture, 0)
-            view = view_from(state.pose[w, own], rotated, scale, picture.shape[0])
-            if with_bodies:
-                for b in range(seen.role.shape[0]):
-                    is_left_out = b == own or seen.unobstructed[b] or (without_robots and seen.role[b] == ROBOT)
-                    if seen.present[w, b] and not is_left_out:
-                        add_body(sheet, box, view, seen, w, b)
-            if with_edge:
-                add_outside(sheet, box, view, model.bounds)
-            add_cells(sheet, box, view, cells)
-            paint(picture[:, :, :1], sheet, box, white, False)
+            canvas = Canvas(sheet, box, view_of(term, state.pose[w, own]))
+            if options.bodies != 0:
+                for b in range(model.role.shape[0]):
+                    is_robot = options.robot_channel != 0 and model.role[b] == ROBOT
+                    if model.present[w, b] and not (b == own or model.unobstructed[b] or is_robot):
+                        add_body(canvas, model, state, w, b)
+            if options.edge != 0:
+                add_outside(canvas, model.bounds)
+            add_cells(canvas, cells)
+            paint(picture[:, :, :1], sheet, box, paints.colours[1], False)
+
+
+@kernel(inlined=True)
+def view_of(term: Bound, pose: Floats) -> View:
+    """Return the view of an agent at a pose."""
+    options = term.options[0]
+    return view_from(pose, options.rotated != 0, options.pixels / options.metres, options.pixels)
 
 
 @kernel
 def paint_robots(
-    worlds: Ints,
-    agents: Ints,
-    rotated: bool,
-    scale: float,
-    pose: Floats,
-    seen: Sights,
-    box: Ints,
-    white: Floats,
-    sheet: Rays,
-    image: Bytes,
+    worlds: Ints, slot: int, term: Bound, paints: Paints, model: WorldModel, state: WorldState, image: Bytes
 ) -> None:
     """Paint other robots into the second channel; see ``paint_occupied``."""
+    box, sheet = paints.box, paints.sheets[slot]
     for w in worlds:
-        for a in range(agents.shape[0]):
-            picture, own = image[w, a], agents[a]
-            view = view_from(pose[w, own], rotated, scale, picture.shape[0])
-            for b in range(seen.role.shape[0]):
-                is_shown = b != own and seen.role[b] == ROBOT and not seen.unobstructed[b]
-                if is_shown and seen.present[w, b]:
-                    add_body(sheet, box, view, seen, w, b)
-            paint(picture[:, :, 1:2], sheet, box, white, False)
+        for a in range(term.agents.shape[0]):
+            picture, own = image[w, a], term.agents[a]
+            canvas = Canvas(sheet, box, view_of(term, state.pose[w, own]))
+            for b in range(model.role.shape[0]):
+                is_shown = b != own and model.role[b] == ROBOT and not model.unobstructed[b]
+                if is_shown and model.present[w, b]:
+                    add_body(canvas, model, state, w, b)
+            paint(picture[:, :, 1:2], sheet, box, paints.colours[1], False)
 
 
 @kernel
 def paint_goal(
-    worlds: Ints,
-    agents: Ints,
-    rotated: bool,
-    scale: float,
-    model: WorldModel,
-    state: WorldState,
-    box: Ints,
-    white: Floats,
-    sheet: Rays,
-    image: Bytes,
+    worlds: Ints, slot: int, term: Bound, paints: Paints, model: WorldModel, state: WorldState, image: Bytes
 ) -> None:
     """Paint the goal into the last channel; see ``paint_occupied``.
 
     Its disc has the radius under which it is reached, at least ``LEAST_GOAL``. Where it would not be all in the picture
     it touches the border, in the goal's direction.
-
-    Args:
-        worlds: The worlds to treat.
-        agents: Body of each agent.
-        rotated: See ``OccupancyImage``.
-        scale: Pixels per metre.
-        box: The whole picture.
-        white: Value and opacity of what is painted.
-        sheet: Empty before and after.
-        image: Written, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
     """
+    box, sheet = paints.box, paints.sheets[slot]
     for w in worlds:
-        for a in range(agents.shape[0]):
-            picture, own = image[w, a], agents[a]
+        for a in range(term.agents.shape[0]):
+            picture, own = image[w, a], term.agents[a]
             if not model.has_goal[own]:
                 continue
-            view, half = view_from(state.pose[w, own], rotated, scale, picture.shape[0]), 0.5 * picture.shape[0]
+            view, half = view_of(term, state.pose[w, own]), 0.5 * picture.shape[0]
             x, y = state.goal[w, own, 0], state.goal[w, own, 1]
             aside, below = image_column(view, x, y) - half, image_row(view, x, y) - half
-            radius = max(model.goal_threshold[row_of(model.goal_threshold, w), own] * scale, LEAST_GOAL)
+            radius = max(model.goal_threshold[row_of(model.goal_threshold, w), own] * view.scale, LEAST_GOAL)
             away = max(np.abs(aside), np.abs(below))
             share = max(half - radius, 0.0) / away if away > half - radius else 1.0
             add_disc(sheet, box, half + share * aside, half + share * below, radius, 1.0)
             last = picture.shape[2] - 1
-            paint(picture[:, :, last:], sheet, box, white, False)
+            paint(picture[:, :, last:], sheet, box, paints.colours[1], False)

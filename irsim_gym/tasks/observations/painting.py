@@ -1,60 +1,71 @@
 """What pictures that agents observe have in common: where a camera looks, and what it can see.
 
-A *view* is seven numbers, ``(x, y, up_x, up_y, scale, middle_x, middle_y)``: a place x, y [m], the unit vector that
-points up in the picture, pixels per metre, and the pixel at which the place is shown. Pixels count from the upper left
-corner, x to the right and y down, as in ``raster``.
+Pixels count from the upper left corner, x to the right and y down, as in ``raster``.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import Bytes, CellMap, Floats, Ints, Rays
 from irsim_gym.engine import Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import add_edge, new_sheet, note, scan_edge
+from irsim_gym.structs import Struct
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
-View = tuple[float, float, float, float, float, float, float]
 CORNER = 1.42
 """A little more than how much farther a square's corner is away than its side."""
 LINE = 1.5
 """Thickness of what has none, such as a wall that is a line [pixel]."""
 
 
-class Sights(NamedTuple):
-    """The arrays of all worlds that say what can be seen: those of ``WorldModel``, then ``WorldState``'s."""
+class View(NamedTuple):
+    """What a picture shows: a place x, y [m], the unit vector that points up, pixels per metre, the place's pixel."""
 
-    role: Ints
-    unobstructed: Flags
-    solid: Flags
-    present: Flags
-    reach: Floats
-    segment_start: Ints
-    segment_count: Ints
-    disc_start: Ints
-    disc_count: Ints
-    pose: Floats
-    segments: Floats
-    discs: Floats
+    x: float
+    y: float
+    up_x: float
+    up_y: float
+    scale: float
+    middle_x: float
+    middle_y: float
 
 
-def sights(model: WorldModel, state: WorldState) -> Sights:
-    """Return what can be seen."""
-    of_model, of_state = Sights._fields[:9], Sights._fields[9:]
-    return Sights(*(getattr(model, name) for name in of_model), *(getattr(state, name) for name in of_state))
+class Canvas(NamedTuple):
+    """What forms are added to: a sheet that is empty before and after, the box of the whole picture, and its view."""
+
+    sheet: Rays
+    box: Ints
+    view: View
 
 
-def painters(simulation: Simulation, height: int, width: int) -> dict[str, NDArray[Any]]:
-    """Return what a picture is painted with: the box of all of it, and a sheet for each slot."""
-    sheets = np.stack([new_sheet(height, width)] * simulation.shards.n_slots)
-    return {"box": np.array([0, 0, width, height], np.int64), "sheets": sheets}
+@dataclass
+class Paints(Struct):
+    """What pictures are painted with.
+
+    Attributes:
+        box: The whole picture: left, top, right, bottom [pixel], shape ``(4,)``.
+        sheets: A sheet for each slot, see ``new_sheet``.
+        colours: Values of the channels, and the opacity, shape ``(n_colours, n_channels + 1)``.
+    """
+
+    box: Ints
+    sheets: Rays
+    colours: Floats
+
+    @classmethod
+    def of(cls, simulation: Simulation, height: int, width: int, colours: Sequence[Sequence[float]]) -> Self:
+        """Return what pictures of a size [pixel] are painted with."""
+        sheets = np.stack([new_sheet(height, width)] * simulation.shards.n_slots)
+        return cls(np.array([0, 0, width, height], np.int64), sheets, np.array(colours, np.float64))
 
 
 def around(metres: float, pixels: int, rotated: bool) -> str:
@@ -67,7 +78,7 @@ def around(metres: float, pixels: int, rotated: bool) -> str:
 def view_from(pose: Floats, rotated: bool, scale: float, pixels: int) -> View:
     """Return the view of an agent at a pose, whose heading points up where ``rotated``."""
     up_x, up_y = (np.cos(pose[2]), np.sin(pose[2])) if rotated else (0.0, 1.0)
-    return pose[0], pose[1], up_x, up_y, scale, 0.5 * pixels, 0.5 * pixels
+    return View(pose[0], pose[1], up_x, up_y, scale, 0.5 * pixels, 0.5 * pixels)
 
 
 @kernel(inlined=True)
@@ -82,18 +93,19 @@ def clear(picture: Bytes, value: int) -> None:
 @kernel(inlined=True)
 def image_column(view: View, x: float, y: float) -> float:
     """Return where a place [m] is, from the left of the picture [pixel]."""
-    return view[5] + view[4] * ((x - view[0]) * view[3] - (y - view[1]) * view[2])
+    return view.middle_x + view.scale * ((x - view.x) * view.up_y - (y - view.y) * view.up_x)
 
 
 @kernel(inlined=True)
 def image_row(view: View, x: float, y: float) -> float:
     """Return where a place [m] is, from the top of the picture [pixel]."""
-    return view[6] - view[4] * ((x - view[0]) * view[2] + (y - view[1]) * view[3])
+    return view.middle_y - view.scale * ((x - view.x) * view.up_x + (y - view.y) * view.up_y)
 
 
 @kernel
-def add_side(sheet: Rays, box: Ints, view: View, ax: float, ay: float, bx: float, by: float) -> None:
+def add_side(canvas: Canvas, ax: float, ay: float, bx: float, by: float) -> None:
     """Add a side of an area from a to b [m] to a sheet, the area to the left of it."""
+    sheet, box, view = canvas
     add_edge(
         sheet,
         box,
@@ -105,8 +117,9 @@ def add_side(sheet: Rays, box: Ints, view: View, ax: float, ay: float, bx: float
 
 
 @kernel
-def add_wall(sheet: Rays, box: Ints, view: View, ax: float, ay: float, bx: float, by: float) -> None:
+def add_wall(canvas: Canvas, ax: float, ay: float, bx: float, by: float) -> None:
     """Add a line from a to b [m] of the least thickness that can be seen well, a little longer at both ends."""
+    sheet, box, view = canvas
     px, py, qx, qy = (
         image_column(view, ax, ay),
         image_row(view, ax, ay),
@@ -125,38 +138,41 @@ def add_wall(sheet: Rays, box: Ints, view: View, ax: float, ay: float, bx: float
 
 
 @kernel
-def is_near(view: View, box: Ints, x: float, y: float, reach: float) -> bool:
+def is_near(canvas: Canvas, x: float, y: float, reach: float) -> bool:
     """Return whether something around a place [m] may be in the picture, which is ``box``."""
-    column, row, far = image_column(view, x, y), image_row(view, x, y), reach * view[4] + LINE
+    view, box = canvas.view, canvas.box
+    column, row, far = image_column(view, x, y), image_row(view, x, y), reach * view.scale + LINE
     is_beside: bool = column + far <= box[0] or column - far >= box[2]
     return not (is_beside or row + far <= box[1] or row - far >= box[3])
 
 
 @kernel
-def add_body(sheet: Rays, box: Ints, view: View, seen: Sights, w: int, b: int) -> None:
+def add_body(canvas: Canvas, model: WorldModel, state: WorldState, w: int, b: int) -> None:
     """Add a body of a world to a sheet."""
-    reach = seen.reach[row_of(seen.reach, w), b]
-    if not is_near(view, box, seen.pose[w, b, 0], seen.pose[w, b, 1], reach):
+    sheet, box, view = canvas
+    reach = model.reach[row_of(model.reach, w), b]
+    if not is_near(canvas, state.pose[w, b, 0], state.pose[w, b, 1], reach):
         return
-    first = seen.segment_start[b]
-    is_solid, segments, discs = seen.solid[b], seen.segments[w], seen.discs[w]
-    for s in range(first, first + seen.segment_count[row_of(seen.segment_count, w), b]):
+    first = model.segment_start[b]
+    is_solid, segments, discs = model.solid[b], state.segments[w], state.discs[w]
+    for s in range(first, first + model.segment_count[row_of(model.segment_count, w), b]):
         ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
         if is_solid:
-            add_side(sheet, box, view, ax, ay, bx, by)
+            add_side(canvas, ax, ay, bx, by)
         else:
-            add_wall(sheet, box, view, ax, ay, bx, by)
-    first = seen.disc_start[b]
-    for d in range(first, first + seen.disc_count[row_of(seen.disc_count, w), b]):
+            add_wall(canvas, ax, ay, bx, by)
+    first = model.disc_start[b]
+    for d in range(first, first + model.disc_count[row_of(model.disc_count, w), b]):
         x, y = discs[d, 0], discs[d, 1]
-        add_disc(sheet, box, image_column(view, x, y), image_row(view, x, y), discs[d, 2] * view[4], 1.0)
+        add_disc(sheet, box, image_column(view, x, y), image_row(view, x, y), discs[d, 2] * view.scale, 1.0)
 
 
 @kernel
-def add_rectangle(sheet: Rays, box: Ints, view: View, left: float, low: float, right: float, high: float) -> None:
+def add_rectangle(canvas: Canvas, left: float, low: float, right: float, high: float) -> None:
     """Add an upright rectangle [m] to a sheet."""
+    sheet, box, view = canvas
     half_x, half_y = 0.5 * (right - left), 0.5 * (high - low)
-    if not is_near(view, box, left + half_x, low + half_y, np.sqrt(half_x * half_x + half_y * half_y)):
+    if not is_near(canvas, left + half_x, low + half_y, np.sqrt(half_x * half_x + half_y * half_y)):
         return
     ax, ay, bx, by = (
         image_column(view, left, low),
@@ -178,28 +194,34 @@ def add_rectangle(sheet: Rays, box: Ints, view: View, left: float, low: float, r
 
 
 @kernel
-def add_cells(sheet: Rays, box: Ints, view: View, cells: CellMap | None) -> None:
+def add_cells(canvas: Canvas, cells: CellMap | None) -> None:
     """Add the occupied cells of a map to a sheet."""
     if cells is not None:
+        view, box = canvas.view, canvas.box
         frame, _, boxes, _ = cells
         x, y, width, height = frame[0], frame[1], frame[2], frame[3]
-        seen = CORNER * (max(view[5], box[2] - view[5], view[6], box[3] - view[6]) + LINE) / view[4]
+        seen = (
+            CORNER
+            * (max(view.middle_x, box[2] - view.middle_x, view.middle_y, box[3] - view.middle_y) + LINE)
+            / view.scale
+        )
         for k in range(boxes.shape[0]):
             left, right = x + width * boxes[k, 0], x + width * boxes[k, 1]
             low, high = y + height * boxes[k, 2], y + height * boxes[k, 3]
             size = CORNER * (right - left + high - low)  # most are far away however the picture is turned
-            if max(abs(left - view[0]), abs(low - view[1])) < seen + size:
-                add_rectangle(sheet, box, view, left, low, right, high)
+            if max(abs(left - view.x), abs(low - view.y)) < seen + size:
+                add_rectangle(canvas, left, low, right, high)
 
 
 @kernel
-def add_outside(sheet: Rays, box: Ints, view: View, bounds: Floats) -> None:
+def add_outside(canvas: Canvas, bounds: Floats) -> None:
     """Add all that is outside of the world, as far as the picture shows it."""
-    size = (box[2] - box[0] + box[3] - box[1]) / view[4]
+    box, view = canvas.box, canvas.view
+    size = (box[2] - box[0] + box[3] - box[1]) / view.scale
     left, low, right, high = bounds[0], bounds[1], bounds[2], bounds[3]
-    from_x, from_y = min(left, view[0]) - size, min(low, view[1]) - size
-    to_x, to_y = max(right, view[0]) + size, max(high, view[1]) + size
-    add_rectangle(sheet, box, view, from_x, from_y, left, to_y)
-    add_rectangle(sheet, box, view, right, from_y, to_x, to_y)
-    add_rectangle(sheet, box, view, left, from_y, right, low)
-    add_rectangle(sheet, box, view, left, high, right, to_y)
+    from_x, from_y = min(left, view.x) - size, min(low, view.y) - size
+    to_x, to_y = max(right, view.x) + size, max(high, view.y) + size
+    add_rectangle(canvas, from_x, from_y, left, to_y)
+    add_rectangle(canvas, right, from_y, to_x, to_y)
+    add_rectangle(canvas, left, from_y, right, low)
+    add_rectangle(canvas, left, high, right, to_y)

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays, Spans
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid, mark_blocked
 from irsim_gym.paths.spread import PARENT, clear_field, offer_gates, spread
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
+from irsim_gym.tasks.rewards.geodesic import mark_standing
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term, forget
+from irsim_gym.tasks.term import Bound, Term, forget
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
@@ -29,6 +31,33 @@ FINEST = 200
 """Most cells along the longer side of the world, unless a side is given."""
 ENTRY = 4
 """How many cells around the agent's own are looked at for a free one."""
+
+
+@dataclass
+class Ways(Struct):
+    """The ways to the agents' goals, over a grid of cells, and what they are found with.
+
+    Attributes:
+        grid: Origin x, y and side of a cell [m], shape ``(3,)``.
+        columns: Columns of the grid.
+        onward: Number of the next cell on the way, -1 at its end, shape ``(n_worlds, n_agents, n_cells)``.
+        length: Length of the way from each cell [m], infinite without one, shape ``(n_worlds, n_agents, n_cells)``.
+        target: The goals [m] that the ways lead to, shape ``(n_worlds, n_agents, 2)``.
+        blocked: Scratch: see ``Grid.blocked``; first axis the slot, as in all that follow.
+        field: Scratch: see ``Grid.field``.
+        queue: Scratch: see ``Grid.queue``.
+        blocks: Scratch: bodies that are in the way, shape ``(n_slots, n_bodies)``.
+    """
+
+    grid: Floats
+    columns: int
+    onward: Spans
+    length: Rays
+    target: Floats
+    blocked: Bytes
+    field: Floats
+    queue: Ints
+    blocks: Flags
 
 
 @kind
@@ -48,23 +77,24 @@ class Route:
         None, gt=0.0, unit="m", meaning="Side of the cells; none: 0.1 m, or a 200th of the world's longer side."
     )
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return the ways, ``(n_worlds, n_agents, n_cells)``, the goals they lead to, the grid, and scratch memory."""
+    def arrays(self, simulation: Simulation, agents: Ints) -> Ways:
+        """Return the ways, and scratch memory."""
         bounds = simulation.model.bounds
         side = max(float(bounds[2] - bounds[0]), float(bounds[3] - bounds[1]))
         grid = Grid.over(bounds, max(CELL, side / FINEST) if self.cell is None else self.cell)
         slots, n_agents = simulation.shards.n_slots, len(agents)
         shape = (simulation.n_worlds, n_agents, grid.rows * grid.columns)
-        return {
-            "grid": np.array([grid.origin_x, grid.origin_y, grid.cell]),
-            "onward": np.full(shape, -1, np.int32),
-            "length": np.full(shape, np.inf, np.float32),
-            "target": np.full((simulation.n_worlds, n_agents, 2), np.nan),
-            "blocked": np.stack([grid.blocked() for _ in range(slots)]),
-            "field": np.stack([grid.field() for _ in range(slots)]),
-            "queue": np.stack([grid.queue() for _ in range(slots)]),
-            "blocks": np.zeros((slots, len(simulation.scenario.bodies)), np.bool_),
-        }
+        return Ways(
+            grid=np.array([grid.origin_x, grid.origin_y, grid.cell]),
+            columns=grid.columns,
+            onward=np.full(shape, -1, np.int32),
+            length=np.full(shape, np.inf, np.float32),
+            target=np.full((simulation.n_worlds, n_agents, 2), np.nan),
+            blocked=np.stack([grid.blocked() for _ in range(slots)]),
+            field=np.stack([grid.field() for _ in range(slots)]),
+            queue=np.stack([grid.queue() for _ in range(slots)]),
+            blocks=np.zeros((slots, len(simulation.scenario.bodies)), np.bool_),
+        )
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the bounds of the three elements."""
@@ -83,68 +113,35 @@ class Route:
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Forget the goals, so that all ways are found anew."""
-        forget(term.arrays["target"], np.nan, episode, shard)
+        forget(term.arrays.target, np.nan, episode, shard)
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Find the ways to goals that are new, and write the three elements."""
-        table, slot = term.arrays, shard.slot
-        find_ways(
-            shard.worlds,
-            term.agents,
-            model,
-            state,
-            model.cells,
-            table["grid"],
-            table["blocked"][slot],
-            table["field"][slot],
-            table["queue"][slot],
-            table["blocks"][slot],
-            table["target"],
-            table["onward"],
-            table["length"],
-        )
-        write_route(
-            shard.worlds,
-            term.agents,
-            term.column,
-            term.options.ahead,
-            model,
-            state,
-            episode,
-            table["grid"],
-            table["blocked"].shape[2],
-            table["onward"],
-            table["length"],
-        )
+        find_ways(shard.worlds, shard.slot, term.agents, term.arrays, model, model.cells, state)
+        write_route(shard.worlds, term.bound, term.arrays, model, state, episode)
 
 
 @kernel
 def find_ways(
-    worlds: Ints,
-    agents: Ints,
-    model: WorldModel,
-    state: WorldState,
-    cells: CellMap | None,
-    grid: Floats,
-    blocked: Bytes,
-    field: Floats,
-    queue: Ints,
-    blocks: Flags,
-    target: Floats,
-    onward: Ints,
-    length: Rays,
+    worlds: Ints, slot: int, agents: Ints, ways: Ways, model: WorldModel, cells: CellMap | None, state: WorldState
 ) -> None:
     """Write for each free cell the next one on the way to the goal and how long the way is, where the goal is new."""
+    grid, blocked, field, queue, blocks = (
+        ways.grid,
+        ways.blocked[slot],
+        ways.field[slot],
+        ways.queue[slot],
+        ways.blocks[slot],
+    )
     for w in worlds:
         for a in range(agents.shape[0]):
-            own = agents[a]
+            own, target = agents[a], ways.target[w, a]
             goal_x, goal_y = state.goal[w, own, 0], state.goal[w, own, 1]
-            if goal_x == target[w, a, 0] and goal_y == target[w, a, 1]:
+            if goal_x == target[0] and goal_y == target[1]:
                 continue
-            target[w, a, 0], target[w, a, 1] = goal_x, goal_y
-            for b in range(blocks.shape[0]):
-                blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != own
+            target[0], target[1] = goal_x, goal_y
+            mark_standing(model, w, own, blocks)
             outlines = (
                 state.segments[w],
                 model.segment_start,
@@ -163,36 +160,27 @@ def find_ways(
             spread(blocked, grid[2], -1, -1, field, queue)
             known = field.reshape(-1)
             for k in range(known.shape[0]):
-                length[w, a, k] = np.float32(known[k])
-                onward[w, a, k] = np.int32(queue[PARENT, k])
+                ways.length[w, a, k] = np.float32(known[k])
+                ways.onward[w, a, k] = np.int32(queue[PARENT, k])
 
 
 @kernel
 def write_route(
-    worlds: Ints,
-    agents: Ints,
-    column: int,
-    ahead: float,
-    model: WorldModel,
-    state: WorldState,
-    episode: EpisodeState,
-    grid: Floats,
-    columns: int,
-    onward: Ints,
-    length: Rays,
+    worlds: Ints, term: Bound, ways: Ways, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
     """Write cosine and sine of the way's direction, (1, 0) at the goal itself, and its length over the diagonal."""
+    ahead, column = term.options[0].ahead, term.column
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     for w in worlds:
-        for a in range(agents.shape[0]):
-            b = agents[a]
+        for a in range(term.agents.shape[0]):
+            b, length = term.agents[a], ways.length[w, a]
             x, y = state.pose[w, b, 0], state.pose[w, b, 1]
             to_x, to_y = state.goal[w, b, 0], state.goal[w, b, 1]
             way = np.sqrt((to_x - x) * (to_x - x) + (to_y - y) * (to_y - y))
-            first = entry(length[w, a], grid, columns, x, y)
-            if first >= 0 and float(length[w, a, first]) > ahead:
-                way = float(length[w, a, first])
-                to_x, to_y = point_ahead(onward[w, a], grid, columns, first, ahead, to_x, to_y)
+            first = entry(length, ways.grid, ways.columns, x, y)
+            if first >= 0 and float(length[first]) > ahead:
+                way = float(length[first])
+                to_x, to_y = point_ahead(ways.onward[w, a], ways.grid, ways.columns, first, ahead, to_x, to_y)
             dx, dy = to_x - x, to_y - y
             far = np.sqrt(dx * dx + dy * dy)
             cosine, sine = turned(state.pose[w, b, 2], state.direction[w, b])

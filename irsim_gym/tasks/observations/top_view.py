@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Bytes, CellMap, Floats, Ints, Rays
+from irsim_gym.arraytypes import Bytes, CellMap, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import paint
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.observations.painting import (
-    Sights,
+    Canvas,
+    Paints,
     View,
     add_body,
     add_cells,
@@ -25,12 +25,10 @@ from irsim_gym.tasks.observations.painting import (
     around,
     image_column,
     image_row,
-    painters,
-    sights,
     view_from,
 )
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import OBSTACLE, ROBOT, WorldModel
 from irsim_gym.world.rows import row_of
@@ -38,6 +36,8 @@ from irsim_gym.world.state import WorldState
 
 COLOURS = ("background", "outside", "obstacles", "goals", "robots", "itself", "headings")
 BACKGROUND, OUTSIDE, OBSTACLES, GOALS, ROBOTS, ITSELF, HEADINGS = range(len(COLOURS))
+WHOLE_WORLD = 1
+"""What ``follow: world`` is in the records of options."""
 NOBODY = -1
 """In place of the body that is left out."""
 
@@ -78,10 +78,10 @@ class TopView:
         """Height and width [pixels] and number of channels."""
         return self.pixels, self.pixels, 3
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
-        """Return what is painted with, and the colours with their opacity, ``(n_colours, 4)``."""
+    def arrays(self, simulation: Simulation, agents: Ints) -> Paints:
+        """Return what is painted with: the colours with their opacity, ``(n_colours, 4)``."""
         colours = [[*bytes.fromhex(getattr(self, name)[1:]), 1.0] for name in COLOURS]
-        return {**painters(simulation, self.pixels, self.pixels), "colours": np.array(colours, np.float64)}
+        return Paints.of(simulation, self.pixels, self.pixels, colours)
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return what the channels show."""
@@ -97,86 +97,60 @@ class TopView:
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Paint the picture."""
-        options, table = term.options, term.arrays
-        whole = options.follow == "world"
-        paint_view(
-            shard.worlds,
-            term.agents,
-            whole,
-            options.rotated,
-            options.pixels / options.metres,
-            model,
-            state,
-            model.cells,
-            sights(model, state),
-            table["colours"],
-            table["box"],
-            table["sheets"][shard.slot],
-            term.image,
-        )
+        worlds, slot, cells = shard.worlds, shard.slot, model.cells
+        paint_view(worlds, slot, term.bound, term.arrays, model, cells, state, term.image)
 
 
 @kernel
 def paint_view(
     worlds: Ints,
-    agents: Ints,
-    whole: bool,
-    rotated: bool,
-    scale: float,
+    slot: int,
+    term: Bound,
+    paints: Paints,
     model: WorldModel,
-    state: WorldState,
     cells: CellMap | None,
-    seen: Sights,
-    colours: Floats,
-    box: Ints,
-    sheet: Rays,
+    state: WorldState,
     image: Bytes,
 ) -> None:
     """Paint the pictures.
 
     Args:
         worlds: The worlds to treat.
-        agents: Body of each agent.
-        whole: Show all of the world.
-        rotated: See ``TopView``.
-        scale: Pixels per metre around a robot.
+        slot: Whose sheet is used.
+        term: A ``TopView``.
+        paints: The colours in the order of ``COLOURS``.
+        model: What there is.
         cells: The map, or None.
-        seen: What can be seen.
-        colours: Colours and opacities, ``(n_colours, 4)``.
-        box: The whole picture.
-        sheet: Empty before and after.
+        state: Where it is.
         image: Written, ``(n_worlds, n_agents, pixels, pixels, 3)``.
     """
+    options, box, sheet, colours = term.options[0], paints.box, paints.sheets[slot], paints.colours
+    scale = options.pixels / options.metres
     for w in worlds:
-        for a in range(agents.shape[0]):
-            picture, own = image[w, a], agents[a]
-            view = view_from(seen.pose[w, own], rotated, scale, picture.shape[0])
-            if whole:
+        for a in range(term.agents.shape[0]):
+            picture, own = image[w, a], term.agents[a]
+            view = view_from(state.pose[w, own], options.rotated != 0, scale, picture.shape[0])
+            if options.follow == WHOLE_WORLD:
                 view = view_of_all(model.bounds, picture.shape[0])
+            canvas = Canvas(sheet, box, view)
             fill(picture, colours[BACKGROUND])
-            add_outside(sheet, box, view, model.bounds)
+            add_outside(canvas, model.bounds)
             paint(picture, sheet, box, colours[OUTSIDE], False)
             if model.has_goal[own]:
                 x, y = state.goal[w, own, 0], state.goal[w, own, 1]
-                radius = max(model.goal_threshold[row_of(model.goal_threshold, w), own] * scale_of(view), 1.5)
+                radius = max(model.goal_threshold[row_of(model.goal_threshold, w), own] * view.scale, 1.5)
                 add_disc(sheet, box, image_column(view, x, y), image_row(view, x, y), radius, 1.0)
                 paint(picture, sheet, box, colours[GOALS], False)
-            add_cells(sheet, box, view, cells)
-            add_bodies(sheet, box, view, seen, w, OBSTACLE, NOBODY)
+            add_cells(canvas, cells)
+            add_bodies(canvas, model, state, w, OBSTACLE, NOBODY)
             paint(picture, sheet, box, colours[OBSTACLES], False)
-            add_bodies(sheet, box, view, seen, w, ROBOT, own)
+            add_bodies(canvas, model, state, w, ROBOT, own)
             paint(picture, sheet, box, colours[ROBOTS], False)
-            if seen.present[w, own]:
-                add_body(sheet, box, view, seen, w, own)
+            if model.present[w, own]:
+                add_body(canvas, model, state, w, own)
                 paint(picture, sheet, box, colours[ITSELF], False)
-            add_headings(sheet, box, view, seen, w)
+            add_headings(canvas, model, state, w)
             paint(picture, sheet, box, colours[HEADINGS], False)
-
-
-@kernel(inlined=True)
-def scale_of(view: View) -> float:
-    """Return the pixels per metre."""
-    return view[4]
 
 
 @kernel
@@ -184,7 +158,7 @@ def view_of_all(bounds: Floats, pixels: int) -> View:
     """Return a view of all of the world, its y axis up."""
     width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
     x, y = bounds[0] + 0.5 * width, bounds[1] + 0.5 * height
-    return x, y, 0.0, 1.0, pixels / max(width, height), 0.5 * pixels, 0.5 * pixels
+    return View(x, y, 0.0, 1.0, pixels / max(width, height), 0.5 * pixels, 0.5 * pixels)
 
 
 @kernel
@@ -199,23 +173,23 @@ def fill(picture: Bytes, colour: Floats) -> None:
 
 
 @kernel
-def add_bodies(sheet: Rays, box: Ints, view: View, seen: Sights, w: int, role: int, but: int) -> None:
+def add_bodies(canvas: Canvas, model: WorldModel, state: WorldState, w: int, role: int, but: int) -> None:
     """Add the bodies of a role that are in a world, all but one, to a sheet."""
-    for b in range(seen.role.shape[0]):
-        if seen.role[b] == role and b != but and seen.present[w, b]:
-            add_body(sheet, box, view, seen, w, b)
+    for b in range(model.role.shape[0]):
+        if model.role[b] == role and b != but and model.present[w, b]:
+            add_body(canvas, model, state, w, b)
 
 
 @kernel
-def add_headings(sheet: Rays, box: Ints, view: View, seen: Sights, w: int) -> None:
+def add_headings(canvas: Canvas, model: WorldModel, state: WorldState, w: int) -> None:
     """Add a triangle that points ahead on each robot."""
-    for b in range(seen.role.shape[0]):
-        if seen.role[b] != ROBOT or not seen.present[w, b]:
+    for b in range(model.role.shape[0]):
+        if model.role[b] != ROBOT or not model.present[w, b]:
             continue
-        size = seen.reach[row_of(seen.reach, w), b]
-        x, y, heading = seen.pose[w, b, 0], seen.pose[w, b, 1], seen.pose[w, b, 2]
+        size = model.reach[row_of(model.reach, w), b]
+        x, y, heading = state.pose[w, b, 0], state.pose[w, b, 1], state.pose[w, b, 2]
         ahead_x, ahead_y = size * np.cos(heading), size * np.sin(heading)
         tip_x, tip_y, aside_x, aside_y = x + 0.9 * ahead_x, y + 0.9 * ahead_y, -0.5 * ahead_y, 0.5 * ahead_x
-        add_side(sheet, box, view, tip_x, tip_y, x + aside_x, y + aside_y)
-        add_side(sheet, box, view, x + aside_x, y + aside_y, x - aside_x, y - aside_y)
-        add_side(sheet, box, view, x - aside_x, y - aside_y, tip_x, tip_y)
+        add_side(canvas, tip_x, tip_y, x + aside_x, y + aside_y)
+        add_side(canvas, x + aside_x, y + aside_y, x - aside_x, y - aside_y)
+        add_side(canvas, x - aside_x, y - aside_y, tip_x, tip_y)

@@ -2,108 +2,100 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.paths.geodesic import distance_field, field_at
 from irsim_gym.paths.grid import Grid
+from irsim_gym.structs import Struct
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Term
+from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 
-def field_arrays(simulation: Simulation, n_agents: int, cell: float) -> dict[str, NDArray[Any]]:
-    """Return the fields, ``(n_worlds, n_agents, rows, columns)`` [m], their grid, and scratch for each shard."""
-    grid = Grid.over(simulation.model.bounds, cell)
-    slots, n_bodies = simulation.shards.n_slots, len(simulation.scenario.bodies)
-    shape = (simulation.n_worlds, n_agents, grid.rows, grid.columns)
-    return {
-        "grid": np.array([grid.origin_x, grid.origin_y, grid.cell]),
-        "field": np.full(shape, np.inf),
-        "blocked": np.stack([grid.blocked() for _ in range(slots)]),
-        "queue": np.stack([grid.queue() for _ in range(slots)]),
-        "blocks": np.zeros((slots, n_bodies), np.bool_),
-    }
+@dataclass
+class Fields(Struct):
+    """Distances to the agents' goals over a grid of cells, and what they are found with.
+
+    Attributes:
+        grid: Origin x, y and side of a cell [m], shape ``(3,)``.
+        target: The goals [m], shape ``(n_worlds, n_agents, 2)``.
+        potential: Each agent's distance one step ago [m], shape ``(n_worlds, n_agents)``.
+        field: The distances [m], shape ``(n_worlds, n_agents, rows, columns)``.
+        blocked: Scratch: see ``Grid.blocked``; first axis the slot, as in all that follow.
+        queue: Scratch: see ``Grid.queue``.
+        blocks: Scratch: bodies that are in the way, shape ``(n_slots, n_bodies)``.
+    """
+
+    grid: Floats
+    target: Floats
+    potential: Floats
+    field: Floats
+    blocked: Bytes
+    queue: Ints
+    blocks: Flags
+
+    @classmethod
+    def over(cls, simulation: Simulation, n_agents: int, cell: float) -> Self:
+        """Return fields with cells of some side [m]."""
+        grid = Grid.over(simulation.model.bounds, cell)
+        slots, shape = simulation.shards.n_slots, (simulation.n_worlds, n_agents)
+        return cls(
+            grid=np.array([grid.origin_x, grid.origin_y, grid.cell]),
+            target=np.zeros((*shape, 2)),
+            potential=np.zeros(shape),
+            field=np.full((*shape, grid.rows, grid.columns), np.inf),
+            blocked=np.stack([grid.blocked() for _ in range(slots)]),
+            queue=np.stack([grid.queue() for _ in range(slots)]),
+            blocks=np.zeros((slots, len(simulation.scenario.bodies)), np.bool_),
+        )
 
 
 def note_fields(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
     """Draw the fields of agents whose episode begins or whose goal has changed, and note goals and distances."""
-    table, slot = term.arrays, shard.slot
-    draw_fields(
-        shard.worlds,
-        term.agents,
-        model,
-        state,
-        episode,
-        model.cells,
-        table["grid"],
-        table["blocked"][slot],
-        table["queue"][slot],
-        table["blocks"][slot],
-        table["target"],
-        table["field"],
-        table["potential"],
-    )
+    worlds, slot = shard.worlds, shard.slot
+    draw_fields(worlds, slot, term.agents, term.arrays, model, model.cells, state, episode)
 
 
-def pay_field_gain(term: Term, model: WorldModel, state: WorldState, shard: Shard, out: Floats) -> None:
-    """Write the weighted way gained, over the world's diagonal, and note the new distances."""
-    table = term.arrays
-    pay_gain(
-        shard.worlds,
-        term.agents,
-        term.column,
-        term.options.weight,
-        model,
-        state,
-        table["grid"],
-        table["field"],
-        table["potential"],
-        out,
-    )
+@kernel
+def mark_standing(model: WorldModel, w: int, own: int, blocks: Flags) -> None:
+    """Write which other bodies stand in the way of a body and never move."""
+    for b in range(blocks.shape[0]):
+        blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != own
 
 
 @kernel
 def draw_fields(
     worlds: Ints,
+    slot: int,
     agents: Ints,
+    fields: Fields,
     model: WorldModel,
+    cells: CellMap | None,
     state: WorldState,
     episode: EpisodeState,
-    cells: CellMap | None,
-    grid: Floats,
-    blocked: Bytes,
-    queue: Ints,
-    blocks: Flags,
-    target: Floats,
-    field: Floats,
-    potential: Floats,
 ) -> None:
     """Write field, noted goal and distance [m] where the goal is new or the episode begins.
 
     Where the field knows no way from the agent the straight distance takes its place.
     """
+    grid, blocked, queue, blocks = fields.grid, fields.blocked[slot], fields.queue[slot], fields.blocks[slot]
     for w in worlds:
         for a in range(agents.shape[0]):
-            own = agents[a]
-            x, y, goal_x, goal_y = (
-                state.pose[w, own, 0],
-                state.pose[w, own, 1],
-                state.goal[w, own, 0],
-                state.goal[w, own, 1],
-            )
-            if not episode.began[w, a] and goal_x == target[w, a, 0] and goal_y == target[w, a, 1]:
+            own, target, field = agents[a], fields.target[w, a], fields.field[w, a]
+            x, y = state.pose[w, own, 0], state.pose[w, own, 1]
+            goal_x, goal_y = state.goal[w, own, 0], state.goal[w, own, 1]
+            if not episode.began[w, a] and goal_x == target[0] and goal_y == target[1]:
                 continue
-            target[w, a, 0], target[w, a, 1] = goal_x, goal_y
-            for b in range(blocks.shape[0]):
-                blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != own
+            target[0], target[1] = goal_x, goal_y
+            mark_standing(model, w, own, blocks)
             distance_field(
                 state.segments[w],
                 model.segment_start,
@@ -121,34 +113,26 @@ def draw_fields(
                 grid[1],
                 grid[2],
                 blocked,
-                field[w, a],
+                field,
                 queue,
             )
-            here = field_at(field[w, a], grid[0], grid[1], grid[2], x, y)
+            here = field_at(field, grid[0], grid[1], grid[2], x, y)
             dx, dy = goal_x - x, goal_y - y
-            potential[w, a] = here if here < np.inf else np.sqrt(dx * dx + dy * dy)
+            fields.potential[w, a] = here if here < np.inf else np.sqrt(dx * dx + dy * dy)
 
 
 @kernel
-def pay_gain(
-    worlds: Ints,
-    agents: Ints,
-    column: int,
-    weight: float,
-    model: WorldModel,
-    state: WorldState,
-    grid: Floats,
-    field: Floats,
-    potential: Floats,
-    out: Floats,
+def pay_field_gain(
+    worlds: Ints, term: Bound, fields: Fields, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
     """Write the weighted loss of distance over the diagonal of ``bounds``; nothing where the field knows no way."""
+    grid, potential = fields.grid, fields.potential
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
-    rate = weight / np.sqrt(width * width + height * height)
+    rate = term.options[0].weight / np.sqrt(width * width + height * height)
     for w in worlds:
-        for a in range(agents.shape[0]):
-            b = agents[a]
-            here = field_at(field[w, a], grid[0], grid[1], grid[2], state.pose[w, b, 0], state.pose[w, b, 1])
+        for a in range(term.agents.shape[0]):
+            b = term.agents[a]
+            here = field_at(fields.field[w, a], grid[0], grid[1], grid[2], state.pose[w, b, 0], state.pose[w, b, 1])
             here = here if here < np.inf else potential[w, a]
-            out[w, a, column] = rate * (potential[w, a] - here)
+            episode.reward_term[w, a, term.column] = rate * (potential[w, a] - here)
             potential[w, a] = here

@@ -2,21 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from dataclasses import dataclass
+from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.tasks.outcome import Outcome
-from irsim_gym.tasks.rewards.geodesic import field_arrays, note_fields, pay_field_gain
+from irsim_gym.tasks.rewards.geodesic import Fields, note_fields, pay_field_gain
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import Role, Term
+from irsim_gym.tasks.term import Bound, Role, Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
+
+
+@dataclass
+class Potentials(Struct):
+    """Where the agents' goals were one step ago, and how far.
+
+    Attributes:
+        target: The goals [m], shape ``(n_worlds, n_agents, 2)``.
+        distance: Their distances [m], shape ``(n_worlds, n_agents)``.
+    """
+
+    target: Floats
+    distance: Floats
 
 
 @kind
@@ -38,12 +52,12 @@ class Progress:
     )
     cell: float = option(0.1, gt=0.0, unit="m", meaning="Geodesic: side of the cells in which ways are measured.")
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
+    def arrays(self, simulation: Simulation, agents: Ints) -> Potentials | Fields:
         """Return the memory: each agent's goal and its distance, one step ago."""
+        if self.potential == "geodesic":
+            return Fields.over(simulation, len(agents), self.cell)
         shape = (simulation.n_worlds, len(agents))
-        memory: dict[str, NDArray[Any]] = {"target": np.zeros((*shape, 2)), "potential": np.zeros(shape)}
-        fields = field_arrays(simulation, len(agents), self.cell) if self.potential == "geodesic" else {}
-        return memory | fields
+        return Potentials(np.zeros((*shape, 2)), np.zeros(shape))
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
@@ -51,8 +65,7 @@ class Progress:
         if term.options.potential == "geodesic":
             note_fields(term, model, state, episode, shard)
         else:
-            memory = term.arrays
-            note(shard.worlds, term.agents, state, memory["target"], memory["potential"])
+            note(shard.worlds, term.agents, term.arrays, state)
 
     def when(self, term: Term) -> str:
         """Return when and how much it pays."""
@@ -63,21 +76,10 @@ class Progress:
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Write the gain since the step before, and note where things are now."""
         if term.options.potential == "geodesic":
-            pay_field_gain(term, model, state, shard, episode.reward_term)
+            pay_field_gain(shard.worlds, term.bound, term.arrays, model, state, episode)
             note_fields(term, model, state, episode, shard)
-            return
-        memory = term.arrays
-        pay_gain(
-            shard.worlds,
-            term.agents,
-            term.column,
-            term.options.weight,
-            model,
-            state,
-            episode,
-            memory["target"],
-            memory["potential"],
-        )
+        else:
+            pay_gain(shard.worlds, term.bound, term.arrays, model, state, episode)
 
 
 @kernel
@@ -88,34 +90,26 @@ def distance(pose: Floats, target: Floats) -> float:
 
 
 @kernel
-def note(worlds: Ints, agents: Ints, state: WorldState, target: Floats, potential: Floats) -> None:
+def note(worlds: Ints, agents: Ints, memory: Potentials, state: WorldState) -> None:
     """Write where each agent's goal is and how far away [m]."""
     for w in worlds:
         for a in range(agents.shape[0]):
-            b = agents[a]
-            target[w, a, 0], target[w, a, 1] = state.goal[w, b, 0], state.goal[w, b, 1]
-            potential[w, a] = distance(state.pose[w, b], target[w, a])
+            b, target = agents[a], memory.target[w, a]
+            target[0], target[1] = state.goal[w, b, 0], state.goal[w, b, 1]
+            memory.distance[w, a] = distance(state.pose[w, b], target)
 
 
 @kernel
 def pay_gain(
-    worlds: Ints,
-    agents: Ints,
-    column: int,
-    weight: float,
-    model: WorldModel,
-    state: WorldState,
-    episode: EpisodeState,
-    target: Floats,
-    potential: Floats,
+    worlds: Ints, term: Bound, memory: Potentials, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
     """Write the weighted loss of distance to the noted goal, over the diagonal of ``bounds``; note what is new."""
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
-    rate = weight / np.sqrt(width * width + height * height)
+    rate = term.options[0].weight / np.sqrt(width * width + height * height)
     for w in worlds:
-        for a in range(agents.shape[0]):
-            b = agents[a]
-            gain = potential[w, a] - distance(state.pose[w, b], target[w, a])
-            episode.reward_term[w, a, column] = rate * gain
-            target[w, a, 0], target[w, a, 1] = state.goal[w, b, 0], state.goal[w, b, 1]
-            potential[w, a] = distance(state.pose[w, b], target[w, a])
+        for a in range(term.agents.shape[0]):
+            b, target = term.agents[a], memory.target[w, a]
+            gain = memory.distance[w, a] - distance(state.pose[w, b], target)
+            episode.reward_term[w, a, term.column] = rate * gain
+            target[0], target[1] = state.goal[w, b, 0], state.goal[w, b, 1]
+            memory.distance[w, a] = distance(state.pose[w, b], target)
