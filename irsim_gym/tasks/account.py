@@ -1,4 +1,4 @@
-"""The books of an episode: path, clearance, outcome and the sum of the reward."""
+"""What is counted in an episode: path, clearance, outcome and the sum of the reward."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from irsim_gym.world.state import WorldState
 
 
 @kernel
-def open_books(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeState) -> None:
+def begin_episodes(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeState) -> None:
     """Begin an episode for the agents of the worlds that ``began`` names.
 
     Args:
@@ -65,8 +65,8 @@ def limit_clearance(worlds: Ints, minded: float, episode: EpisodeState) -> None:
 
 
 @kernel
-def keep_books(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeState, kinds: Ints) -> None:
-    """Add a step to the books of the agents whose episode is under way.
+def record_step(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeState, kinds: Ints) -> None:
+    """Count a step for the agents whose episode is under way.
 
     Args:
         worlds: The worlds to treat.
@@ -89,7 +89,7 @@ def keep_books(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeSt
 
 
 @kernel
-def watch_standstill(
+def measure_standstill(
     worlds: Ints,
     agents: Ints,
     model: WorldModel,
@@ -119,7 +119,7 @@ def watch_standstill(
 
 
 @kernel
-def settle(worlds: Ints, outcomes: Ints, max_steps: int, episode: EpisodeState) -> None:
+def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: EpisodeState) -> None:
     """Decide whether the episodes have ended, and how; the first ending that applies wins, the time limit is last.
 
     Args:
@@ -142,7 +142,7 @@ def settle(worlds: Ints, outcomes: Ints, max_steps: int, episode: EpisodeState) 
 
 
 @kernel
-def add_up(worlds: Ints, episode: EpisodeState) -> None:
+def sum_rewards(worlds: Ints, episode: EpisodeState) -> None:
     """Sum the reward terms in their order; nothing is paid to an agent whose episode had ended before."""
     for w in worlds:
         for a in range(episode.reward.shape[1]):

@@ -80,10 +80,10 @@ class Episodes:
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
         kinds = [type(term.options) for term in chain(*self.terms.values())]
         levels = [group.kind for group in (*simulation.parts.footprints, *simulation.parts.placements)]
-        self._play, self._begin_books = (simulation.fuse(run, kinds) for run in (self._step, self._open))
+        self._play, self._begin_episodes = (simulation.fuse(run, kinds) for run in (self._step, self._open))
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
         bounds = {name: (low, high) for name, low, high in self.observation_terms}
-        recorded = (self._play, self._begin_books, self._begin)
+        recorded = (self._play, self._begin_episodes, self._begin)
         self._watch = Watch(self.terms, simulation, bounds, recorded)
         everything = self._play, simulation.shards.all[0].worlds, self.action_sizes, self.state.given
         self.direct = None if self.n_discrete else Direct(*everything)
@@ -152,7 +152,7 @@ class Episodes:
         for term in chain(*self.terms.values()):
             term.max_steps = max_steps
         self._play.forget()
-        self._begin_books.forget()
+        self._begin_episodes.forget()
         self._begin.forget()
 
     def begin(self, worlds: Ints, levels: Ints, split: str = "train") -> None:
@@ -215,7 +215,7 @@ class Episodes:
 
     def _respawn(self, shard: Shard) -> None:
         self.simulation.respawn(shard, self._agents, self.state.began)
-        self._begin_books(shard)
+        self._begin_episodes(shard)
 
     def step(self, given: NDArray[Any], worlds: Ints | None = None) -> None:
         """Play one step.
@@ -248,14 +248,14 @@ class Episodes:
         take_levels(worlds, state.base, state.first_level, state.episode, state.level, state.stream)
         simulation.begin(shard, state.stream)
         account.mark(worlds, True, state.began)
-        self._begin_books(shard)
+        self._begin_episodes(shard)
 
     def _open(self, shard: Shard) -> None:
         """Begin the episodes of the agents that ``state.began`` names, where their bodies stand."""
         simulation, model, state, worlds = self.simulation, self.simulation.model, self.state, shard.worlds
         simulation.clearance(shard, self._agents, state.clearance)
         actions.rest(worlds, self._agents, model, state)
-        account.open_books(worlds, self._agents, simulation.state, state)
+        account.begin_episodes(worlds, self._agents, simulation.state, state)
         for term in self._remembering:
             term.options.begin(term, model, simulation.state, state, shard)
         self._observe(shard)
@@ -271,15 +271,15 @@ class Episodes:
         simulation.advance(shard)
         account.limit_clearance(shard.worlds, self._minded_clearance, state)
         simulation.clearance(shard, self._agents, state.clearance, limit=state.clearance)
-        self._keep_books(shard)
+        self._record_step(shard)
         for term in self._endings:
             term.options.ends(term, model, world, state, shard)
-        account.settle(shard.worlds, self._outcomes, self.task.max_steps, state)
+        account.decide_outcomes(shard.worlds, self._outcomes, self.task.max_steps, state)
         for term in self._rewards:
             term.options.pay(term, model, world, state, shard)
         if self.task.team_reward > 0.0 and self.n_agents > 1:
             account.share_rewards(shard.worlds, self.task.team_reward, state)
-        account.add_up(shard.worlds, state)
+        account.sum_rewards(shard.worlds, state)
         self._observe(shard)
 
     def _act(self, shard: Shard) -> None:
@@ -289,10 +289,10 @@ class Episodes:
         if len(self._turned):
             actions.turn_commands(shard.worlds, self._turned, self.simulation.state)
 
-    def _keep_books(self, shard: Shard) -> None:
+    def _record_step(self, shard: Shard) -> None:
         world, state = self.simulation.state, self.state
-        account.keep_books(shard.worlds, self._agents, world, state, self._hit_kinds)
-        account.watch_standstill(
+        account.record_step(shard.worlds, self._agents, world, state, self._hit_kinds)
+        account.measure_standstill(
             shard.worlds,
             self._agents,
             self.simulation.model,

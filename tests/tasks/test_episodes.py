@@ -12,8 +12,9 @@ from task_tools import BALL, ROBOT, drive, play, scenario
 from irsim_gym.engine import compile
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import Episodes, Outcome, load_task
-from irsim_gym.tasks.account import settle
+from irsim_gym.tasks.account import decide_outcomes
 from irsim_gym.tasks.outcome import PRECEDENCE
+from irsim_gym.tasks.state import EpisodeState
 
 
 def test_success_at_the_hand_computed_step() -> None:
@@ -84,24 +85,20 @@ def test_an_end_in_the_last_step_is_no_truncation() -> None:
 @pytest.mark.parametrize("flags", range(16))
 @pytest.mark.parametrize("late", [False, True])
 def test_precedence(flags: int, late: bool) -> None:
-    ending = np.array([[[bool(flags >> k & 1) for k in range(4)]]])
-    outcome, success, terminated, truncated = (
-        np.zeros((1, 1), dtype) for dtype in (np.int64, np.bool_, np.bool_, np.bool_)
-    )
-    outcomes = np.array([int(item) for item in PRECEDENCE])
-    over, steps = np.zeros((1, 1), np.bool_), np.array([[10 if late else 9]])
-    settle(np.arange(1), outcomes, 10, ending, over, steps, outcome, success, terminated, truncated)
+    episode = EpisodeState.allocate({"world": 1, "agent": 1, "action": 2, "ending": 4, "reward": 1, "feature": 1})
+    episode.ending[:], episode.steps[:] = [[[bool(flags >> k & 1) for k in range(4)]]], 10 if late else 9
+    decide_outcomes(np.arange(1), np.array([int(item) for item in PRECEDENCE]), 10, episode)
     expected = Outcome.TIMEOUT if late else Outcome.RUNNING
-    for item, applies in zip(reversed(PRECEDENCE), reversed(ending[0, 0].tolist()), strict=True):
+    for item, applies in zip(reversed(PRECEDENCE), reversed(episode.ending[0, 0].tolist()), strict=True):
         expected = item if applies else expected
-    assert outcome[0, 0] == expected
-    assert terminated[0, 0] == (flags > 0)
-    assert truncated[0, 0] == (late and flags == 0)
-    assert success[0, 0] == (expected == Outcome.SUCCESS)
+    assert episode.outcome[0, 0] == expected
+    assert episode.terminated[0, 0] == (flags > 0)
+    assert episode.truncated[0, 0] == (late and flags == 0)
+    assert episode.success[0, 0] == (expected == Outcome.SUCCESS)
     assert [item.name for item in PRECEDENCE] == ["COLLISION", "LEFT_WORLD", "SUCCESS", "DEADLOCK"]
 
 
-def test_an_ended_agent_stands_still_and_keeps_its_books() -> None:
+def test_an_ended_agent_stands_still_and_its_figures_stay() -> None:
     episodes = play({"state": [4.15, 5, 0]}, BALL, collision_mode="unobstructed")
     drive(episodes, 1, 0)
     drive(episodes, 1, 0)

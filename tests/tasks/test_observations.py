@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 from task_tools import BALL, ROBOT, drive, play
 
-from irsim_gym.tasks.observations.scan import Scan, encode, pool, sector_beams
+from irsim_gym.tasks.observations.scan import Scan, Sectors, encode, pool, sector_beams
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import Bound
+from irsim_gym.world.group import records
 
 
 def part(episodes: Any, name: str) -> Any:
@@ -86,26 +89,29 @@ def test_sectors_go_by_angle_not_by_number() -> None:
 def test_pool_takes_the_least_depth_beyond_the_own_outline() -> None:
     ranges = np.array([[[1.0, 0.9, 3.0, 6.0]]], np.float32)
     extent = np.array([[0.2, 0.5, 0.25, 0.0]], np.float32)
-    out = np.zeros((1, 1, 3), np.float32)
-    far = np.array([6.0], np.float32)
     first, last = np.array([0, 2], np.uint64), np.array([2, 4], np.uint64)
-    arguments = (np.arange(1), np.zeros(1, np.int64), 1, 1, 0.5, 0.3, far, first, last, extent, ranges, out)
-    pool(*arguments)
-    assert out[0, 0] == pytest.approx([0.0, 1 - 0.4 / 6, 1 - 2.75 / 6])
-    compiled = out.copy()
-    if hasattr(pool, "py_func"):
-        pool.py_func(*arguments)
-        assert out == pytest.approx(compiled, abs=1e-6)
+    out = pooled(ranges, first, last, extent, 1, column=1)
+    assert out == pytest.approx([1 - 0.4 / 6, 1 - 2.75 / 6])
+
+
+def pooled(ranges: np.ndarray, first: np.ndarray, last: np.ndarray, extent: np.ndarray, code: int, column: int = 0):
+    """Return what a scan of one agent is pooled to, its greatest range 6 m."""
+    sectors = Sectors(ranges, np.zeros(1, np.int64), first, last, extent, np.array([6.0], np.float32), first, first)
+    options = records([Scan(code=("inverse", "linear")[code], near=0.5, zero=0.3)])
+    width = column + len(first)
+    episode = EpisodeState.allocate({"world": 1, "agent": 1, "action": 1, "ending": 1, "reward": 1, "feature": width})
+    pool(np.arange(1), Bound(np.zeros(1, np.int64), column, options), sectors, episode)
+    assert not episode.observation[..., :column].any()
+    return episode.observation[0, 0, column:]
 
 
 @pytest.mark.parametrize("code", [0, 1])
 def test_sectors_of_one_beam(code: int) -> None:
     ranges = np.array([[[0.1, 2.0, 6.0, 0.5, 4.0]]], np.float32)
-    out, extent = np.zeros((1, 1, 5), np.float32), np.array([[0.2, 0.5, 0.0, 0.5, 0.1]], np.float32)
-    first, far = np.arange(5, dtype=np.uint64), np.array([6.0], np.float32)
-    pool(np.arange(1), np.zeros(1, np.int64), 0, code, 0.5, 0.3, far, first, first + np.uint64(1), extent, ranges, out)
+    extent, first = np.array([[0.2, 0.5, 0.0, 0.5, 0.1]], np.float32), np.arange(5, dtype=np.uint64)
+    out = pooled(ranges, first, first + np.uint64(1), extent, code)
     depths = np.array([0.0, 1.5, 6.0, 0.0, 3.9])
-    assert out[0, 0] == pytest.approx(inverse(depths) if code == 0 else 1 - depths / 6, abs=1e-6)
+    assert out == pytest.approx(inverse(depths) if code == 0 else 1 - depths / 6, abs=1e-6)
 
 
 @pytest.mark.parametrize("code", [0, 1])
