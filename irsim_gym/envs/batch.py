@@ -22,8 +22,8 @@ WORLD_LIMITS = 4
 
 
 def make_batch(
-    name: ScenarioSource,
-    n_worlds: int = 1,
+    scenario: ScenarioSource,
+    num_envs: int = 1,
     *,
     task: TaskSource = None,
     max_steps: int | None = None,
@@ -40,8 +40,8 @@ def make_batch(
     """Make worlds in which all robots learn, for trainers that want arrays ``(n_worlds, n_agents, ...)``.
 
     Args:
-        name: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
-        n_worlds: Number of worlds.
+        scenario: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
+        num_envs: Number of worlds.
         task: Name of a shipped task, path, or plain data; None for the scenario's own. Without ``agents`` in it, all
             robots learn.
         max_steps: Time limit of an agent [steps]; None for the task's.
@@ -56,8 +56,8 @@ def make_batch(
         **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
     """
     worlds = Worlds(
-        name,
-        n_worlds,
+        scenario,
+        num_envs,
         task=task,
         max_steps=max_steps,
         num_threads=num_threads,

@@ -42,7 +42,7 @@ __all__ = [
 
 
 def make_vec_env(
-    name: ScenarioSource,
+    scenario: ScenarioSource,
     n_envs: int = 1,
     seed: int | None = None,
     *,
@@ -64,7 +64,7 @@ def make_vec_env(
     Of the keywords of Stable-Baselines3's own ``make_vec_env``, those for single environments are refused.
 
     Args:
-        name: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
+        scenario: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
         n_envs: Number of worlds.
         seed: World ``w`` begins with level ``seed + w``; None for levels from entropy.
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
@@ -90,11 +90,11 @@ def make_vec_env(
     if env_kwargs:
         files = {"start_index": start_index, "monitor_dir": monitor_dir, "monitor_kwargs": monitor_kwargs}
         given = {"num_threads": num_threads, **shown, **files, **with_env_kwargs(asked, env_kwargs)}
-        return make_vec_env(name, n_envs, seed, **given)
+        return make_vec_env(scenario, n_envs, seed, **given)
     checked_mode(render_mode)
     kwargs: dict[str, Any] = {"max_steps": max_steps, "outer_limit": max_episode_steps, "num_threads": num_threads}
-    worlds = Worlds(name, n_envs, task=task, parameters=parameters, **kwargs, **shown)
-    spec = spec_of(name, {**asked, **shown})
+    worlds = Worlds(scenario, n_envs, task=task, parameters=parameters, **kwargs, **shown)
+    spec = spec_of(scenario, {**asked, **shown})
     numbers = range(start_index, start_index + n_envs)
     env = WorldVecEnv(worlds, spec, MonitorFiles(monitor_dir, numbers, spec.id, monitor_kwargs))
     if seed is not None:

@@ -33,18 +33,15 @@ from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.errors import WaitingRobotsWarning
 from irsim_gym.tasks import Outcome
 
-Mode = Literal["episode", "respawn"]
-MODES = ("episode", "respawn")
-
 
 def make_multi_agent_vec_env(
-    name: ScenarioSource,
-    n_worlds: int = 1,
+    scenario: ScenarioSource,
+    num_envs: int = 1,
     seed: int | None = None,
     *,
-    mode: Mode = "episode",
     task: TaskSource = None,
     max_steps: int | None = None,
+    respawn: bool = False,
     world_steps: int | None = None,
     num_threads: int = 1,
     render_mode: str | None = "rgb_array",
@@ -55,15 +52,15 @@ def make_multi_agent_vec_env(
     """Make the worlds of a scenario for one policy that all its robots share.
 
     Args:
-        name: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
-        n_worlds: Number of worlds; there are ``n_worlds * n_agents`` slots.
+        scenario: Name of a shipped scenario, id, path of a YAML file, plain data or a loaded scenario.
+        num_envs: Number of worlds; there are ``num_envs * n_agents`` slots.
         seed: World ``w`` begins with level ``seed + w``; None for levels from entropy.
-        mode: ``"episode"``: a robot that has ended waits until all of its world have, masked out of learning by the
-            buffers of ``buffers_for``. ``"respawn"``: it gets a new start and goal at once; nobody ever waits.
         task: Name of a shipped task, path, or plain data; None for the scenario's own. Without ``agents`` in it, all
             robots learn.
         max_steps: Time limit of a robot [steps]; None for the task's.
-        world_steps: With ``"respawn"``, steps after which a world begins its next level; None for four time limits.
+        respawn: False: a robot that has ended waits until all of its world have, masked out of learning by the buffers
+            of ``buffers_for``. True: it gets a new start and goal at once, and nobody waits.
+        world_steps: With ``respawn``, steps after which a world begins its next level; None for four time limits.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
@@ -71,11 +68,9 @@ def make_multi_agent_vec_env(
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
     """
-    if mode not in MODES:
-        raise ValueError(f"mode must be one of {', '.join(map(repr, MODES))}, got {mode!r}")
     worlds = Worlds(
-        name,
-        n_worlds,
+        scenario,
+        num_envs,
         task=task,
         max_steps=max_steps,
         num_threads=num_threads,
@@ -85,7 +80,7 @@ def make_multi_agent_vec_env(
         parameters=parameters,
         strict=strict,
     )
-    env = TeamVecEnv(Batch(worlds, respawn=mode == "respawn", world_steps=world_steps))
+    env = TeamVecEnv(Batch(worlds, respawn=respawn, world_steps=world_steps))
     if seed is not None:
         env.seed(seed)
     return env
@@ -118,12 +113,12 @@ class TeamVecEnv(NativeVecEnv):
     """Worlds of one scenario with a slot for each robot: slot ``world * n_agents + agent``.
 
     A robot's own end is the end of its slot's episode: ``done``, its last observation as ``terminal_observation``,
-    ``TimeLimit.truncated``, and all that the single environment tells. What comes then depends on the mode:
+    ``TimeLimit.truncated``, and all that the single environment tells. What comes then depends on ``respawn``:
 
-    * ``"episode"``: the slot idles until all robots of the world have ended and the world restarts, in that same step.
+    * False: the slot idles until all robots of the world have ended and the world restarts, in that same step.
       It observes its last observation, is paid 0 and its info holds ``idle``. At the restart it is ``done`` once
       more, so that recurrent policies begin anew, but there is no ``episode`` for it.
-    * ``"respawn"``: the robot begins elsewhere at once. A world begins its next level after ``world_steps`` steps; the
+    * True: the robot begins elsewhere at once. A world begins its next level after ``world_steps`` steps; the
       episodes under way are then cut (``TimeLimit.truncated``) and are in no statistics, as they have no outcome.
 
     Stable-Baselines3 counts idle slots as steps; ``idle_share`` says how many they are. An algorithm that learns from
@@ -152,11 +147,6 @@ class TeamVecEnv(NativeVecEnv):
         self._started = time.time()
         views = [WorldView(batch.worlds, *divmod(slot, batch.n_agents)) for slot in range(n_slots)]
         super().__init__(batch.worlds, views, batch.observation_space, batch.action_space)
-
-    @property
-    def mode(self) -> Mode:
-        """``"episode"`` or ``"respawn"``."""
-        return "respawn" if self.batch.respawn else "episode"
 
     @property
     def idle_share(self) -> float:
@@ -227,7 +217,7 @@ class TeamVecEnv(NativeVecEnv):
             warnings.warn(
                 "robots that wait for their world are learnt from as if they acted: "
                 f"{type(buffer).__name__} keeps their rows. Make the algorithm with "
-                "**sb3.buffers_for(PPO, env), or the environment with mode='respawn'",
+                "**sb3.buffers_for(PPO, env), or the environment with respawn=True",
                 WaitingRobotsWarning,
                 stacklevel=3,
             )

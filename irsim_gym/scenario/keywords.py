@@ -13,8 +13,8 @@ _ITSELF = "give what it would hold as keywords of this function"
 _LIMIT = "the time limit is 'max_steps'"
 _THREADS = "worlds of a batch are shared by threads, 'num_threads' of make_vec, make_batch and those of sb3"
 _COUNT = (
-    "the number of worlds is 'num_envs' of make_vec, 'n_envs' of sb3.make_vec_env, 'n_worlds' of make_batch and "
-    "sb3.make_multi_agent_vec_env"
+    "the number of worlds is 'num_envs' of make_vec, make_batch and sb3.make_multi_agent_vec_env, 'n_envs' of "
+    "sb3.make_vec_env"
 )
 _AROUND = "put wrappers around what this function returns"
 

@@ -57,7 +57,7 @@ def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -
         n_envs: Number of worlds.
         max_steps: Another time limit than the task's [steps].
     """
-    mode: Any = settings.hyperparameters.team
+    mode = settings.hyperparameters.team
     seed = settings.first_level
     options: dict[str, Any] = {
         "task": settings.task,
@@ -68,7 +68,7 @@ def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -
     }
     if mode is None:
         return sb3.make_vec_env(settings.scenario, n_envs, seed, **options)
-    return sb3.make_multi_agent_vec_env(settings.scenario, n_envs, seed, mode=mode, **options)
+    return sb3.make_multi_agent_vec_env(settings.scenario, n_envs, seed, respawn=mode == "respawn", **options)
 
 
 def compile_kernels(settings: Settings) -> None:

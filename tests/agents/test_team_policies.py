@@ -86,7 +86,7 @@ def test_curve_of_a_team(scenario: Path) -> None:
 
 
 def recurrent(scenario: Path) -> RecurrentPPO:
-    env = sb3.make_multi_agent_vec_env(scenario, 2, 0, mode="episode", render_mode=None)
+    env = sb3.make_multi_agent_vec_env(scenario, 2, 0, render_mode=None)
     arguments = {"n_lstm_layers": 2, "lstm_hidden_size": 8, "net_arch": [8]}
     return RecurrentPPO("MlpLstmPolicy", env, n_steps=8, seed=1, device="cpu", policy_kwargs=arguments)
 

@@ -101,7 +101,7 @@ def test_a_resumed_team_run_equals_an_uninterrupted_one(
 def test_a_team_run_is_masked(scenario: str) -> None:
     env = build_environment(settings(scenario, **NORMALIZED))
     assert type(env) is sb3.MaskedVecNormalize
-    assert (env.num_envs, env.unwrapped.mode) == (12, "episode")
+    assert (env.num_envs, env.unwrapped.batch.respawn) == (12, False)
     env.close()
 
 

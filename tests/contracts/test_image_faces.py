@@ -236,10 +236,10 @@ def test_who_waits_keeps_its_last_picture():
     assert waited > 10
 
 
-@pytest.mark.parametrize("mode", ["episode", "respawn"])
-def test_slots_of_a_team(mode):
-    env = sb3.make_multi_agent_vec_env(MEET, 2, 3, task=TEAM, mode=mode)
-    batch = irsim_gym.make_batch(MEET, 2, task=TEAM, respawn=mode == "respawn")
+@pytest.mark.parametrize("respawn", [False, True])
+def test_slots_of_a_team(respawn):
+    env = sb3.make_multi_agent_vec_env(MEET, 2, 3, task=TEAM, respawn=respawn)
+    batch = irsim_gym.make_batch(MEET, 2, task=TEAM, respawn=respawn)
     assert env.observation_space["occupancy_image"].shape == (16, 16, 3)
     seen, begun = env.reset(), batch.reset(seed=3)
     rng, ends = np.random.default_rng(0), 0

@@ -93,7 +93,7 @@ MAKERS = {
         ("tsk", "did you mean 'task'?"),
         ("rendermode", "did you mean 'render_mode'?"),
         ("num_thread", "did you mean 'num_threads', an argument of make_vec, make_batch and those of sb3?"),
-        ("num_worlds", "the number of worlds is 'num_envs' of make_vec, 'n_envs' of sb3.make_vec_env"),
+        ("num_worlds", "the number of worlds is 'num_envs' of make_vec, make_batch and sb3.make_multi_agent_vec_env"),
         ("horizon", "the time limit is 'max_steps'"),
         ("kwargs", "give what it would hold as keywords of this function"),
         ("env_config", "give what it would hold as keywords of this function"),

@@ -62,10 +62,10 @@ class Frozen(PPO):
         self.batches = list(self.rollout_buffer.get(self.batch_size))
 
 
-@pytest.mark.parametrize("mode", ["episode", "respawn"])
+@pytest.mark.parametrize("respawn", [False, True])
 @pytest.mark.parametrize("form", ["flat", "dict"])
-def test_advantages_are_those_of_each_agent_alone(mode, form):
-    env = team(mode=mode, max_steps=20, task={**MEET["task"], "name": "navigation", "observation_form": form})
+def test_advantages_are_those_of_each_agent_alone(respawn, form):
+    env = team(respawn=respawn, max_steps=20, task={**MEET["task"], "name": "navigation", "observation_form": form})
     seen = Recorder()
     policy = "MultiInputPolicy" if form == "dict" else "MlpPolicy"
     model = Frozen(
@@ -93,16 +93,16 @@ def test_advantages_are_those_of_each_agent_alone(mode, form):
     ]
     assert len(given) == len(expected) == acted.sum()
     np.testing.assert_allclose(sorted(given), sorted(expected), rtol=1e-4, atol=1e-4)
-    assert acted.all() == (mode == "respawn")
+    assert acted.all() == (respawn)
     sizes = [len(batch.returns) for batch in model.batches]
     assert max(sizes) <= 64
     assert max(sizes) - min(sizes) < len(sizes)
 
 
-@pytest.mark.parametrize("mode", ["episode", "respawn"])
-def test_targets_of_a_task_of_known_value(mode):
+@pytest.mark.parametrize("respawn", [False, True])
+def test_targets_of_a_task_of_known_value(respawn):
     """Arrival and collision end the sum of -1s; the time limit goes on with the value of where it has cut."""
-    env = team(KNOWN, 2, mode=mode)
+    env = team(KNOWN, 2, respawn=respawn)
     seen, steps = Recorder(), 2 * LIMIT
     model = Frozen(
         "MlpPolicy", env, seed=0, device="cpu", n_steps=steps, batch_size=12, gamma=GAMMA, gae_lambda=1.0,
@@ -115,7 +115,7 @@ def test_targets_of_a_task_of_known_value(mode):
 
     for slot in range(6):
         length = (ARRIVES, COLLIDES, LIMIT)[slot % 3]
-        period = LIMIT if mode == "episode" else length
+        period = LIMIT if not respawn else length
         for step in range(steps):
             since = step % period
             acts = since < length
@@ -130,7 +130,7 @@ def test_targets_of_a_task_of_known_value(mode):
             elif slot % 3 == 2:
                 target += GAMMA**left * value(model, seen.infos[last][slot]["terminal_observation"])
             assert seen.returns[step, slot] == pytest.approx(target, abs=1e-5)
-    waiting = (2 * LIMIT - ARRIVES - COLLIDES) / (3 * LIMIT) if mode == "episode" else 0.0
+    waiting = (2 * LIMIT - ARRIVES - COLLIDES) / (3 * LIMIT) if not respawn else 0.0
     assert env.idle_share == pytest.approx(waiting)
     assert len(torch.cat([batch.returns for batch in model.batches])) == round((1.0 - waiting) * steps * 6)
 
@@ -139,7 +139,7 @@ def test_without_waiting_agents_all_is_as_in_stable_baselines():
     """A respawning team has no idle rows: masked or not, the weights are the same."""
     weights = []
     for kwargs in ({}, {"rollout_buffer_class": RolloutBuffer}):
-        model = ppo(team(mode="respawn", max_steps=20), n_epochs=2, **kwargs)
+        model = ppo(team(respawn=True, max_steps=20), n_epochs=2, **kwargs)
         model.learn(1000)
         weights.append(torch.cat([p.detach().flatten() for p in model.policy.parameters()]))
     assert torch.equal(*weights)
@@ -250,10 +250,10 @@ def actions(rng, env):
     return rng.uniform(-1, 1, (env.num_envs, 2)).astype(np.float32)
 
 
-@pytest.mark.parametrize("mode", ["episode", "respawn"])
-def test_statistics_of_normalisation_are_those_of_experience(mode):
-    plain = team(mode=mode, max_steps=20)
-    env = sb3.MaskedVecNormalize(team(mode=mode, max_steps=20), gamma=GAMMA)
+@pytest.mark.parametrize("respawn", [False, True])
+def test_statistics_of_normalisation_are_those_of_experience(respawn):
+    plain = team(respawn=respawn, max_steps=20)
+    env = sb3.MaskedVecNormalize(team(respawn=respawn, max_steps=20), gamma=GAMMA)
     observations, rng = [plain.reset()], np.random.default_rng(0)
     env.reset()
     returns, sums = [], np.zeros(plain.num_envs)
@@ -270,11 +270,11 @@ def test_statistics_of_normalisation_are_those_of_experience(mode):
     np.testing.assert_allclose(env.obs_rms.var, rows.var(axis=0), atol=1e-5)
     np.testing.assert_allclose(env.ret_rms.mean, discounted.mean(), rtol=1e-4)
     np.testing.assert_allclose(env.ret_rms.var, discounted.var(), rtol=1e-3)
-    assert (len(rows) == 61 * plain.num_envs) == (mode == "respawn")
+    assert (len(rows) == 61 * plain.num_envs) == (respawn)
 
 
 def test_normalisation_is_that_of_stable_baselines_where_nobody_waits():
-    ours, theirs = (wrapper(team(mode="respawn", max_steps=20)) for wrapper in (sb3.MaskedVecNormalize, VecNormalize))
+    ours, theirs = (wrapper(team(respawn=True, max_steps=20)) for wrapper in (sb3.MaskedVecNormalize, VecNormalize))
     rng = np.random.default_rng(0)
     np.testing.assert_array_equal(ours.reset(), theirs.reset())
     for _ in range(50):
@@ -371,7 +371,7 @@ def test_recurrent_learning_is_that_of_sb3_contrib_where_nobody_waits():
     weights = []
     for kind in (MaskedRecurrentPPO, RecurrentPPO):
         model = kind(
-            "MlpLstmPolicy", team(mode="respawn", max_steps=20), seed=0, device="cpu", n_steps=16, batch_size=64,
+            "MlpLstmPolicy", team(respawn=True, max_steps=20), seed=0, device="cpu", n_steps=16, batch_size=64,
             n_epochs=2, policy_kwargs={"lstm_hidden_size": 8, "net_arch": [8]},
         )  # fmt: skip
         model.learn(400)

@@ -19,9 +19,10 @@ from stable_baselines3.common.vec_env import VecFrameStack
 from team_tools import ARRIVES, COLLIDES, KNOWN, LIMIT, MEET
 
 from irsim_gym import compile, load_scenario, sb3
+from irsim_gym.errors import UnknownNameError
 from irsim_gym.tasks import Episodes, Outcome, load_task
 
-MODES = pytest.mark.parametrize("mode", ["episode", "respawn"])
+MODES = pytest.mark.parametrize("respawn", [False, True])
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -115,8 +116,8 @@ def test_slots_equal_agents_looked_after_one_by_one():
 
 
 @MODES
-def test_each_end_has_its_own_moment_flags_and_statistics(mode):
-    env = team(KNOWN, 2, mode=mode)
+def test_each_end_has_its_own_moment_flags_and_statistics(respawn):
+    env = team(KNOWN, 2, respawn=respawn)
     env.reset()
     outcomes = (Outcome.SUCCESS, Outcome.COLLISION, Outcome.TIMEOUT)
     lengths = (ARRIVES, COLLIDES, LIMIT)
@@ -125,9 +126,9 @@ def test_each_end_has_its_own_moment_flags_and_statistics(mode):
         restarts = step % LIMIT == 0
         for slot in range(6):
             length, outcome = lengths[slot % 3], outcomes[slot % 3]
-            own = step % length == 0 if mode == "respawn" else step % LIMIT == length % LIMIT
-            idle = mode == "episode" and ((step - 1) % LIMIT >= length)
-            assert dones[slot] == (own or (restarts and mode == "episode"))
+            own = step % length == 0 if respawn else step % LIMIT == length % LIMIT
+            idle = not respawn and ((step - 1) % LIMIT >= length)
+            assert dones[slot] == (own or (restarts and not respawn))
             assert rewards[slot] == (0.0 if idle else -1.0)
             assert infos[slot].get("idle", False) == idle
             assert ("episode" in infos[slot]) == own
@@ -141,11 +142,11 @@ def test_each_end_has_its_own_moment_flags_and_statistics(mode):
             if idle and dones[slot]:
                 assert (infos[slot]["TimeLimit.truncated"], "is_success" in infos[slot]) == (False, False)
         assert env.observation_space.contains(observations[0])
-    assert (env.idle_share == 0.0) == (mode == "respawn")
+    assert (env.idle_share == 0.0) == (respawn)
 
 
 def test_a_respawned_robot_observes_its_new_start_and_its_end_is_kept():
-    env = team(KNOWN, 1, mode="respawn", world_steps=1000)
+    env = team(KNOWN, 1, respawn=True, world_steps=1000)
     first = env.reset()
     for _ in range(ARRIVES):
         observations, _, dones, infos = env.step(np.zeros((3, 2), np.float32))
@@ -160,7 +161,7 @@ def test_a_respawned_robot_observes_its_new_start_and_its_end_is_kept():
 
 
 def test_respawning_worlds_begin_the_next_level_now_and_then():
-    env = team(mode="respawn", max_steps=20, world_steps=30)
+    env = team(respawn=True, max_steps=20, world_steps=30)
     env.reset()
     rng = np.random.default_rng(0)
     levels = set()
@@ -180,8 +181,8 @@ def test_respawning_worlds_begin_the_next_level_now_and_then():
 
 
 @MODES
-def test_types_and_fresh_arrays(mode):
-    env = team(mode=mode, max_steps=4)
+def test_types_and_fresh_arrays(respawn):
+    env = team(respawn=respawn, max_steps=4)
     results = [env.reset()]
     rng = np.random.default_rng(0)
     for _ in range(12):
@@ -240,15 +241,15 @@ def test_attributes_pictures_and_errors():
     assert env.render().size == 2 * env.get_images()[0].size
     env.close()
     env.close()
-    with pytest.raises(ValueError, match="mode must be one of"):
+    with pytest.raises(UnknownNameError, match="no parameter 'mode'"):
         team(mode="lifelong")
     with pytest.raises(ValueError, match="world_steps"):
         team(world_steps=5)
 
 
 @MODES
-def test_copies_go_on_alike(mode):
-    env = team(mode=mode, max_steps=15)
+def test_copies_go_on_alike(respawn):
+    env = team(respawn=respawn, max_steps=15)
     env.reset()
     rng = np.random.default_rng(0)
     for _ in range(8):
@@ -265,8 +266,11 @@ def test_copies_go_on_alike(mode):
 
 
 @MODES
-def test_worlds_do_not_depend_on_their_number_or_on_threads(mode):
-    env, more = team(n_worlds=2, mode=mode, max_steps=15), team(n_worlds=5, mode=mode, max_steps=15, num_threads=2)
+def test_worlds_do_not_depend_on_their_number_or_on_threads(respawn):
+    env, more = (
+        team(n_worlds=2, respawn=respawn, max_steps=15),
+        team(n_worlds=5, respawn=respawn, max_steps=15, num_threads=2),
+    )
     np.testing.assert_array_equal(env.reset(), more.reset()[:6])
     rng = np.random.default_rng(0)
     for _ in range(50):
@@ -277,8 +281,8 @@ def test_worlds_do_not_depend_on_their_number_or_on_threads(mode):
 
 
 @MODES
-def test_models_are_saved_loaded_and_evaluated(mode, tmp_path):
-    env = team(mode=mode, max_steps=15)
+def test_models_are_saved_loaded_and_evaluated(respawn, tmp_path):
+    env = team(respawn=respawn, max_steps=15)
     model = PPO("MlpPolicy", env, n_steps=16, batch_size=36, seed=0, device="cpu", **sb3.buffers_for(PPO, env))
     watch = EvalCallback(team(max_steps=15), n_eval_episodes=18, eval_freq=16, verbose=0, best_model_save_path=tmp_path)
     model.learn(16 * env.num_envs, callback=watch)
@@ -289,7 +293,7 @@ def test_models_are_saved_loaded_and_evaluated(mode, tmp_path):
     assert len(rewards) == 9
     assert max(lengths) <= 15
     model.save(tmp_path / "policy")
-    again = PPO.load(tmp_path / "policy", env=team(mode=mode, max_steps=15), device="cpu")
+    again = PPO.load(tmp_path / "policy", env=team(respawn=respawn, max_steps=15), device="cpu")
     assert type(again.rollout_buffer) is sb3.MaskedRolloutBuffer
     again.learn(16 * env.num_envs, reset_num_timesteps=False)
     observation = env.reset()
@@ -299,7 +303,7 @@ def test_models_are_saved_loaded_and_evaluated(mode, tmp_path):
 
 def test_paths_of_respawned_robots_begin_where_they_begin():
     shown = {**KNOWN, "robot": [{**robot, "plot": {"show_trajectory": True}} for robot in KNOWN["robot"]]}
-    env = team(shown, 1, mode="respawn", render_mode="rgb_array")
+    env = team(shown, 1, respawn=True, render_mode="rgb_array")
     env.reset()
     for _ in range(ARRIVES + 2):
         env.step(np.zeros((3, 2), np.float32))
@@ -328,7 +332,7 @@ def test_robots_that_vanish_wait_with_their_last_observation():
 
 
 @MODES
-def test_robots_of_different_drives_share_one_policy(mode):
+def test_robots_of_different_drives_share_one_policy(respawn):
     drives = [
         {"kinematics": {"name": "diff"}},
         {"kinematics": {"name": "omni"}, "vel_min": [-1, -1], "vel_max": [1, 1]},
@@ -336,7 +340,7 @@ def test_robots_of_different_drives_share_one_policy(mode):
                                                                       "wheelbase": 0.3}},
     ]  # fmt: skip
     shared = {name: MEET["robot"][0][name] for name in ("shape", "distribution", "goal_threshold", "sensors")}
-    env = team({**MEET, "robot": [{**shared, **drive} for drive in drives]}, 3, mode=mode, max_steps=10)
+    env = team({**MEET, "robot": [{**shared, **drive} for drive in drives]}, 3, respawn=respawn, max_steps=10)
     model = PPO("MlpPolicy", env, n_steps=16, batch_size=48, seed=0, device="cpu", **sb3.buffers_for(PPO, env))
     model.learn(16 * 9 * 2)
     assert env.observation_space.contains(env.reset()[0])

@@ -66,7 +66,7 @@ def test_a_monitor_that_would_count_waiting_is_told_once():
 
 
 def test_nobody_waits_in_the_other_mode():
-    env = team(mode="respawn")
+    env = team(respawn=True)
     plain(PPO, env).learn(2 * ROWS)
     assert env.idle_share == 0.0
 
@@ -79,7 +79,7 @@ def test_looking_on_is_not_learning():
     evaluate_policy(model, watched, n_eval_episodes=6)
     for _ in range(LIMIT):
         watched.step(np.zeros((3, 2), np.float32))
-    learner = plain(PPO, team(mode="respawn"))
+    learner = plain(PPO, team(respawn=True))
     learner.learn(ROWS, callback=EvalCallback(watched, n_eval_episodes=3, eval_freq=LIMIT, verbose=0))
     assert env.idle_share > 0.0
     assert watched.idle_share > 0.0

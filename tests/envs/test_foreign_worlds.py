@@ -52,7 +52,7 @@ def test_whoever_reads_a_scenario_can_be_lenient(name: str) -> None:
 
 def test_a_batch_warns_once_and_its_steps_and_resets_never() -> None:
     def play() -> None:
-        batch = irsim_gym.make_batch(UNKNOWN, n_worlds=4096, strict=False)
+        batch = irsim_gym.make_batch(UNKNOWN, num_envs=4096, strict=False)
         batch.reset(seed=0)
         batch.step(np.zeros((4096, 1, 2)))
 
@@ -117,7 +117,7 @@ def test_a_goal_that_is_given_comes_before_those_that_are_drawn() -> None:
 
 
 def test_a_learner_that_begins_anew_draws_another_goal() -> None:
-    batch = irsim_gym.make_batch(wanderer(), n_worlds=2, respawn=True, max_steps=2)
+    batch = irsim_gym.make_batch(wanderer(), num_envs=2, respawn=True, max_steps=2)
     batch.reset(seed=0)
     goal = batch.worlds.simulation.state.goal
     first = goal[:, 0, :2].copy()
