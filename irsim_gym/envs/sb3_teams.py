@@ -6,7 +6,7 @@ import inspect
 import time
 import warnings
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from gymnasium.error import ResetNeeded
