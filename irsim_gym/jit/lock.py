@@ -15,8 +15,8 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 
-from irsim_gym.jit_trust import open_private
-from irsim_gym.jit_watch import compilation
+from irsim_gym.jit.trust import open_private
+from irsim_gym.jit.watch import compilation
 
 if sys.platform == "win32":
     import msvcrt
