@@ -19,6 +19,7 @@ import numpy as np
 
 from irsim_gym.jit.trust import make_private_folder
 
+config: Any = numba.config
 PACKAGE = Path(__file__).parents[1]
 GENERATORS = ("jit/*.py", "jit_structs.py", "replay.py", "atomics.py")
 """Sources that say how kernels are compiled, or generate code: each change of them compiles all anew."""
@@ -76,7 +77,8 @@ def _cache_roots() -> list[Path]:
     except RuntimeError:  # there is no home directory
         user = _temporary_root()
     roots = [PACKAGE / "__pycache__", user / "irsim_gym", _temporary_root()]
-    return [Path(numba.config.CACHE_DIR), *roots] if numba.config.CACHE_DIR else roots
+    given: str = config.CACHE_DIR
+    return [Path(given), *roots] if given else roots
 
 
 def _temporary_root() -> Path:

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import sys
 from collections.abc import Iterator
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 
-VERSIONED = {"llvmlite", "math", "numba", "numpy"}
+VERSIONED = {"llvmlite", "numba", "numpy"} | sys.stdlib_module_names
 """Modules whose version says enough."""
 
 
@@ -81,9 +82,11 @@ def _value(value: Any, names: set[str], called: list[FunctionType]) -> Iterator[
         yield value.__name__
         if value.__name__.split(".")[0] not in VERSIONED:
             for name in sorted(names & vars(value).keys()):
-                yield from _value(vars(value)[name], names, called)
+                found = vars(value)[name]
+                if not isinstance(found, ModuleType) or found.__name__.startswith(f"{value.__name__}."):
+                    yield from _value(found, names, called)
     elif isinstance(value, type):
-        members = list(value) if hasattr(value, "__members__") else []
-        yield f"{value.__module__}.{value.__qualname__} {getattr(value, '_fields', '')} {members}"
+        yield f"{value.__module__}.{value.__qualname__} {getattr(value, '_fields', '')}"
+        yield repr(getattr(value, "__members__", ""))
     else:
         yield repr(value)
