@@ -27,11 +27,11 @@ def only_kernels(kinds: Iterable[Any]) -> bool:
     return all(vars(kind).get("only_kernels", False) for kind in kinds)
 
 
-class Crew:
-    """What each of several threads does with worlds: programs that differ in their scratch memory.
+class Programs:
+    """The programs of several slots, which differ in their scratch memory alone.
 
     Attributes:
-        addresses: Where each slot's calls stand.
+        addresses: Address of each slot's calls.
         n_calls: How many these are.
         n_slots: How many slots there are.
     """
@@ -66,7 +66,7 @@ class Fused:
         self.is_fusable = is_fusable and is_possible()
         self.programs: dict[int, Program | None] = {}
         self._left: dict[int, Ints] = {}
-        self._crew: Crew | None = None
+        self._of_slots: Programs | None = None
 
     def __call__(self, shard: Shard) -> None:
         """Run the function for the shard's worlds."""
@@ -112,25 +112,25 @@ class Fused:
     def prepare(self, slot: int) -> None:
         """Record the function for a slot, unless that was done before.
 
-        Whoever hands it to threads does so beforehand: recording compiles, and is best interrupted in the main thread.
+        Call this before handing the function to threads: recording compiles, and an interrupt comes in the main thread.
         """
         if self.is_fusable and slot not in self.programs:
             self.programs[slot] = self._record(slot)
 
-    def crew(self, n_slots: int) -> Crew | None:
+    def of_slots(self, n_slots: int) -> Programs | None:
         """Return the programs of all slots, recorded now if need be; None where it runs as it is."""
         if not self.is_fusable:
             return None
-        if self._crew is None or self._crew.n_slots != n_slots:
+        if self._of_slots is None or self._of_slots.n_slots != n_slots:
             found = [self._program(slot) for slot in range(n_slots)]
             programs = [program for program in found if program is not None]
-            self._crew = Crew(programs) if len(programs) == n_slots else None
-        return self._crew
+            self._of_slots = Programs(programs) if len(programs) == n_slots else None
+        return self._of_slots
 
     def forget(self) -> None:
         """Record anew the next time: an array or a number has been replaced by another one."""
         self.programs.clear()
-        self._crew = None
+        self._of_slots = None
 
     def _record(self, slot: int) -> Program | None:
         """Return the program for a slot; None where recording twice does not give the same one.
@@ -148,7 +148,7 @@ class Fused:
         return Program(record(self.function, Shard(worlds, slot)), worlds)
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, "programs": {}, "_left": {}, "_crew": None}
+        return {**self.__dict__, "programs": {}, "_left": {}, "_of_slots": None}
 
 
 @kernel
