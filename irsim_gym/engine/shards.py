@@ -25,7 +25,7 @@ WORTH_AWAKE_S = 14e-6
 PIECE_S = 12e-6
 """How long a piece of recorded work should take at least [s]; the calls in it cost some 2 us."""
 CLOSE_S, BRIEF_S = 3e-4, 5e-5
-"""How long a thread looks for its next job before it sleeps [s]: if the last one came within ``CLOSE_S``, and if not."""
+"""How long a thread looks for its next job before it sleeps [s], where jobs follow each other closely, and else."""
 IN_A_ROW = 8
 """After so many jobs that follow each other closely threads are woken for little work, as they will stay awake."""
 NAP_S = 5e-5
