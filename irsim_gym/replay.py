@@ -26,12 +26,12 @@ from irsim_gym.jit import Calls, Kernel, config, hooks, kernel
 from irsim_gym.jit.layout import COUNT, WORLDS
 
 BLOCK = 128
-"""Worlds that go through all calls before the next ones do: few enough to stay in the processor's cache."""
+"""Worlds that all calls treat before the next ones: few enough to stay in the processor's cache."""
 
 WORD, STATUS = ir.IntType(64), ir.IntType(32)
 typed: Any = numba.typeof
 OK, OK_NONE = 0, -2
-"""What a function of Numba's returns where nothing was raised, with and without a value."""
+"""The status of a function of Numba's that raised nothing, with and without a value."""
 
 Words = list[tuple[str, int]]
 Packed = tuple[Any, str, "array[int]"]
@@ -48,7 +48,7 @@ class Program:
     """Calls of kernels for any selection of worlds.
 
     Attributes:
-        calls: What is called, with the arguments; held here, because the packed words point into the arrays.
+        calls: The kernels with their arguments; held here, because the packed words point into the arrays.
         words: All arguments, packed.
         entries: Addresses of the packed entry and of the packed arguments of each call, shape ``(n_calls, 2)``.
     """
@@ -58,8 +58,7 @@ class Program:
 
         Args:
             calls: From ``jit.record``.
-            worlds: The array that stands for the worlds to treat: where it was an argument, the worlds of each run
-                will be.
+            worlds: The array that stands for the worlds to treat: each run replaces it by its own.
 
         Raises:
             NotRecordableError: A call cannot be packed.
@@ -106,8 +105,7 @@ def is_possible() -> bool:
 class Packer:
     """Packs the arguments of calls, one after the other.
 
-    A crowd whose members move in turns makes some ten thousand calls with the same arrays, so each array is looked at
-    once.
+    A crowd whose members move in turns makes some ten thousand calls with the same arrays: each array is packed once.
 
     Attributes:
         words: All arguments so far, as machine words.
@@ -187,7 +185,7 @@ def _entry(called: Kernel, given: tuple[Any, ...], layout: str) -> int:
 def _words(kind: Any, value: Any) -> Words:
     """Return an argument as Numba passes it on: an array as owner, parent, size, item size, address, shape, strides.
 
-    Nobody owns an array here: the program holds on to it.
+    No array has an owner here: the program keeps them alive.
     """
     if isinstance(kind, types.Array):
         return [("q", n) for n in (0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)]
