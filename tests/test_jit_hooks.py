@@ -118,13 +118,14 @@ def test_another_name_inside_numba_changes_no_bit(name: str, bits: str, folder: 
 @pytest.mark.parametrize(
     ("hook", "is_read"),
     [
+        ("cache.keep_on_disk", True),
         ("inner.InnerLibrary.restore", True),
         ("inner.InnerLibrary._finalize_final_module", False),
         ("packed.PackedLibrary.add_ir_module", False),
     ],
 )
 def test_a_hook_that_fails_changes_no_bit(hook: str, is_read: bool, bits: str, folder: Path) -> None:
-    """When a file is read, when a kernel is compiled for others, and when it is compiled for calls by address."""
+    """Before anything, when a file is read, when a kernel is compiled for others, and for calls by address."""
     removed = "draw" if is_read else ""
     for file in folder.rglob(f"mine.{removed}*.nbc"):
         file.unlink()

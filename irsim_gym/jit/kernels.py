@@ -105,12 +105,16 @@ class Kernel:
         return plain_dispatcher(self._function, {name: self._options[name] for name in RESULTS})
 
     def _dispatcher(self, form: str, restore: Any = None, **options: Any) -> Any:
-        from irsim_gym.jit.cache import keep_on_disk
-
         compilation()
         given: Any = {**self._options, "no_cfunc_wrapper": True, **options}
-        dispatcher: Any = numba.njit(**given)(self._function)
-        keep_on_disk(dispatcher, form, restore)
+        try:
+            from irsim_gym.jit.cache import keep_on_disk
+
+            dispatcher: Any = numba.njit(**given)(self._function)
+            keep_on_disk(dispatcher, form, restore)
+        except Exception as error:
+            hooks.give_up(f"failed with {type(error).__name__}: {error}")
+            return self.plain
         dispatcher.compile = functools.partial(self._compile, dispatcher, dispatcher.compile)
         return dispatcher
 
