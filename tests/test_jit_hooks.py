@@ -118,9 +118,9 @@ def test_another_name_inside_numba_changes_no_bit(name: str, bits: str, folder: 
 @pytest.mark.parametrize(
     ("hook", "is_read"),
     [
-        ("cache.keep_on_disk", True),
+        pytest.param("cache.keep_on_disk", True, marks=pytest.mark.slow),
         ("inner.InnerLibrary.restore", True),
-        ("inner.InnerLibrary._finalize_final_module", False),
+        pytest.param("inner.InnerLibrary._finalize_final_module", False, marks=pytest.mark.slow),
         ("packed.PackedLibrary.add_ir_module", False),
     ],
 )
