@@ -1,7 +1,6 @@
 """Words in memory that several threads read and write at the same time, for use in kernels.
 
-Each function takes the address of an int64; where plain Python runs kernels, threads have the GIL, and nothing of this
-is needed.
+Each function takes the address of an int64. Kernels that run as plain Python hold the GIL, and need none of this.
 """
 
 from __future__ import annotations
@@ -20,11 +19,11 @@ PAUSES = {
     "aarch64": ("llvm.aarch64.hint", [ir.Constant(NUMBER, 1)]),
     "arm64": ("llvm.aarch64.hint", [ir.Constant(NUMBER, 1)]),
 }
-"""What tells a processor that somebody waits in a loop, and its arguments."""
+"""By processor, the instruction for a pause in a loop that waits, and its arguments."""
 
 
 def _load(context: Any, address: Any) -> Any:
-    """Return what stands at an address, in one order with all writing: who says that it sleeps looks after that."""
+    """Return the word at an address, in one order with all stores: a thread sets its sleep flag, then looks again."""
 
     def generate(context: Any, build: Any, signature: Any, arguments: Any) -> Any:
         return build.load_atomic(_pointer(build, arguments[0]), "seq_cst", 8)
@@ -33,7 +32,7 @@ def _load(context: Any, address: Any) -> Any:
 
 
 def _store(context: Any, address: Any, value: Any) -> Any:
-    """Write a value to an address; whoever reads it sees what was written before, too."""
+    """Write a value to an address; a thread that reads it also sees everything written before."""
 
     def generate(context: Any, build: Any, signature: Any, arguments: Any) -> Any:
         build.store_atomic(arguments[1], _pointer(build, arguments[0]), "seq_cst", 8)
@@ -43,7 +42,7 @@ def _store(context: Any, address: Any, value: Any) -> Any:
 
 
 def _add(context: Any, address: Any, value: Any) -> Any:
-    """Add a value to what stands at an address, and return what stood there."""
+    """Add a value to the word at an address, and return the word before."""
 
     def generate(context: Any, build: Any, signature: Any, arguments: Any) -> Any:
         return build.atomic_rmw("add", _pointer(build, arguments[0]), arguments[1], "seq_cst")
@@ -52,7 +51,7 @@ def _add(context: Any, address: Any, value: Any) -> Any:
 
 
 def _swap(context: Any, address: Any, value: Any) -> Any:
-    """Write a value to an address, and return what stood there."""
+    """Write a value to an address, and return the word before."""
 
     def generate(context: Any, build: Any, signature: Any, arguments: Any) -> Any:
         return build.atomic_rmw("xchg", _pointer(build, arguments[0]), arguments[1], "seq_cst")
@@ -61,7 +60,7 @@ def _swap(context: Any, address: Any, value: Any) -> Any:
 
 
 def _relax(context: Any) -> Any:
-    """Leave the processor to others for a moment, in a loop that waits."""
+    """Pause the processor for a moment, in a loop that waits."""
 
     def generate(context: Any, build: Any, signature: Any, arguments: Any) -> Any:
         name, given = PAUSES.get(platform.machine().lower(), ("", []))

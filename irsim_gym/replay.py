@@ -1,58 +1,55 @@
 """A list of kernel calls that runs as one call: the arguments are packed once, a compiled loop makes the calls.
 
-Calling a kernel from Python costs some 50 ns for each array among its arguments, which have to be recognised, unpacked
-and counted. Here all that is done once: every argument is taken apart into the machine words that the compiled function
-expects (Numba's calling convention), and the kernel is compiled with a *doorway*, which loads the words that it needs
-(``jit_doors``). A loop over doorways is then a whole step.
+Calling a kernel from Python costs some 50 ns for each array among its arguments, which Numba recognises, unpacks and
+counts. Here all that happens once: every argument is taken apart into the machine words that the compiled function
+expects (Numba's calling convention), and the kernel is compiled with a packed entry, which loads the words that it
+needs (``jit.packed``). A loop over packed entries is then a whole step.
 """
 
 from __future__ import annotations
 
-import warnings
 from array import array
 from collections.abc import Callable, Hashable
-from functools import cache
 from typing import Any
 
+import numba
 import numpy as np
 from llvmlite import ir
-from numba import __version__ as version
 from numba import types
 from numba.core.errors import NumbaError
-from numba.core.typing import typeof
 from numba.extending import intrinsic
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.atomics import load
-from irsim_gym.jit import Calls, Kernel, config, kernel
-from irsim_gym.jit_doors import COUNT, WHERE
+from irsim_gym.jit import Calls, Kernel, config, hooks, kernel
+from irsim_gym.jit.layout import COUNT, WORLDS
 from irsim_gym.structs import NotPackableError, Struct, Words, words_of
 
 BLOCK = 128
-"""Worlds that go through all calls before the next ones do: few enough to stay in the processor's cache."""
+"""Worlds that all calls treat before the next ones: few enough to stay in the processor's cache."""
 
 WORD, STATUS = ir.IntType(64), ir.IntType(32)
-typed: Any = typeof.typeof
+typed: Any = numba.typeof
 OK, OK_NONE = 0, -2
-"""What a function of Numba's returns where nothing was raised, with and without a value."""
+"""The status of a function of Numba's that raised nothing, with and without a value."""
 
 Packed = tuple[Any, str, "array[int]"]
 """An argument: its type by Numba, a letter for each of its words, and the words."""
-WORLDS: Words = [("q", 0), ("q", 0), (COUNT, 0), ("q", 8), (WHERE, 0), (COUNT, 0), ("q", 8)]
-"""The worlds to treat: address and number are filled in when the call is made."""
+GIVEN: Words = [("q", 0), ("q", 0), (COUNT, 0), ("q", 8), (WORLDS, 0), (COUNT, 0), ("q", 8)]
+"""The array of the worlds to treat: address and number are filled in when the call is made."""
 
 
 class NotRecordableError(Exception):
-    """A call has an argument that cannot be packed, or gives something back."""
+    """A call has an argument that cannot be packed, or returns a value."""
 
 
 class Program:
     """Calls of kernels for any selection of worlds.
 
     Attributes:
-        calls: What is called, with the arguments; held here, because the packed words point into the arrays.
+        calls: The kernels with their arguments; held here, because the packed words point into the arrays.
         words: All arguments, packed.
-        entries: Addresses of doorway and packed arguments of each call, shape ``(n_calls, 2)``.
+        entries: Addresses of the packed entry and of the packed arguments of each call, shape ``(n_calls, 2)``.
     """
 
     def __init__(self, calls: Calls, worlds: Ints) -> None:
@@ -60,8 +57,7 @@ class Program:
 
         Args:
             calls: From ``jit.record``.
-            worlds: The array that stands for the worlds to treat: where it was an argument, the worlds of each run
-                will be.
+            worlds: The array that stands for the worlds to treat: each run replaces it by its own.
 
         Raises:
             NotRecordableError: A call cannot be packed.
@@ -101,15 +97,14 @@ class Program:
 
 
 def is_possible() -> bool:
-    """Return whether calls can be packed: kernels are compiled, and not to look for errors."""
-    return not config.DISABLE_JIT and not config.BOUNDSCHECK
+    """Return whether calls can be packed: kernels are compiled, without bounds checks, and Numba's hooks are usable."""
+    return not config.DISABLE_JIT and not config.BOUNDSCHECK and hooks.are_usable()
 
 
 class Packer:
     """Packs the arguments of calls, one after the other.
 
-    A crowd whose members move in turns makes some ten thousand calls with the same arrays, so each array is looked at
-    once.
+    A crowd whose members move in turns makes some ten thousand calls with the same arrays: each array is packed once.
 
     Attributes:
         words: All arguments so far, as machine words.
@@ -120,34 +115,34 @@ class Packer:
         self._worlds = worlds
         self._known: dict[Hashable, Packed] = {}
         self._types: dict[Hashable, Any] = {}
-        self._doors: dict[Hashable, int] = {}
+        self._entries: dict[Hashable, int] = {}
 
     def add(self, called: Kernel, arguments: tuple[Any, ...]) -> tuple[int, int]:
-        """Pack the arguments of a call; return the address of its doorway and the place of its first word.
+        """Pack the arguments of a call; return the address of its packed entry and the place of its first word.
 
         The arguments have to live as long as the packer does: it knows arrays by their ``id``.
 
         Raises:
-            NotRecordableError: One of them cannot be packed, or the kernel gives something back.
+            NotRecordableError: One of them cannot be packed, or the kernel returns a value.
         """
         packed = [self._packed(value) for value in arguments]
-        order = "".join([marks for _, marks, _ in packed])
-        key = called, order, tuple([id(kind) for kind, _, _ in packed])
-        if key not in self._doors:
-            self._doors[key] = _door(called, tuple(kind for kind, _, _ in packed), order)
-        if not self._doors[key]:
-            raise NotRecordableError(f"{called.__name__} gives something back")
+        layout = "".join([marks for _, marks, _ in packed])
+        key = called, layout, tuple([id(kind) for kind, _, _ in packed])
+        if key not in self._entries:
+            self._entries[key] = _entry(called, tuple(kind for kind, _, _ in packed), layout)
+        if not self._entries[key]:
+            raise NotRecordableError(f"{called.__name__} returns a value")
         first = len(self.words)
         for _, _, words in packed:
             self.words.extend(words)
-        return self._doors[key], first
+        return self._entries[key], first
 
     def _packed(self, value: Any) -> Packed:
         key = _identity(value)
         if key in self._known:
             return self._known[key]
         kind = self._typed(value)
-        words = WORLDS if value is self._worlds else _words(kind, value)
+        words = GIVEN if value is self._worlds else _words(kind, value)
         packed = kind, "".join(mark for mark, _ in words), array("q", [word for _, word in words])
         if key is not None:
             self._known[key] = packed
@@ -156,11 +151,11 @@ class Packer:
     def _typed(self, value: Any) -> Any:
         """Return Numba's type of an argument, which for arrays takes as long as all the rest unless it is known."""
         if not isinstance(value, np.ndarray):
-            return typed(value, typeof.Purpose.argument)
+            return typed(value)
         flags = value.flags
         form = value.dtype, value.ndim, flags.c_contiguous, flags.f_contiguous, flags.writeable
         if form not in self._types:
-            self._types[form] = typed(value, typeof.Purpose.argument)
+            self._types[form] = typed(value)
         return self._types[form]
 
 
@@ -174,26 +169,16 @@ def _identity(value: Any) -> Hashable:
     return None
 
 
-def _door(called: Kernel, given: tuple[Any, ...], order: str) -> int:
-    """Return the address of a doorway; another version of Numba may not give any, and steps have to go on then."""
-    try:
-        return called.doors.find(given, order)
-    except NumbaError:
-        raise  # in the kernel, which cannot be compiled at all
-    except Exception as error:
-        _warn(type(error).__name__)
-        raise NotRecordableError(f"no doorway for {called.__name__}") from error
-
-
-@cache
-def _warn(why: str) -> None:
-    """Say once why steps take long."""
-    warnings.warn(
-        f"steps call one kernel after the other, which is several times slower for few worlds: with numba {version} "
-        f"they could not be recorded ({why}); irsim_gym knows numba 0.62 to 0.68",
-        RuntimeWarning,
-        stacklevel=2,
-    )
+def _entry(called: Kernel, given: tuple[Any, ...], layout: str) -> int:
+    """Return the address of a packed entry, 0 where the kernel returns a value."""
+    if hooks.are_usable():
+        try:
+            return called.packed.address(given, layout)
+        except NumbaError:
+            raise  # in the kernel, which cannot be compiled at all
+        except Exception as error:
+            hooks.give_up(f"failed with {type(error).__name__}: {error}")
+    raise NotRecordableError(f"{called.__name__} has no packed entry")
 
 
 def _words(kind: Any, value: Any) -> Words:
@@ -204,7 +189,7 @@ def _words(kind: Any, value: Any) -> Words:
 
 
 def _enter(context: Any, entry: Any, words: Any, where: Any, count: Any) -> Any:
-    """Call the doorway at the address ``entry``, all int64, within a kernel; returns Numba's status."""
+    """Call the packed entry at the address ``entry``, all int64, within a kernel; returns Numba's status."""
 
     def generate(context: Any, build: Any, signature: Any, arguments: Any) -> Any:
         address, packed, *rest = arguments
@@ -229,7 +214,7 @@ def call_all(entries: int, n_calls: int, worlds: int, total: int, block: int) ->
     """Make all calls for one block of worlds after the other.
 
     Args:
-        entries: Where address of the doorway and of the packed arguments of each call stand.
+        entries: Address of a table: the addresses of the packed entry and of the packed arguments of each call.
         n_calls: How many calls these are.
         worlds: Where the worlds to treat stand.
         total: How many worlds these are.

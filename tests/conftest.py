@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import settings
 
-from irsim_gym.engine import pace, shards
+from irsim_gym.engine import shards, timing
 
 # The first example of a test may compile a kernel, and the machine may be busy.
 settings.register_profile("untimed", deadline=None)
@@ -26,5 +26,5 @@ def logs_of_learners(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
 def threads_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Worlds are shared among threads however little there is to do, and threads get something of it."""
     monkeypatch.setattr(shards, "WORTH_S", 0.0)
-    monkeypatch.setattr(pace, "REST", 0)
+    monkeypatch.setattr(timing, "REST", 0)
     monkeypatch.setattr(shards, "HEAD_START_S", 1e-4)

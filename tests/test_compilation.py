@@ -45,7 +45,7 @@ batch.step(np.zeros((2, 1, 2), np.float32))
 
 found = {}
 for kernel in [one for one in gc.get_objects() if type(one) is Kernel]:
-    for form in ("compiled", "doors", "inner"):
+    for form in ("compiled", "packed", "inner"):
         if form in vars(kernel):
             made = vars(kernel)[form]
             found[f"{kernel.__module__}.{kernel.__name__} {form}"] = len(getattr(made, "overloads", made))
@@ -74,7 +74,7 @@ for _ in range(60):
 COMMANDS = """
 import sys
 from pathlib import Path
-from irsim_gym.jit_watch import compilation
+from irsim_gym.jit.watch import compilation
 from irsim_gym.training.commands import run_rollout
 from irsim_gym.training.look import draw_level
 from irsim_gym.training.trial import Reading, play
@@ -118,7 +118,7 @@ def test_all_faces_share_what_is_compiled() -> None:
     assert sum(found.values()) > 40
     several = {name.split()[0].split(".")[-1] for name, n in found.items() if n > 1}
     assert several <= SEVERAL
-    both = [name for name, n in found.items() if n and name.endswith("doors") and found.get(f"{name[:-5]}compiled")]
+    both = [name for name, n in found.items() if n and name.endswith("packed") and found.get(f"{name[:-6]}compiled")]
     assert len(both) <= 3, both
 
 
@@ -140,7 +140,7 @@ def test_commands_share_what_warmup_compiles(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(config.DISABLE_JIT, reason="kernels are plain functions")
 def test_kernels_call_each_other_in_one_direction() -> None:
-    """Processes that compile wait for each other along these calls (``jit_lock``)."""
+    """Processes that compile wait for each other along these calls (``jit.lock``)."""
     found = kernels()
     calls = {
         name: {

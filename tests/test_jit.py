@@ -7,16 +7,22 @@ import shutil
 import stat
 import subprocess
 import sys
+import time
 from pathlib import Path
+from typing import NamedTuple
 
+import numba
 import numpy as np
 import pytest
 from numba.core.errors import NumbaError
 
 import irsim_gym
-from irsim_gym import jit, jit_cache
+from irsim_gym import jit
 from irsim_gym.arraytypes import Floats
 from irsim_gym.errors import UntrustedCodeWarning
+from irsim_gym.jit import folder as folders
+from irsim_gym.jit.cache import Files
+from irsim_gym.jit.key import type_key
 
 PACKAGE = Path(irsim_gym.__file__).parent
 SCRIPT = """
@@ -49,28 +55,64 @@ def test_kernels_run_as_plain_python_with_the_same_results(tmp_path: Path) -> No
         np.testing.assert_allclose(compiled[name], plain[name], rtol=0, atol=tolerance, err_msg=name)
 
 
-def test_the_cache_folder_follows_the_sources(tmp_path: Path) -> None:
-    copy = tmp_path / "irsim_gym"
-    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    code = f"sys.path.insert(0, {str(tmp_path)!r}); from irsim_gym import jit_cache; print(jit_cache.cache_folder())"
-    ask = ["-c", f"import sys; {code}"]
-    before = run(ask, NUMBA_CACHE_DIR="").stdout
-    assert str(tmp_path) in before
-    assert run(ask, NUMBA_CACHE_DIR="").stdout == before
-    angles = copy / "geometry" / "angles.py"
-    angles.write_text(angles.read_text() + "\n")
-    assert run(ask, NUMBA_CACHE_DIR="").stdout != before
+def test_a_kernel_of_the_package_is_compiled_when_its_code_changes(tmp_path: Path) -> None:
+    """Not when a comment, a docstring, an annotation or a line number does, nor for changes elsewhere in the file."""
+    shutil.copytree(PACKAGE, tmp_path / "irsim_gym", ignore=shutil.ignore_patterns("__pycache__"))
+    source = tmp_path / "irsim_gym" / "rng.py"
+    use = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from irsim_gym import rng; import numpy as np;"
+    found = [compilations(tmp_path / "cache", f"{use} rng.level_stream(np.uint64(7), 3)")]
+    for changes in (
+        {
+            '"""Scramble 64 bits': '"""Mix\n\n    64 bits',
+            "def mix(x: np.uint64)": "# Here.\n\n\ndef unused() -> None:\n    pass\n\n\n@kernel\ndef mix(x: object)",
+        },
+        {"MIX_1 = np.uint64(0xB": "MIX_1 = np.uint64(0xC"},
+    ):
+        text = source.read_text()
+        for old, new in changes.items():
+            assert text.count(old) == 1
+            text = text.replace(old, new)
+        source.write_text(text)
+        found.append(compilations(tmp_path / "cache", f"{use} rng.level_stream(np.uint64(7), 3)"))
+    assert found == [2, 0, 2]
+
+
+class Point(NamedTuple):
+    x: float
+    y: float
+
+
+class Turned(NamedTuple):
+    y: float
+    x: float
+
+
+def test_the_names_of_fields_belong_to_a_type() -> None:
+    """Numba's name of the type leaves them out, and where they lie follows from them."""
+    Turned.__name__ = "Point"
+    for values in ([Point(1.0, 2.0), Turned(1.0, 2.0)], [(0, Point(1.0, 2.0)), (0, Turned(1.0, 2.0))]):
+        kinds = [numba.typeof(value) for value in values]
+        assert str(kinds[0]) == str(kinds[1])
+        assert type_key(kinds[0]) != type_key(kinds[1])
+
+
+def test_files_that_nobody_has_read_for_long_are_removed(tmp_path: Path) -> None:
+    for name, age in (("old", folders.UNUSED_S + 60.0), ("new", 0.0)):
+        (tmp_path / f"{name}.nbc").touch()
+        os.utime(tmp_path / f"{name}.nbc", (time.time() - age,) * 2)
+    Files.write(tmp_path / "written.nbc", b"code")
+    assert {file.stem for file in tmp_path.iterdir()} == {"new", "written"}
 
 
 def test_without_a_writable_folder_nothing_is_cached(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(jit_cache, "_cache_roots", lambda: [Path("/proc/irsim_gym")])
-    jit_cache.cache_folder.cache_clear()
+    monkeypatch.setattr(folders, "_cache_roots", lambda: [Path("/proc/irsim_gym")])
+    folders.cache_folder.cache_clear()
     try:
-        assert jit_cache.cache_folder() is None
+        assert folders.cache_folder() is None
         assert jit.kernel(lambda x: x + 1)(1) == 2
     finally:
         monkeypatch.undo()
-        jit_cache.cache_folder.cache_clear()
+        folders.cache_folder.cache_clear()
 
 
 def test_old_cache_folders_are_pruned(tmp_path: Path) -> None:
@@ -78,7 +120,7 @@ def test_old_cache_folders_are_pruned(tmp_path: Path) -> None:
         folder = tmp_path / f"irsim_gym-{age}"
         folder.mkdir()
         os.utime(folder, (1000 - age, 1000 - age))
-    jit_cache._prune(tmp_path)
+    folders._prune(tmp_path)
     assert sorted(folder.name for folder in tmp_path.iterdir()) == [f"irsim_gym-{age}" for age in range(4)]
 
 
@@ -96,7 +138,7 @@ def test_a_kernel_that_allocates_does_not_compile() -> None:
 def test_folders_used_lately_are_not_pruned(tmp_path: Path) -> None:
     for name in "abcdef":
         (tmp_path / f"irsim_gym-{name}").mkdir()
-    jit_cache._prune(tmp_path)
+    folders._prune(tmp_path)
     assert len(list(tmp_path.iterdir())) == 6
 
 
@@ -213,8 +255,8 @@ def test_a_kernel_elsewhere_follows_what_it_calls_and_reads(tmp_path: Path) -> N
 
 def kept_in(monkeypatch: pytest.MonkeyPatch, *roots: Path) -> Path | None:
     """Choose the folder for compiled code anew, among some roots."""
-    monkeypatch.setattr(jit_cache, "_cache_roots", lambda: roots)
-    return jit_cache.cache_folder.__wrapped__()
+    monkeypatch.setattr(folders, "_cache_roots", lambda: roots)
+    return folders.cache_folder.__wrapped__()
 
 
 def test_the_folder_is_for_its_owner_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -223,15 +265,15 @@ def test_the_folder_is_for_its_owner_alone(tmp_path: Path, monkeypatch: pytest.M
         folder = kept_in(monkeypatch, tmp_path)
         assert folder is not None
         assert stat.S_IMODE(folder.stat().st_mode) == 0o700
-        jit_cache.Files.write(folder / "some.nbc", b"code")
+        Files.write(folder / "some.nbc", b"code")
     finally:
         os.umask(before)
     assert stat.S_IMODE((folder / "some.nbc").stat().st_mode) == 0o600
-    assert jit_cache.Files.read(folder / "some.nbc") == b"code"
+    assert Files.read(folder / "some.nbc") == b"code"
 
 
 def test_a_folder_that_others_may_write_is_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    open_to_all = tmp_path / "a" / f"irsim_gym-{jit_cache.source_digest()}"
+    open_to_all = tmp_path / "a" / f"irsim_gym-{folders.compiler_digest()}"
     open_to_all.mkdir(parents=True)
     open_to_all.chmod(0o777)
     with pytest.warns(UntrustedCodeWarning, match=r"a/irsim_gym-\w+ may be written by others \(mode 0777\)"):
@@ -240,7 +282,7 @@ def test_a_folder_that_others_may_write_is_passed_over(tmp_path: Path, monkeypat
 
 
 def test_a_folder_of_somebody_else_is_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    name = f"irsim_gym-{jit_cache.source_digest()}"
+    name = f"irsim_gym-{folders.compiler_digest()}"
     (tmp_path / "theirs" / name).mkdir(mode=0o700, parents=True)
     (tmp_path / "linked").mkdir()
     (tmp_path / "linked" / name).symlink_to(tmp_path / "theirs" / name)
@@ -253,14 +295,14 @@ def test_a_folder_of_somebody_else_is_passed_over(tmp_path: Path, monkeypatch: p
 
 def test_a_file_of_somebody_else_is_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "some.nbc"
-    jit_cache.Files.write(file, b"code")
+    Files.write(file, b"code")
     file.chmod(0o620)
     with pytest.warns(UntrustedCodeWarning, match=r"some.nbc may be written by others"):
-        assert jit_cache.Files.read(file) is None
+        assert Files.read(file) is None
     file.chmod(0o600)
     monkeypatch.setattr(os, "getuid", lambda: tmp_path.stat().st_uid + 1)
     with pytest.warns(UntrustedCodeWarning, match="NUMBA_CACHE_DIR"):
-        assert jit_cache.Files.read(file) is None
+        assert Files.read(file) is None
 
 
 def test_what_others_may_have_written_is_compiled_anew(tmp_path: Path) -> None:
@@ -275,7 +317,7 @@ def test_what_others_may_have_written_is_compiled_anew(tmp_path: Path) -> None:
 
 
 def test_a_long_compilation_is_announced_once(tmp_path: Path) -> None:
-    hasty = "from irsim_gym import jit_watch; jit_watch.PATIENCE_S = 0.0;"
+    hasty = "from irsim_gym.jit import watch; watch.PATIENCE_S = 0.0;"
     first = run(["-c", hasty + USE], NUMBA_CACHE_DIR=str(tmp_path))
     assert first.stderr.count("compiling kernels") == 1
     assert "`irsim-gym warmup`" in first.stderr
@@ -283,5 +325,5 @@ def test_a_long_compilation_is_announced_once(tmp_path: Path) -> None:
 
 
 def test_a_short_compilation_is_not_worth_a_word(tmp_path: Path) -> None:
-    patient = "from irsim_gym import jit_watch; jit_watch.PATIENCE_S = 60.0;"
+    patient = "from irsim_gym.jit import watch; watch.PATIENCE_S = 60.0;"
     assert run(["-c", patient + USE], NUMBA_CACHE_DIR=str(tmp_path)).stderr == ""

@@ -15,12 +15,16 @@ import numpy as np
 import pytest
 from numba.core.errors import NumbaError
 
-from irsim_gym import jit, jit_cache, jit_lock
+from irsim_gym import jit
 from irsim_gym.arraytypes import Floats
 from irsim_gym.errors import UntrustedCodeWarning
-from irsim_gym.jit_lock import lock
+from irsim_gym.jit import hooks
+from irsim_gym.jit import lock as locks
+from irsim_gym.jit.folder import cache_folder
+from irsim_gym.jit.lock import lock
 
-pytestmark = pytest.mark.skipif(jit.config.DISABLE_JIT or sys.platform == "win32", reason="nothing to lock")
+NOTHING = jit.config.DISABLE_JIT or hooks.is_plain() or sys.platform == "win32"
+pytestmark = pytest.mark.skipif(NOTHING, reason="nothing to lock")
 
 TOGETHER = """
 import os, sys, time
@@ -58,7 +62,7 @@ def tell(value):
 HOLD = """
 import sys, time
 from pathlib import Path
-from irsim_gym.jit_lock import lock
+from irsim_gym.jit.lock import lock
 with lock(Path(sys.argv[1]), is_ordered=False):
     print("held", flush=True)
     time.sleep(600)
@@ -103,14 +107,14 @@ def owner(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
 
 def is_held(file: Path) -> bool:
     """Whether this process holds the lock of a file."""
-    return file.with_suffix(".lock") in jit_lock._held.get()
+    return file.with_suffix(".lock") in locks._held.get()
 
 
 def test_a_killed_owner_leaves_the_lock_to_others(
     owner: subprocess.Popen[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     file = tmp_path / "one.nbc"
-    monkeypatch.setattr(jit_lock, "PATIENCE_S", 0.05)
+    monkeypatch.setattr(locks, "PATIENCE_S", 0.05)
     with lock(file, is_ordered=True):
         assert not is_held(file)  # it went on without
     owner.kill()
@@ -131,7 +135,7 @@ def test_who_holds_a_lock_waits_only_in_order(
     """Two processes whose kernels call each other would wait for each other."""
     looks: list[float] = []
     monkeypatch.setattr(time, "sleep", looks.append)
-    monkeypatch.setattr(jit_lock, "PATIENCE_S", 0.01)
+    monkeypatch.setattr(locks, "PATIENCE_S", 0.01)
     with lock(tmp_path / "other.nbc", is_ordered=False):
         with lock(tmp_path / "one.nbc", is_ordered=False):
             assert not is_held(tmp_path / "one.nbc")
@@ -168,14 +172,14 @@ def sum_of_a_copy(values: Floats) -> float:
 def test_a_kernel_that_does_not_compile_keeps_no_lock() -> None:
     with pytest.raises(NumbaError, match="NRT required"):
         sum_of_a_copy(np.ones(3))
-    assert jit_lock._held.get() == ()
-    folder = jit_cache.cache_folder()
+    assert locks._held.get() == ()
+    folder = cache_folder()
     assert folder is not None
     assert list(folder.glob("*sum_of_a_copy*.lock")) == []
 
 
 def test_a_terminal_shows_what_is_compiled_in_one_line_that_goes(tmp_path: Path) -> None:
-    use = "from irsim_gym import jit_watch, rng; jit_watch.PATIENCE_S = 0.0; rng.later_level(1, 2)"
+    use = "from irsim_gym import rng; from irsim_gym.jit import watch; watch.PATIENCE_S = 0.0; rng.later_level(1, 2)"
     here, there = pty.openpty()
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "TERM": "xterm", "COLUMNS": "200"}
     with subprocess.Popen([sys.executable, "-c", use], env=environment, stderr=there) as process:

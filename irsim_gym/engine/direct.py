@@ -19,12 +19,12 @@ REFUSED = -1
 class Direct:
     """A function of all worlds that begins by reading numbers from outside, such as learners' actions.
 
-    Where the function is recorded, one compiled call looks at the numbers, takes them over and does all the rest.
+    Where the function is recorded, one compiled call checks the numbers, copies them and makes all its calls.
 
     Args:
         function: What to run.
         worlds: All worlds, shape ``(n_worlds,)``.
-        sizes: How many numbers of each agent count, shape ``(n_agents,)``; the others are not looked at.
+        sizes: How many numbers of each agent are used, shape ``(n_agents,)``; the others are ignored.
         taken: Where the function reads the numbers, shape ``(n_worlds, n_agents, n)``.
     """
 
@@ -33,11 +33,11 @@ class Direct:
         self._take_and_call: Any = take_and_call.compiled  # type: ignore[attr-defined]
 
     def run(self, given: NDArray[Any]) -> bool:
-        """Take over numbers, shape ``(n_worlds * n_agents * n,)``, and run the function.
+        """Copy numbers, shape ``(n_worlds * n_agents * n,)``, and run the function.
 
         Returns:
-            Whether that was done. Else no world has moved: the function is not recorded, or the numbers are not
-            floating-point, or not finite.
+            Whether it ran. It does not if the function is not recorded, or the numbers are not floating-point or not
+            finite.
         """
         program = self._function.programs.get(0)
         if program is None or given.dtype not in FLOATS:
@@ -55,7 +55,7 @@ def take_and_call(entries: Ints, worlds: Ints, sizes: Ints, given: Floats, taken
     Args:
         entries: The calls, see ``replay.Program``.
         worlds: All worlds, ``(n_worlds,)``.
-        sizes: Numbers that count of each agent, ``(n_agents,)``.
+        sizes: How many numbers of each agent are used, ``(n_agents,)``.
         given: The numbers, in a row.
         taken: Written, ``(n_worlds, n_agents, n)``.
 

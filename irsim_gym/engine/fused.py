@@ -1,9 +1,9 @@
-"""A step as one compiled call, chosen where all that it does is to call kernels.
+"""A step as one compiled call, where all that it does is to call kernels.
 
-The plain path says what a step is, in Python: phase after phase calls its kernels. Here it is run once while
-``jit.record`` notes these calls instead of making them; ``replay.Program`` then makes them all at once, for any
-worlds. Nothing is written twice, and the results are the same to the last bit. What is recorded may call other such
-functions, which become a part of it, and have one of them repeated where it failed.
+The plain path defines a step in Python: each phase calls its kernels. Here it runs once while ``jit.record`` notes
+these calls instead of making them; ``replay.Program`` then makes them all at once, for any worlds. No code is written
+twice, and the results are the same bits. A recorded function may call other such functions, which become a part of it,
+and repeat one of them for the worlds where it failed.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from irsim_gym.world.group import Shard
 
 
 def only_kernels(kinds: Iterable[Any]) -> bool:
-    """Return whether all kinds say that their methods do nothing but call kernels, with arrays that stay.
+    """Return whether all kinds declare that their methods only call kernels, with arrays that are never replaced.
 
-    A kind says so by itself, with ``only_kernels = True`` in its own body: what is derived from it may do other things.
+    A kind declares it with ``only_kernels = True`` in its own body: a class derived from it may do other things.
     """
     return all(vars(kind).get("only_kernels", False) for kind in kinds)
 
 
-class Crew:
-    """What each of several threads does with worlds: programs that differ in their scratch memory.
+class Programs:
+    """The programs of several slots, which differ in their scratch memory alone.
 
     Attributes:
-        addresses: Where each slot's calls stand.
+        addresses: Address of each slot's calls.
         n_calls: How many these are.
         n_slots: How many slots there are.
     """
@@ -48,13 +48,11 @@ class Crew:
 
 
 class Fused:
-    """A function of a shard that is recorded once for each slot, and replayed.
-
-    Where it cannot be recorded it is run as it is.
+    """A function of a shard that is recorded once for each slot, and replayed; run as it is where that is impossible.
 
     Args:
         function: What to run. While it is recorded its kernels do nothing.
-        is_fusable: False to run it as it is in any case.
+        is_fusable: False never to record it.
 
     Attributes:
         programs: What was recorded, by slot; None where it cannot be.
@@ -66,7 +64,7 @@ class Fused:
         self.is_fusable = is_fusable and is_possible()
         self.programs: dict[int, Program | None] = {}
         self._left: dict[int, Ints] = {}
-        self._crew: Crew | None = None
+        self._of_slots: Programs | None = None
 
     def __call__(self, shard: Shard) -> None:
         """Run the function for the shard's worlds."""
@@ -85,11 +83,11 @@ class Fused:
             tries: How often it is run at most.
 
         Raises:
-            NotRecordableError: This is about to become a part of something else, but is run as it is.
+            NotRecordableError: Another function that calls this one is being recorded, but this one cannot be.
         """
         program = self._program(shard.slot)
         if program is not None:
-            # The address stays right within another program: whoever forgets this one forgets all of them.
+            # Other programs hold this address, too; ``forget`` has to be called for all of them.
             left = self._left.setdefault(shard.slot, np.zeros(BLOCK, np.int64))
             call_until_done(shard.worlds, program.address, program.n_calls, tries, failed, left)
             return
@@ -112,30 +110,30 @@ class Fused:
     def prepare(self, slot: int) -> None:
         """Record the function for a slot, unless that was done before.
 
-        Whoever hands it to threads does so beforehand: recording compiles, and is best interrupted in the main thread.
+        Call this before handing the function to threads: recording compiles, and an interrupt comes in the main thread.
         """
         if self.is_fusable and slot not in self.programs:
             self.programs[slot] = self._record(slot)
 
-    def crew(self, n_slots: int) -> Crew | None:
+    def of_slots(self, n_slots: int) -> Programs | None:
         """Return the programs of all slots, recorded now if need be; None where it runs as it is."""
         if not self.is_fusable:
             return None
-        if self._crew is None or self._crew.n_slots != n_slots:
+        if self._of_slots is None or self._of_slots.n_slots != n_slots:
             found = [self._program(slot) for slot in range(n_slots)]
             programs = [program for program in found if program is not None]
-            self._crew = Crew(programs) if len(programs) == n_slots else None
-        return self._crew
+            self._of_slots = Programs(programs) if len(programs) == n_slots else None
+        return self._of_slots
 
     def forget(self) -> None:
-        """Record anew the next time: an array or a number has been replaced by another one."""
+        """Record again at the next call, because an array or a number has been replaced."""
         self.programs.clear()
-        self._crew = None
+        self._of_slots = None
 
     def _record(self, slot: int) -> Program | None:
         """Return the program for a slot; None where recording twice does not give the same one.
 
-        An array made during the recording is held by the first program, so the second one has another.
+        The first program holds the arrays made during its recording, so the second one has others.
         """
         try:
             first, second = (self._look(slot) for _ in range(2))
@@ -148,7 +146,7 @@ class Fused:
         return Program(record(self.function, Shard(worlds, slot)), worlds)
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, "programs": {}, "_left": {}, "_crew": None}
+        return {**self.__dict__, "programs": {}, "_left": {}, "_of_slots": None}
 
 
 @kernel

@@ -18,8 +18,8 @@ from irsim_gym.evaluation.behavior_policies import UnfitBehaviorError
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.protocol import drive
 from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN, reference_policy
-from irsim_gym.jit_cache import cache_folder
-from irsim_gym.jit_watch import compilation
+from irsim_gym.jit.folder import cache_folder
+from irsim_gym.jit.watch import compilation
 from irsim_gym.scenario.library import scenario_names
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.spec import Scenario

@@ -13,13 +13,14 @@ import pytest
 from numpy.typing import NDArray
 
 import irsim_gym as ig
-from irsim_gym import jit, jit_doors, replay
+from irsim_gym import replay
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Shard, Simulation, compile
 from irsim_gym.engine.fused import Fused, only_kernels
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import PlacementError
-from irsim_gym.jit import kernel, record
+from irsim_gym.jit import hooks, kernel, kernels, record
+from irsim_gym.jit.packed import PackedEntries
 from irsim_gym.kinematics.differential import Differential
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks.state import EpisodeState
@@ -241,7 +242,7 @@ class InterruptedOnce:
 
 
 def test_an_interrupt_leaves_kernels_alive(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(jit, "_calls", InterruptedOnce())
+    monkeypatch.setattr(kernels, "_calls", InterruptedOnce())
     out = np.zeros(2)
     with pytest.raises(KeyboardInterrupt):
         record(add, np.arange(2), 1.0, out)
@@ -376,7 +377,7 @@ def test_threads_are_handed_what_is_recorded_already(monkeypatch: pytest.MonkeyP
     assert set(seen) == {threading.main_thread()}
 
 
-def test_a_version_of_numba_that_gives_no_doorways_is_told_once_and_steps_go_on(monkeypatch) -> None:
+def test_where_numba_packs_no_arguments_steps_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
     def played() -> Worlds:
         worlds = Worlds("sparse_circles", 2)
         worlds.begin([0, 1], [3, 4], [{}] * 2, int)
@@ -384,15 +385,15 @@ def test_a_version_of_numba_that_gives_no_doorways_is_told_once_and_steps_go_on(
         return worlds
 
     def fail(*_: object) -> int:
-        raise AttributeError("something that has another name now")
+        raise AttributeError("no attribute '_engine'")
 
     usual = played()
-    replay._warn.cache_clear()
-    monkeypatch.setattr(jit_doors.Doors, "find", fail)
-    with pytest.warns(RuntimeWarning, match="could not be recorded .AttributeError.") as told:
+    failures: list[str] = []
+    monkeypatch.setattr(hooks, "_failures", lambda: failures)
+    monkeypatch.setattr(PackedEntries, "address", fail)
+    with pytest.warns(RuntimeWarning, match="failed with AttributeError: no attribute '_engine'") as seen:
         worlds = played()
-    replay._warn.cache_clear()
-    assert len(told) == 1
+    assert len(seen) == 1
     assert worlds.episodes._play.programs == {0: None}
     np.testing.assert_array_equal(worlds.episodes.view.observation, usual.episodes.view.observation)
 

@@ -21,7 +21,8 @@ RESOLUTIONS = {"lowest": "lowest-direct", "newest": "highest"}
 EXTRAS = ("recurrent", "play", "test")
 TESTS = (
     "tests/test_jit.py",
-    "tests/test_doors.py",
+    "tests/test_jit_hooks.py",
+    "tests/test_jit_packed.py",
     "tests/test_compilation.py",
     "tests/contracts/test_checkers.py",
     "tests/contracts/test_parallel_checkers.py",

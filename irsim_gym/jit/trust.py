@@ -1,4 +1,4 @@
-"""Whether compiled code on disk may be run: only where nobody else can have written it."""
+"""Whether compiled code on disk may be run: only where no other user can have written it."""
 
 from __future__ import annotations
 

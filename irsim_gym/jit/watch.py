@@ -1,4 +1,4 @@
-"""What goes on around a compilation: a word on the screen where it lasts, and no search for garbage meanwhile."""
+"""Announces compilations that take long, and pauses the garbage collector meanwhile."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ import gc
 import os
 import sys
 import time
-
-from numba.core import event
+from typing import Any
 
 PATIENCE_S = 1.0
 """Seconds of compiling before anything is said."""
@@ -18,14 +17,14 @@ NOTE = (
 )
 
 
-class Watch(event.Listener):
+class Watch:
     """Follows the compilations of this process; they nest, and Numba lets one thread compile at a time.
 
     Attributes:
         compiled: How many kernels have been compiled.
         spent: How long that took [s].
         waited: How long this process has waited for others that compile [s].
-        said: Nothing more is to be said.
+        said: Whether the note has been printed, so that nothing more follows.
     """
 
     def __init__(self) -> None:
@@ -38,8 +37,8 @@ class Watch(event.Listener):
         self._collects = False
         self._is_shown = False
 
-    def on_start(self, event: event.Event) -> None:
-        """Pause the garbage collector, which finds next to nothing and takes a tenth of the time; say what goes on."""
+    def on_start(self, event: Any) -> None:
+        """Pause the garbage collector, which finds next to nothing and takes a tenth of the time; report progress."""
         self._depth += 1
         if self._depth == 1:
             self._begun = time.perf_counter()
@@ -51,8 +50,8 @@ class Watch(event.Listener):
             what = f"compiling kernels for this machine, once: {self.compiled} done in {spent:.0f} s"
             self._say(spent, f"irsim_gym: {what}, now {function.__name__}", NOTE)
 
-    def on_end(self, event: event.Event) -> None:
-        """Let the collector work again."""
+    def on_end(self, event: Any) -> None:
+        """Resume the garbage collector."""
         self._depth -= 1
         self.compiled += 1
         if self._depth == 0:
@@ -62,18 +61,18 @@ class Watch(event.Listener):
                 gc.enable()
 
     def on_wait(self, seconds: float) -> None:
-        """Say that another process compiles what this one needs, while that lasts; off a terminal it says so itself."""
+        """Report on a terminal that another process compiles what this one needs; elsewhere that one reports."""
         self.waited += seconds
         what = f"another process compiles kernels for this machine, once: waiting for {self.waited:.0f} s"
         self._say(self.waited, f"irsim_gym: {what}")
 
     def on_wait_end(self) -> None:
-        """Nothing is waited for any more."""
+        """Clear the line of the terminal."""
         if self._depth == 0:
             self._clear()
 
     def _say(self, spent: float, line: str, note: str = "") -> None:
-        """Say what takes a while: on a terminal in a line that changes and goes, elsewhere once, in a line that stays.
+        """Report what takes a while: on a terminal in a line that is overwritten, elsewhere once.
 
         Args:
             spent: For how long it has been going on [s].
@@ -118,5 +117,13 @@ def write_over(line: str) -> None:
 def compilation() -> Watch:
     """Return what follows the compilations of this process, from the first call on."""
     watch = Watch()
-    event.register("numba:compile", watch)  # type: ignore[no-untyped-call]
+    try:
+        from numba.core import event
+
+        class Listener(event.Listener):
+            on_start, on_end = staticmethod(watch.on_start), staticmethod(watch.on_end)
+
+        event.register("numba:compile", Listener())  # type: ignore[no-untyped-call]
+    except (ImportError, AttributeError):  # a Numba without these events: nothing is announced
+        pass
     return watch

@@ -1,7 +1,7 @@
-"""One process compiles a kernel, others wait for what it writes.
+"""One process compiles a kernel, and others wait for the file that it writes.
 
-A lock is the operating system's, on a file beside the one that will be written, so it ends with the process that holds
-it, however that ends. Whoever cannot have it goes on without: then a kernel is compiled twice, and nothing else.
+A lock is the operating system's, on a file beside that one, so it ends with its process, however that ends. A process
+that cannot get a lock goes on without: at worst a kernel is compiled twice.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 
-from irsim_gym.jit_trust import open_private
-from irsim_gym.jit_watch import compilation
+from irsim_gym.jit.trust import open_private
+from irsim_gym.jit.watch import compilation
 
 if sys.platform == "win32":
     import msvcrt
@@ -24,7 +24,7 @@ else:
     import fcntl
 
 PATIENCE_S = 60.0
-"""Nobody waits longer than that for one kernel [s]: its process may have been stopped."""
+"""The longest wait for one kernel [s]: the process that compiles it may have been stopped."""
 LOOK_S = 0.01
 """Time between two looks [s]."""
 TAKEN = (errno.EACCES, errno.EAGAIN)
@@ -34,13 +34,13 @@ _held: ContextVar[tuple[Path, ...]] = ContextVar("held", default=())
 
 @contextmanager
 def lock(file: Path, *, is_ordered: bool) -> Iterator[None]:
-    """Hold the lock of a file of compiled code, if it can be had; look for the file again after that.
+    """Hold the lock of a file of compiled code, if possible. Look for the file again in the body.
 
     Args:
         file: What will be written.
         is_ordered: Whether a process that holds some locks may wait for this one. It may if all of them belong to
-            kernels that call each other in one direction, as those of the package do; else two processes could wait for
-            each other.
+            kernels that call each other in one direction, as those of the package do; otherwise two processes could
+            wait for each other.
     """
     held = _held.get()
     path = file.with_suffix(".lock")
@@ -64,7 +64,7 @@ def _acquire(path: Path, patience: float) -> int | None:
         return None
     try:
         taken = _wait(descriptor, patience)
-        # Who is through removes the file; who was killed leaves it, and leaves the work too.
+        # A process that has done the work removes the file; one that was killed leaves it.
         if taken and os.fstat(descriptor).st_nlink:
             return descriptor
     except OSError:  # a file system without locks

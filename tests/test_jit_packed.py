@@ -1,4 +1,4 @@
-"""Kernels that are called by address: the machine code on disk is theirs, whole, or is made anew in silence."""
+"""Kernels that are called by address: their machine code is read from disk if it is theirs and whole."""
 
 from __future__ import annotations
 
@@ -58,9 +58,9 @@ def play(worlds, function, *arguments):
     "Call a kernel by address, as a recorded step does; returns Numba's status."
     some, given = np.zeros(1, np.int64), np.array(worlds)
     packer = Packer(some)
-    door, _ = packer.add(function, (some, *arguments))
+    entry, _ = packer.add(function, (some, *arguments))
     packed = np.array(packer.words, np.int64)
-    call = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_int64] * 3)(door)
+    call = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_int64] * 3)(entry)
     return call(packed.ctypes.data, given.ctypes.data, len(given))
 
 out = np.zeros(4)
@@ -144,7 +144,7 @@ def test_a_change_of_the_source_is_seen(folder: Path) -> None:
 
 
 def test_without_a_writable_folder_nothing_is_kept(folder: Path) -> None:
-    nowhere = "from irsim_gym import jit_cache\njit_cache._cache_roots = lambda: [jit_cache.Path('/proc/irsim_gym')]\n"
+    nowhere = "from irsim_gym.jit import folder\nfolder._cache_roots = lambda: [folder.Path('/proc/irsim_gym')]\n"
     assert [run(folder, nowhere + ADD) for _ in range(2)] == [f"{SUM} 1"] * 2
     assert not (folder / "cache").exists()
 
@@ -157,11 +157,11 @@ def test_a_kernel_that_prints_is_compiled_each_time(folder: Path) -> None:
     assert files(folder, "tell") == []
 
 
-def test_a_kernel_that_gives_something_back_is_refused_each_time(folder: Path) -> None:
+def test_a_kernel_that_returns_a_value_is_refused_each_time(folder: Path) -> None:
     use = """
 try:
     play([2], mine.count)
 except NotRecordableError as error:
     print(error, made.n)
 """
-    assert [run(folder, use) for _ in range(2)] == [f"count gives something back {n}" for n in (1, 0)]
+    assert [run(folder, use) for _ in range(2)] == [f"count returns a value {n}" for n in (1, 0)]

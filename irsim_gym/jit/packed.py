@@ -1,0 +1,138 @@
+"""Entries to kernels that find their arguments in memory, packed beforehand as machine words.
+
+Numba's functions take an array as seven words or more, most of them on the stack, where most are never read. A packed
+entry takes one address instead, and loads what the kernel needs; the kernel is inlined into it before anything is
+optimised. All that is on disk is the entry's machine code, which loads twenty times as fast as Numba's own files.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import itertools
+from collections.abc import Mapping
+from typing import Any
+
+import numba
+from llvmlite import binding
+from numba.core import codegen, compiler, registry, types
+from numba.core.compiler_lock import global_compiler_lock
+
+from irsim_gym.jit.cache import files_of
+from irsim_gym.jit.layout import entry_code
+
+Library: Any = codegen.JITCodeLibrary
+Compiler: Any = compiler.Compiler
+target: Any = registry.cpu_target
+ENVIRONMENT = "_ZN08NumbaEnv"
+_numbers = itertools.count()
+
+
+class PackedEntries:
+    """The packed entries of one kernel: one for each signature and layout of words.
+
+    An entry takes the address of the words, the address of the worlds, and their number; it returns Numba's status.
+
+    Args:
+        function: The kernel.
+        options: How it is compiled.
+    """
+
+    def __init__(self, function: Any, options: Mapping[str, Any]) -> None:
+        self._function = function
+        self._options = options
+        self._addresses: dict[tuple[Any, str], int] = {}
+
+    def __len__(self) -> int:
+        return len(self._addresses)
+
+    def address(self, signature: tuple[Any, ...], layout: str) -> int:
+        """Return the address of an entry, loaded or compiled if need be; 0 where the kernel returns a value.
+
+        Args:
+            signature: Numba's types of the arguments.
+            layout: A letter for each word, of which ``layout.WORLDS`` and ``layout.COUNT`` are marks.
+        """
+        address = self._addresses.get((signature, layout))
+        if address is None:
+            with global_compiler_lock:
+                address = self._addresses[signature, layout] = self._find(signature, layout)
+        return address
+
+    def _find(self, signature: tuple[Any, ...], layout: str) -> int:
+        generator = target.target_context.codegen()
+        files = files_of(self._function, self._options, f"packed {layout}")
+        if files is None:
+            return self._compile(signature, layout, f"packed_{next(_numbers)}")[0]
+        file = files.file(signature, generator)
+        # The whole name, as kernels with the same types have the same digest; not the folder, which may be moved.
+        name = f"packed_{hashlib.blake2b(file.name.encode(), digest_size=10).hexdigest()}"
+        found = _load(generator, name, files.read(file))
+        if found is not None:
+            return found
+        with files.lock(file):
+            found = _load(generator, name, files.read(file))
+            if found is not None:
+                return found
+            address, made = self._compile(signature, layout, name)
+            if made is not None:
+                files.write(file, made)
+        return address
+
+    def _compile(self, signature: tuple[Any, ...], layout: str, name: str) -> tuple[int, bytes | None]:
+        """Return the address of a new entry, and its machine code; None if that cannot be kept."""
+        pipeline: Any = functools.partial(PackedCompiler, layout, name)
+        dispatcher: Any = numba.njit(**self._options, pipeline_class=pipeline)(self._function)
+        dispatcher.compile(signature)
+        compiled = dispatcher.overloads[signature]
+        if compiled.signature.return_type != types.none:
+            return 0, b""
+        library = compiled.library
+        return library.get_pointer_to_function(name), None if library.is_bound else library._get_compiled_object()
+
+
+def _load(generator: Any, name: str, code: bytes | None) -> int | None:
+    """Return the address of an entry in machine code, 0 if it is known that there is none; None without such code."""
+    if not code:
+        return None if code is None else 0
+    engine: Any = generator._engine._ee
+    engine.add_object_file(binding.object_file.ObjectFileRef.from_data(code))
+    return int(engine.get_function_address(name)) or None
+
+
+class PackedCompiler(Compiler):  # type: ignore[misc]
+    """Numba's compiler, with such a library for its results."""
+
+    def __init__(self, layout: str, name: str, typing: Any, context: Any, library: Any, *rest: Any) -> None:
+        super().__init__(typing, context, library or PackedLibrary(context.codegen(), name, layout), *rest)
+
+
+class PackedLibrary(Library):  # type: ignore[misc]
+    """Code with a packed entry as its only function.
+
+    Attributes:
+        is_bound: Whether the code needs Python objects of this process, as one that prints does.
+    """
+
+    def __init__(self, generator: Any, name: str, layout: str) -> None:
+        super().__init__(generator, name)
+        self.enable_object_caching()
+        self.is_bound = False
+        self._layout = layout
+
+    def add_ir_module(self, ir_module: Any) -> None:
+        """Add the kernel and its packed entry."""
+        super().add_ir_module(ir_module)
+        kernel = next(one for one in ir_module.functions if not one.is_declaration)
+        given = ["ptr" if one.type.is_pointer else str(one.type) for one in kernel.args]
+        self._final_module.link_in(binding.parse_assembly(entry_code(self.name, kernel.name, given, self._layout)))
+        inside = self._final_module.get_function(kernel.name)
+        inside.linkage = "internal"
+        inside.add_function_attribute("alwaysinline")
+
+    def _finalize_final_module(self) -> None:
+        """Load the code as Numba does, and note whether it reads an environment, which holds Python objects."""
+        environments = [one.name for one in self._final_module.global_variables if one.name.startswith(ENVIRONMENT)]
+        reads = environments and str(self._final_module).count(ENVIRONMENT) > len(environments)
+        super()._finalize_final_module()
+        self.is_bound = bool(reads or self._dynamic_globals)
