@@ -16,7 +16,7 @@ from irsim_gym.engine.turns import take_turns
 from irsim_gym.engine.ways import guard_ways
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
-from irsim_gym.world.company import Company
+from irsim_gym.world.context import WorldContext
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import LOOP, WorldModel
 from irsim_gym.world.outline import Outline
@@ -40,9 +40,9 @@ def collect_parts(
     names = tuple(body.name for _, body in bodies)
     sensors = [(b, sensor) for b, body in bodies for sensor in body.sensors]
     scanners = _sensors(sensors, outlines, model, n_slots)
-    company = Company(scenario.bodies, scanners, field_of_view.detect)
+    context = WorldContext(scenario.bodies, scanners, field_of_view.detect)
     for group in (*group_behaviors, *behaviors):
-        group.names, group.company = names, company
+        group.names, group.context = names, context
     for group in behaviors:
         group.kind.prepare(group, model, n_slots)
     kinematics = group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]])

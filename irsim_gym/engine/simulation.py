@@ -18,7 +18,7 @@ from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.step import Orders, advance, refresh
 from irsim_gym.errors import UnknownNameError, several, suggestion
 from irsim_gym.scenario.spec import Scenario
-from irsim_gym.world.company import find_sensor
+from irsim_gym.world.context import WorldContext, find_sensor
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -88,6 +88,11 @@ class Simulation:
     def sensors(self) -> list[Group]:
         """Sensor groups with their readings."""
         return self.parts.sensors
+
+    @property
+    def context(self) -> WorldContext:
+        """Specifications, sensors and fields of view of the bodies, for readers of single bodies."""
+        return WorldContext(self.scenario.bodies, self.parts.sensors, field_of_view.detect)
 
     def body(self, name: str) -> int:
         """Return the index of a body.

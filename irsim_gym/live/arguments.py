@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import logging
-import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args
 
-from irsim_gym.errors import NoEffectWarning, suggestion
+from irsim_gym.errors import NoEffectWarning, suggestion, warn_caller
 from irsim_gym.live import hints
 from irsim_gym.scenario.looks import BODY_KEYS, FIGURE_KEYS
 
@@ -58,7 +57,7 @@ def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> Asked:
     if step_mode not in (None, *get_args(StepMode)):
         raise ValueError(f"step_mode must be 'internal' or 'external', got {step_mode!r}")
     rest = {name: value for name, value in others.items() if name not in hints.LOAD and name not in hints.TAKEN}
-    film = film_options(others.get("ani_kwargs") or {}, stacklevel=6)
+    film = film_options(others.get("ani_kwargs") or {})
     return Asked(mode, others.get("world_name"), step_mode, _level(others.get("log_level")), film, rest)
 
 
@@ -94,29 +93,28 @@ def drawing_options(figure_kwargs: Mapping[str, Any] | None, mode: str, others: 
     if mode not in MODES:
         raise ValueError(f"mode must be 'dynamic', 'static' or 'all', got {mode!r}; all bodies are drawn in each")
     if figure_kwargs:
-        _warn("render() draws frames of one size, figure_kwargs change nothing: plot: {figure_pixels: [800, 600]}", 4)
-    _warn_of_unknown("render()", others, BODY_KEYS, 4)
+        warn_caller(
+            "render() draws frames of one size, figure_kwargs change nothing: plot: {figure_pixels: [800, 600]}",
+            NoEffectWarning,
+        )
+    _warn_of_unknown("render()", others, BODY_KEYS)
     return {name: value for name, value in others.items() if name in BODY_KEYS}
 
 
 def figure_options(others: Mapping[str, Any]) -> dict[str, Any]:
     """Return how a figure is to be saved, by keys of ``plot.saved_figure``."""
-    _warn_of_unknown("save_figure()", others, FIGURE_KEYS, 4)
+    _warn_of_unknown("save_figure()", others, FIGURE_KEYS)
     return {name: value for name, value in others.items() if name in FIGURE_KEYS}
 
 
-def film_options(others: Mapping[str, Any], *, stacklevel: int = 4) -> dict[str, Any]:
+def film_options(others: Mapping[str, Any]) -> dict[str, Any]:
     """Return what is known of a film."""
     known = (*FILM_KEYS, *NO_EFFECT_ON_FILMS)
-    _warn_of_unknown("end()", others, known, stacklevel)
+    _warn_of_unknown("end()", others, known)
     return {name: value for name, value in others.items() if name in FILM_KEYS}
 
 
-def _warn_of_unknown(what: str, others: Mapping[str, Any], known: Any, stacklevel: int) -> None:
+def _warn_of_unknown(what: str, others: Mapping[str, Any], known: Iterable[str]) -> None:
     for name in others:
         if name not in known:
-            _warn(f"{what} knows no {name}, it changes nothing{suggestion(name, known)}", stacklevel + 1)
-
-
-def _warn(message: str, stacklevel: int) -> None:
-    warnings.warn(message, NoEffectWarning, stacklevel=stacklevel)
+            warn_caller(f"{what} knows no {name}, it changes nothing{suggestion(name, known)}", NoEffectWarning)

@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live.grid_map import GridMap
-from irsim_gym.live.planned import point
+from irsim_gym.live.path_planner import point
 from irsim_gym.paths.queries import cells_way
 
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
-from irsim_gym.engine.measures import measure_into
-from irsim_gym.families import FOOTPRINTS, KINEMATICS
-from irsim_gym.live.vectors import points, vector
+from irsim_gym.live.vectors import vector
+from irsim_gym.world.irsim_readings import IrSimReadings
 
 FLATTEST = 1e-9
-CORNERS = 64
+"""Share of an area by which a corner may lie outside of a side's half-plane."""
 
 
 @dataclass(frozen=True)
@@ -87,47 +85,50 @@ class ObstacleInfo:
     convex_flag: bool
 
 
+HalfPlanes = tuple[Floats | None, Floats | None, str | None, bool]
+"""G, h, ``cone_type`` and ``convex_flag``, see ``half_planes``."""
+
+
 def robot_info(
-    simulation: Simulation, body: int, number: int, goal: Floats | None, *, columns: bool = False
+    body: IrSimReadings, limits: tuple[Floats, Floats, Floats], half_planes: HalfPlanes, *, columns: bool
 ) -> RobotInfo:
-    """Return what a body is."""
-    spec, model, size = simulation.scenario.bodies[body], simulation.model, command_size(simulation, body)
-    wheelbase = float(model.wheelbase[body])
-    normals, offsets, cone = half_planes(simulation, body)
+    """Return what a body is; ``limits`` are its least and greatest velocities, and its greatest changes."""
+    least, greatest, changes = limits
+    normals, offsets, cone, is_convex = half_planes
     return RobotInfo(
-        id=number,
-        name=spec.name,
-        role=spec.role,
-        shape="map" if is_map(simulation, body) else FOOTPRINTS.name_of(type(spec.shape)),
-        kinematics=None if spec.kinematics is None else KINEMATICS.name_of(type(spec.kinematics)),
-        color=spec.color,
-        static=spec.static,
-        goal=goal,
-        vel_min=vector(model.velocity_min[0, body, :size], columns),
-        vel_max=vector(model.velocity_max[0, body, :size], columns),
-        acce=vector(model.acceleration_limit[0, body, :size], columns),
-        angle_range=vector(np.array(spec.angle_range), True) if columns else spec.angle_range,
-        goal_threshold=spec.goal_threshold,
-        wheelbase=None if np.isnan(wheelbase) else wheelbase,
+        id=body.id,
+        name=body.name,
+        role=body.role,
+        shape=body.shape,
+        kinematics=body.kinematics,
+        color=body.color,
+        static=body.static,
+        goal=body.goal,
+        vel_min=least,
+        vel_max=greatest,
+        acce=changes,
+        angle_range=vector(np.array(body.angle_range), True) if columns else body.angle_range,
+        goal_threshold=body.goal_threshold,
+        wheelbase=body.wheelbase,
         G=normals,
-        h=None if offsets is None else vector(offsets, columns),
+        h=offsets,
         cone_type=cone,
-        convex_flag=cone is not None,
+        convex_flag=is_convex,
     )
 
 
-def obstacle_info(simulation: Simulation, body: int, *, columns: bool = False) -> ObstacleInfo:
+def obstacle_info(body: IrSimReadings, half_planes: HalfPlanes) -> ObstacleInfo:
     """Return where a body is."""
-    normals, offsets, cone = half_planes(simulation, body)
+    normals, offsets, cone, is_convex = half_planes
     return ObstacleInfo(
-        center=vector(simulation.state.pose[0, body, :2], columns),
-        vertex=corners(simulation, body, columns=columns),
-        velocity=vector(simulation.state.twist[0, body, :2], columns),
-        radius=radius(simulation, body),
+        center=body.position,
+        vertex=body.vertices,
+        velocity=body.velocity_xy,
+        radius=body.radius,
         G=normals,
-        h=None if offsets is None else vector(offsets, columns),
+        h=offsets,
         cone_type=cone,
-        convex_flag=cone is not None,
+        convex_flag=is_convex,
     )
 
 
@@ -147,81 +148,16 @@ def refuse_map(simulation: Simulation, body: int) -> None:
         raise ValueError(f"'{name}' is the obstacle map: its cells stay where they are")
 
 
-def command_size(simulation: Simulation, body: int) -> int:
-    """Return the number of velocities of a body's drive; 2 without one."""
-    drive = simulation.scenario.bodies[body].kinematics
-    return 2 if drive is None else len(drive.command_names)
-
-
-def outline_rows(simulation: Simulation, body: int, *, local: bool = False) -> tuple[Floats, Floats]:
-    """Return a body's segments (x0, y0, x1, y1) and discs (x, y, radius) [m], in the world's or its own frame."""
-    model, state = simulation.model, simulation.state
-    segments, discs = (model.local_segments, model.local_discs) if local else (state.segments, state.discs)
-    first, disc = int(model.segment_start[body]), int(model.disc_start[body])
-    n_segments, n_discs = int(model.segment_count[0, body]), int(model.disc_count[0, body])
-    return segments[0, first : first + n_segments], discs[0, disc : disc + n_discs]
-
-
-def corners(simulation: Simulation, body: int, *, columns: bool = False) -> Floats:
-    """Return a body's corners in the world's frame [m].
-
-    Rows ``(n, 2)``, none for a circle; with ``columns`` as IR-SIM has them, ``(2, n)``, and 64 of a circle, clockwise
-    from its heading.
-    """
-    segments, discs = outline_rows(simulation, body)
-    if columns and len(discs) == 1 and not len(segments):
-        x, y, reach = discs[0]
-        turns = simulation.state.pose[0, body, 2] - np.linspace(0.0, 2 * np.pi, CORNERS, endpoint=False)
-        return points(np.column_stack([x + reach * np.cos(turns), y + reach * np.sin(turns)]), columns)
-    is_open = len(segments) > 0 and not np.array_equal(segments[-1, 2:], segments[0, :2])
-    return points(np.vstack([segments[:, :2], segments[-1:, 2:]]) if is_open else segments[:, :2], columns)
-
-
-def radius(simulation: Simulation, body: int) -> float:
-    """Return the radius of the least circle around a body [m]."""
-    return _measured(simulation, body)[0]
-
-
-def centroid(simulation: Simulation, body: int) -> tuple[float, float]:
-    """Return x and y of the middle of a body's area [m]."""
-    _, ahead, aside = _measured(simulation, body)
-    x, y, heading = map(float, simulation.state.pose[0, body])
-    cosine, sine = math.cos(heading), math.sin(heading)
-    return x + cosine * ahead - sine * aside, y + sine * ahead + cosine * aside
-
-
-def _measured(simulation: Simulation, body: int) -> tuple[float, float, float]:
-    """Return the radius of a body and the middle of its area in its own frame [m]."""
-    model = simulation.model
-    radii, middles = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)
-    measure_into(np.zeros(1, np.int64), np.array([body], np.int64), model, radii, middles)
-    return float(radii[0, body]), float(middles[0, body, 0]), float(middles[0, body, 1])
-
-
-def extent(simulation: Simulation, body: int) -> tuple[float, float]:
-    """Return length and width of a body along the axes of its own frame [m]."""
-    segments, discs = outline_rows(simulation, body, local=True)
-    points = [segments[:, :2], segments[:, 2:], discs[:, :2] - discs[:, 2:], discs[:, :2] + discs[:, 2:]]
-    corners = np.vstack(points)
-    if not len(corners):
-        return 0.0, 0.0
-    length, width = corners.max(axis=0) - corners.min(axis=0)
-    return float(length), float(width)
-
-
-def half_planes(
-    simulation: Simulation, body: int, *, local: bool = True
-) -> tuple[Floats | None, Floats | None, str | None]:
-    """Return a convex body as the points p with h - G p in a cone, and the cone's name; by default in its own frame.
+def half_planes(segments: Floats, discs: Floats, *, solid: bool) -> tuple[Floats | None, Floats | None, str | None]:
+    """Return a convex outline as the points p with h - G p in a cone, and the cone's name; None for any other.
 
     A polygon is ``G p <= h`` (``Rpositive``) with an outward normal, as long as the side, for each side; a circle at c
     with radius r has rows ``[1, 0], [0, 1], [0, 0]`` and ``c, -r`` (``norm2``). G has shape ``(n, 2)``, h ``(n,)``.
     """
-    segments, discs = outline_rows(simulation, body, local=local)
     if len(discs) == 1 and not len(segments):
         x, y, reach = discs[0]
         return np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]), np.array([x, y, -reach]), "norm2"
-    if len(discs) or len(segments) < 3 or not simulation.model.solid[body]:
+    if len(discs) or len(segments) < 3 or not solid:
         return None, None, None
     starts, sides = segments[:, :2], segments[:, 2:] - segments[:, :2]
     area = float(np.sum(starts[:, 0] * segments[:, 3] - starts[:, 1] * segments[:, 2]))

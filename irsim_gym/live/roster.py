@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from irsim_gym.engine import Simulation
 from irsim_gym.errors import UnknownNameError
-from irsim_gym.live.actions import Reference
 from irsim_gym.scenario.messages import show
+
+Reference = int | str
+"""Number or name of a body."""
 
 
 class Roster:
@@ -20,6 +22,9 @@ class Roster:
         self._index = {name: b for b, name in enumerate(simulation.parts.names)}
         self._numbers = dict(self._index)
         self.next_number = len(self._index)
+
+    def __len__(self) -> int:
+        return len(self._index)
 
     def follow(self, simulation: Simulation) -> None:
         """Take over the bodies of a changed simulation; new ones get the next numbers."""

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
+from irsim_gym.world.arrays import frozen
 
 COLUMNS = "load(..., columns=True) gives columns of shape (n, 1), as IR-SIM does"
-
-A = TypeVar("A", bound=np.ndarray[Any, Any])
-Record = TypeVar("Record")
 
 
 class Vector(np.ndarray[Any, Any]):
@@ -65,24 +63,7 @@ def _refuse_columns(inputs: tuple[Any, ...]) -> None:
             )
 
 
-def frozen(values: A) -> A:
-    """Return a copy that cannot be written into."""
-    copied = values.copy()
-    copied.flags.writeable = False
-    return copied
-
-
 def vector(values: Floats, columns: bool) -> Floats:
     """Return a read-only copy of a row of numbers, flat and guarded or as a column ``(n, 1)``."""
     copied = frozen(values)
     return copied.reshape(-1, 1) if columns else copied.view(Vector)
-
-
-def points(rows: Floats, columns: bool) -> Floats:
-    """Return a read-only copy of points, in rows ``(n, 2)`` or in columns ``(2, n)``."""
-    return frozen(rows.T if columns else rows)
-
-
-def goal_of(row: Floats, columns: bool) -> Floats:
-    """Return a goal x, y, heading [m, m, rad]; as a column it has two rows where no heading is asked for."""
-    return vector(row[:2] if columns and np.isnan(row[2]) else row, columns)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-import sys
-import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from irsim_gym.errors import IgnoredKeyWarning, Problem, ScenarioWarning
+from irsim_gym.errors import IgnoredKeyWarning, Problem, ScenarioWarning, warn_caller
 from irsim_gym.families import KINEMATICS
 from irsim_gym.scenario.shorthand import split_entries
 from irsim_gym.scenario.source import ROLES, Place
@@ -42,10 +40,7 @@ def _warn(category: type[ScenarioWarning], title: str, found: Sequence[Problem])
     """Warn of all that was found, at the line that called this package."""
     if not found:
         return
-    frame, level = sys._getframe(), 1
-    while frame.f_back is not None and str(frame.f_globals.get("__name__")).split(".")[0] in ("irsim_gym", "gymnasium"):
-        frame, level = frame.f_back, level + 1
-    warnings.warn(category(title, found), stacklevel=level)
+    warn_caller(category(title, found))
 
 
 def notes(scenario: Scenario) -> tuple[Problem, ...]:

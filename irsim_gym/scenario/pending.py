@@ -96,7 +96,7 @@ def unknown_groups(scenario: Scenario) -> list[str]:
     return list(dict.fromkeys(_missing(one) for one in found if isinstance(one, PendingBehavior)))
 
 
-def settle(scenario: Scenario) -> Scenario:
+def resolve_pending(scenario: Scenario) -> Scenario:
     """Return a scenario with the behaviours that have been registered since it was read.
 
     Raises:
@@ -104,13 +104,13 @@ def settle(scenario: Scenario) -> Scenario:
     """
     report = Report(scenario.source)
     made: dict[int, Any] = {}
-    bodies = tuple(_settled(body, made, report) for body in scenario.bodies)
+    bodies = tuple(_resolved(body, made, report) for body in scenario.bodies)
     if report.problems:
         raise ScenarioError(scenario.source.title, list(report.problems))
     return replace(scenario, bodies=bodies) if made else scenario
 
 
-def _settled(body: BodySpec, made: dict[int, Any], report: Report) -> BodySpec:
+def _resolved(body: BodySpec, made: dict[int, Any], report: Report) -> BodySpec:
     found: dict[str, PendingBehavior] = {}
     for key, registry in FAMILIES.items():
         pending = getattr(body, key)
@@ -122,7 +122,7 @@ def _settled(body: BodySpec, made: dict[int, Any], report: Report) -> BodySpec:
     new = {key: made[id(pending)] for key, pending in found.items()}
     if not new or any(value is BAD for value in new.values()):
         return body
-    settled = replace(body, **new)
-    values = {key: getattr(settled, key) for key in ("kinematics", "static", *FAMILIES)}
+    resolved = replace(body, **new)
+    values = {key: getattr(resolved, key) for key in ("kinematics", "static", *FAMILIES)}
     check_drive(values, {key: getattr(getattr(body, key), "place", ()) for key in FAMILIES}, report)
-    return settled
+    return resolved

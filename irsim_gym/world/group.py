@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Ints
 
 if TYPE_CHECKING:
-    from irsim_gym.world.company import Company
+    from irsim_gym.world.context import WorldContext
 
 
 @dataclass
@@ -40,7 +40,7 @@ class Group:
         params: Records of the members' numeric options, shape ``(n_members,)``.
         arrays: The kind's own arrays: readings, tables, scratch.
         names: Names of all bodies, for kinds that tell them; may be empty.
-        company: What else there is to tell of all bodies, for kinds that do; may be None.
+        context: Specifications and sensors of all bodies, for kinds that show them; may be None.
     """
 
     kind: Any
@@ -49,7 +49,7 @@ class Group:
     params: Any = None
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
     names: tuple[str, ...] = ()
-    company: Company | None = None
+    context: WorldContext | None = None
 
     def __post_init__(self) -> None:
         if self.params is None:
@@ -62,7 +62,7 @@ class Group:
         """Return a group of some of the members, by their numbers in this one; it shares the arrays."""
         options = [self.options[k] for k in chosen]
         params = self.params[chosen]
-        return Group(self.kind, options, self.members[chosen], params, self.arrays, self.names, self.company)
+        return Group(self.kind, options, self.members[chosen], params, self.arrays, self.names, self.context)
 
 
 def records(options: Sequence[Any]) -> Any:

@@ -10,8 +10,7 @@ import pytest
 
 import irsim_gym as ig
 from irsim_gym import families
-from irsim_gym.behaviors.view_state import INSTEAD
-from irsim_gym.behaviors.views import BodyView, EgoView
+from irsim_gym.behaviors.views import INSTEAD, BodyView, EgoView
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.live.body import Body
 

@@ -1,4 +1,4 @@
-"""What there is to tell of the bodies of a scenario beyond the arrays, for kinds that hand out views of them."""
+"""The bodies of a scenario beyond the arrays: what the file says of them, their sensors, their fields of view."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from irsim_gym.world.group import Group
 
 
 @dataclass(frozen=True)
-class Company:
+class WorldContext:
     """The bodies of a scenario, their sensors and their fields of view.
 
     Attributes:
