@@ -20,7 +20,7 @@ from irsim_gym.behaviors.by_drive import (
 )
 from irsim_gym.behaviors.views import BodyView as ObjectBase
 from irsim_gym.errors import suggestion
-from irsim_gym.live.levels import ScenarioSource
+from irsim_gym.live.level_source import ScenarioSource
 from irsim_gym.live.planners import AStarPlanner, JPSPlanner
 from irsim_gym.live.world import World, load
 

@@ -10,8 +10,7 @@ from irsim_gym import rng
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.errors import suggestion
 from irsim_gym.world.arrays import A
-from irsim_gym.world.context import WorldContext
-from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.group import Group, Shard, WorldContext
 from irsim_gym.world.irsim_readings import IrSimReadings
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -66,7 +65,7 @@ class BodyView(IrSimReadings):
 
     def __init__(self, group: Group, model: WorldModel, state: WorldState, world: int, body: int) -> None:
         self._group = group
-        self._columns = group.kind.columns
+        self._columns = getattr(group.kind, "columns", False)
         self._model, self._state, self._w, self._b = model, state, world, body
         self.name = group.names[body] if group.names else f"body {body}"
 

@@ -13,11 +13,11 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.engine import Simulation
-from irsim_gym.engine.measures import measured
+from irsim_gym.engine.body_measures import measured
 from irsim_gym.errors import UnknownNameError, suggestion
 from irsim_gym.world.arrays import A, frozen
 from irsim_gym.world.body_readings import BodyReadings
-from irsim_gym.world.context import WorldContext
+from irsim_gym.world.group import WorldContext
 from irsim_gym.world.model import ROBOT, WorldModel
 from irsim_gym.world.state import WorldState
 

@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 from irsim_gym import families
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine import Shard
-from irsim_gym.engine.measures import measure
+from irsim_gym.engine.body_measures import measure
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.commands import decided_commands, to_actions
+from irsim_gym.evaluation.drive_actions import decided_commands, to_actions
 from irsim_gym.evaluation.policy import without_lone_axis
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS, KINEMATICS
 from irsim_gym.tasks import Episodes, Outcome

@@ -12,7 +12,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import HIT_OF_KIND, EpisodeRow
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
-from irsim_gym.evaluation.ways import Watcher
+from irsim_gym.evaluation.trajectories import Watcher
 from irsim_gym.tasks import Episodes, Outcome
 
 Driver = Policy | Callable[[Any], Actions]

@@ -9,7 +9,7 @@ import numpy as np
 from irsim_gym.evaluation.optimum import Optima, straight_distance
 from irsim_gym.evaluation.protocol import Driver, drive, episode_row, optima_of
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
-from irsim_gym.evaluation.ways import Watcher
+from irsim_gym.evaluation.trajectories import Watcher
 from irsim_gym.tasks import Episodes
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
 

@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple, get_args
 
 from irsim_gym.errors import NoEffectWarning, suggestion, warn_caller
 from irsim_gym.live import hints
-from irsim_gym.scenario.looks import BODY_KEYS, FIGURE_KEYS
+from irsim_gym.scenario.plot_overrides import BODY_KEYS, FIGURE_KEYS
 
 StepMode = Literal["internal", "external"]
 MODES = ("dynamic", "static", "all")
@@ -17,7 +17,7 @@ NO_EFFECT_ON_FILMS = ("last_frame_duration", "rm_fig_path")
 FILM_KEYS = ("ani_name", "suffix")
 
 
-class Asked(NamedTuple):
+class LoadArguments(NamedTuple):
     """What ``load`` was asked for.
 
     Attributes:
@@ -37,7 +37,7 @@ class Asked(NamedTuple):
     parameters: dict[str, Any]
 
 
-def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> Asked:
+def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> LoadArguments:
     """Read IR-SIM's arguments of ``make`` among those of ``load``.
 
     Raises:
@@ -58,7 +58,7 @@ def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> Asked:
         raise ValueError(f"step_mode must be 'internal' or 'external', got {step_mode!r}")
     rest = {name: value for name, value in others.items() if name not in hints.LOAD and name not in hints.TAKEN}
     film = film_options(others.get("ani_kwargs") or {})
-    return Asked(mode, others.get("world_name"), step_mode, _level(others.get("log_level")), film, rest)
+    return LoadArguments(mode, others.get("world_name"), step_mode, _level(others.get("log_level")), film, rest)
 
 
 def _render_mode(render_mode: str | None, others: Mapping[str, Any]) -> str | None:

@@ -9,17 +9,17 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
-from irsim_gym.engine.measures import measured
+from irsim_gym.engine.body_measures import measured
 from irsim_gym.errors import NoEffectWarning, warn_caller
-from irsim_gym.live import free_goals, hints, reports
-from irsim_gym.live.goals import read_goals
+from irsim_gym.live import body_info, free_goals, hints
+from irsim_gym.live.goal_writer import read_goals
 from irsim_gym.live.painted import HIGHLIGHT
 from irsim_gym.live.session import Session
 from irsim_gym.live.vectors import vector
 from irsim_gym.scenario.spec import BodySpec
 from irsim_gym.world.arrays import A, frozen
 from irsim_gym.world.body_readings import BodyReadings
-from irsim_gym.world.context import WorldContext
+from irsim_gym.world.group import WorldContext
 from irsim_gym.world.irsim_readings import IrSimReadings
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -141,23 +141,23 @@ class Body(IrSimReadings):
         return [] if self.static else [vector(state, True) for state in states]
 
     @property
-    def info(self) -> reports.RobotInfo:
+    def info(self) -> body_info.RobotInfo:
         """What it is: shape, drive, limits, half-planes."""
         model = self._model
         fields = (model.velocity_min, model.velocity_max, model.acceleration_limit)
         least, greatest, changes = map(self._limit, fields)
-        return reports.robot_info(self, (least, greatest, changes), self.get_init_Gh(), columns=self._columns)
+        return body_info.robot_info(self, (least, greatest, changes), self.get_init_Gh(), columns=self._columns)
 
     @property
-    def obstacle_info(self) -> reports.ObstacleInfo:
+    def obstacle_info(self) -> body_info.ObstacleInfo:
         """Where it is: centre, corners, velocity, half-planes."""
-        return reports.obstacle_info(self, self.get_init_Gh())
+        return body_info.obstacle_info(self, self.get_init_Gh())
 
-    def get_info(self) -> reports.RobotInfo:
+    def get_info(self) -> body_info.RobotInfo:
         """Return ``info``."""
         return self.info
 
-    def get_obstacle_info(self) -> reports.ObstacleInfo:
+    def get_obstacle_info(self) -> body_info.ObstacleInfo:
         """Return ``obstacle_info``."""
         return self.obstacle_info
 
@@ -167,17 +167,17 @@ class Body(IrSimReadings):
         model, size = self._model, getattr(self.spec.kinematics, "state_size", 3)
         return self._vector(np.array([*model.start[0, self._b], model.initial_steering[self._b]])[:size])
 
-    def get_Gh(self) -> reports.HalfPlanes:  # noqa: N802
+    def get_Gh(self) -> body_info.HalfPlanes:  # noqa: N802
         """Return G, h, ``cone_type`` and ``convex_flag`` of its outline in the world frame; see ``info``."""
         return self._half_planes(local=False)
 
-    def get_init_Gh(self) -> reports.HalfPlanes:  # noqa: N802
+    def get_init_Gh(self) -> body_info.HalfPlanes:  # noqa: N802
         """Return G, h, ``cone_type`` and ``convex_flag`` of its outline in its own frame; see ``info``."""
         return self._half_planes(local=True)
 
-    def _half_planes(self, *, local: bool) -> reports.HalfPlanes:
+    def _half_planes(self, *, local: bool) -> body_info.HalfPlanes:
         outline = self._outline(local=local)
-        normals, offsets, cone = reports.half_planes(*outline, solid=bool(self._model.solid[self._b]))
+        normals, offsets, cone = body_info.half_planes(*outline, solid=bool(self._model.solid[self._b]))
         return normals, None if offsets is None else self._vector(offsets), cone, cone is not None
 
     def set_state(self, state: Sequence[float] | Floats, *, init: bool = False) -> None:
@@ -193,7 +193,7 @@ class Body(IrSimReadings):
             ValueError: There are too few or too many numbers, one is not finite, or it is the obstacle map.
         """
         simulation, b = self._simulation, self._b
-        reports.refuse_map(simulation, b)
+        body_info.refuse_map(simulation, b)
         names = STATE[: getattr(self.spec.kinematics, "state_size", 3)]
         row = _numbers(state, 2, names, f"a state of '{self._name}'")
         simulation.state.pose[0, b], simulation.state.steering[0, b] = row[:3], row[3]

@@ -14,7 +14,7 @@ from irsim_gym.live.drawing import Drawing
 from irsim_gym.live.output_files import FIGURES, with_suffix
 from irsim_gym.live.reel import Reel
 from irsim_gym.live.session import Session
-from irsim_gym.scenario.looks import drawn_with, saved_with
+from irsim_gym.scenario.plot_overrides import drawn_with, saved_with
 from irsim_gym.world.marks import Overlay
 from irsim_gym.world.trails import Trails
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.engine import Simulation, arrival, buckets, compile, contact, measures, restart
+from irsim_gym.engine import Simulation, arrival, body_buckets, body_measures, compile, contact, restart
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
-from irsim_gym.live.goals import make_room
+from irsim_gym.live.goal_writer import make_room
 from irsim_gym.scenario import Scenario
 from irsim_gym.world.group import Shard
 from irsim_gym.world.model import WorldModel
@@ -37,7 +37,7 @@ def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
     there = np.array([before[new.parts.names[b]] for b in here], np.int64)
     make_room(new.model, old.model.waypoints.shape[2])
     added = np.setdiff1d(new.parts.everyone, here)
-    buckets.empty(new.model, new.state, Shard(np.zeros(1, np.int64)))
+    body_buckets.empty(new.model, new.state, Shard(np.zeros(1, np.int64)))
     _carry(old, new, here, there)
     if len(added):
         _draw(new, added)
@@ -46,7 +46,7 @@ def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
         _carry(old, new, here, there)
         new.state.random[:] = random
     if len(new.parts.measured):
-        measures.measure(np.zeros(1, np.int64), new.parts.measured, new.model)
+        body_measures.measure(np.zeros(1, np.int64), new.parts.measured, new.model)
     _look(old, new, here, there)
     return new
 
@@ -127,8 +127,8 @@ def _begin(new: Simulation, added: Ints) -> None:
     """Begin the episode for new bodies: velocities, and first goals, which only they draw."""
     parts, model, state, shard = new.parts, new.model, new.state, Shard(np.zeros(1, np.int64))
     parts.goal_bodies = np.intersect1d(parts.goal_bodies, added)
-    buckets.empty(model, state, shard)
-    buckets.refresh(parts.everyone, model, state, shard)
+    body_buckets.empty(model, state, shard)
+    body_buckets.refresh(parts.everyone, model, state, shard)
     restart.begin_moment(parts, model, state, shard)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)

@@ -9,10 +9,10 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.errors import UnknownNameError
-from irsim_gym.live import moves, reports
+from irsim_gym.live import body_info, moves
 from irsim_gym.live.body import Body
+from irsim_gym.live.body_info import ObstacleInfo, RobotInfo
 from irsim_gym.live.carry import rebuild
-from irsim_gym.live.reports import ObstacleInfo, RobotInfo
 from irsim_gym.live.roster import Reference
 from irsim_gym.live.run_status import RunStatus
 from irsim_gym.live.session import Session
@@ -214,8 +214,8 @@ class Population:
         roster, simulation = self._session.roster, self._session.simulation
         bodies = [roster.index(reference) for reference in (roster.present(OBSTACLE) if ids is None else ids)]
         if ids is None:
-            bodies = [b for b in bodies if not reports.is_map(simulation, b)]
+            bodies = [b for b in bodies if not body_info.is_map(simulation, b)]
         for b in bodies:
-            reports.refuse_map(simulation, b)
+            body_info.refuse_map(simulation, b)
         moves.scatter(simulation, bodies, range_low, range_high, apart=non_overlapping)
         self._status.refresh()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from irsim_gym.engine import Simulation, compile
-from irsim_gym.live.goals import Goals
+from irsim_gym.live.goal_writer import GoalWriter
 from irsim_gym.live.painted import PaintedBeams
 from irsim_gym.live.roster import Roster
 from irsim_gym.live.track import Track
@@ -28,7 +28,7 @@ class Session:
 
     simulation: Simulation
     roster: Roster
-    goals: Goals
+    goals: GoalWriter
 
     def __init__(self, scenario: Scenario, *, columns: bool) -> None:
         self.columns = columns
@@ -39,7 +39,7 @@ class Session:
         """Take over a scenario; ``begin`` draws its level."""
         self.simulation = compile(scenario, check_starts=False)
         self.scenario = scenario
-        self.roster, self.goals = Roster(self.simulation), Goals()
+        self.roster, self.goals = Roster(self.simulation), GoalWriter()
 
     def replace(self, simulation: Simulation) -> None:
         """Take over a simulation of the same moment with other bodies."""

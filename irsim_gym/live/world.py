@@ -8,22 +8,22 @@ from typing import TYPE_CHECKING, Any, Literal, NoReturn, Self
 
 from irsim_gym.engine import Simulation
 from irsim_gym.live import hints, moves
-from irsim_gym.live.actions import Actions, pair_actions
+from irsim_gym.live.action_pairs import Actions, pair_actions
 from irsim_gym.live.arguments import read_arguments
 from irsim_gym.live.camera import Camera
-from irsim_gym.live.clock import Clock
 from irsim_gym.live.drawing import Drawing
 from irsim_gym.live.forwarding import Attribute, Method
 from irsim_gym.live.irsim_drawing import IrSimDrawing
 from irsim_gym.live.late_behaviors import LateBehaviors
-from irsim_gym.live.levels import Levels, ScenarioSource
+from irsim_gym.live.level_source import LevelSource, ScenarioSource
+from irsim_gym.live.media import MediaWriter
 from irsim_gym.live.path_planner import PathPlanner
 from irsim_gym.live.population import Population
-from irsim_gym.live.recorder import Recorder
 from irsim_gym.live.roster import Reference
 from irsim_gym.live.run_status import ControlMode, RunStatus
 from irsim_gym.live.track import Track
 from irsim_gym.live.viewer import Viewer
+from irsim_gym.live.world_info import WorldInfo
 from irsim_gym.scenario import Scenario
 
 
@@ -79,12 +79,12 @@ class World:
         **others: Any,
     ) -> None:
         asked = read_arguments(render_mode, others)
-        self._levels = Levels(
+        self._levels = LevelSource(
             asked.file if scenario is None else scenario, seed, strict=strict, asked=asked, columns=columns
         )
         self._session = self._levels.session
         self._status = RunStatus(self._session, has_window=asked.render_mode == "human")
-        self._clock = Clock(self._session, self._status)
+        self._info = WorldInfo(self._session, self._status)
         self._population = Population(self._session, self._status)
         self._late_behaviors = LateBehaviors(self._session)
         self._planner = PathPlanner(self._session, self._population)
@@ -98,7 +98,7 @@ class World:
             "figure": lambda: self.save_figure(f"{self.name}_{self.count:04d}"),
         }
         self._viewer = Viewer(self._session, self._status, self._camera, asked.render_mode, keys)
-        self._recorder = Recorder(
+        self._media = MediaWriter(
             self._session,
             self._status,
             self._camera,
@@ -116,7 +116,7 @@ class World:
         """Show the beginning of an episode."""
         self._status.begin(status)
         self._camera.clear()
-        self._recorder.note_moment()
+        self._media.note_moment()
 
     def __enter__(self) -> Self:
         return self
@@ -124,7 +124,7 @@ class World:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._recorder.free() if error is not None else self.close()
+        self._media.free() if error is not None else self.close()
 
     if not TYPE_CHECKING:  # a type checker would otherwise accept any name
 
@@ -193,25 +193,25 @@ class World:
     mouse_right_pos = Attribute("_viewer", Viewer.mouse_right_pos)
     sampling = Attribute("_camera", Camera.is_sample)
 
-    save_ani = Attribute("_recorder", Recorder.save_ani)
-    save_figure = Method("_recorder", Recorder.save_figure)
-    save_animation = Method("_recorder", Recorder.save_animation)
-    save_html = Method("_recorder", Recorder.save_html)
-    save_sheet = Method("_recorder", Recorder.save_sheet)
-    save_strobe = Method("_recorder", Recorder.save_strobe)
-    close = Method("_recorder", Recorder.close)
-    end = Method("_recorder", Recorder.end)
-    quit = Method("_recorder", Recorder.quit)
+    save_ani = Attribute("_media", MediaWriter.save_ani)
+    save_figure = Method("_media", MediaWriter.save_figure)
+    save_animation = Method("_media", MediaWriter.save_animation)
+    save_html = Method("_media", MediaWriter.save_html)
+    save_sheet = Method("_media", MediaWriter.save_sheet)
+    save_strobe = Method("_media", MediaWriter.save_strobe)
+    close = Method("_media", MediaWriter.close)
+    end = Method("_media", MediaWriter.end)
+    quit = Method("_media", MediaWriter.quit)
 
-    name = Attribute("_clock", Clock.name)
-    time = Attribute("_clock", Clock.time)
-    count = Attribute("_clock", Clock.count)
-    step_time = Attribute("_clock", Clock.step_time)
-    step_mode = Attribute("_clock", Clock.step_mode)
-    world_param = Attribute("_clock", Clock.world_param)
-    x_range = Attribute("_clock", Clock.x_range)
-    y_range = Attribute("_clock", Clock.y_range)
-    logger = Attribute("_clock", Clock.logger)
+    name = Attribute("_info", WorldInfo.name)
+    time = Attribute("_info", WorldInfo.time)
+    count = Attribute("_info", WorldInfo.count)
+    step_time = Attribute("_info", WorldInfo.step_time)
+    step_mode = Attribute("_info", WorldInfo.step_mode)
+    world_param = Attribute("_info", WorldInfo.world_param)
+    x_range = Attribute("_info", WorldInfo.x_range)
+    y_range = Attribute("_info", WorldInfo.y_range)
+    logger = Attribute("_info", WorldInfo.logger)
 
     def reset_plot(self) -> None:
         """Do nothing: every picture is drawn anew."""
@@ -308,7 +308,7 @@ class World:
             simulation.step()
         self._status.note_step()
         self.track.note(simulation)
-        self._recorder.note_moment()
+        self._media.note_moment()
 
     def reset(self, random: bool = False) -> None:
         """Begin again.

@@ -9,7 +9,7 @@ from typing import Any
 
 from irsim_gym.families import BEHAVIORS, FOOTPRINTS, GROUP_BEHAVIORS, KINEMATICS, PLACEMENTS, SENSORS
 from irsim_gym.registry import Registry
-from irsim_gym.scenario.images import image_problem
+from irsim_gym.scenario.image_files import image_problem
 from irsim_gym.scenario.messages import CONTACT_MESSAGE, CONTACT_SENSOR, show
 from irsim_gym.scenario.options import defaults, option_fields
 from irsim_gym.scenario.pending import is_pending, read_pending
@@ -41,7 +41,7 @@ NO_DRIVE = "static"
 
 
 @dataclass
-class Entry:
+class BodyEntry:
     """An entry whose values are checked.
 
     Attributes:
@@ -67,7 +67,7 @@ class Entry:
         return values[min(i, len(values) - 1)]
 
 
-def read_entry(raw: RawEntry, plot: Mapping[str, Any], report: Report) -> Entry:
+def read_entry(raw: RawEntry, plot: Mapping[str, Any], report: Report) -> BodyEntry:
     """Check all values of an entry.
 
     Args:
@@ -75,7 +75,7 @@ def read_entry(raw: RawEntry, plot: Mapping[str, Any], report: Report) -> Entry:
         plot: Drawing options for all bodies of the file, which the entry's own override.
         report: Collects the problems.
     """
-    entry = Entry(raw)
+    entry = BodyEntry(raw)
     spelt = check_keys(raw.data, FIELDS, raw.place, report)
     known = {own: key for key, own in spelt.items()}
     _read_number(entry, report)
@@ -93,7 +93,7 @@ def read_entry(raw: RawEntry, plot: Mapping[str, Any], report: Report) -> Entry:
     return entry
 
 
-def _read_number(entry: Entry, report: Report) -> None:
+def _read_number(entry: BodyEntry, report: Report) -> None:
     data, place = entry.raw.data, entry.raw.place
     number, number_range = data.get("number"), data.get("number_range")
     if number is not None:

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NoReturn
 from irsim_gym.errors import BehaviorError, ScenarioError, UnknownNameError
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 from irsim_gym.registry import Registry
-from irsim_gym.scenario.checks import check_drive
+from irsim_gym.scenario.body_checks import check_drive
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import BodySpec, Scenario

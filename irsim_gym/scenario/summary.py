@@ -15,7 +15,7 @@ SENTENCE_END = (". ", ": ", "; ")
 
 
 @dataclass(frozen=True)
-class Summary:
+class FileSummary:
     """What a list shows of a file.
 
     Attributes:
@@ -29,7 +29,7 @@ class Summary:
     parameters: Mapping[str, str]
 
 
-def summarize_file(file: Path) -> Summary:
+def summarize_file(file: Path) -> FileSummary:
     """Read what a file is about. A file with mistakes is summarised as far as it can be read.
 
     Raises:
@@ -38,7 +38,7 @@ def summarize_file(file: Path) -> Summary:
     source, values = fill_in(read_file(file), {})
     entries = source.data.get("robot", ()) if isinstance(source.data, Mapping) else ()
     robots = sum(map(_count, entries if isinstance(entries, list) else [entries]))
-    return Summary(first_sentence(file), robots, {name: show(value) for name, value in values.items()})
+    return FileSummary(first_sentence(file), robots, {name: show(value) for name, value in values.items()})
 
 
 def first_sentence(file: Path) -> str:

@@ -16,7 +16,7 @@ from typing import Any
 import yaml
 
 from irsim_gym.evaluation.tables import write_bytes, write_text
-from irsim_gym.scenario.images import image_file
+from irsim_gym.scenario.image_files import image_file
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.map_cells import find_map
 from irsim_gym.scenario.messages import show

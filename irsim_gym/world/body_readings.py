@@ -13,8 +13,7 @@ from irsim_gym import families
 from irsim_gym.arraytypes import Floats
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.world.arrays import A
-from irsim_gym.world.context import WorldContext, find_sensor
-from irsim_gym.world.group import Group
+from irsim_gym.world.group import Group, WorldContext, find_sensor
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import corner_points, extent, outline_rows, placed
 from irsim_gym.world.state import WorldState

@@ -33,7 +33,7 @@ class WorldParam:
     collision_mode: str
 
 
-class Clock:
+class WorldInfo:
     """What a world is called, how large it is, and what time it is in it.
 
     Args:

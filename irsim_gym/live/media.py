@@ -17,7 +17,7 @@ from irsim_gym.live.viewer import Viewer
 ENDING_S = 3.0
 
 
-class Recorder:
+class MediaWriter:
     """Keeps frames, and writes them and others to files.
 
     Args:

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.engine.checks import find_blocked_starts
 from irsim_gym.engine.given import LEVELS
-from irsim_gym.live.arguments import Asked
+from irsim_gym.engine.start_checks import find_blocked_starts
+from irsim_gym.live.arguments import LoadArguments
 from irsim_gym.live.session import Session
 from irsim_gym.scenario import Scenario, load_scenario, notes
 from irsim_gym.scenario.parameters import given_as_keywords
@@ -20,7 +20,7 @@ from irsim_gym.scenario.parameters import given_as_keywords
 ScenarioSource = str | Path | Mapping[str, Any]
 
 
-class Levels:
+class LevelSource:
     """Reads a file, and draws its levels in the order of one seed.
 
     Args:
@@ -40,7 +40,7 @@ class Levels:
     """
 
     def __init__(
-        self, source: ScenarioSource | None, seed: int | None, *, strict: bool, asked: Asked, columns: bool
+        self, source: ScenarioSource | None, seed: int | None, *, strict: bool, asked: LoadArguments, columns: bool
     ) -> None:
         self._strict, self._asked = strict, asked
         self._source: ScenarioSource = _beside_the_script() if source is None else source

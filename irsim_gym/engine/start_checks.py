@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from irsim_gym.engine import buckets, contact, outlines
+from irsim_gym.engine import body_buckets, contact, outlines
 from irsim_gym.engine.parts import Parts
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import Scenario
@@ -44,8 +44,8 @@ def find_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, sta
     shard = Shard(np.zeros(1, np.int64))
     state.pose[0] = model.start[0]
     outlines.place(parts.everyone, model, state, shard)
-    buckets.empty(model, state, shard)
-    buckets.refresh(parts.everyone, model, state, shard)
+    body_buckets.empty(model, state, shard)
+    body_buckets.refresh(parts.everyone, model, state, shard)
     problems = []
     for b in robots:
         model.present[0] = walls

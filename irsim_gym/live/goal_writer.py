@@ -40,7 +40,7 @@ def _is_several(goal: Any) -> bool:
 
 
 @dataclass(frozen=True)
-class Given:
+class BodyGoals:
     """What a simulation knows of a body's goals.
 
     Attributes:
@@ -54,11 +54,11 @@ class Given:
     rows: Floats
 
 
-class Goals:
+class GoalWriter:
     """Writes goals into a simulation, and remembers those that a reset brings back."""
 
     def __init__(self) -> None:
-        self._at_start: dict[str, Given] = {}
+        self._at_start: dict[str, BodyGoals] = {}
 
     def write(self, simulation: Simulation, body: int, goals: Floats, *, init: bool) -> None:
         """Give a body these goals, the first one next; with ``init`` also after a reset."""
@@ -68,11 +68,11 @@ class Goals:
             self._at_start.pop(name, None)
         elif name not in self._at_start:
             rows = model.waypoints[0, body, : model.waypoint_count[0, body]].copy()
-            self._at_start[name] = Given(bool(model.has_goal[body]), body in simulation.parts.loop_returns, rows)
+            self._at_start[name] = BodyGoals(bool(model.has_goal[body]), body in simulation.parts.loop_returns, rows)
         returns = model.goal_renewal[body] == LOOP and len(goals) == 1
         back = model.start[0, body] if model.arrive_mode[body] == STATE else [*model.start[0, body, :2], np.nan]
         rows = np.vstack([goals, back]) if returns else goals
-        _put(simulation, body, Given(len(goals) > 0, returns, rows))
+        _put(simulation, body, BodyGoals(len(goals) > 0, returns, rows))
         state.waypoint[0, body], state.waypoint_end[0, body] = 0, len(goals)
         state.arrived[0, body] = False
         if len(goals):
@@ -90,7 +90,7 @@ class Goals:
         self._at_start.clear()
 
 
-def _put(simulation: Simulation, body: int, given: Given) -> None:
+def _put(simulation: Simulation, body: int, given: BodyGoals) -> None:
     model, parts, count = simulation.model, simulation.parts, len(given.rows)
     make_room(model, count)
     model.waypoints[0, body, :count] = given.rows

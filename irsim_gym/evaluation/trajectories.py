@@ -28,7 +28,7 @@ class Watcher(Protocol):
 
 
 @dataclass(frozen=True)
-class Way:
+class AgentTrajectory:
     """The way of one agent in one level.
 
     Attributes:
@@ -45,7 +45,7 @@ class Way:
 
 
 @dataclass
-class Ways:
+class TrajectoryLog:
     """Keeps the ways of a policy: a `Watcher`.
 
     Args:
@@ -58,7 +58,7 @@ class Ways:
 
     episodes: Episodes
     shown: int = SHOWN
-    ways: list[Way] = field(default_factory=list, init=False)
+    ways: list[AgentTrajectory] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
         shape = self.episodes.n_worlds, self.episodes.task.max_steps + 1, self.episodes.n_agents, 2
@@ -90,4 +90,6 @@ class Ways:
                 count = int(simulation.model.waypoint_count[w, body])
                 goal = simulation.model.waypoints[w, body, count - 1, :2] if count else np.full(2, np.nan)
                 points = self._points[w, :last, a].copy() if self._kept[w] else here
-                self.ways.append(Way(index, points, goal.copy(), Outcome(int(infos["outcome"][w, a])).name.lower()))
+                self.ways.append(
+                    AgentTrajectory(index, points, goal.copy(), Outcome(int(infos["outcome"][w, a])).name.lower())
+                )
