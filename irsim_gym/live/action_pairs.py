@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -58,14 +57,14 @@ def pair_actions(
     return _numbers(zip(targets, actions, strict=True))
 
 
-def is_single(actions: Any) -> bool:
+def is_single(actions: Sequence[object] | Floats) -> bool:
     """Return whether this is one action: a flat row of numbers, or a column as IR-SIM has them."""
     if isinstance(actions, np.ndarray):
         return actions.ndim < 2 or max(actions.shape) == actions.size
     return len(actions) > 0 and all(np.isscalar(value) for value in actions)
 
 
-def _numbers(pairs: Iterable[tuple[int, Any]]) -> dict[int, Floats]:
+def _numbers(pairs: Iterable[tuple[int, Action | None]]) -> dict[int, Floats]:
     """Return the actions as rows of numbers, without those that are None."""
     rows = {}
     for body, action in pairs:

@@ -33,8 +33,8 @@ class LoadArguments(NamedTuple):
     file: str | Path | None
     step_mode: StepMode | None
     log_level: int | str | None
-    film: Mapping[str, Any]
-    parameters: dict[str, Any]
+    film: Mapping[str, object]
+    parameters: dict[str, object]
 
 
 def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> LoadArguments:
@@ -61,7 +61,7 @@ def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> LoadAr
     return LoadArguments(mode, others.get("world_name"), step_mode, _level(others.get("log_level")), film, rest)
 
 
-def _render_mode(render_mode: str | None, others: Mapping[str, Any]) -> str | None:
+def _render_mode(render_mode: str | None, others: Mapping[str, object]) -> str | None:
     """Return the render mode that is meant.
 
     Raises:
@@ -74,7 +74,7 @@ def _render_mode(render_mode: str | None, others: Mapping[str, Any]) -> str | No
     return "human" if wanted else render_mode
 
 
-def _level(level: Any) -> int | str | None:
+def _level(level: object) -> int | str | None:
     if level is None or isinstance(level, int):
         return level
     known = logging.getLevelNamesMapping()
@@ -84,7 +84,9 @@ def _level(level: Any) -> int | str | None:
     raise ValueError(f"log_level must be one of {', '.join(known)}, got {level!r}{suggestion(name, known)}")
 
 
-def drawing_options(figure_kwargs: Mapping[str, Any] | None, mode: str, others: Mapping[str, Any]) -> dict[str, Any]:
+def drawing_options(
+    figure_kwargs: Mapping[str, object] | None, mode: str, others: Mapping[str, object]
+) -> dict[str, object]:
     """Return how bodies are to be drawn in one picture, by keys of their section ``plot``.
 
     Raises:
@@ -101,20 +103,20 @@ def drawing_options(figure_kwargs: Mapping[str, Any] | None, mode: str, others: 
     return {name: value for name, value in others.items() if name in BODY_KEYS}
 
 
-def figure_options(others: Mapping[str, Any]) -> dict[str, Any]:
+def figure_options(others: Mapping[str, object]) -> dict[str, object]:
     """Return how a figure is to be saved, by keys of ``plot.saved_figure``."""
     _warn_of_unknown("save_figure()", others, FIGURE_KEYS)
     return {name: value for name, value in others.items() if name in FIGURE_KEYS}
 
 
-def film_options(others: Mapping[str, Any]) -> dict[str, Any]:
+def film_options(others: Mapping[str, object]) -> dict[str, object]:
     """Return what is known of a film."""
     known = (*FILM_KEYS, *NO_EFFECT_ON_FILMS)
     _warn_of_unknown("end()", others, known)
     return {name: value for name, value in others.items() if name in FILM_KEYS}
 
 
-def _warn_of_unknown(what: str, others: Mapping[str, Any], known: Iterable[str]) -> None:
+def _warn_of_unknown(what: str, others: Mapping[str, object], known: Iterable[str]) -> None:
     for name in others:
         if name not in known:
             warn_caller(f"{what} knows no {name}, it changes nothing{suggestion(name, known)}", NoEffectWarning)

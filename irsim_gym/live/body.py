@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
@@ -58,7 +59,7 @@ class Body(IrSimReadings):
                 object.__getattribute__(self, name)  # raises what went wrong in a property
             raise AttributeError(hints.missing("a body", name, hints.BODY, dir(self)), name=name, obj=self)
 
-        def __setattr__(self, name: str, value: Any) -> None:
+        def __setattr__(self, name: str, value: object) -> None:
             if not name.startswith("_"):
                 raise AttributeError(hints.unsettable(name, dir(self)), name=name, obj=self)
             object.__setattr__(self, name, value)
@@ -128,7 +129,7 @@ class Body(IrSimReadings):
         return self._vector(self._state.velocity[0, self._b, : self._command_size])
 
     @property
-    def trajectory(self) -> Any:
+    def trajectory(self) -> Floats | list[Floats]:
         """Its poses since the reset, the start first [m, m, rad], shape ``(n, 3)``.
 
         With ``columns`` as IR-SIM has it: a list of its states as columns, one for each step, without the start; empty
@@ -221,7 +222,7 @@ class Body(IrSimReadings):
             simulation.model.initial_velocity[b] = row[:3]
         simulation.place(np.array([b], np.int64))
 
-    def set_goal(self, goal: Any, *, init: bool = False) -> None:
+    def set_goal(self, goal: ArrayLike | None, *, init: bool = False) -> None:
         """Give it other goals.
 
         Args:
@@ -287,7 +288,7 @@ class Body(IrSimReadings):
         count = len(self.scan()["ranges"])
         self._session.painted.paint(self._name, count, laser_indices, laser_color or HIGHLIGHT, alpha)
 
-    def append_goal(self, goal: Any) -> None:
+    def append_goal(self, goal: ArrayLike) -> None:
         """Add goals behind those that are left."""
         self._session.goals.write(self._simulation, self._b, np.vstack([self.goals, read_goals(goal)]), init=False)
 

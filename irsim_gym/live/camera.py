@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class Camera:
         self._n_recorded = 0
         self._renderer: WorldRenderer | None = None
         self._limits: Limits | None = None
-        self._options: Mapping[str, Any] = {}
+        self._options: Mapping[str, object] = {}
         self._painted_version = 0
         self._reel = Reel()
         self._is_kept = self._is_rendered = False
@@ -92,7 +92,7 @@ class Camera:
         if self._is_kept and not self._is_rendered and self._drawing.is_changed:
             self._keep(self._reel.keep_again, self._kept_status)
 
-    def draw_with(self, options: Mapping[str, Any]) -> None:
+    def draw_with(self, options: Mapping[str, object]) -> None:
         """Draw all bodies with these keys of ``plot`` in place of their own, until other ones are given.
 
         Raises:
@@ -150,7 +150,7 @@ class Camera:
         if self._renderer is not None:
             self._renderer.clear()
 
-    def save_figure(self, path: Path, status: str, options: Mapping[str, Any]) -> Path:
+    def save_figure(self, path: Path, status: str, options: Mapping[str, object]) -> Path:
         """Write a picture to a file, in the format of its suffix or of the scenario; return the path.
 
         Args:

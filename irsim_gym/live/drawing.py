@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.live import arrows, looks, places, strokes
+from irsim_gym.live.looks import Color, Colors
 from irsim_gym.world.marks import NOTHING, ON_TOP, LineMark, Mark, Overlay, TextMark
 
 PATH, ARROW, INK = "#0072B2", "black", "#1F2933"
@@ -61,10 +63,10 @@ class Drawing:
 
     def path(
         self,
-        points: Any,
+        points: ArrayLike,
         format: str = "-",
         *,
-        color: Any = None,
+        color: Color | None = None,
         width: float = 1.5,
         alpha: float = 1.0,
         layer: float = LINE_LAYER,
@@ -90,9 +92,9 @@ class Drawing:
 
     def points(
         self,
-        points: Any,
+        points: ArrayLike,
         *,
-        color: Any = None,
+        color: Colors | None = None,
         size: float = 6.5,
         marker: str = "o",
         alpha: float = 1.0,
@@ -118,10 +120,10 @@ class Drawing:
 
     def polygon(
         self,
-        points: Any,
+        points: ArrayLike,
         *,
-        color: Any = PATH,
-        fill: Any = None,
+        color: Color | None = PATH,
+        fill: Color | None = None,
         width: float = 1.5,
         style: str = "-",
         alpha: float = 1.0,
@@ -148,12 +150,12 @@ class Drawing:
 
     def arrows(
         self,
-        tails: Any,
-        vectors: Any,
+        tails: ArrayLike,
+        vectors: ArrayLike,
         *,
         length: float | None = None,
         width: float | None = None,
-        color: Any = ARROW,
+        color: Color | None = ARROW,
         alpha: float = 1.0,
         layer: float = GROUND_LAYER,
         once: bool = False,
@@ -192,7 +194,7 @@ class Drawing:
         words: str,
         *,
         size: float = 8.0,
-        color: Any = INK,
+        color: Color = INK,
         align: Literal["left", "center", "right"] = "center",
         alpha: float = 1.0,
         layer: float = ON_TOP,

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeGuard
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
 from irsim_gym.world.model import LOOP, STATE, WorldModel
 
 
-def read_goals(goal: Any) -> Floats:
+def read_goals(goal: ArrayLike | None) -> Floats:
     """Return goals as rows x, y, heading [m, m, rad], shape ``(n, 3)``; NaN for a heading that is not given.
 
     Args:
@@ -33,7 +34,7 @@ def read_goals(goal: Any) -> Floats:
     return np.array([[row[0], row[1], row[2] if row.size > 2 else np.nan] for row in given]).reshape(-1, 3)
 
 
-def _is_several(goal: Any) -> bool:
+def _is_several(goal: ArrayLike) -> TypeGuard[Sequence[ArrayLike]]:
     """Return whether this is a list of goals, not one goal in a row or a column of numbers."""
     shape = np.shape(goal[0]) if isinstance(goal, Sequence | np.ndarray) and len(goal) else ()
     return len(shape) > 0 and bool(np.prod(shape) > 1)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.world.irsim_readings import IrSimReadings
 
 MOST_CELLS = 10_000_000
 OCCUPIED = 50.0
@@ -33,7 +34,7 @@ class GridMap:
     resolution: float
     grid: Floats
     world_offset: tuple[float, float] = (0.0, 0.0)
-    obstacle_list: list[Any] = field(default_factory=list)
+    obstacle_list: Sequence[IrSimReadings] = field(default_factory=list)
 
     @property
     def grid_resolution(self) -> tuple[float, float]:

@@ -7,10 +7,12 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live import looks, places, strokes
 from irsim_gym.live.drawing import ARROW, GROUND_LAYER, LINE_LAYER, PATH, Drawing
+from irsim_gym.live.looks import Colors
 from irsim_gym.live.session import Session
 
 LINE_WORDS = {
@@ -44,7 +46,7 @@ class IrSimDrawing:
     def draw_trajectory(
         self,
         /,
-        traj: Any,
+        traj: ArrayLike,
         traj_type: str = "-",
         label: str = "trajectory",
         show_direction: bool = False,
@@ -82,7 +84,9 @@ class IrSimDrawing:
             headings = np.column_stack([np.cos(points[:, 2]), np.sin(points[:, 2])])
             self._draw_arrows(np.hstack([points[:, :2], headings]), THIN, {"alpha": ink.alpha}, refresh)
 
-    def draw_points(self, /, points: Any, s: float = 30.0, c: Any = None, refresh: bool = True, **kwargs: Any) -> None:
+    def draw_points(
+        self, /, points: ArrayLike | None, s: float = 30.0, c: Colors | None = None, refresh: bool = True, **kwargs: Any
+    ) -> None:
         """Mark points, as ``draw.points``.
 
         Args:
@@ -105,7 +109,7 @@ class IrSimDrawing:
         form = given.get("marker", "o")
         self._drawing.add(strokes.points(rows, c, form, size, width, *_look(given, GROUND_LAYER)), refresh)
 
-    def draw_box(self, vertex: Any, refresh: bool = False, color: str = "-") -> None:
+    def draw_box(self, vertex: ArrayLike, refresh: bool = False, color: str = "-") -> None:
         """Draw the edge of a polygon, as ``draw.polygon``.
 
         Args:
@@ -124,7 +128,7 @@ class IrSimDrawing:
             marks += strokes.forms(corners, ink, look.marker, strokes.MARKER_SIZE)
         self._drawing.add(marks, refresh)
 
-    def draw_quiver(self, /, point: Any, refresh: bool = False, **kwargs: Any) -> None:
+    def draw_quiver(self, /, point: ArrayLike | None, refresh: bool = False, **kwargs: Any) -> None:
         """Draw a dot and an arrow; all arrows of IR-SIM's have one length, an eighteenth of the world's width.
 
         ``draw.arrows`` draws them as long as their vectors are.
@@ -142,7 +146,7 @@ class IrSimDrawing:
         if point is not None:
             self._draw_quivers([np.asarray(point, np.float64).ravel()], given, refresh)
 
-    def draw_quivers(self, /, points: Any, refresh: bool = False, **kwargs: Any) -> None:
+    def draw_quivers(self, /, points: ArrayLike, refresh: bool = False, **kwargs: Any) -> None:
         """Draw a dot and an arrow for each of some points, see ``draw_quiver``.
 
         Args:
@@ -160,7 +164,7 @@ class IrSimDrawing:
         """Write a title above the world until the next reset, as ``draw.title``; None for what the file says."""
         self._drawing.title(title)
 
-    def _draw_quivers(self, points: Any, given: Mapping[str, Any], once: bool) -> None:
+    def _draw_quivers(self, points: ArrayLike, given: Mapping[str, Any], once: bool) -> None:
         rows = places.rows(points, least=4)
         ink = strokes.Ink.of(given.get("color", ARROW), *_look(given, GROUND_LAYER))
         self._drawing.add(strokes.forms(rows, ink, "o", ORIGIN_SIZE**0.5 + EDGE), once)

@@ -94,7 +94,7 @@ def _beside_the_script() -> Path:
     raise TypeError(f"no file was given, and there is no {script.stem}.yaml beside the script: load('my_world.yaml')")
 
 
-def _level(seed: Any) -> int:
+def _level(seed: object) -> int:
     """Return the level that a seed stands for, as in environments."""
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
         raise TypeError(f"a seed is a whole number, got {seed!r}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from irsim_gym.errors import NoEffectWarning, warn_caller
 from irsim_gym.live.arguments import figure_options, film_options
@@ -39,7 +39,7 @@ class MediaWriter:
         *,
         record: bool,
         save_at_end: bool,
-        options: Mapping[str, Any],
+        options: Mapping[str, object],
     ) -> None:
         self._session, self._status, self._camera, self._viewer = session, status, camera, viewer
         self._record, self._save_at_end, self._options = record or save_at_end, save_at_end, options
@@ -62,7 +62,7 @@ class MediaWriter:
     def _file(self, path: str | Path | None, ending: str = "") -> Path:
         return target(path, self._session.simulation.scenario.name + ending)
 
-    def close(self, /, ending_time: float = 0.0, **film: Any) -> None:
+    def close(self, /, ending_time: float = 0.0, **film: object) -> None:
         """Close the window and free the renderer; with ``save_ani`` write the film before, as ``end`` does.
 
         May be called twice; the world can still be used.
@@ -73,7 +73,7 @@ class MediaWriter:
         """
         self._finish(ending_time, film_options(film))
 
-    def end(self, /, ending_time: float = ENDING_S, ani_name: str | Path | None = None, **film: Any) -> Path | None:
+    def end(self, /, ending_time: float = ENDING_S, ani_name: str | Path | None = None, **film: object) -> Path | None:
         """Write the film if frames were kept, and either ``save_ani`` or a name asks for it; then close.
 
         Where a name is given but no frames were kept, a warning says so.
@@ -91,7 +91,7 @@ class MediaWriter:
         named = {} if ani_name is None else {"ani_name": ani_name}
         return self._finish(ending_time, {**film_options(film), **named})
 
-    def _finish(self, ending_time: float, given: Mapping[str, Any]) -> Path | None:
+    def _finish(self, ending_time: float, given: Mapping[str, object]) -> Path | None:
         options = {**self._options, **given}
         name, film = options.get("ani_name"), None
         if self._unsaved and (self._save_at_end or name is not None):
@@ -121,7 +121,7 @@ class MediaWriter:
         save_gif: bool = False,
         *,
         save_name: str | Path | None = None,
-        **options: Any,
+        **options: object,
     ) -> Path:
         """Write a picture to a file and return its path.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 FILMS = (".mp4", ".gif")
 PAGES = (".html",)
@@ -38,7 +37,7 @@ def with_suffix(path: Path, known: tuple[str, ...], default: str) -> Path:
     return path.with_name(f"{path.name}.{default}")
 
 
-def film_file(options: Mapping[str, Any], name: str) -> Path:
+def film_file(options: Mapping[str, object], name: str) -> Path:
     """Return the file of a film: what is named, else the world's name, with a suffix where one is given."""
-    chosen, suffix = Path(options.get("ani_name") or name), options.get("suffix")
+    chosen, suffix = Path(str(options.get("ani_name") or name)), options.get("suffix")
     return chosen.with_name(f"{chosen.name}{suffix}") if suffix and chosen.suffix.lower() not in FILMS else chosen

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live.grid_map import GridMap, n_cells
@@ -27,7 +26,9 @@ class PathPlanner:
     def __init__(self, session: Session, population: Population) -> None:
         self._session, self._population = session, population
 
-    def path(self, start: Any, goal: Any, radius: float | None = None, *, resolution: float = FINE) -> Floats | None:
+    def path(
+        self, start: ArrayLike, goal: ArrayLike, radius: float | None = None, *, resolution: float = FINE
+    ) -> Floats | None:
         """Return a shortest way for a disc around everything that never moves, shape ``(n, 2)`` [m].
 
         The way leads straight from point to point, from start to goal, and the disc touches nothing on it: that is
@@ -89,7 +90,7 @@ class PathPlanner:
         )
 
 
-def point(values: Any, name: str) -> tuple[float, float]:
+def point(values: ArrayLike, name: str) -> tuple[float, float]:
     """Return x and y [m] of a point, a pose or a state, flat or a column.
 
     Raises:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import numpy as np
 
@@ -134,9 +133,9 @@ class Viewer:
         self,
         /,
         interval: float = INTERVAL_S,
-        figure_kwargs: Mapping[str, Any] | None = None,
+        figure_kwargs: Mapping[str, object] | None = None,
         mode: str = "dynamic",
-        **drawing: Any,
+        **drawing: object,
     ) -> Bytes:
         """Return a picture of the world, uint8, shape ``(height, width, 3)``; show it where there is a window.
 
