@@ -102,7 +102,7 @@ class BehaviorPolicy:
         return decided_commands(episodes, worlds)
 
 
-def _groups_by_drive(name: str, kind: Any, episodes: Episodes) -> list[Group]:
+def _groups_by_drive(name: str, kind: object, episodes: Episodes) -> list[Group]:
     """Return the agents in groups of one drive each, as behaviours want them."""
     simulation = episodes.simulation
     drives, groups = simulation.model.drive[simulation.agents], []
@@ -113,7 +113,7 @@ def _groups_by_drive(name: str, kind: Any, episodes: Episodes) -> list[Group]:
     return groups
 
 
-def _one_group(name: str, kind: Any, episodes: Episodes) -> list[Group]:
+def _one_group(name: str, kind: object, episodes: Episodes) -> list[Group]:
     """Return everything that can move as one group, in which the agents decide."""
     simulation = episodes.simulation
     options = _options(episodes, int(simulation.agents[0]), "group_behavior", name, kind)

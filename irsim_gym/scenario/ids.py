@@ -28,7 +28,7 @@ class Ids:
     def __init__(self) -> None:
         self._registries: list[Mapping[str, Any]] = []
 
-    def look_in(self, registry: Mapping[str, Any]) -> None:
+    def look_in(self, registry: Mapping[str, object]) -> None:
         """Look ids up in a registry too: from each id to an object with the arguments it is made with, ``kwargs``."""
         if not any(registry is known for known in self._registries):
             self._registries.append(registry)
@@ -54,7 +54,7 @@ class Ids:
             raise UnknownNameError(f"no environment '{name}'{self._advice(one, namespace)}")
         return None
 
-    def scenario(self, name: Any) -> Any:
+    def scenario(self, name: object) -> Any:
         """Return the scenario that an id stands for; what is no id comes back as it is.
 
         Raises:

@@ -48,11 +48,11 @@ class PendingBehavior:
         yield from crossed_bounds(self.range_low, self.range_high)
 
     @staticmethod
-    def prepare(group: Any, model: Any, n_slots: int) -> None:
+    def prepare(group: object, model: object, n_slots: int) -> None:
         """Need nothing."""
 
     @staticmethod
-    def begin(group: Any, shard: Any) -> None:
+    def begin(group: object, shard: object) -> None:
         """Have nothing to begin with."""
 
     @staticmethod
@@ -76,7 +76,7 @@ def _missing(pending: PendingBehavior) -> str:
     return f"{pending.where}: {message}" if pending.where else message
 
 
-def read_pending(key: str, data: Mapping[str, Any], place: Place, report: Report) -> PendingBehavior | None:
+def read_pending(key: str, data: Mapping[str, object], place: Place, report: Report) -> PendingBehavior | None:
     """Return what stands for a behaviour with an unknown name; None after telling what is wrong with its goals."""
     made = build(PendingBehavior, {name: data[name] for name in RENEWAL if name in data}, place, report)
     line = report.source.line((*place, "name"))
@@ -84,7 +84,7 @@ def read_pending(key: str, data: Mapping[str, Any], place: Place, report: Report
     return None if made is None else replace(made, key=key, where=where, place=place, data=data)
 
 
-def is_pending(key: str, data: Any) -> bool:
+def is_pending(key: str, data: object) -> bool:
     """Return whether this names a behaviour that nobody has registered."""
     name = data.get("name") if isinstance(data, Mapping) else None
     return key in FAMILIES and isinstance(name, str) and name not in FAMILIES[key]

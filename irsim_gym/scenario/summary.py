@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.parameters import fill_in
@@ -53,6 +52,6 @@ def first_sentence(file: Path) -> str:
     return text[: min(ends, default=len(text))].strip()
 
 
-def _count(entry: Any) -> int:
+def _count(entry: object) -> int:
     number = entry.get("number", 1) if isinstance(entry, Mapping) else 0
     return number if isinstance(number, int) else 1

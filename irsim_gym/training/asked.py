@@ -169,7 +169,7 @@ def _looks(task: Task) -> bool:
     return any(isinstance(term, IsImage) for term in task.observations)
 
 
-def _changed_values(usual: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+def _changed_values(usual: Mapping[str, object], given: Mapping[str, object]) -> dict[str, Any]:
     """Return the hyper-parameters that differ, those that are missing as None."""
     names = [name for name in dict.fromkeys([*usual, *given]) if usual.get(name) != given.get(name)]
     return {as_name(name): given.get(name) for name in names if name not in ("team", "device")}

@@ -138,7 +138,7 @@ def _state(model: BaseAlgorithm) -> dict[str, Any]:
     }
 
 
-def _moved(value: Any, device: torch.device) -> Any:
+def _moved(value: object, device: torch.device) -> Any:
     """Return tensors, also inside (named) tuples, on another device, so that any machine can read them."""
     if isinstance(value, torch.Tensor):
         return value.to(device)

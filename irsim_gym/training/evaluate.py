@@ -67,7 +67,7 @@ def evaluate_policies(
     names: Sequence[str] | None = None,
     folder: Path | None = None,
     console: Console | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, object] | None = None,
     strict: bool = True,
 ) -> Evaluation:
     """Evaluate policies and write ``episodes.csv``, ``summary.json``, ``table.txt``, ``ways.png`` and ``ways.pdf``.

@@ -67,7 +67,7 @@ def evaluate_team_policies(
     names: Sequence[str] | None = None,
     folder: Path | None = None,
     console: Console | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, object] | None = None,
     strict: bool = True,
 ) -> TeamEvaluation:
     """Evaluate policies of teams; write ``episodes.csv``, ``levels.csv``, ``summary.json``, ``table.txt``, ``ways.*``.

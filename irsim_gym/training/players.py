@@ -93,7 +93,7 @@ def players(
     split: str = "test",
     task: str | None = None,
     names: Sequence[str] | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, object] | None = None,
     team: bool = False,
     backend: str = "matplotlib",
     strict: bool = True,

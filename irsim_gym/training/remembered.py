@@ -17,7 +17,7 @@ from irsim_gym.training.snapshot import differences, listed, take_snapshot
 
 
 def remembered_parameters(
-    scenario: str, sources: Sequence[str | Path], given: Mapping[str, Any] | None = None, *, strict: bool = True
+    scenario: str, sources: Sequence[str | Path], given: Mapping[str, object] | None = None, *, strict: bool = True
 ) -> dict[str, Any]:
     """Return the values for a scenario's parameters: those given, and beside them what all runs were trained with.
 
