@@ -1,4 +1,4 @@
-"""No level without a way: agents whose placement does not see to it are looked after here."""
+"""Checks that each level has a way to the goal, for agents whose placement does not ensure one."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class ReachabilityCheck:
 def reachability_check(
     scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n_slots: int
 ) -> ReachabilityCheck:
-    """Return the guard: for round agents, where levels differ and the placement does not ensure a way itself."""
+    """Return the check: for round agents, where levels differ and the placement does not ensure a way itself."""
     varied = [spec.kind.is_random for spec in scenario.placements]
     stands = [bool(model.stands[list(spec.members)].any()) for spec in scenario.placements]
     walls_vary = any(random and standing for random, standing in zip(varied, stands, strict=True))

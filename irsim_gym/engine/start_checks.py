@@ -1,4 +1,4 @@
-"""What can be known to be wrong before the first level is drawn."""
+"""Robots whose start is blocked, found before the first level is drawn."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, s
         ScenarioError: With the line of every such robot.
     """
     found = find_blocked_starts(scenario, parts, model, state)
-    told = "; a robot must begin clear of static obstacles; irsim_gym.load runs the file all the same"
+    advice = "; a robot must begin clear of static obstacles; irsim_gym.load runs the file all the same"
     if found:
-        problems = [replace(problem, message=problem.message + told) for problem in found]
+        problems = [replace(problem, message=problem.message + advice) for problem in found]
         raise ScenarioError(scenario.file or scenario.name, problems)
 
 

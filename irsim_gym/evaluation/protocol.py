@@ -40,7 +40,7 @@ def evaluate(
         split: ``"test"``, ``"dev"`` or ``"train"``.
         optima: Geodesic optima that earlier evaluations of the same split found; filled further.
         on_episodes: Called with the number of episodes that have just ended.
-        watcher: Who is told of each step.
+        watcher: Observes each step.
 
     Raises:
         IrsimGymError: The task has several agents, see ``evaluate_team``.
@@ -84,7 +84,7 @@ def drive(
         episodes: The worlds.
         levels: Their number (levels 0, 1, ...) or their indices.
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        watcher: Who is told of each step.
+        watcher: Observes each step.
 
     Yields:
         The places of the levels among those asked for, the worlds that played them, and the levels.

@@ -41,7 +41,7 @@ def evaluate_team(
         split: ``"test"``, ``"dev"`` or ``"train"``.
         optima: Geodesic optima that earlier evaluations of the same split found; filled further.
         on_episodes: Called with the number of levels that have just ended.
-        watcher: Who is told of each step.
+        watcher: Observes each step.
     """
     found = optima_of(split, optima)
     limit = episodes.task.max_steps * float(episodes.simulation.model.step_time[0])

@@ -1,4 +1,4 @@
-"""The ways that agents take in evaluated levels, for pictures."""
+"""The trajectories of agents in evaluated levels, for figures."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.tasks import Episodes, Outcome
 
 SHOWN = 200
-"""Of so many levels, the first ones, whole ways are kept; of the others where they end."""
+"""Number of levels, the first ones, whose whole trajectories are kept; of the others only the end."""
 
 
 class Watcher(Protocol):
-    """Who is told how an evaluation goes on; it only looks."""
+    """Observes an evaluation; it changes nothing."""
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
         """Levels have begun in worlds; the indices are their places among those that are evaluated, all ``(n,)``."""
@@ -29,7 +29,7 @@ class Watcher(Protocol):
 
 @dataclass(frozen=True)
 class AgentTrajectory:
-    """The way of one agent in one level.
+    """The trajectory of one agent in one level.
 
     Attributes:
         level: Place of the level among those that are evaluated.
@@ -46,7 +46,7 @@ class AgentTrajectory:
 
 @dataclass
 class TrajectoryLog:
-    """Keeps the ways of a policy: a `Watcher`.
+    """Keeps the trajectories of a policy: a `Watcher`.
 
     Args:
         episodes: The worlds.

@@ -1,4 +1,4 @@
-"""What scripts may ask ``load``, ``render`` and ``end`` for, in IR-SIM's words."""
+"""Reads the arguments of ``load``, ``render`` and ``end`` that IR-SIM has."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> LoadAr
     """Read IR-SIM's arguments of ``make`` among those of ``load``.
 
     Raises:
-        TypeError: One of them asks for what is not here; the message tells what to do.
+        TypeError: An argument asks for something unsupported; the message says what to do.
         ValueError: Another render mode or step mode, or an unknown level of logging.
     """
     if render_mode not in (None, "rgb_array", "human"):

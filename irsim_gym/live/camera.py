@@ -76,7 +76,7 @@ class Camera:
         return picture
 
     def leave(self) -> None:
-        """Note that the world goes on from the present moment."""
+        """Note that the world is about to leave the present moment."""
         self._catch_up()
         if len(self._drawing) and not self._is_rendered and self.is_sample:
             self._drawing.grow_old()
@@ -122,7 +122,7 @@ class Camera:
         self._keep(lambda frame, scene: self._reel.keep(frame, scene, self._simulation), status)
 
     def _keep(self, keep: Callable[[Bytes, Scene], None], status: str) -> None:
-        """Let somebody keep the present moment, without what only waits to be rendered."""
+        """Pass the present moment to ``keep``, without marks that only wait to be rendered."""
         renderer, overlay = self._ready(), self._drawing.keep()
         renderer.lay_over(overlay)
         keep(renderer.frame(0, status), self._scene(status, overlay))

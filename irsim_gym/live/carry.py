@@ -1,4 +1,4 @@
-"""A world whose list of bodies changes: compiled anew, with everything else as it was."""
+"""Recompiles a world whose list of bodies changes, and keeps everything else."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
 
 
 def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
-    """Copy what the old simulation knows of the bodies that stay, and of the world."""
+    """Copy the state of the bodies that stay, and of the world, from the old simulation."""
     for name, declared in (*WorldModel.columns().items(), *WorldState.columns().items()):
         sources, targets = (old.model, new.model) if name in WorldModel.columns() else (old.state, new.state)
         source, target = getattr(sources, name), getattr(targets, name)
@@ -82,14 +82,14 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
 
 
 def _carry_fog(old: Simulation, new: Simulation) -> None:
-    """Hand over what was explored, unless the cells have changed with the map."""
+    """Copy what was explored, unless the cells have changed with the map."""
     before, now = old.explored, new.explored
     if before is not None and now is not None and before.shape == now.shape:
         now[:] = before
 
 
 def _carry_memories(old: Simulation, new: Simulation, was_at: dict[int, int]) -> None:
-    """Hand over what behaviours written in Python remember."""
+    """Copy the memories of behaviours written in Python."""
     before = [group for group in (*old.parts.behaviors, *old.parts.group_behaviors) if "memory" in group.arrays]
     for group in (*new.parts.behaviors, *new.parts.group_behaviors):
         for source in before:
@@ -136,7 +136,7 @@ def _begin(new: Simulation, added: Ints) -> None:
 
 
 def _look(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
-    """Bring contacts and readings up to date; who is held in place is known after the next step, as ever."""
+    """Update contacts and readings; which bodies are held in place is known after the next step."""
     shard, state = Shard(np.zeros(1, np.int64)), new.state
     now_at = {int(was): int(b) for b, was in zip(here, there, strict=True)}
     new.model.static_known[:] = False

@@ -1,4 +1,4 @@
-"""What is drawn over a world by hand: which marks there are, and how long."""
+"""Marks drawn over a world, and how long each stays."""
 
 from __future__ import annotations
 
@@ -293,11 +293,11 @@ class Drawing:
         return any(age == OLD for _, age in self._marks)
 
     def shown(self) -> None:
-        """Forget what was drawn for one picture: somebody has seen it."""
+        """Remove the marks that were drawn for one picture, after it was shown."""
         self._age({STAYS: STAYS})
 
     def grow_old(self) -> None:
-        """Note that a moment has passed that nobody rendered: what was drawn for one picture waits for one more."""
+        """Note that a moment has passed without a rendering: marks for one picture wait for one more."""
         self._age({STAYS: STAYS, FRESH: OLD})
 
     def _age(self, later: Mapping[int, int]) -> None:

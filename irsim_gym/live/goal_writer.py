@@ -42,7 +42,7 @@ def _is_several(goal: ArrayLike) -> TypeGuard[Sequence[ArrayLike]]:
 
 @dataclass(frozen=True)
 class BodyGoals:
-    """What a simulation knows of a body's goals.
+    """The goals of a body as a simulation has them.
 
     Attributes:
         has_goal: It has any.
@@ -85,7 +85,7 @@ class GoalWriter:
         self._at_start = {name: given for name, given in self._at_start.items() if name in simulation.parts.names}
 
     def bring_back(self, simulation: Simulation) -> None:
-        """Give every body the goals that it has at the start again."""
+        """Restore the goals of the start."""
         for name, given in self._at_start.items():
             _put(simulation, simulation.body(name), given)
         self._at_start.clear()
@@ -104,7 +104,7 @@ def _put(simulation: Simulation, body: int, given: BodyGoals) -> None:
 
 
 def make_room(model: WorldModel, n_goals: int) -> None:
-    """Let every body have up to so many goals."""
+    """Make room for so many goals of each body."""
     missing = n_goals - model.waypoints.shape[2]
     if missing > 0:
         pads = ((0, 0), (0, 0), (0, missing), (0, 0))

@@ -1,4 +1,4 @@
-"""What moves bodies by hand: commands for a step, and new places for obstacles."""
+"""Moves bodies by hand: commands for a step, and new places for obstacles."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ def commands(simulation: Simulation, rows: Mapping[int, Floats]) -> tuple[Ints, 
 def scatter(
     simulation: Simulation, bodies: Sequence[int], low: Sequence[float], high: Sequence[float], *, apart: bool
 ) -> None:
-    """Put bodies somewhere at random, for now and for later resets.
+    """Move bodies to random places, for now and for later resets.
 
     Args:
-        simulation: Where they are.
-        bodies: Whom.
+        simulation: The world.
+        bodies: Their indices.
         low: Least x, y, heading [m, m, rad].
         high: Greatest.
         apart: Clear of all other bodies.
@@ -82,7 +82,7 @@ def robots(simulation: Simulation) -> Ints:
 
 
 def status_of(simulation: Simulation) -> str:
-    """Return how the robots stand: ``Arrived`` all, else ``Collision`` one, else ``Running``."""
+    """Return ``Arrived`` if all robots have arrived, else ``Collision`` if one collides, else ``Running``."""
     chosen = robots(simulation)
     if len(chosen) and simulation.state.arrived[0, chosen].all():
         return "Arrived"

@@ -20,7 +20,7 @@ class Track:
         self._rows: list[tuple[int, tuple[str, ...], Floats]] = []
 
     def begin(self, simulation: Simulation) -> None:
-        """Forget everything, and note where the bodies start."""
+        """Clear the track, and note where the bodies start."""
         self._rows.clear()
         self.note(simulation)
 

@@ -1,4 +1,4 @@
-"""The arrays that a world by hand gives away: flat and guarded, or as columns."""
+"""Vectors that a world by hand returns: flat and guarded, or as columns."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def _refuse_columns(inputs: tuple[Any, ...]) -> None:
     """Raise if one of the inputs is a flat array of ours, and another one a column.
 
     Raises:
-        ValueError: So it is.
+        ValueError: They would give a matrix.
     """
     flat = max((value.size for value in inputs if isinstance(value, Vector) and value.ndim == 1), default=0)
     if flat < 2:

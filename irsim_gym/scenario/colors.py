@@ -1,4 +1,4 @@
-"""Which colours there are (matplotlib's names, and numbers), so that a misspelt one is told with its line."""
+"""Known colours (matplotlib's names, and numbers), so that a misspelt one is reported with its line."""
 
 from __future__ import annotations
 

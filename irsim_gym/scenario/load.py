@@ -123,7 +123,7 @@ def _tell_repeats(report: Report) -> None:
 
 
 def _places(sections: dict[str, Any], roots: Mapping[str, Place], report: Report) -> dict[str, Place]:
-    """Return the path of each section; a misspelt one is told, and read under the name that it stands for."""
+    """Return the path of each section; a misspelt one is reported, and read under the name it stands for."""
     places: dict[str, Place] = {name: (*roots.get(name, ()), name) for name in SECTIONS}
     for name in [name for name in sections if name not in SECTIONS]:
         if report.is_full:

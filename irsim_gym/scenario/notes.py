@@ -60,7 +60,7 @@ def doubts(scenario: Scenario) -> tuple[Problem, ...]:
 
 
 def _in_order(found: Iterable[Problem]) -> tuple[Problem, ...]:
-    """Return notes by line; what holds for several bodies of an entry is told once."""
+    """Return notes by line; a note on several bodies of an entry appears once."""
     seen: dict[tuple[int, str], Problem] = {}
     for note in found:
         seen.setdefault((note.line, note.message), note)

@@ -178,8 +178,8 @@ def fill_in(source: Source, given: Mapping[str, object], *, strict: bool = True)
     for place, name in _sections(source.data):
         if name in values and name not in filler.used:
             report.add((*place, name), "is declared but never used")
-    told: dict[str, Any] = {"problems": tuple(report.problems), "ignored": tuple(report.ignored)}
-    return replace(source, data=data, unknown=frozenset(filler.unknown), origins=filler.origins, **told), values
+    found: dict[str, Any] = {"problems": tuple(report.problems), "ignored": tuple(report.ignored)}
+    return replace(source, data=data, unknown=frozenset(filler.unknown), origins=filler.origins, **found), values
 
 
 @contextmanager
@@ -220,7 +220,7 @@ def _sections(data: object) -> Iterator[tuple[Place, str]]:
 
 
 def _declarations(source: Source, report: Report) -> dict[str, ParameterSpec | None]:
-    """Return what is declared; None for a declaration that cannot be used, which is told."""
+    """Return what is declared; None for a declaration that cannot be used, which is reported."""
     declared: dict[str, ParameterSpec | None] = {}
     inner = source.data.get(WRAPPER) if isinstance(source.data, Mapping) else None
     for around, place in ((source.data, (SECTION,)), (inner, (WRAPPER, SECTION))):
@@ -337,7 +337,7 @@ class _Filler:
             return BAD
         self.used.update(within, names, bare)
         if any(name not in self._values for name in (*within, *names)):
-            return BAD  # its declaration is refused, which is told there
+            return BAD  # the declaration is refused and reported there
         if within:
             return _WITHIN.sub(lambda match: _plain(self._values[match.group(1)]), text)
         if names:

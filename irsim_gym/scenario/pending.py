@@ -22,7 +22,7 @@ RENEWAL = ("wander", "loop", "range_low", "range_high")
 
 @kind
 class PendingBehavior:
-    """A behaviour whose name is not known yet; it says so when it has to decide.
+    """A behaviour whose name is not known yet; it raises when it has to decide.
 
     A group without a known behaviour is no group: each member decides by itself, as in IR-SIM.
     """
@@ -49,15 +49,15 @@ class PendingBehavior:
 
     @staticmethod
     def prepare(group: object, model: object, n_slots: int) -> None:
-        """Need nothing."""
+        """Do nothing."""
 
     @staticmethod
     def begin(group: object, shard: object) -> None:
-        """Have nothing to begin with."""
+        """Do nothing."""
 
     @staticmethod
     def decide(group: Any, model: Any, state: Any, shard: Any) -> NoReturn:
-        """Say that nobody has registered it.
+        """Raise: nobody has registered it.
 
         Raises:
             BehaviorError: Always.

@@ -20,7 +20,7 @@ class RawEntry:
 
     role: str
     place: Place
-    data: Mapping[str, Any]
+    data: Mapping[str, object]
 
 
 @dataclass(frozen=True)

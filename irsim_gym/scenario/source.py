@@ -66,8 +66,8 @@ class Source:
     def problem(self, place: Place, message: str) -> Problem:
         """Return a problem at a path, with its line, and with what stood there where a parameter gave the value."""
         origin = self.origins.get(place)
-        told = message if origin is None else f"{message} (from {' '.join(origin[:LONGEST_KEY].split())})"
-        return Problem(self.line(place), dotted(place), told)
+        full = message if origin is None else f"{message} (from {' '.join(origin[:LONGEST_KEY].split())})"
+        return Problem(self.line(place), dotted(place), full)
 
 
 def is_section(place: Place) -> bool:

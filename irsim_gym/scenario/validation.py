@@ -28,7 +28,7 @@ T = TypeVar("T")
 
 
 class Bad:
-    """Stands for a value that was refused; the problem is already told."""
+    """Stands for a value that was refused and reported."""
 
     def __repr__(self) -> str:
         return "BAD"
@@ -42,7 +42,7 @@ class Report:
 
     Args:
         source: Where they stand.
-        strict: Keys that nobody reads are problems; else they are ignored, and told.
+        strict: Unknown keys are problems; else they are ignored, and reported.
     """
 
     def __init__(self, source: Source, *, strict: bool = True) -> None:
@@ -57,12 +57,12 @@ class Report:
         self._unread = {(problem.line, problem.path) for problem in source.problems}
 
     def add(self, place: Place, message: str) -> None:
-        """Tell a problem; the same one is told once, and after many the rest is left out."""
+        """Report a problem, once; after many the rest is left out."""
         if any(place[:n] in self.source.unknown for n in range(1, len(place) + 1)):
-            return  # what follows from a value that is not known, which is told already
+            return  # follows from an unknown value, which is reported already
         problem = self.source.problem(place, message)
         if (problem.line, problem.path) in self._unread:
-            return  # it could not even be read, which is told already
+            return  # it could not be read, which is reported already
         _collect(self.problems, problem, "problems")
 
     def ignore(self, place: Place, message: str) -> None:
@@ -78,7 +78,7 @@ class Report:
             self.ignore(place, message)
 
     def doubt(self, place: Place, message: str) -> None:
-        """Tell what is allowed but hardly ever meant; the same is told once."""
+        """Report something allowed but hardly ever meant, once."""
         self.doubts[self.source.problem(place, message)] = None
 
     @property
@@ -175,7 +175,7 @@ def _construct(cls: type[T], values: Mapping[str, object], place: Place, report:
 def check_keys(data: Mapping[str, object], known: Iterable[str], place: Place, report: Report) -> dict[str, str]:
     """Tell the keys that nobody reads; return by known key the misspelt one that stands for it.
 
-    What a misspelt key holds is read as well, so that its mistakes are told at once; not that of a key which is right
+    What a misspelt key holds is read as well, so that its mistakes are reported too; not that of a key which is right
     elsewhere, nor where the reader is not strict: there it is ignored.
     """
     known, mapping = list(known), mapping_of(place)
@@ -262,7 +262,7 @@ def _tell(error: ValidationError, info: FieldInfo, value: object, place: Place, 
         return
     for record in error.errors():
         if record["type"] == "too_short" and len(record["input"]) >= record["ctx"]["min_length"]:
-            continue  # pydantic counts what is left after refused elements, which are told themselves
+            continue  # pydantic counts what is left after refused elements, which are reported themselves
         inner = tuple(part for part in record["loc"] if isinstance(part, int))
         report.add((*place, *inner), translate(record, record.get("input"), _hint_at(info.annotation, inner)))
 

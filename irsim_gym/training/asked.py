@@ -20,7 +20,7 @@ from irsim_gym.training.run import Run, Settings, environment_id, lasting, scena
 from irsim_gym.training.snapshot import listed
 
 FEW = 2
-Parameters = Mapping[str, Any] | None
+Parameters = Mapping[str, object] | None
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class Asked:
         return Settings(named, algorithm, self.seed, task, found, loaded.parameters, self.strict)
 
     def folder(self, settings: Settings) -> Path:
-        """Return the folder of a run that was given none: its name tells what is not as usual."""
+        """Return the default folder of a run, named after its unusual settings."""
         marks = [] if self.task is None else [Path(self.task).stem]
         marks += self._changed(settings)
         marks += [] if self.origin is None else [f"from={policy_names([self.origin])[0]}"]

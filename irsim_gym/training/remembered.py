@@ -22,7 +22,7 @@ def remembered_parameters(
     """Return the values for a scenario's parameters: those given, and beside them what all runs were trained with.
 
     Where every policy is a run's in this scenario and they agree on a value, it takes the default's place, and a line
-    on standard error says so; another line tells of values on which they differ. Reference policies have no say.
+    on standard error says so; another line lists the values on which they differ. Reference policies have no say.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.

@@ -47,8 +47,8 @@ class Snapshot:
 
     file: str
     task_name: str
-    scenario: Mapping[str, Any]
-    task: Mapping[str, Any]
+    scenario: Mapping[str, object]
+    task: Mapping[str, object]
     pictures: Mapping[str, Path] = field(default_factory=dict)
 
     @property

@@ -128,8 +128,8 @@ def _check(run: Run, settings: Settings, now: Snapshot, resume: bool, screen: Co
     if not resume and not run.finished() and files.list_checkpoints(run.checkpoints):
         raise IrsimGymError(f"{run.folder} holds an unfinished run; go on with it by --resume, {ways}")
     if changed:
-        told = f"the scenario has changed since this run began ({listed(changed)}); it keeps to its copy, {run.copy}"
-        screen.print(told, markup=False, highlight=False, soft_wrap=True)
+        message = f"the scenario has changed since this run began ({listed(changed)}); it keeps to its copy, {run.copy}"
+        screen.print(message, markup=False, highlight=False, soft_wrap=True)
 
 
 def _model(settings: Settings, newest: Path | None, device: str | None) -> tuple[BaseAlgorithm, files.RunProgress]:
