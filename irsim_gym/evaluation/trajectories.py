@@ -10,7 +10,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.tasks import Episodes, Outcome
 
-SHOWN = 200
+KEPT_LEVELS = 200
 """Number of levels, the first ones, whose whole trajectories are kept; of the others only the end."""
 
 
@@ -57,7 +57,7 @@ class TrajectoryLog:
     """
 
     episodes: Episodes
-    shown: int = SHOWN
+    shown: int = KEPT_LEVELS
     ways: list[AgentTrajectory] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:

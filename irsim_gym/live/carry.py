@@ -14,11 +14,11 @@ from irsim_gym.world.group import Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
-ROW_NUMBERS = ("segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit")
-NOT_CARRIED = frozenset({*ROW_NUMBERS, "nearby", "radius", "centroid"})
+HOLD_INDICES = ("segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit")
+NOT_CARRIED = frozenset({*HOLD_INDICES, "nearby", "radius", "centroid"})
 """Fields about bodies that hold row numbers, bodies or buckets, or that not every world asks for; worked out anew."""
 
-PLACE_TRIES = 20
+START_TRIES = 20
 
 
 def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
@@ -107,7 +107,7 @@ def _draw(new: Simulation, added: Ints) -> None:
     """
     parts, model, state, shard = new.parts, new.model, new.state, Shard(np.zeros(1, np.int64))
     failed = np.zeros(1, np.int64)
-    for _ in range(PLACE_TRIES):
+    for _ in range(START_TRIES):
         failed[0] = 0
         state.placed[0, added] = False
         for group in parts.footprints:

@@ -15,7 +15,7 @@ from irsim_gym.world.marks import NOTHING, ON_TOP, LineMark, Mark, Overlay, Text
 
 PATH, ARROW, INK = "#0072B2", "black", "#1F2933"
 LINE_LAYER, GROUND_LAYER = 2.0, 1.0
-LARGEST = 200.0
+LARGEST_TEXT = 200.0
 """Size of the largest text [point]."""
 STAYS, FRESH, OLD = range(3)
 """Marks that stay, those for one picture, and those of them that nobody has rendered at their own moment."""
@@ -219,7 +219,7 @@ class Drawing:
         if align not in ("left", "center", "right"):
             raise ValueError(f"align is 'left', 'center' or 'right', got {align!r}")
         across, up = (looks.number(name, value, least=-np.inf) for name, value in (("x", x), ("y", y)))
-        ink, high = strokes.Ink.of(color, alpha, layer), looks.number("size", size, least=1.0, most=LARGEST)
+        ink, high = strokes.Ink.of(color, alpha, layer), looks.number("size", size, least=1.0, most=LARGEST_TEXT)
         mark = TextMark(across, up, _line(words), ink.color, ink.alpha, high, align, ink.layer)
         return self.add([mark] if words.strip() else [], once)
 

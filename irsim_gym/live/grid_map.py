@@ -11,7 +11,7 @@ import numpy as np
 from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.world.irsim_readings import IrSimReadings
 
-MOST_CELLS = 10_000_000
+MOST_GRID_CELLS = 10_000_000
 OCCUPIED = 50.0
 
 
@@ -96,6 +96,6 @@ def n_cells(width: float, height: float, resolution: float) -> tuple[int, int]:
     """
     if not 0.0 < resolution < math.inf:
         raise ValueError(f"resolution must be > 0 [m], got {resolution!r}")
-    if width / resolution * (height / resolution) > MOST_CELLS:
-        raise ValueError(f"resolution is too small: {resolution:g} m gives more than {MOST_CELLS} cells")
+    if width / resolution * (height / resolution) > MOST_GRID_CELLS:
+        raise ValueError(f"resolution is too small: {resolution:g} m gives more than {MOST_GRID_CELLS} cells")
     return max(1, round(width / resolution)), max(1, round(height / resolution))

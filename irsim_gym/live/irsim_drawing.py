@@ -23,7 +23,7 @@ POINT_WORDS = {
     "marker": "marker", "alpha": "alpha", "zorder": "layer", "linewidths": "width", "linewidth": "width", "lw": "width",
 }  # fmt: skip
 ARROW_WORDS = {"color": "color", "alpha": "alpha", "zorder": "layer"}
-EDGE = 1.0
+MARKER_EDGE = 1.0
 """A point of matplotlib's is larger by the width of its edge [point]."""
 SHARE, FEWEST = 1.8, 10.0
 """An arrow is so many times, times the root of how many there are and at least this, shorter than the world."""
@@ -104,7 +104,7 @@ class IrSimDrawing:
         given = looks.known_as("draw_points", kwargs, POINT_WORDS)
         if points is None:
             return
-        rows, size = places.rows(points, columns=True), math.sqrt(looks.number("s", s)) + EDGE
+        rows, size = places.rows(points, columns=True), math.sqrt(looks.number("s", s)) + MARKER_EDGE
         width = given.get("width", strokes.MARKER_WIDTH)
         form = given.get("marker", "o")
         self._drawing.add(strokes.points(rows, c, form, size, width, *_look(given, GROUND_LAYER)), refresh)
@@ -167,7 +167,7 @@ class IrSimDrawing:
     def _draw_quivers(self, points: ArrayLike, given: Mapping[str, Any], once: bool) -> None:
         rows = places.rows(points, least=4)
         ink = strokes.Ink.of(given.get("color", ARROW), *_look(given, GROUND_LAYER))
-        self._drawing.add(strokes.forms(rows, ink, "o", ORIGIN_SIZE**0.5 + EDGE), once)
+        self._drawing.add(strokes.forms(rows, ink, "o", ORIGIN_SIZE**0.5 + MARKER_EDGE), once)
         for row in rows:
             self._draw_arrows(row[None], THICK, given, once)
 

@@ -9,7 +9,7 @@ from typing import NoReturn
 from irsim_gym.errors import NoEffectWarning, warn_caller
 from irsim_gym.live.arguments import figure_options, film_options
 from irsim_gym.live.camera import Camera
-from irsim_gym.live.output_files import FIGURES, FILMS, PAGES, PICTURES, film_file, target, with_suffix
+from irsim_gym.live.output_files import FIGURES, FILMS, IMAGES, PAGES, film_file, target, with_suffix
 from irsim_gym.live.run_status import RunStatus
 from irsim_gym.live.session import Session
 from irsim_gym.live.viewer import Viewer
@@ -188,7 +188,7 @@ class MediaWriter:
         Raises:
             ValueError: Another suffix, nothing was kept, or fewer than two moments.
         """
-        sheet = with_suffix(self._file(path, "-sheet"), PICTURES, "png")
+        sheet = with_suffix(self._file(path, "-sheet"), IMAGES, "png")
         self._camera.reel.save_sheet(sheet, moments)
         return sheet
 

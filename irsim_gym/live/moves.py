@@ -11,7 +11,7 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.errors import PlacementError
 from irsim_gym.world.model import ROBOT
 
-PLACE_TRIES = 100
+SCATTER_TRIES = 100
 
 
 def commands(simulation: Simulation, rows: Mapping[int, Floats]) -> tuple[Ints, Floats]:
@@ -56,7 +56,7 @@ def scatter(
         for b in chosen:
             one = np.array([b], np.int64)
             model.present[0, b] = present[b]
-            for _ in range(PLACE_TRIES):
+            for _ in range(SCATTER_TRIES):
                 state.pose[0, b] = simulation.uniform(low, high)
                 simulation.place(one)
                 if not apart:
@@ -66,7 +66,9 @@ def scatter(
                     break
             else:
                 name = simulation.parts.names[b]
-                raise PlacementError(f"no place found for '{name}' in {PLACE_TRIES} draws that is clear of the others")
+                raise PlacementError(
+                    f"no place found for '{name}' in {SCATTER_TRIES} draws that is clear of the others"
+                )
     except PlacementError:
         state.pose[0, chosen] = before
         raise

@@ -7,7 +7,7 @@ from pathlib import Path
 
 FILMS = (".mp4", ".gif")
 PAGES = (".html",)
-PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
+IMAGES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
 FIGURES = (".png", ".pdf", ".svg", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tiff", ".webp")
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats
 from irsim_gym.world.arrays import frozen
 
-COLUMNS = "load(..., columns=True) gives columns of shape (n, 1), as IR-SIM does"
+COLUMNS_HINT = "load(..., columns=True) gives columns of shape (n, 1), as IR-SIM does"
 
 
 class Vector(np.ndarray[Any, Any]):
@@ -31,7 +31,7 @@ class Vector(np.ndarray[Any, Any]):
             return super().__getitem__(key)
         except IndexError as error:
             if self.ndim == 1 and isinstance(key, tuple) and len(key) > 1:
-                raise IndexError(f"{error}: this array is flat, index it with one number; {COLUMNS}") from None
+                raise IndexError(f"{error}: this array is flat, index it with one number; {COLUMNS_HINT}") from None
             raise
 
     def __repr__(self) -> str:
@@ -59,7 +59,7 @@ def _refuse_columns(inputs: tuple[Any, ...]) -> None:
         if len(shape) == 2 and shape[0] > 1 and shape[1] == 1:
             raise ValueError(
                 f"a flat array of shape ({flat},) and a column of shape {shape} would give a matrix of shape "
-                f"({shape[0]}, {flat}): {COLUMNS}; if the matrix is meant, take np.asarray(...) of the flat one"
+                f"({shape[0]}, {flat}): {COLUMNS_HINT}; if the matrix is meant, take np.asarray(...) of the flat one"
             )
 
 

@@ -16,7 +16,7 @@ from irsim_gym.errors import IrsimGymError, MissingScenarioError, UnknownNameErr
 
 NAMESPACE = "irsim_gym"
 ANY = f"{NAMESPACE}/World-v0"
-SHOWN = 8
+MOST_LISTED = 8
 SOURCES = "a shipped name such as 'corridor', a file such as 'my_world.yaml', or plain data"
 
 _ID = re.compile(r"(?:([A-Za-z_][\w.]*):)?((?:([\w-]+)/)?[\w-]+?(?:-v(\d+))?)")
@@ -99,7 +99,7 @@ class Ids:
             return f" (did you mean '{names[near]}'?)"
         if namespace == NAMESPACE:
             return "; `irsim-gym list` shows what is shipped"
-        return f"; there are {', '.join(known[:SHOWN])}{' ...' if len(known) > SHOWN else ''}"
+        return f"; there are {', '.join(known[:MOST_LISTED])}{' ...' if len(known) > MOST_LISTED else ''}"
 
 
 IDS = Ids()

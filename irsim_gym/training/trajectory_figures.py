@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.evaluation.trajectories import SHOWN, AgentTrajectory, TrajectoryLog, Watcher
+from irsim_gym.evaluation.trajectories import KEPT_LEVELS, AgentTrajectory, TrajectoryLog, Watcher
 from irsim_gym.tasks import Episodes
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class Surveyor:
         """Note where agents start and obstacles stand."""
         self.ways.began(episodes, worlds, indices)
         for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
-            if index < SHOWN:
+            if index < KEPT_LEVELS:
                 scene = self._renderer.scene(world)
                 self.fixed[index] = scene.fixed, scene.map
                 if self._density is not None:
@@ -64,7 +64,7 @@ class Surveyor:
         """Note the ways of worlds that have ended, and where bodies are."""
         self.ways.ended(episodes, worlds, indices)
         for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
-            if index < SHOWN:
+            if index < KEPT_LEVELS:
                 self.moving[index] = self._renderer.scene(world).moving
 
     def levels(self) -> list[DrawnLevel]:
@@ -131,7 +131,7 @@ class Atlas:
             )
             for name, kept in self._surveyors.items()
         ]
-        source = f"the first {SHOWN} of {levels:,} levels" if levels > SHOWN else f"{levels} levels"
+        source = f"the first {KEPT_LEVELS} of {levels:,} levels" if levels > KEPT_LEVELS else f"{levels} levels"
         note = (
             f"Ways: at most {FEW} that succeeded and {FEW} that failed, from {source}. Marks: where episodes failed, "
         )

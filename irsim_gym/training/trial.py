@@ -23,11 +23,11 @@ from irsim_gym.errors import IrsimGymError, ScenarioError, ScenarioWarning
 if TYPE_CHECKING:
     from irsim_gym.scenario import Scenario
 
-STEPS = 30
+TRIAL_STEPS = 30
 """At most, in each way."""
 LONGEST_S = 2.0
 """A file is played no longer than this in each way [s], apart from the first step."""
-PATIENCE_S = 5.0
+WAIT_MESSAGE_S = 5.0
 """After this time [s] a message says what the command waits for."""
 PACKAGE = str(Path(__file__).parents[1])
 
@@ -93,7 +93,7 @@ def _in_a_process(files: Sequence[str], reading: Reading) -> tuple[Failures, str
 
 def _wait(child: subprocess.Popen[bytes], files: Sequence[str]) -> int:
     with suppress(subprocess.TimeoutExpired):
-        return child.wait(PATIENCE_S)
+        return child.wait(WAIT_MESSAGE_S)
     over = "\r\x1b[2K" if sys.stderr.isatty() else ""  # the other process may show there what it compiles
     print(f"{over}irsim_gym: playing {', '.join(files)} for some steps, to see whether it runs", file=sys.stderr)
     return child.wait()
@@ -131,7 +131,7 @@ def _take_steps(steps: Iterator[None]) -> None:
     """Take so many steps; where they are slow, fewer."""
     next(steps, None)  # this one may compile
     begun = time.perf_counter()
-    for _ in range(STEPS - 1):
+    for _ in range(TRIAL_STEPS - 1):
         next(steps, None)
         if time.perf_counter() - begun > LONGEST_S:
             return

@@ -12,7 +12,7 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.world.body_readings import BodyReadings
 from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD
 
-MARGIN = 0.1
+RVO_MARGIN = 0.1
 """By how much ``radius_extend`` exceeds the radius [m]."""
 NEAR_GOAL = 0.1
 """Nearer to the goal than this, the desired velocity is 0 [m]."""
@@ -54,7 +54,7 @@ class IrSimReadings(BodyReadings, ABC):
     @property
     def radius_extend(self) -> float:
         """``radius`` and 0.1 m more, the disc that ``rvo`` keeps clear of others."""
-        return self.radius + MARGIN
+        return self.radius + RVO_MARGIN
 
     @property
     def centroid(self) -> Floats:
