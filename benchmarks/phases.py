@@ -18,7 +18,7 @@ from effort import Effort, Figures, repeat
 from standard_worlds import s1, s2, s3, s4
 from timing import seconds, summed_up
 
-from irsim_gym.engine import arrival, buckets, contact, limits, outlines, step
+from irsim_gym.engine import arrival, body_buckets, command_limits, contact, outlines, step
 from irsim_gym.engine.fused import Fused
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.tasks import account, actions
@@ -78,9 +78,9 @@ def places(worlds: Worlds) -> list[tuple[str, Any, str]]:
         ("act", actions, "take"),
         ("act", found, "_act"),
         ("arrival", arrival, "renew"),
-        ("limits", limits, "apply"),
+        ("limits", command_limits, "apply"),
         ("place", outlines, "place"),
-        ("buckets", buckets, "refresh"),
+        ("buckets", body_buckets, "refresh"),
         ("contact", contact, "find"),
         ("arrival", arrival, "check"),
         ("sense", step, "sense"),

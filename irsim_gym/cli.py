@@ -103,7 +103,7 @@ def options(
     modules: Imports = None,
 ) -> None:
     """Write the reference of all options, show those of one kind, or renew a page such as configs/README.md."""
-    from irsim_gym.scenario.tables import markdown, rewritten
+    from irsim_gym.scenario.option_tables import markdown, rewritten
 
     if name is None:
         print(markdown())

@@ -129,7 +129,7 @@ def print_options(name: str) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    from irsim_gym.scenario.tables import option_tables
+    from irsim_gym.scenario.option_tables import option_tables
 
     tables = dict(option_tables())
     names = {title: {title, title.rsplit(" ", 1)[-1], *title.split(", ")} for title in tables}

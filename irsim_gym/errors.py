@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import difflib
+import sys
+import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
@@ -190,3 +192,11 @@ def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     same = [one for one in known if sorted(one.lower().split("_")) == words]
     near = same or difflib.get_close_matches(name, known, n=1, cutoff=cutoff)
     return near[0] if near else None
+
+
+def warn_caller(message: str | Warning, category: type[Warning] = UserWarning) -> None:
+    """Warn at the line that called this package."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back is not None and str(frame.f_globals.get("__name__")).split(".")[0] in ("irsim_gym", "gymnasium"):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, category, stacklevel=level)

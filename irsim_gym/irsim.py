@@ -20,8 +20,9 @@ from irsim_gym.behaviors.by_drive import (
 )
 from irsim_gym.behaviors.views import BodyView as ObjectBase
 from irsim_gym.errors import suggestion
+from irsim_gym.live.level_source import ScenarioSource
 from irsim_gym.live.planners import AStarPlanner, JPSPlanner
-from irsim_gym.live.world import ScenarioSource, World, load
+from irsim_gym.live.world import World, load
 
 __all__ = [
     "AStarPlanner",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
@@ -51,7 +51,7 @@ ALLOWED: dict[str, set[str]] = {
         "world",
         "scenario.spec",
         "scenario.plot_spec",
-        "scenario.images",
+        "scenario.image_files",
         "matplotlib",
         "raster",
         "imageio",
@@ -239,12 +239,17 @@ def test_nothing_composes_the_face_by_hand() -> None:
     )
 
 
+# To be emptied: what a file imports for types alone from one that imports it.
+TYPES_OF = {"envs.description_text": {"envs.description"}}
+
+
 def test_no_rings() -> None:
-    """Neither files nor folders import each other in a circle, whether at the top or in functions."""
+    """Neither files nor folders import each other in a circle, whether at the top, in functions or for types."""
     files: dict[str, set[str]] = {}
     folders: dict[str, set[str]] = {}
     for module in modules():
-        used = {inside for found in imports(module) if (inside := own(found)) is not None and not found.for_types}
+        used = {inside for found in imports(module) if (inside := own(found)) is not None}
+        used -= TYPES_OF.get(module.name, set())
         if module.place == "__init__.py":
             continue
         files[module.name] = used - {module.name, ""}
@@ -489,6 +494,38 @@ def test_classes_are_abstract_or_final() -> None:
             }
             problems += [f"{module.place} {node.name}.{name} overrides {base}'s" for name in sorted(mine & concrete)]
     report(problems)
+
+
+# Modules of two families that are named as their kinds are in YAML, and two public names.
+KINDS_TWICE = {"arrival", "circle", "clearance", "geodesic", "left_world"}
+PUBLIC_TWICE = {"sb3"}
+# To be emptied: each is renamed with the work on its folder.
+MODULES_TWICE = {"masks", "noise", "outlines", "play", "replay", "state", "views"}
+CLASSES_TWICE = {
+    *("Bodies", "BodyView", "Desk", "Head", "Images", "Layout", "Panel", "Plan", "Scene", "Trails", "Watch"),
+}
+
+
+def _twice(found: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
+    places: dict[str, list[str]] = {}
+    for name, place in found:
+        places.setdefault(name, []).append(place)
+    return {name: where for name, where in places.items() if len(where) > 1}
+
+
+def test_one_name_is_one_thing() -> None:
+    """Public classes have one name each, and so have modules that are no kinds."""
+    classes = _twice(
+        (node.name, module.place)
+        for module in modules()
+        for node in module.tree.body
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    )
+    files = _twice((Path(module.place).stem, module.place) for module in modules())
+    known = {"__init__"} | KINDS_TWICE | PUBLIC_TWICE | MODULES_TWICE
+    report([f"class {name}: {', '.join(where)}" for name, where in classes.items() if name not in CLASSES_TWICE])
+    report([f"module {name}: {', '.join(where)}" for name, where in files.items() if name not in known])
+    report([f"{name} stands once now" for name in (CLASSES_TWICE - set(classes)) | (known - set(files))])
 
 
 def test_files_and_functions_are_short() -> None:

@@ -181,7 +181,7 @@ def test_a_kernel_on_disk_may_allocate(tmp_path: Path) -> None:
     """The least circle around a square with sides of 2 m: sqrt(2) = 1.414."""
     use = """
 import numpy as np
-from irsim_gym.engine.measures import measure_bodies
+from irsim_gym.engine.body_measures import measure_bodies
 one, none, corners = np.zeros(1, np.int64), np.zeros((1, 1), np.int64), [[-1, -1], [1, -1], [1, 1], [-1, 1]]
 sides = np.array([[[*corners[k - 1], *corners[k]] for k in range(4)]], float)
 radius, centroid = np.zeros((1, 1)), np.zeros((1, 1, 2))

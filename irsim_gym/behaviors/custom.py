@@ -13,8 +13,7 @@ import numpy as np
 from irsim_gym import families
 from irsim_gym.arraytypes import Floats
 from irsim_gym.behaviors import renewal
-from irsim_gym.behaviors.view_state import tell_missing
-from irsim_gym.behaviors.views import EgoView, ego_view, forget, name_of, others
+from irsim_gym.behaviors.views import EgoView, ego_view, forget, name_of, others, tell_missing
 from irsim_gym.errors import BehaviorError
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.options import REQUIRED, crossed_bounds, kind, more_options, option

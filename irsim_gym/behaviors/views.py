@@ -8,150 +8,123 @@ import numpy as np
 
 from irsim_gym import rng
 from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.behaviors.view_names import NamedView
-from irsim_gym.world.group import Group, Shard
+from irsim_gym.errors import suggestion
+from irsim_gym.world.arrays import A
+from irsim_gym.world.group import Group, Shard, WorldContext
+from irsim_gym.world.irsim_readings import IrSimReadings
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
+_ANSWER = "a behaviour only looks at bodies: it returns the command of its own"
+_SCRIPT = "a behaviour sees the moment alone; ask the world, in the script"
+INSTEAD: dict[str, str] = {
+    "set_state": _ANSWER,
+    "set_velocity": _ANSWER,
+    "set_goal": _ANSWER,
+    "append_goal": _ANSWER,
+    "set_random_goal": f"{_ANSWER}; behavior: {{wander: true}} draws goals",
+    "set_laser_color": "a behaviour draws nothing; a script colours beams with world.robot.set_laser_color()",
+    "trajectory": "keep what it needs in ego.memory",
+    "info": "its names are here themselves: shape, kinematics, vel_min, vel_max, goal",
+    "get_info": "its names are here themselves: shape, kinematics, vel_min, vel_max, goal",
+    "obstacle_info": "use center, vertices, velocity_xy, radius",
+    "get_obstacle_info": "use center, vertices, velocity_xy, radius",
+    "get_Gh": "use segments and discs",
+    "get_init_Gh": "use segments and discs",
+    "init_state": "keep what it needs in ego.memory",
+    "geometry": "use vertices, segments, discs, radius",
+    "original_geometry": "use spec.shape",
+    "lidar": "scan() is its scan, scan_points() its points, lidar_offset its mount",
+    "gf": "use shape, vertices, spec.shape",
+    "kf": "use kinematics, spec.kinematics",
+    "beh_config": "options are the function's keyword parameters; spec.behavior has all of them",
+    "logger": "use Python's own logging",
+    "world_param": "use time and step_time",
+    "env_param": _SCRIPT,
+    "plot": _SCRIPT,
+    "step": _ANSWER,
+}
+"""For names of ``world.robot`` and of IR-SIM's objects that views do not have: what to use."""
 
-class BodyView(NamedView):
+
+class BodyView(IrSimReadings):
     """A body at the moment. Arrays are copies: writing into them changes nothing.
 
     The names of ``world.robot`` that have a meaning here work as well, IR-SIM's among them. Arrays are flat; a function
     of ``irsim_gym.register_behavior`` gets columns of shape ``(n, 1)`` under the names that IR-SIM has too.
     """
 
-    __slots__ = ()
+    __slots__ = ("_b", "_columns", "_group", "_model", "_state", "_w", "name")
+
+    _b: int
+    _columns: bool
+    _model: WorldModel
+    _state: WorldState
+    _w: int
+    name: str
+
+    def __init__(self, group: Group, model: WorldModel, state: WorldState, world: int, body: int) -> None:
+        self._group = group
+        self._columns = getattr(group.kind, "columns", False)
+        self._model, self._state, self._w, self._b = model, state, world, body
+        self.name = group.names[body] if group.names else f"body {body}"
 
     def __repr__(self) -> str:
         x, y, heading = self.pose
         return f"<{self.name} at ({x:g}, {y:g}), heading {heading:g}>"
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, BodyView):
+            return False
+        return other._state is self._state and (other._w, other._b) == (self._w, self._b)
+
+    def __hash__(self) -> int:
+        return hash((id(self._state), self._w, self._b))
+
     @property
-    def pose(self) -> Floats:
-        """Position and heading: x, y [m], heading [rad]."""
-        return np.array(self._state.pose[self._world, self.id])
+    def _context(self) -> WorldContext:
+        assert self._group.context is not None, "a group that is made by hand needs a context"
+        return self._group.context
+
+    @property
+    def _measures(self) -> tuple[Floats, Floats]:
+        return self._model.radius, self._model.centroid
+
+    def _array(self, values: Floats) -> Floats:
+        return np.array(values)
+
+    def _vector(self, values: Floats) -> Floats:
+        copied = np.array(values, np.float64)
+        return copied.reshape(-1, 1) if self._columns else copied
+
+    def _reading(self, values: A) -> A:
+        return values
+
+    def _body(self, index: int) -> BodyView:
+        return BodyView(self._group, self._model, self._state, self._w, index)
+
+    @property
+    def spec(self) -> Any:
+        """What the file says about it."""
+        return self._context.bodies[self._b]
+
+    @property
+    def id(self) -> int:
+        """Its number."""
+        return self._b
 
     @property
     def velocity(self) -> Floats:
-        """What is executed, in the drive's coordinates [m/s or rad/s], shape ``(3,)``; unused numbers are 0.
+        """Executed velocity in the drive's coordinates [m/s or rad/s], shape ``(3,)``; unused numbers are 0.
 
         As a column it has only the numbers that the drive uses.
         """
-        executed = self._state.velocity[self._world, self.id]
+        executed = self._state.velocity[self._w, self._b]
         return self._vector(executed[: self._command_size] if self._columns else executed)
-
-    @property
-    def twist(self) -> Floats:
-        """Velocity in the world frame: vx, vy [m/s], turn rate [rad/s]."""
-        return self._vector(self._state.twist[self._world, self.id])
-
-    @property
-    def steering(self) -> float:
-        """Steering angle of a car [rad]."""
-        return float(self._state.steering[self._world, self.id])
-
-    @property
-    def goal(self) -> Floats | None:
-        """The next goal: x, y [m], heading [rad]; None without one.
-
-        Where any heading will do it is NaN, and left out of a column.
-        """
-        if not self._model.has_goal[self.id]:
-            return None
-        goal = self._state.goal[self._world, self.id]
-        return self._vector(goal[:2] if self._columns and np.isnan(goal[2]) else goal)
-
-    @property
-    def goal_threshold(self) -> float:
-        """Distance under which the goal is reached [m]."""
-        return float(self._of(self._model.goal_threshold))
-
-    @property
-    def radius(self) -> float:
-        """Radius of the least circle around the footprint [m]."""
-        return float(self._of(self._model.radius))
-
-    @property
-    def center(self) -> Floats:
-        """Centre of the footprint's area in the world frame: x, y [m]."""
-        return np.array(self._middle())
-
-    @property
-    def segments(self) -> Floats:
-        """Straight parts of the outline in the world frame: x0, y0, x1, y1 [m], shape ``(n, 4)``."""
-        first, count = self._model.segment_start[self.id], self._of(self._model.segment_count)
-        return np.array(self._state.segments[self._world, first : first + count])
-
-    @property
-    def discs(self) -> Floats:
-        """Round parts of the outline in the world frame: x, y, radius [m], shape ``(n, 3)``."""
-        first, count = self._model.disc_start[self.id], self._of(self._model.disc_count)
-        return np.array(self._state.discs[self._world, first : first + count])
-
-    @property
-    def is_movable(self) -> bool:
-        """False for a body that never moves."""
-        return bool(self._model.movable[self.id])
-
-    @property
-    def is_unobstructed(self) -> bool:
-        """True for a body that collisions and sensors ignore, such as a mark on the floor."""
-        return bool(self._model.unobstructed[self.id])
-
-    @property
-    def is_stopped(self) -> bool:
-        """True while a collision holds the body in place."""
-        return bool(self._state.stopped[self._world, self.id])
-
-    @property
-    def has_collided(self) -> bool:
-        """True while it touches another body."""
-        return bool(self._state.collided[self._world, self.id])
-
-    @property
-    def has_arrived(self) -> bool:
-        """True while it is at its last goal."""
-        return bool(self._state.arrived[self._world, self.id])
-
-    @property
-    def hit(self) -> BodyView | None:
-        """The body that it touched in the last step (the first one), or None."""
-        other = int(self._state.hit[self._world, self.id])
-        return None if other < 0 else self._other(other)
-
-    @property
-    def external_objects(self) -> list[BodyView]:
-        """All other bodies."""
-        return [self._other(int(b)) for b in np.flatnonzero(self._model.present[self._world]) if b != self.id]
-
-    @property
-    def rvo_neighbors(self) -> list[list[float]]:
-        """``rvo_neighbor_state`` of all other bodies but the unobstructed ones."""
-        return [body.rvo_neighbor_state for body in self.external_objects if not body.unobstructed]
-
-    def detected(self) -> list[BodyView]:
-        """Return the bodies in its field of view (``fov``, ``fov_radius``); nothing hides what is behind it.
-
-        Raises:
-            UnknownNameError: It has no field of view.
-        """
-        return [self._other(b) for b in self._numbers_in_view()]
-
-    def get_fov_detected_objects(self) -> list[BodyView]:
-        """Return the bodies in its field of view; see ``detected``."""
-        return self.detected()
-
-    def fov_detect_object(self, detected_object: BodyView) -> bool:
-        """Return whether a body is in its field of view; see ``detected``."""
-        return detected_object in self.detected()
-
-    def _other(self, body: int) -> BodyView:
-        return BodyView(self._group, self._model, self._state, self._world, body)
 
 
 class EgoView(BodyView):
-    """The body that decides: what only it knows, its memory, and its world's random numbers."""
+    """The body that decides: its readings, its memory, and its world's random numbers."""
 
     __slots__ = ("memory",)
 
@@ -161,28 +134,13 @@ class EgoView(BodyView):
         super().__init__(group, model, state, world, body)
         self.memory = memory
 
-    @property
-    def velocity_min(self) -> Floats:
-        """Least velocities in the drive's coordinates [m/s or rad/s], shape ``(3,)``."""
-        return np.array(self._of(self._model.velocity_min))
-
-    @property
-    def velocity_max(self) -> Floats:
-        """Greatest velocities in the drive's coordinates [m/s or rad/s], shape ``(3,)``."""
-        return np.array(self._of(self._model.velocity_max))
-
-    @property
-    def acceleration_limit(self) -> Floats:
-        """Greatest changes of the velocities per second [m/s2 or rad/s2], shape ``(3,)``; may be infinite."""
-        return np.array(self._of(self._model.acceleration_limit))
-
     def uniform(self, low: float, high: float) -> float:
         """Draw a number from low to high from the world's own stream, so that a seed gives the same episode again."""
-        return float(rng.uniform(self._state.random, self._world, low, high))
+        return float(rng.uniform(self._state.random, self._w, low, high))
 
     def normal(self, mean: float, deviation: float) -> float:
         """Draw a number from a normal distribution, likewise."""
-        return float(rng.normal(self._state.random, self._world, mean, deviation))
+        return float(rng.normal(self._state.random, self._w, mean, deviation))
 
 
 def ego_view(group: Group, model: WorldModel, state: WorldState, world: int, body: int) -> EgoView:
@@ -223,3 +181,15 @@ def others(group: Group, model: WorldModel, state: WorldState, world: int, unsee
 def name_of(group: Group, body: int) -> str:
     """Return a body's name, or its number where a group was made without names."""
     return group.names[body] if group.names else f"body {body}"
+
+
+def tell_missing(error: AttributeError) -> None:
+    """Let an error about a name that a view does not have say what to use.
+
+    Views have no ``__getattr__`` for it, which would make each of their names slower.
+    """
+    view, name = error.obj, error.name
+    if not isinstance(view, BodyView) or name is None or name in dir(type(view)):
+        return
+    hint = f": {INSTEAD[name]}" if name in INSTEAD else suggestion(name, [one for one in dir(view) if one[0] != "_"])
+    error.args = (f"a body in a behaviour has no '{name}'{hint}",)

@@ -9,15 +9,14 @@ import numpy as np
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import field_of_view
+from irsim_gym.engine.body_measures import measure
 from irsim_gym.engine.fog import lay_fog
-from irsim_gym.engine.measures import measure
 from irsim_gym.engine.parts import Parts
+from irsim_gym.engine.path_checks import reachability_check
 from irsim_gym.engine.turns import take_turns
-from irsim_gym.engine.ways import guard_ways
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
-from irsim_gym.world.company import Company
-from irsim_gym.world.group import Group
+from irsim_gym.world.group import Group, WorldContext
 from irsim_gym.world.model import LOOP, WorldModel
 from irsim_gym.world.outline import Outline
 
@@ -40,9 +39,9 @@ def collect_parts(
     names = tuple(body.name for _, body in bodies)
     sensors = [(b, sensor) for b, body in bodies for sensor in body.sensors]
     scanners = _sensors(sensors, outlines, model, n_slots)
-    company = Company(scenario.bodies, scanners, field_of_view.detect)
+    context = WorldContext(scenario.bodies, scanners, field_of_view.detect)
     for group in (*group_behaviors, *behaviors):
-        group.names, group.company = names, company
+        group.names, group.context = names, context
     for group in behaviors:
         group.kind.prepare(group, model, n_slots)
     kinematics = group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]])
@@ -70,7 +69,7 @@ def collect_parts(
         measured=_measure(scenario, outlines, model, [*behaviors, *group_behaviors]),
         number_ranges=_number_ranges(scenario),
         loop_returns=np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal),
-        ways=guard_ways(scenario, model, agents, n_slots),
+        ways=reachability_check(scenario, model, agents, n_slots),
         fog=lay_fog(scenario, scanners, model),
         names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.engine import buckets
-from irsim_gym.engine.checks import refuse_blocked_starts
+from irsim_gym.engine import body_buckets
 from irsim_gym.engine.collect import collect_parts
 from irsim_gym.engine.given import check_agents, check_scenario
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
+from irsim_gym.engine.start_checks import refuse_blocked_starts
 from irsim_gym.geometry.cell_room import find_room
 from irsim_gym.geometry.cells import find_boxes, find_free_squares
 from irsim_gym.scenario.spec import BodySpec, Scenario
@@ -82,7 +82,7 @@ def compile(
         "body": len(scenario.bodies),
         "segment": sum(len(outline.segments) for outline in outlines),
         "disc": sum(len(outline.discs) for outline in outlines),
-        "bucket": buckets.n_buckets(len(scenario.bodies)),
+        "bucket": body_buckets.n_buckets(len(scenario.bodies)),
         "map_column": 1 if scenario.occupied is None else scenario.occupied.shape[0],
         "map_row": 1 if scenario.occupied is None else scenario.occupied.shape[1],
         "waypoint": max((goals.rows for goals in plans), default=1),
@@ -99,7 +99,7 @@ def compile(
     _hide_map(model)
     model.rigid[0] = not is_random
     model.stands[:] = ~(model.movable & model.driven)
-    buckets.lay_out(model, np.array([body.shape.is_random for body in scenario.bodies], np.bool_))
+    body_buckets.lay_out(model, np.array([body.shape.is_random for body in scenario.bodies], np.bool_))
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
     if check_starts:

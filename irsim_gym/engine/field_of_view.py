@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.engine.measures import measure_into
+from irsim_gym.engine.body_measures import measure_into
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of

@@ -21,7 +21,7 @@ BEYOND = 1e-3
 
 
 @dataclass
-class Fog:
+class FogMap:
     """What was seen, and by whom.
 
     Attributes:
@@ -40,7 +40,7 @@ class Fog:
     views: Floats
 
 
-def lay_fog(scenario: Scenario, sensors: Sequence[Group], model: WorldModel) -> Fog | None:
+def lay_fog(scenario: Scenario, sensors: Sequence[Group], model: WorldModel) -> FogMap | None:
     """Return the fog over a scenario's worlds, None where the file asks for none."""
     world = scenario.world
     if not world.fog_map:
@@ -53,7 +53,7 @@ def lay_fog(scenario: Scenario, sensors: Sequence[Group], model: WorldModel) -> 
         for b, body in enumerate(scenario.bodies)
         if body.role == "robot" and b not in scanning and body.fov is not None and body.fov_radius is not None
     }
-    return Fog(
+    return FogMap(
         frame=np.array([*world.offset, world.width / columns, world.height / rows]),
         explored=np.zeros((len(model.present), columns, rows), np.bool_),
         scans=[
@@ -70,7 +70,7 @@ def _mounts(group: Group) -> Floats:
     return np.array([options.offset for options in group.options], np.float64)
 
 
-def cover(fog: Fog, shard: Shard) -> None:
+def cover(fog: FogMap, shard: Shard) -> None:
     """Forget what was seen in the shard's worlds."""
     cover_cells(shard.worlds, fog.explored)
 
@@ -82,7 +82,7 @@ def cover_cells(worlds: Ints, explored: Flags) -> None:
         explored[worlds[i], :, :] = False
 
 
-def reveal(fog: Fog, model: WorldModel, state: WorldState, shard: Shard) -> None:
+def reveal(fog: FogMap, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Note what the robots' sensors see now."""
     for group, chosen, offsets in fog.scans:
         table = group.arrays
@@ -127,8 +127,8 @@ def reveal_beams(
         angles: Directions in the sensor frame [rad], shape ``(n_rows, n_beams)``: one row for all, or one for each
             world and member.
         ranges: Readings [m], shape ``(n_worlds, n_members, n_beams)``.
-        frame: See ``Fog``.
-        explored: Changed, see ``Fog``.
+        frame: See ``FogMap``.
+        explored: Changed, see ``FogMap``.
     """
     step = 0.5 * min(frame[2], frame[3])
     for w in worlds:
@@ -158,8 +158,8 @@ def reveal_views(
         worlds: The worlds to treat.
         watchers: The bodies that look.
         views: Width [rad] and depth [m] of their fields of view, shape ``(n_watchers, 2)``.
-        frame: See ``Fog``.
-        explored: Changed, see ``Fog``.
+        frame: See ``FogMap``.
+        explored: Changed, see ``FogMap``.
     """
     for w in worlds:
         for k in range(watchers.shape[0]):

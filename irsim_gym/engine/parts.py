@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.engine.fog import Fog
+from irsim_gym.engine.fog import FogMap
+from irsim_gym.engine.path_checks import ReachabilityCheck
 from irsim_gym.engine.turns import Turn
-from irsim_gym.engine.ways import Ways
 from irsim_gym.world.group import Group
 
 
@@ -52,7 +52,7 @@ class Parts:
     measured: Ints
     number_ranges: Ints
     loop_returns: Ints
-    ways: Ways
-    fog: Fog | None
+    ways: ReachabilityCheck
+    fog: FogMap | None
     names: tuple[str, ...]
     places: tuple[str, ...]

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints
-from irsim_gym.engine import arrival, buckets, contact, outlines, ways
+from irsim_gym.engine import arrival, body_buckets, contact, outlines, path_checks
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
@@ -38,7 +38,7 @@ def vanish(bodies: Ints, gone: Flags, model: WorldModel, state: WorldState, shar
         shard: The worlds to treat.
     """
     remove(shard.worlds, bodies, gone, model)
-    buckets.refresh(bodies, model, state, shard)
+    body_buckets.refresh(bodies, model, state, shard)
 
 
 @kernel
@@ -76,7 +76,7 @@ def respawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bo
     begun = np.zeros(twist.shape[:2], np.bool_)
     begun[:, bodies] = chosen[shard.worlds]
     state.twist[shard.worlds] = np.where(begun[:, :, None], state.twist[shard.worlds], twist)
-    buckets.refresh(bodies, model, state, shard)
+    body_buckets.refresh(bodies, model, state, shard)
     arrival.measure(parts.goal_bodies, state, shard)
     sense(parts, model, state, shard)
 
@@ -93,7 +93,7 @@ def _find_places(parts: Parts, model: WorldModel, state: WorldState, shard: Shar
         for group in groups:
             group.kind.draw(group, model, state, _concerned(group, remaining, bodies, chosen), failed)
         outlines.place(moved, model, state, remaining)
-        buckets.refresh(moved, model, state, remaining)
+        body_buckets.refresh(moved, model, state, remaining)
         _check(parts, model, state, remaining, bodies, chosen, failed)
         worlds = remaining.worlds[failed[remaining.worlds] > 0]
         if not len(worlds):
@@ -119,7 +119,7 @@ def _check(
     failed[shard.worlds[blocked]] = 1
     for w in shard.worlds.tolist() if len(parts.ways.agents) else []:
         guarded = parts.ways.agents[np.isin(parts.ways.agents, bodies[chosen[w]])]
-        ways.check(replace(parts.ways, agents=guarded), model, state, Shard(np.array([w]), shard.slot), failed)
+        path_checks.check(replace(parts.ways, agents=guarded), model, state, Shard(np.array([w]), shard.slot), failed)
 
 
 def _scatter(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bodies: Ints) -> None:
@@ -148,7 +148,7 @@ def _is_free(model: WorldModel, state: WorldState, shard: Shard, b: int, pose: l
     w, own = int(shard.worlds[0]), np.array([b])
     state.pose[w, b] = pose
     outlines.place(own, model, state, shard)
-    buckets.refresh(own, model, state, shard)
+    body_buckets.refresh(own, model, state, shard)
     gap = np.zeros((len(state.random), 1))
     gap[w] = 1e-9
     contact.clearance(own, gap, model, state, shard, gap)

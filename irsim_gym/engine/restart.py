@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from irsim_gym.arraytypes import Ints, Words
-from irsim_gym.engine import arrival, buckets, contact, fog, measures, outlines, ways
+from irsim_gym.engine import arrival, body_buckets, body_measures, contact, fog, outlines, path_checks
 from irsim_gym.engine.fused import Fused
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.step import sense
@@ -58,7 +58,7 @@ def refuse_failed(worlds: Ints, failed: Ints) -> None:
 def start_drawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Begin the episode of levels that were just drawn, and note how their random streams go on."""
     if len(parts.measured):
-        measures.measure(shard.worlds, parts.measured, model)
+        body_measures.measure(shard.worlds, parts.measured, model)
     copy_words(shard.worlds, model, state)
     start(parts, model, state, shard)
 
@@ -75,8 +75,8 @@ def start(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> N
     """Begin the episode where the bodies stand: clocks, flags, goals and first readings."""
     if parts.fog is not None:
         fog.cover(parts.fog, shard)
-    buckets.empty(model, state, shard)
-    buckets.refresh(parts.everyone, model, state, shard)
+    body_buckets.empty(model, state, shard)
+    body_buckets.refresh(parts.everyone, model, state, shard)
     begin_moment(parts, model, state, shard)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)
@@ -125,7 +125,7 @@ def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard)
     for group in parts.placements:
         group.kind.draw(group, model, state, shard, failed)
         outlines.place(group.members, model, state, shard)
-    ways.check(parts.ways, model, state, shard, failed)
+    path_checks.check(parts.ways, model, state, shard, failed)
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 
 from irsim_gym import rng
 from irsim_gym.arraytypes import Flags, Floats, Ints, Words
-from irsim_gym.engine import buckets, contact, field_of_view, outlines, respawn, restart
+from irsim_gym.engine import body_buckets, contact, field_of_view, outlines, respawn, restart
 from irsim_gym.engine.fused import Fused, only_kernels
 from irsim_gym.engine.given import check_bodies, check_commands, check_level
 from irsim_gym.engine.parts import Parts
@@ -18,8 +18,7 @@ from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.step import Orders, advance, refresh
 from irsim_gym.errors import UnknownNameError, several, suggestion
 from irsim_gym.scenario.spec import Scenario
-from irsim_gym.world.company import find_sensor
-from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.group import Group, Shard, WorldContext, find_sensor
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -88,6 +87,11 @@ class Simulation:
     def sensors(self) -> list[Group]:
         """Sensor groups with their readings."""
         return self.parts.sensors
+
+    @property
+    def context(self) -> WorldContext:
+        """Specifications, sensors and fields of view of the bodies, for readers of single bodies."""
+        return WorldContext(self.scenario.bodies, self.parts.sensors, field_of_view.detect)
 
     def body(self, name: str) -> int:
         """Return the index of a body.
@@ -307,7 +311,7 @@ class Simulation:
     def _place(self, bodies: Ints, shard: Shard) -> None:
         parts, model, state = self.parts, self.model, self.state
         outlines.place(bodies, model, state, shard)
-        buckets.refresh(bodies, model, state, shard)
+        body_buckets.refresh(bodies, model, state, shard)
         for group in parts.kinematics:
             group.kind.begin(group, model, state, shard)
         if np.isin(bodies, parts.fixed).any():

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.engine import arrival, buckets, contact, fog, limits, outlines
+from irsim_gym.engine import arrival, body_buckets, command_limits, contact, fog, outlines
 from irsim_gym.engine.parts import Parts
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Group, Shard
@@ -53,16 +53,16 @@ def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, or
             group.kind.decide(group, model, state, shard)
         if orders is not None:
             orders.give(state, shard)
-        limits.apply(turn.movers, model, state, shard)
+        command_limits.apply(turn.movers, model, state, shard)
         for group in turn.kinematics:
             group.kind.move(group, model, state, shard)
         outlines.place(turn.movers, model, state, shard)
-        buckets.refresh(turn.movers, model, state, shard)
+        body_buckets.refresh(turn.movers, model, state, shard)
     if orders is not None:
         orders.show(state, shard)
     if parts.external:
         outlines.place(parts.everyone, model, state, shard)
-        buckets.refresh(parts.everyone, model, state, shard)
+        body_buckets.refresh(parts.everyone, model, state, shard)
     contact.find(parts.movers, model, state, shard)
     arrival.check(parts.goal_bodies, model, state, shard)
     sense(parts, model, state, shard)
@@ -74,7 +74,7 @@ def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, or
 def refresh(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Look at the worlds again without moving anything, after poses were written from outside."""
     outlines.place(parts.everyone, model, state, shard)
-    buckets.refresh(parts.everyone, model, state, shard)
+    body_buckets.refresh(parts.everyone, model, state, shard)
     contact.find_static(parts.fixed, model, state, shard)
     contact.find(parts.movers, model, state, shard)
     arrival.check(parts.goal_bodies, model, state, shard)

@@ -10,25 +10,31 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.engine import Simulation
-from irsim_gym.engine.measures import measure_into
+from irsim_gym.engine.body_measures import measured
 from irsim_gym.errors import UnknownNameError, suggestion
-from irsim_gym.world.model import ROBOT
+from irsim_gym.world.arrays import A, frozen
+from irsim_gym.world.body_readings import BodyReadings
+from irsim_gym.world.group import WorldContext
+from irsim_gym.world.model import ROBOT, WorldModel
+from irsim_gym.world.state import WorldState
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import BodySpec
 
 
-class BodyMoment:
-    """One body of one world. It holds nothing of its own, so it is always as the world is now."""
+class BodyMoment(BodyReadings):
+    """One body of one world. It stores no reading, so it always shows the present state."""
 
-    __slots__ = ("_b", "_simulation", "_world")
+    __slots__ = ("_b", "_simulation", "_w")
+
+    _b: int
+    _w: int
 
     def __init__(self, simulation: Simulation, body: int, world: int = 0) -> None:
-        self._simulation, self._b, self._world = simulation, body, world
+        self._simulation, self._b, self._w = simulation, body, world
 
     def __repr__(self) -> str:
         x, y, heading = self.pose
@@ -37,10 +43,42 @@ class BodyMoment:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, BodyMoment):
             return False
-        return other._simulation is self._simulation and (other._b, other._world) == (self._b, self._world)
+        return other._simulation is self._simulation and (other._b, other._w) == (self._b, self._w)
 
     def __hash__(self) -> int:
-        return hash((id(self._simulation), self._b, self._world))
+        return hash((id(self._simulation), self._b, self._w))
+
+    @property
+    def _model(self) -> WorldModel:
+        return self._simulation.model
+
+    @property
+    def _state(self) -> WorldState:
+        return self._simulation.state
+
+    @property
+    def _context(self) -> WorldContext:
+        return self._simulation.context
+
+    @property
+    def _columns(self) -> bool:
+        return False
+
+    @property
+    def _measures(self) -> tuple[Floats, Floats]:
+        return measured(self._model, self._w, self._b)
+
+    def _array(self, values: Floats) -> Floats:
+        return frozen(values)
+
+    def _vector(self, values: Floats) -> Floats:
+        return frozen(values)
+
+    def _reading(self, values: A) -> A:
+        return frozen(values)
+
+    def _body(self, index: int) -> BodyMoment:
+        return BodyMoment(self._simulation, index, self._w)
 
     @property
     def spec(self) -> BodySpec:
@@ -58,120 +96,9 @@ class BodyMoment:
         return self._b
 
     @property
-    def role(self) -> str:
-        """``robot`` or ``obstacle``."""
-        return self.spec.role
-
-    @property
-    def static(self) -> bool:
-        """It never moves."""
-        return self.spec.static
-
-    @property
-    def pose(self) -> Floats:
-        """Position and heading: x, y [m], heading [rad], shape ``(3,)``."""
-        return _frozen(self._simulation.state.pose[self._world, self._b])
-
-    @property
-    def position(self) -> Floats:
-        """x, y [m], shape ``(2,)``."""
-        return _frozen(self._simulation.state.pose[self._world, self._b, :2])
-
-    @property
     def velocity(self) -> Floats:
         """Velocity in the drive's coordinates [m/s or rad/s], shape ``(2,)`` or ``(3,)``."""
-        size = _command_size(self._simulation, self._b)
-        return _frozen(self._simulation.state.velocity[self._world, self._b, :size])
-
-    @property
-    def twist(self) -> Floats:
-        """Velocity in the world frame: vx, vy [m/s], turn rate [rad/s], shape ``(3,)``."""
-        return _frozen(self._simulation.state.twist[self._world, self._b])
-
-    @property
-    def steering(self) -> float:
-        """Steering angle of a car [rad]."""
-        return float(self._simulation.state.steering[self._world, self._b])
-
-    @property
-    def goal(self) -> Floats | None:
-        """The next goal: x, y [m], heading [rad], shape ``(3,)``; None without one. NaN where any heading will do."""
-        if not self._simulation.model.has_goal[self._b]:
-            return None
-        return _frozen(self._simulation.state.goal[self._world, self._b])
-
-    @property
-    def goal_threshold(self) -> float:
-        """Distance under which the goal is reached [m]."""
-        return float(self._constant(self._simulation.model.goal_threshold))
-
-    @property
-    def radius(self) -> float:
-        """Radius of the least circle around it [m]."""
-        model = self._simulation.model
-        radii, middles = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)
-        row = self._world % len(radii)
-        measure_into(np.array([row], np.int64), np.array([self._b], np.int64), model, radii, middles)
-        return float(radii[row, self._b])
-
-    @property
-    def segments(self) -> Floats:
-        """Straight parts of its outline in the world frame: x0, y0, x1, y1 [m], shape ``(n, 4)``."""
-        model = self._simulation.model
-        first, count = model.segment_start[self._b], self._constant(model.segment_count)
-        return _frozen(self._simulation.state.segments[self._world, first : first + count])
-
-    @property
-    def discs(self) -> Floats:
-        """Round parts of its outline in the world frame: x, y, radius [m], shape ``(n, 3)``."""
-        model = self._simulation.model
-        first, count = model.disc_start[self._b], self._constant(model.disc_count)
-        return _frozen(self._simulation.state.discs[self._world, first : first + count])
-
-    @property
-    def arrived(self) -> bool:
-        """It is at its last goal."""
-        return bool(self._simulation.state.arrived[self._world, self._b])
-
-    @property
-    def collided(self) -> bool:
-        """It touches another body."""
-        return bool(self._simulation.state.collided[self._world, self._b])
-
-    @property
-    def stopped(self) -> bool:
-        """A collision holds it in place."""
-        return bool(self._simulation.state.stopped[self._world, self._b])
-
-    @property
-    def hit(self) -> BodyMoment | None:
-        """The body that it touches (the first one), or None."""
-        other = int(self._simulation.state.hit[self._world, self._b])
-        return None if other < 0 else BodyMoment(self._simulation, other, self._world)
-
-    def scan(self, sensor: int = 0) -> dict[str, Any]:
-        """Return the latest scan: ``ranges`` [m], ``(n_beams,)``, ``angle_min``, ``angle_max`` [rad] and so on.
-
-        Args:
-            sensor: Which of its range sensors, in the order of the file.
-
-        Raises:
-            UnknownNameError: It has no such sensor.
-        """
-        return _frozen_report(self._simulation.scan_report(self._world, self._b, sensor))
-
-    def scan_points(self, sensor: int = 0) -> Floats | None:
-        """Return the points that the latest scan hit, in the sensor's frame [m], shape ``(2, n)``; None without any.
-
-        Raises:
-            UnknownNameError: It has no such sensor.
-        """
-        points = self._simulation.points(self._world, self._b, sensor)
-        return None if points is None else _frozen(points)
-
-    def _constant(self, field: NDArray[Any]) -> Any:
-        """Return the body's row of a constant that worlds may share."""
-        return field[self._world % len(field), self._b]
+        return frozen(self._state.velocity[self._w, self._b, : self._command_size])
 
 
 class Bodies(Sequence[BodyMoment]):
@@ -282,39 +209,40 @@ class RobotMoments:
     @property
     def pose(self) -> Floats:
         """x, y [m], heading [rad], shape ``(n_worlds, 3)``."""
-        return _frozen(self._simulation.state.pose[:, self._b])
+        return frozen(self._simulation.state.pose[:, self._b])
 
     @property
     def velocity(self) -> Floats:
         """Velocity in the drive's coordinates [m/s or rad/s], shape ``(n_worlds, 2)`` or ``(n_worlds, 3)``."""
-        return _frozen(self._simulation.state.velocity[:, self._b, : _command_size(self._simulation, self._b)])
+        size = len(BodyMoment(self._simulation, self._b).velocity)
+        return frozen(self._simulation.state.velocity[:, self._b, :size])
 
     @property
     def twist(self) -> Floats:
         """vx, vy [m/s], turn rate [rad/s] in the world frame, shape ``(n_worlds, 3)``."""
-        return _frozen(self._simulation.state.twist[:, self._b])
+        return frozen(self._simulation.state.twist[:, self._b])
 
     @property
     def goal(self) -> Floats | None:
         """The next goals: x, y [m], heading [rad], shape ``(n_worlds, 3)``; None without goals."""
         if not self._simulation.model.has_goal[self._b]:
             return None
-        return _frozen(self._simulation.state.goal[:, self._b])
+        return frozen(self._simulation.state.goal[:, self._b])
 
     @property
     def arrived(self) -> Flags:
         """It is at its last goal, shape ``(n_worlds,)``."""
-        return _frozen(self._simulation.state.arrived[:, self._b])
+        return frozen(self._simulation.state.arrived[:, self._b])
 
     @property
     def collided(self) -> Flags:
         """It touches another body, shape ``(n_worlds,)``."""
-        return _frozen(self._simulation.state.collided[:, self._b])
+        return frozen(self._simulation.state.collided[:, self._b])
 
     @property
     def stopped(self) -> Flags:
         """A collision holds it in place, shape ``(n_worlds,)``."""
-        return _frozen(self._simulation.state.stopped[:, self._b])
+        return frozen(self._simulation.state.stopped[:, self._b])
 
     def scan(self, sensor: int = 0) -> dict[str, Any]:
         """Return the latest scans, as ``BodyMoment.scan`` does; ``ranges`` has shape ``(n_worlds, n_beams)``.
@@ -327,17 +255,5 @@ class RobotMoments:
         return _frozen_report({**reports[0], **{key: np.stack([one[key] for one in reports]) for key in arrays}})
 
 
-def _command_size(simulation: Simulation, body: int) -> int:
-    drive = simulation.scenario.bodies[body].kinematics
-    return 2 if drive is None else len(drive.command_names)
-
-
-def _frozen(values: NDArray[Any]) -> NDArray[Any]:
-    """Return a copy that cannot be written into."""
-    copied = values.copy()
-    copied.flags.writeable = False
-    return copied
-
-
 def _frozen_report(report: dict[str, Any]) -> dict[str, Any]:
-    return {key: _frozen(value) if isinstance(value, np.ndarray) else value for key, value in report.items()}
+    return {key: frozen(value) if isinstance(value, np.ndarray) else value for key, value in report.items()}

@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 from irsim_gym import families
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine import Shard
-from irsim_gym.engine.measures import measure
+from irsim_gym.engine.body_measures import measure
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.commands import decided_commands, to_actions
+from irsim_gym.evaluation.drive_actions import decided_commands, to_actions
 from irsim_gym.evaluation.policy import without_lone_axis
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS, KINEMATICS
 from irsim_gym.tasks import Episodes, Outcome
@@ -102,7 +102,7 @@ class BehaviorPolicy:
         return decided_commands(episodes, worlds)
 
 
-def _groups_by_drive(name: str, kind: Any, episodes: Episodes) -> list[Group]:
+def _groups_by_drive(name: str, kind: object, episodes: Episodes) -> list[Group]:
     """Return the agents in groups of one drive each, as behaviours want them."""
     simulation = episodes.simulation
     drives, groups = simulation.model.drive[simulation.agents], []
@@ -113,7 +113,7 @@ def _groups_by_drive(name: str, kind: Any, episodes: Episodes) -> list[Group]:
     return groups
 
 
-def _one_group(name: str, kind: Any, episodes: Episodes) -> list[Group]:
+def _one_group(name: str, kind: object, episodes: Episodes) -> list[Group]:
     """Return everything that can move as one group, in which the agents decide."""
     simulation = episodes.simulation
     options = _options(episodes, int(simulation.agents[0]), "group_behavior", name, kind)

@@ -12,7 +12,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import HIT_OF_KIND, EpisodeRow
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
-from irsim_gym.evaluation.ways import Watcher
+from irsim_gym.evaluation.trajectories import Watcher
 from irsim_gym.tasks import Episodes, Outcome
 
 Driver = Policy | Callable[[Any], Actions]
@@ -40,7 +40,7 @@ def evaluate(
         split: ``"test"``, ``"dev"`` or ``"train"``.
         optima: Geodesic optima that earlier evaluations of the same split found; filled further.
         on_episodes: Called with the number of episodes that have just ended.
-        watcher: Who is told of each step.
+        watcher: Observes each step.
 
     Raises:
         IrsimGymError: The task has several agents, see ``evaluate_team``.
@@ -84,7 +84,7 @@ def drive(
         episodes: The worlds.
         levels: Their number (levels 0, 1, ...) or their indices.
         split: ``"test"``, ``"dev"`` or ``"train"``.
-        watcher: Who is told of each step.
+        watcher: Observes each step.
 
     Yields:
         The places of the levels among those asked for, the worlds that played them, and the levels.

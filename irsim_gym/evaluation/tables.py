@@ -53,12 +53,12 @@ def remove_leftovers(path: Path) -> None:
             neighbour.unlink(missing_ok=True)
 
 
-def write_json(path: Path, data: Any) -> None:
+def write_json(path: Path, data: object) -> None:
     """Write plain data as JSON; NaN and infinities become null."""
     write_text(path, json.dumps(plain(data), indent=2, allow_nan=False) + "\n")
 
 
-def write_csv(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
+def write_csv(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, object]]) -> None:
     """Write rows as CSV with a header line."""
     text = io.StringIO()
     writer = csv.DictWriter(text, fieldnames=list(columns), lineterminator="\n")
@@ -77,7 +77,7 @@ def write_episodes(path: Path, results: Mapping[str, Sequence[EpisodeRow]]) -> N
     write_csv(path, ("policy", *EPISODE_COLUMNS), rows)
 
 
-def plain(data: Any) -> Any:
+def plain(data: object) -> Any:
     """Turn dataclasses, paths, NumPy numbers and non-finite floats into what JSON can say."""
     if is_dataclass(data) and not isinstance(data, type):
         return plain(asdict(data))
@@ -148,7 +148,7 @@ def number(value: float, digits: int) -> str:
     return f"{value:.{digits}f}" if math.isfinite(value) else "-"
 
 
-def _rounded(value: Any) -> Any:
+def _rounded(value: object) -> Any:
     """Shorten a float to the micrometre or microsecond; NaN becomes an empty cell."""
     if not isinstance(value, float):
         return value

@@ -9,7 +9,7 @@ import numpy as np
 from irsim_gym.evaluation.optimum import Optima, straight_distance
 from irsim_gym.evaluation.protocol import Driver, drive, episode_row, optima_of
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
-from irsim_gym.evaluation.ways import Watcher
+from irsim_gym.evaluation.trajectories import Watcher
 from irsim_gym.tasks import Episodes
 from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
 
@@ -41,7 +41,7 @@ def evaluate_team(
         split: ``"test"``, ``"dev"`` or ``"train"``.
         optima: Geodesic optima that earlier evaluations of the same split found; filled further.
         on_episodes: Called with the number of levels that have just ended.
-        watcher: Who is told of each step.
+        watcher: Observes each step.
     """
     found = optima_of(split, optima)
     limit = episodes.task.max_steps * float(episodes.simulation.model.step_time[0])

@@ -1,16 +1,15 @@
-"""What scripts may ask ``load``, ``render`` and ``end`` for, in IR-SIM's words."""
+"""Reads the arguments of ``load``, ``render`` and ``end`` that IR-SIM has."""
 
 from __future__ import annotations
 
 import logging
-import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args
 
-from irsim_gym.errors import NoEffectWarning, suggestion
+from irsim_gym.errors import NoEffectWarning, suggestion, warn_caller
 from irsim_gym.live import hints
-from irsim_gym.scenario.looks import BODY_KEYS, FIGURE_KEYS
+from irsim_gym.scenario.plot_overrides import BODY_KEYS, FIGURE_KEYS
 
 StepMode = Literal["internal", "external"]
 MODES = ("dynamic", "static", "all")
@@ -18,7 +17,7 @@ NO_EFFECT_ON_FILMS = ("last_frame_duration", "rm_fig_path")
 FILM_KEYS = ("ani_name", "suffix")
 
 
-class Asked(NamedTuple):
+class LoadArguments(NamedTuple):
     """What ``load`` was asked for.
 
     Attributes:
@@ -34,15 +33,15 @@ class Asked(NamedTuple):
     file: str | Path | None
     step_mode: StepMode | None
     log_level: int | str | None
-    film: Mapping[str, Any]
-    parameters: dict[str, Any]
+    film: Mapping[str, object]
+    parameters: dict[str, object]
 
 
-def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> Asked:
+def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> LoadArguments:
     """Read IR-SIM's arguments of ``make`` among those of ``load``.
 
     Raises:
-        TypeError: One of them asks for what is not here; the message tells what to do.
+        TypeError: An argument asks for something unsupported; the message says what to do.
         ValueError: Another render mode or step mode, or an unknown level of logging.
     """
     if render_mode not in (None, "rgb_array", "human"):
@@ -58,11 +57,11 @@ def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> Asked:
     if step_mode not in (None, *get_args(StepMode)):
         raise ValueError(f"step_mode must be 'internal' or 'external', got {step_mode!r}")
     rest = {name: value for name, value in others.items() if name not in hints.LOAD and name not in hints.TAKEN}
-    film = film_options(others.get("ani_kwargs") or {}, stacklevel=6)
-    return Asked(mode, others.get("world_name"), step_mode, _level(others.get("log_level")), film, rest)
+    film = film_options(others.get("ani_kwargs") or {})
+    return LoadArguments(mode, others.get("world_name"), step_mode, _level(others.get("log_level")), film, rest)
 
 
-def _render_mode(render_mode: str | None, others: Mapping[str, Any]) -> str | None:
+def _render_mode(render_mode: str | None, others: Mapping[str, object]) -> str | None:
     """Return the render mode that is meant.
 
     Raises:
@@ -75,7 +74,7 @@ def _render_mode(render_mode: str | None, others: Mapping[str, Any]) -> str | No
     return "human" if wanted else render_mode
 
 
-def _level(level: Any) -> int | str | None:
+def _level(level: object) -> int | str | None:
     if level is None or isinstance(level, int):
         return level
     known = logging.getLevelNamesMapping()
@@ -85,7 +84,9 @@ def _level(level: Any) -> int | str | None:
     raise ValueError(f"log_level must be one of {', '.join(known)}, got {level!r}{suggestion(name, known)}")
 
 
-def drawing_options(figure_kwargs: Mapping[str, Any] | None, mode: str, others: Mapping[str, Any]) -> dict[str, Any]:
+def drawing_options(
+    figure_kwargs: Mapping[str, object] | None, mode: str, others: Mapping[str, object]
+) -> dict[str, object]:
     """Return how bodies are to be drawn in one picture, by keys of their section ``plot``.
 
     Raises:
@@ -94,29 +95,28 @@ def drawing_options(figure_kwargs: Mapping[str, Any] | None, mode: str, others: 
     if mode not in MODES:
         raise ValueError(f"mode must be 'dynamic', 'static' or 'all', got {mode!r}; all bodies are drawn in each")
     if figure_kwargs:
-        _warn("render() draws frames of one size, figure_kwargs change nothing: plot: {figure_pixels: [800, 600]}", 4)
-    _warn_of_unknown("render()", others, BODY_KEYS, 4)
+        warn_caller(
+            "render() draws frames of one size, figure_kwargs change nothing: plot: {figure_pixels: [800, 600]}",
+            NoEffectWarning,
+        )
+    _warn_of_unknown("render()", others, BODY_KEYS)
     return {name: value for name, value in others.items() if name in BODY_KEYS}
 
 
-def figure_options(others: Mapping[str, Any]) -> dict[str, Any]:
+def figure_options(others: Mapping[str, object]) -> dict[str, object]:
     """Return how a figure is to be saved, by keys of ``plot.saved_figure``."""
-    _warn_of_unknown("save_figure()", others, FIGURE_KEYS, 4)
+    _warn_of_unknown("save_figure()", others, FIGURE_KEYS)
     return {name: value for name, value in others.items() if name in FIGURE_KEYS}
 
 
-def film_options(others: Mapping[str, Any], *, stacklevel: int = 4) -> dict[str, Any]:
+def film_options(others: Mapping[str, object]) -> dict[str, object]:
     """Return what is known of a film."""
     known = (*FILM_KEYS, *NO_EFFECT_ON_FILMS)
-    _warn_of_unknown("end()", others, known, stacklevel)
+    _warn_of_unknown("end()", others, known)
     return {name: value for name, value in others.items() if name in FILM_KEYS}
 
 
-def _warn_of_unknown(what: str, others: Mapping[str, Any], known: Any, stacklevel: int) -> None:
+def _warn_of_unknown(what: str, others: Mapping[str, object], known: Iterable[str]) -> None:
     for name in others:
         if name not in known:
-            _warn(f"{what} knows no {name}, it changes nothing{suggestion(name, known)}", stacklevel + 1)
-
-
-def _warn(message: str, stacklevel: int) -> None:
-    warnings.warn(message, NoEffectWarning, stacklevel=stacklevel)
+            warn_caller(f"{what} knows no {name}, it changes nothing{suggestion(name, known)}", NoEffectWarning)

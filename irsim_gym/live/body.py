@@ -2,37 +2,187 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.errors import NoEffectWarning
-from irsim_gym.live import free_goals, reports
-from irsim_gym.live.goals import read_goals
-from irsim_gym.live.moment import Moment
+from irsim_gym.engine import Simulation
+from irsim_gym.engine.body_measures import measured
+from irsim_gym.errors import NoEffectWarning, warn_caller
+from irsim_gym.live import body_info, free_goals, hints
+from irsim_gym.live.goal_writer import read_goals
 from irsim_gym.live.painted import HIGHLIGHT
-from irsim_gym.live.planner_names import PlannerNames
+from irsim_gym.live.session import Session
+from irsim_gym.live.vectors import vector
+from irsim_gym.scenario.spec import BodySpec
+from irsim_gym.world.arrays import A, frozen
+from irsim_gym.world.body_readings import BodyReadings
+from irsim_gym.world.group import WorldContext
+from irsim_gym.world.irsim_readings import IrSimReadings
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
 
 STATE = ("x", "y", "heading", "steering")
 LOW, HIGH = (0.0, 0.0, -np.pi), (10.0, 10.0, np.pi)
 
 
-class Body(PlannerNames):
-    """A view of one body. It holds no state of its own, so it is always as the world is now.
+class Body(IrSimReadings):
+    """A view of one body. It stores no reading, so it always shows the present state.
 
     Arrays are copies in metres, radians and seconds, flat unless the world has ``columns``. They are read-only:
     writing into one would change nothing, so it is an error; ``set_state``, ``set_velocity`` and ``set_goal`` change a
-    body. A view outlives resets; a body that was removed answers with an UnknownNameError. A name of IR-SIM's that is
-    not here says what to use.
+    body. A view outlives resets; a body that was removed answers with an UnknownNameError. The error for one of
+    IR-SIM's names that is not here says what to use.
     """
 
-    __slots__ = ()
+    __slots__ = ("_name", "_session")
+
+    def __init__(self, session: Session, name: str) -> None:
+        self._session, self._name = session, name
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self._name!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Body) and other._session is self._session and other._name == self._name
+
+    def __hash__(self) -> int:
+        return hash((id(self._session), self._name))
+
+    if not TYPE_CHECKING:  # a type checker would otherwise accept any name
+
+        def __getattr__(self, name: str) -> NoReturn:
+            if name in dir(type(self)) or name.startswith("_"):
+                object.__getattribute__(self, name)  # raises what went wrong in a property
+            raise AttributeError(hints.missing("a body", name, hints.BODY, dir(self)), name=name, obj=self)
+
+        def __setattr__(self, name: str, value: object) -> None:
+            if not name.startswith("_"):
+                raise AttributeError(hints.unsettable(name, dir(self)), name=name, obj=self)
+            object.__setattr__(self, name, value)
+
+    @property
+    def _simulation(self) -> Simulation:
+        return self._session.simulation
+
+    @property
+    def _model(self) -> WorldModel:
+        return self._session.simulation.model
+
+    @property
+    def _state(self) -> WorldState:
+        return self._session.simulation.state
+
+    @property
+    def _w(self) -> int:
+        return 0
+
+    @property
+    def _b(self) -> int:
+        return self._session.roster.index(self._name)
+
+    @property
+    def _context(self) -> WorldContext:
+        return self._session.simulation.context
+
+    @property
+    def _columns(self) -> bool:
+        return self._session.columns
+
+    @property
+    def _measures(self) -> tuple[Floats, Floats]:
+        return measured(self._model, 0, self._b)
+
+    def _array(self, values: Floats) -> Floats:
+        return frozen(values)
+
+    def _vector(self, values: Floats) -> Floats:
+        return vector(values, self._session.columns)
+
+    def _reading(self, values: A) -> A:
+        return values
+
+    def _body(self, index: int) -> Body:
+        return Body(self._session, self._session.simulation.parts.names[index])
+
+    @property
+    def spec(self) -> BodySpec:
+        """What the file says about it."""
+        return self._session.simulation.scenario.bodies[self._b]
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self._name
+
+    @property
+    def id(self) -> int:
+        """Its number; robots first, then obstacles, then what was added. Removing a body renumbers no other."""
+        return self._session.roster.number(self._name)
+
+    @property
+    def velocity(self) -> Floats:
+        """Velocity in the drive's coordinates [m/s or rad/s], shape ``(2,)`` or ``(3,)``."""
+        return self._vector(self._state.velocity[0, self._b, : self._command_size])
+
+    @property
+    def trajectory(self) -> Floats | list[Floats]:
+        """Its poses since the reset, the start first [m, m, rad], shape ``(n, 3)``.
+
+        With ``columns`` as IR-SIM has it: a list of its states as columns, one for each step, without the start; empty
+        for a body that never moves.
+        """
+        track = self._session.track
+        if not self._columns:
+            return frozen(track.poses_of(self._name))
+        states = track.states_of(self._name)[1:, : len(self.state)]
+        return [] if self.static else [vector(state, True) for state in states]
+
+    @property
+    def info(self) -> body_info.RobotInfo:
+        """What it is: shape, drive, limits, half-planes."""
+        model = self._model
+        fields = (model.velocity_min, model.velocity_max, model.acceleration_limit)
+        least, greatest, changes = map(self._limit, fields)
+        return body_info.robot_info(self, (least, greatest, changes), self.get_init_Gh(), columns=self._columns)
+
+    @property
+    def obstacle_info(self) -> body_info.ObstacleInfo:
+        """Where it is: centre, corners, velocity, half-planes."""
+        return body_info.obstacle_info(self, self.get_init_Gh())
+
+    def get_info(self) -> body_info.RobotInfo:
+        """Return ``info``."""
+        return self.info
+
+    def get_obstacle_info(self) -> body_info.ObstacleInfo:
+        """Return ``obstacle_info``."""
+        return self.obstacle_info
+
+    @property
+    def init_state(self) -> Floats:
+        """The state that ``World.reset`` brings back, as ``state``."""
+        model, size = self._model, getattr(self.spec.kinematics, "state_size", 3)
+        return self._vector(np.array([*model.start[0, self._b], model.initial_steering[self._b]])[:size])
+
+    def get_Gh(self) -> body_info.HalfPlanes:  # noqa: N802
+        """Return G, h, ``cone_type`` and ``convex_flag`` of its outline in the world frame; see ``info``."""
+        return self._half_planes(local=False)
+
+    def get_init_Gh(self) -> body_info.HalfPlanes:  # noqa: N802
+        """Return G, h, ``cone_type`` and ``convex_flag`` of its outline in its own frame; see ``info``."""
+        return self._half_planes(local=True)
+
+    def _half_planes(self, *, local: bool) -> body_info.HalfPlanes:
+        outline = self._outline(local=local)
+        normals, offsets, cone = body_info.half_planes(*outline, solid=bool(self._model.solid[self._b]))
+        return normals, None if offsets is None else self._vector(offsets), cone, cone is not None
 
     def set_state(self, state: Sequence[float] | Floats, *, init: bool = False) -> None:
-        """Put it somewhere.
+        """Move it to a state.
 
         The outline follows at once; flags and readings follow with the next step or ``World.refresh``.
 
@@ -44,7 +194,7 @@ class Body(PlannerNames):
             ValueError: There are too few or too many numbers, one is not finite, or it is the obstacle map.
         """
         simulation, b = self._simulation, self._b
-        reports.refuse_map(simulation, b)
+        body_info.refuse_map(simulation, b)
         names = STATE[: getattr(self.spec.kinematics, "state_size", 3)]
         row = _numbers(state, 2, names, f"a state of '{self._name}'")
         simulation.state.pose[0, b], simulation.state.steering[0, b] = row[:3], row[3]
@@ -53,7 +203,7 @@ class Body(PlannerNames):
         simulation.place(np.array([b], np.int64))
 
     def set_velocity(self, velocity: Sequence[float] | Floats, *, init: bool = False) -> None:
-        """Say how fast it is now, which acceleration limits and the others' behaviours start from.
+        """Set its present velocity, which acceleration limits and the behaviours of others start from.
 
         Args:
             velocity: In the drive's coordinates [m/s or rad/s].
@@ -72,7 +222,7 @@ class Body(PlannerNames):
             simulation.model.initial_velocity[b] = row[:3]
         simulation.place(np.array([b], np.int64))
 
-    def set_goal(self, goal: Any, *, init: bool = False) -> None:
+    def set_goal(self, goal: ArrayLike | None, *, init: bool = False) -> None:
         """Give it other goals.
 
         Args:
@@ -82,11 +232,11 @@ class Body(PlannerNames):
         Raises:
             ValueError: It is none of these.
         """
-        self._world.goals.write(self._simulation, self._b, read_goals(goal), init=init)
+        self._session.goals.write(self._simulation, self._b, read_goals(goal), init=init)
 
     def set_random_goal(
         self,
-        obstacle_list: Iterable[Moment] = (),
+        obstacle_list: Iterable[BodyReadings] = (),
         init: bool = False,
         free: bool = True,
         goal_check_radius: float = 0.2,
@@ -113,15 +263,15 @@ class Body(PlannerNames):
         low, high = range_limits or (getattr(behavior, "range_low", LOW), getattr(behavior, "range_high", HIGH))
         if max_attempts < 1:
             raise ValueError(f"max_attempts is 1 or more, got {max_attempts!r}")
-        others = [self._world.roster.index(body.name) for body in obstacle_list] if free else []
+        others = [self._session.roster.index(body.name) for body in obstacle_list] if free else []
         drawn = []
         for _ in range(max(len(self.goals), 1)):
             goal, is_clear = free_goals.draw(self._simulation, low, high, others, goal_check_radius, max_attempts)
             drawn.append(goal)
             if not is_clear:
                 message = f"no place clear of the obstacles for a goal of '{self._name}' in {max_attempts} draws"
-                warnings.warn(message, NoEffectWarning, stacklevel=2)
-        self._world.goals.write(self._simulation, self._b, np.array(drawn), init=init)
+                warn_caller(message, NoEffectWarning)
+        self._session.goals.write(self._simulation, self._b, np.array(drawn), init=init)
 
     def set_laser_color(self, laser_indices: Iterable[int], laser_color: str | None = None, alpha: float = 0.3) -> None:
         """Draw some beams of its first range sensor in another colour, and all others in the sensor's.
@@ -136,11 +286,11 @@ class Body(PlannerNames):
             ValueError: There is no such colour, or the opacity is not between 0 and 1.
         """
         count = len(self.scan()["ranges"])
-        self._world.painted.paint(self._name, count, laser_indices, laser_color or HIGHLIGHT, alpha)
+        self._session.painted.paint(self._name, count, laser_indices, laser_color or HIGHLIGHT, alpha)
 
-    def append_goal(self, goal: Any) -> None:
+    def append_goal(self, goal: ArrayLike) -> None:
         """Add goals behind those that are left."""
-        self._world.goals.write(self._simulation, self._b, np.vstack([self.goals, read_goals(goal)]), init=False)
+        self._session.goals.write(self._simulation, self._b, np.vstack([self.goals, read_goals(goal)]), init=False)
 
 
 def _numbers(values: Sequence[float] | Floats, least: int, names: Sequence[str], what: str) -> Floats:

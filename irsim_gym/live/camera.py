@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.engine import Simulation
 from irsim_gym.live.drawing import Drawing
-from irsim_gym.live.painted import PaintedBeams
+from irsim_gym.live.output_files import FIGURES, with_suffix
 from irsim_gym.live.reel import Reel
-from irsim_gym.live.track import Track
-from irsim_gym.scenario.looks import drawn_with, saved_with
+from irsim_gym.live.session import Session
+from irsim_gym.scenario.plot_overrides import drawn_with, saved_with
 from irsim_gym.world.marks import Overlay
 from irsim_gym.world.trails import Trails
 
@@ -24,41 +24,37 @@ if TYPE_CHECKING:
     from irsim_gym.render.scene import Scene
     from irsim_gym.scenario import Scenario
 
-FILMS = (".mp4", ".gif")
-PAGES = (".html",)
-PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
-FIGURES = (".png", ".pdf", ".svg", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tiff", ".webp")
-
 
 class Camera:
-    """Draws one simulation. The renderer is made with the first picture.
+    """Draws the simulation of a session. The renderer is made with the first picture of each.
 
     Paths and trails are those of the track, however seldom a picture is made, and stay when bodies come and go.
 
-    Attributes:
-        painted: Beams in colours of their own.
+    Args:
+        session: What is drawn.
+        drawing: Marks over it.
+        backend: ``matplotlib`` or ``raster``.
     """
 
-    def __init__(self, simulation: Simulation, track: Track, drawing: Drawing, backend: str = "matplotlib") -> None:
+    def __init__(self, session: Session, drawing: Drawing, backend: str = "matplotlib") -> None:
         if backend != "matplotlib":
             from irsim_gym.render import checked_backend
 
             checked_backend(backend)
-        self._simulation, self._track, self._drawing, self._backend = simulation, track, drawing, backend
-        self._told = 0
+        self._session, self._drawing, self._backend = session, drawing, backend
+        self._drawn = session.simulation
+        self._n_recorded = 0
         self._renderer: WorldRenderer | None = None
         self._limits: Limits | None = None
-        self._options: Mapping[str, Any] = {}
-        self.painted = PaintedBeams()
+        self._options: Mapping[str, object] = {}
         self._painted_version = 0
         self._reel = Reel()
         self._is_kept = self._is_rendered = False
         self._kept_status = ""
 
-    def look_at(self, simulation: Simulation) -> None:
-        """Draw this simulation from now on; kept frames stay."""
-        self._simulation = simulation
-        self.close()
+    @property
+    def _simulation(self) -> Simulation:
+        return self._session.simulation
 
     def frame(self, status: str) -> Bytes:
         """Return a picture, uint8, shape ``(height, width, 3)``."""
@@ -80,13 +76,15 @@ class Camera:
         return picture
 
     def leave(self) -> None:
-        """Note that the world goes on from the present moment."""
+        """Note that the world is about to leave the present moment."""
         self._catch_up()
-        if len(self._drawing) and not self._is_rendered and self._is_sample():
+        if len(self._drawing) and not self._is_rendered and self.is_sample:
             self._drawing.grow_old()
         self._is_kept = self._is_rendered = False
 
-    def _is_sample(self) -> bool:
+    @property
+    def is_sample(self) -> bool:
+        """The present moment is a sample: there is one every ``sample_time``, rounded to whole steps."""
         return int(self._simulation.state.step[0]) % self._simulation.scenario.world.steps_per_sample == 0
 
     def _catch_up(self) -> None:
@@ -94,7 +92,7 @@ class Camera:
         if self._is_kept and not self._is_rendered and self._drawing.is_changed:
             self._keep(self._reel.keep_again, self._kept_status)
 
-    def draw_with(self, options: Mapping[str, Any]) -> None:
+    def draw_with(self, options: Mapping[str, object]) -> None:
         """Draw all bodies with these keys of ``plot`` in place of their own, until other ones are given.
 
         Raises:
@@ -124,7 +122,7 @@ class Camera:
         self._keep(lambda frame, scene: self._reel.keep(frame, scene, self._simulation), status)
 
     def _keep(self, keep: Callable[[Bytes, Scene], None], status: str) -> None:
-        """Let somebody keep the present moment, without what only waits to be rendered."""
+        """Pass the present moment to ``keep``, without marks that only wait to be rendered."""
         renderer, overlay = self._ready(), self._drawing.keep()
         renderer.lay_over(overlay)
         keep(renderer.frame(0, status), self._scene(status, overlay))
@@ -134,7 +132,7 @@ class Camera:
         ready = self._ready()
         if overlay is not None:
             ready.lay_over(overlay)
-        if not self.painted.version:
+        if not self._session.painted.version:
             return ready.scene(0, status)
         from irsim_gym.render import Renderer
 
@@ -146,13 +144,13 @@ class Camera:
 
     def clear(self) -> None:
         """Begin another episode, with new paths and trails."""
-        self._told = 0
+        self._n_recorded = 0
         self._drawing.begin()
         self._reel.begin()
         if self._renderer is not None:
             self._renderer.clear()
 
-    def save_figure(self, path: Path, status: str, options: Mapping[str, Any]) -> Path:
+    def save_figure(self, path: Path, status: str, options: Mapping[str, object]) -> Path:
         """Write a picture to a file, in the format of its suffix or of the scenario; return the path.
 
         Args:
@@ -166,65 +164,32 @@ class Camera:
         """
         scenario = saved_with(self._scenario(), options) if options else self._scenario()
         saved = scenario.world.plot.saved_figure
-        target = _with_suffix(path, FIGURES, saved.format)
+        target = with_suffix(path, FIGURES, saved.format)
         drawn = self._drawn_by_matplotlib(scenario if options else None)
         drawn.save(target, 0, status, dots_per_inch=saved.dpi)
         return target
 
-    def save_film(self, path: Path, fps: float) -> Path:
-        """Write the kept frames to an mp4 or gif file and let go of them; return the path.
-
-        Raises:
-            ValueError: Another suffix than those of films, or no frames.
-        """
-        target = _with_suffix(path, FILMS, "mp4")
+    @property
+    def reel(self) -> Reel:
+        """What was kept, the present moment as it is drawn now."""
         self._catch_up()
-        self._reel.save_film(target, fps)
-        return target
+        return self._reel
 
-    def save_html(self, path: Path) -> Path:
-        """Write a page that plays all episodes that were kept; return its path.
-
-        Raises:
-            ValueError: Another suffix, or nothing was kept.
-        """
-        target = _with_suffix(path, PAGES, "html")
-        self._catch_up()
-        self._reel.save_html(target)
-        return target
-
-    def save_sheet(self, path: Path, count: int) -> Path:
-        """Write one picture with some of the kept frames; return its path.
-
-        Raises:
-            ValueError: Another suffix, no frames, or fewer than two asked for.
-        """
-        target = _with_suffix(path, PICTURES, "png")
-        self._catch_up()
-        self._reel.save_sheet(target, count)
-        return target
-
-    def save_strobe(self, path: Path) -> Path:
-        """Write one picture with the ways of the robots in the present episode; return its path.
-
-        Raises:
-            ValueError: Another suffix, or nothing was kept.
-        """
-        target = _with_suffix(path, FIGURES, "png")
-        self._catch_up()
-        self._reel.save_strobe(target, self._ready().layout)
-        return target
+    @property
+    def layout(self) -> Layout:
+        """Where the world is on pictures, as the renderer has it."""
+        return self._ready().layout
 
     def _ready(self) -> WorldRenderer:
-        if self._painted_version != self.painted.version:
-            self._painted_version = self.painted.version
+        if self._painted_version != self._session.painted.version or self._drawn is not self._simulation:
+            self._painted_version, self._drawn = self._session.painted.version, self._simulation
             self.close()
-        self.painted.follow()
+        self._session.painted.follow()
         if self._renderer is None:
             from irsim_gym.render import make_renderer
 
             seen = self._simulation
-            parts = self._scenario(), seen.model, seen.state, self.painted.groups(seen)
+            parts = self._scenario(), seen.model, seen.state, self._session.painted.groups(seen)
             self._renderer = make_renderer(self._backend, *parts, explored=seen.explored)
             if self._limits is not None:
                 self._renderer.look_at(self._limits)
@@ -244,7 +209,7 @@ class Camera:
         ready, seen = self._ready(), self._simulation
         if isinstance(ready, Renderer) and scenario is None:
             return ready
-        parts = scenario or self._scenario(), seen.model, seen.state, self.painted.groups(seen)
+        parts = scenario or self._scenario(), seen.model, seen.state, self._session.painted.groups(seen)
         made = Renderer(*parts, trails=ready.trails, explored=seen.explored)
         made.lay_over(self._drawing.overlay())
         if self._limits is not None:
@@ -254,38 +219,12 @@ class Camera:
     def _tell(self, trails: Trails) -> None:
         """Add what the track noted since the last picture."""
         if len(trails.bodies):
-            for step, poses in self._track.since(self._told, self._simulation.parts.names):
+            for step, poses in self._session.track.since(self._n_recorded, self._simulation.parts.names):
                 trails.record(np.zeros(1, np.int64), np.array([step]), poses[None])
-        self._told = len(self._track)
+        self._n_recorded = len(self._session.track)
 
     def close(self) -> None:
         """Free the renderer."""
         if self._renderer is not None:
             self._renderer.close()
-            self._renderer, self._told = None, 0
-
-
-def target(path: str | Path | None, name: str) -> Path:
-    """Return the file that is meant: by default one of this name.
-
-    Raises:
-        ValueError: It is a folder.
-    """
-    chosen = Path(name if path is None else path)
-    if path is not None and chosen.is_dir():
-        inside = chosen / name
-        raise ValueError(
-            f"'{path}' is a folder: name a file, such as '{inside}' in it or '{chosen.name or name}.png' beside it"
-        )
-    return chosen
-
-
-def _with_suffix(path: Path, known: tuple[str, ...], default: str) -> Path:
-    """Return the path with a suffix; a point in a name such as ``run-0.5`` begins none."""
-    if not path.stem.strip(" .") or path.name.lower() in known:
-        raise ValueError(f"a file needs a name before its suffix, such as 'world.{default}', got '{path.name}'")
-    if path.suffix.lower() in known:
-        return path
-    if path.suffix and not path.suffix[1:].isdigit():
-        raise ValueError(f"the file's name must end in {', '.join(known)}, got '{path.name}'")
-    return path.with_name(f"{path.name}.{default}")
+            self._renderer, self._n_recorded = None, 0

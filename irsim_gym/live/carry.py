@@ -1,24 +1,24 @@
-"""A world whose list of bodies changes: compiled anew, with everything else as it was."""
+"""Recompiles a world whose list of bodies changes, and keeps everything else."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.engine import Simulation, arrival, buckets, compile, contact, measures, restart
+from irsim_gym.engine import Simulation, arrival, body_buckets, body_measures, compile, contact, restart
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
-from irsim_gym.live.goals import make_room
+from irsim_gym.live.goal_writer import make_room
 from irsim_gym.scenario import Scenario
 from irsim_gym.world.group import Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
-ROW_NUMBERS = ("segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit")
-NOT_CARRIED = frozenset({*ROW_NUMBERS, "nearby", "radius", "centroid"})
+HOLD_INDICES = ("segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit")
+NOT_CARRIED = frozenset({*HOLD_INDICES, "nearby", "radius", "centroid"})
 """Fields about bodies that hold row numbers, bodies or buckets, or that not every world asks for; worked out anew."""
 
-PLACE_TRIES = 20
+START_TRIES = 20
 
 
 def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
@@ -37,7 +37,7 @@ def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
     there = np.array([before[new.parts.names[b]] for b in here], np.int64)
     make_room(new.model, old.model.waypoints.shape[2])
     added = np.setdiff1d(new.parts.everyone, here)
-    buckets.empty(new.model, new.state, Shard(np.zeros(1, np.int64)))
+    body_buckets.empty(new.model, new.state, Shard(np.zeros(1, np.int64)))
     _carry(old, new, here, there)
     if len(added):
         _draw(new, added)
@@ -46,13 +46,13 @@ def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
         _carry(old, new, here, there)
         new.state.random[:] = random
     if len(new.parts.measured):
-        measures.measure(np.zeros(1, np.int64), new.parts.measured, new.model)
+        body_measures.measure(np.zeros(1, np.int64), new.parts.measured, new.model)
     _look(old, new, here, there)
     return new
 
 
 def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
-    """Copy what the old simulation knows of the bodies that stay, and of the world."""
+    """Copy the state of the bodies that stay, and of the world, from the old simulation."""
     for name, declared in (*WorldModel.columns().items(), *WorldState.columns().items()):
         sources, targets = (old.model, new.model) if name in WorldModel.columns() else (old.state, new.state)
         source, target = getattr(sources, name), getattr(targets, name)
@@ -82,14 +82,14 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
 
 
 def _carry_fog(old: Simulation, new: Simulation) -> None:
-    """Hand over what was explored, unless the cells have changed with the map."""
+    """Copy what was explored, unless the cells have changed with the map."""
     before, now = old.explored, new.explored
     if before is not None and now is not None and before.shape == now.shape:
         now[:] = before
 
 
 def _carry_memories(old: Simulation, new: Simulation, was_at: dict[int, int]) -> None:
-    """Hand over what behaviours written in Python remember."""
+    """Copy the memories of behaviours written in Python."""
     before = [group for group in (*old.parts.behaviors, *old.parts.group_behaviors) if "memory" in group.arrays]
     for group in (*new.parts.behaviors, *new.parts.group_behaviors):
         for source in before:
@@ -107,7 +107,7 @@ def _draw(new: Simulation, added: Ints) -> None:
     """
     parts, model, state, shard = new.parts, new.model, new.state, Shard(np.zeros(1, np.int64))
     failed = np.zeros(1, np.int64)
-    for _ in range(PLACE_TRIES):
+    for _ in range(START_TRIES):
         failed[0] = 0
         state.placed[0, added] = False
         for group in parts.footprints:
@@ -127,8 +127,8 @@ def _begin(new: Simulation, added: Ints) -> None:
     """Begin the episode for new bodies: velocities, and first goals, which only they draw."""
     parts, model, state, shard = new.parts, new.model, new.state, Shard(np.zeros(1, np.int64))
     parts.goal_bodies = np.intersect1d(parts.goal_bodies, added)
-    buckets.empty(model, state, shard)
-    buckets.refresh(parts.everyone, model, state, shard)
+    body_buckets.empty(model, state, shard)
+    body_buckets.refresh(parts.everyone, model, state, shard)
     restart.begin_moment(parts, model, state, shard)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)
@@ -136,7 +136,7 @@ def _begin(new: Simulation, added: Ints) -> None:
 
 
 def _look(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
-    """Bring contacts and readings up to date; who is held in place is known after the next step, as ever."""
+    """Update contacts and readings; which bodies are held in place is known after the next step."""
     shard, state = Shard(np.zeros(1, np.int64)), new.state
     now_at = {int(was): int(b) for b, was in zip(here, there, strict=True)}
     new.model.static_known[:] = False

@@ -1,19 +1,21 @@
-"""What is drawn over a world by hand: which marks there are, and how long."""
+"""Marks drawn over a world, and how long each stays."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.live import arrows, looks, places, strokes
+from irsim_gym.live.looks import Color, Colors
 from irsim_gym.world.marks import NOTHING, ON_TOP, LineMark, Mark, Overlay, TextMark
 
 PATH, ARROW, INK = "#0072B2", "black", "#1F2933"
 LINE_LAYER, GROUND_LAYER = 2.0, 1.0
-LARGEST = 200.0
+LARGEST_TEXT = 200.0
 """Size of the largest text [point]."""
 STAYS, FRESH, OLD = range(3)
 """Marks that stay, those for one picture, and those of them that nobody has rendered at their own moment."""
@@ -61,10 +63,10 @@ class Drawing:
 
     def path(
         self,
-        points: Any,
+        points: ArrayLike,
         format: str = "-",
         *,
-        color: Any = None,
+        color: Color | None = None,
         width: float = 1.5,
         alpha: float = 1.0,
         layer: float = LINE_LAYER,
@@ -90,9 +92,9 @@ class Drawing:
 
     def points(
         self,
-        points: Any,
+        points: ArrayLike,
         *,
-        color: Any = None,
+        color: Colors | None = None,
         size: float = 6.5,
         marker: str = "o",
         alpha: float = 1.0,
@@ -118,10 +120,10 @@ class Drawing:
 
     def polygon(
         self,
-        points: Any,
+        points: ArrayLike,
         *,
-        color: Any = PATH,
-        fill: Any = None,
+        color: Color | None = PATH,
+        fill: Color | None = None,
         width: float = 1.5,
         style: str = "-",
         alpha: float = 1.0,
@@ -148,12 +150,12 @@ class Drawing:
 
     def arrows(
         self,
-        tails: Any,
-        vectors: Any,
+        tails: ArrayLike,
+        vectors: ArrayLike,
         *,
         length: float | None = None,
         width: float | None = None,
-        color: Any = ARROW,
+        color: Color | None = ARROW,
         alpha: float = 1.0,
         layer: float = GROUND_LAYER,
         once: bool = False,
@@ -192,7 +194,7 @@ class Drawing:
         words: str,
         *,
         size: float = 8.0,
-        color: Any = INK,
+        color: Color = INK,
         align: Literal["left", "center", "right"] = "center",
         alpha: float = 1.0,
         layer: float = ON_TOP,
@@ -217,7 +219,7 @@ class Drawing:
         if align not in ("left", "center", "right"):
             raise ValueError(f"align is 'left', 'center' or 'right', got {align!r}")
         across, up = (looks.number(name, value, least=-np.inf) for name, value in (("x", x), ("y", y)))
-        ink, high = strokes.Ink.of(color, alpha, layer), looks.number("size", size, least=1.0, most=LARGEST)
+        ink, high = strokes.Ink.of(color, alpha, layer), looks.number("size", size, least=1.0, most=LARGEST_TEXT)
         mark = TextMark(across, up, _line(words), ink.color, ink.alpha, high, align, ink.layer)
         return self.add([mark] if words.strip() else [], once)
 
@@ -291,11 +293,11 @@ class Drawing:
         return any(age == OLD for _, age in self._marks)
 
     def shown(self) -> None:
-        """Forget what was drawn for one picture: somebody has seen it."""
+        """Remove the marks that were drawn for one picture, after it was shown."""
         self._age({STAYS: STAYS})
 
     def grow_old(self) -> None:
-        """Note that a moment has passed that nobody rendered: what was drawn for one picture waits for one more."""
+        """Note that a moment has passed without a rendering: marks for one picture wait for one more."""
         self._age({STAYS: STAYS, FRESH: OLD})
 
     def _age(self, later: Mapping[int, int]) -> None:

@@ -9,7 +9,8 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
-from irsim_gym.live import reports
+from irsim_gym.live import body_info
+from irsim_gym.world.outline import outline_rows
 
 
 def draw(
@@ -59,9 +60,9 @@ def _bound(values: Sequence[float], heading: float) -> Floats:
 
 def touches(simulation: Simulation, body: int, x: float, y: float, radius: float) -> bool:
     """Return whether a disc touches a body or lies inside of it, the obstacle map included."""
-    if reports.is_map(simulation, body):
+    if body_info.is_map(simulation, body):
         return _touches_map(simulation, x, y, radius)
-    segments, discs = reports.outline_rows(simulation, body)
+    segments, discs = outline_rows(simulation.model, simulation.state, 0, body)
     if (np.hypot(discs[:, 0] - x, discs[:, 1] - y) <= discs[:, 2] + radius).any():
         return True
     starts, ends = segments[:, :2] - (x, y), segments[:, 2:] - (x, y)

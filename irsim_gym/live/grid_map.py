@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.world.irsim_readings import IrSimReadings
 
-MOST_CELLS = 10_000_000
+MOST_GRID_CELLS = 10_000_000
 OCCUPIED = 50.0
 
 
@@ -33,7 +34,7 @@ class GridMap:
     resolution: float
     grid: Floats
     world_offset: tuple[float, float] = (0.0, 0.0)
-    obstacle_list: list[Any] = field(default_factory=list)
+    obstacle_list: Sequence[IrSimReadings] = field(default_factory=list)
 
     @property
     def grid_resolution(self) -> tuple[float, float]:
@@ -95,6 +96,6 @@ def n_cells(width: float, height: float, resolution: float) -> tuple[int, int]:
     """
     if not 0.0 < resolution < math.inf:
         raise ValueError(f"resolution must be > 0 [m], got {resolution!r}")
-    if width / resolution * (height / resolution) > MOST_CELLS:
-        raise ValueError(f"resolution is too small: {resolution:g} m gives more than {MOST_CELLS} cells")
+    if width / resolution * (height / resolution) > MOST_GRID_CELLS:
+        raise ValueError(f"resolution is too small: {resolution:g} m gives more than {MOST_GRID_CELLS} cells")
     return max(1, round(width / resolution)), max(1, round(height / resolution))

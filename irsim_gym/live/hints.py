@@ -1,4 +1,4 @@
-"""What to use in place of IR-SIM's names that are not here."""
+"""What to use in place of IR-SIM's names that are not supported."""
 
 from __future__ import annotations
 

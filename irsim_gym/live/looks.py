@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,6 +14,12 @@ from irsim_gym.scenario.colors import as_text, color_problem
 
 LINES = {"-": "solid", "--": "dashed", "-.": "dashdot", ":": "dotted"}
 NO_LINE = ("", " ", "none", "None")
+Color = str | Sequence[float] | Floats
+"""A name or code, or red, green, blue and perhaps opacity from 0 to 1."""
+Colors = Color | Sequence[Color]
+
+T = TypeVar("T")
+
 STROKES = "+x|_"
 """Forms of points that consist of lines."""
 
@@ -72,7 +78,7 @@ class Format:
     marker: str
 
 
-def color(value: Any) -> str:
+def color(value: Color) -> str:
     """Return a colour as text.
 
     Args:
@@ -147,7 +153,7 @@ def _next_part(rest: str) -> tuple[int, str, str]:
     return (2, "color", rest[:2]) if rest[0] == "C" and rest[1:2].isdigit() else (0, "", "")
 
 
-def number(name: str, value: Any, *, least: float = 0.0, most: float = math.inf) -> float:
+def number(name: str, value: object, *, least: float = 0.0, most: float = math.inf) -> float:
     """Return a number in a range.
 
     Raises:
@@ -160,7 +166,7 @@ def number(name: str, value: Any, *, least: float = 0.0, most: float = math.inf)
     raise ValueError(f"{name} is a number{'' if least == -math.inf else ' ' + bound}, got {value!r}")
 
 
-def known_as(caller: str, given: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
+def known_as(caller: str, given: Mapping[str, T], names: Mapping[str, str]) -> dict[str, T]:
     """Return keyword arguments of matplotlib's under our names; ``label`` is taken and shows nothing, as in IR-SIM.
 
     Args:
@@ -171,7 +177,7 @@ def known_as(caller: str, given: Mapping[str, Any], names: Mapping[str, str]) ->
     Raises:
         TypeError: One is not among them, or two mean the same.
     """
-    found: dict[str, Any] = {}
+    found: dict[str, T] = {}
     for name, value in given.items():
         if name == "label":
             continue

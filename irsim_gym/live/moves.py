@@ -1,4 +1,4 @@
-"""What moves bodies by hand: commands for a step, and new places for obstacles."""
+"""Moves bodies by hand: commands for a step, and new places for obstacles."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.errors import PlacementError
 from irsim_gym.world.model import ROBOT
 
-PLACE_TRIES = 100
+SCATTER_TRIES = 100
 
 
 def commands(simulation: Simulation, rows: Mapping[int, Floats]) -> tuple[Ints, Floats]:
@@ -35,11 +35,11 @@ def commands(simulation: Simulation, rows: Mapping[int, Floats]) -> tuple[Ints, 
 def scatter(
     simulation: Simulation, bodies: Sequence[int], low: Sequence[float], high: Sequence[float], *, apart: bool
 ) -> None:
-    """Put bodies somewhere at random, for now and for later resets.
+    """Move bodies to random places, for now and for later resets.
 
     Args:
-        simulation: Where they are.
-        bodies: Whom.
+        simulation: The world.
+        bodies: Their indices.
         low: Least x, y, heading [m, m, rad].
         high: Greatest.
         apart: Clear of all other bodies.
@@ -56,7 +56,7 @@ def scatter(
         for b in chosen:
             one = np.array([b], np.int64)
             model.present[0, b] = present[b]
-            for _ in range(PLACE_TRIES):
+            for _ in range(SCATTER_TRIES):
                 state.pose[0, b] = simulation.uniform(low, high)
                 simulation.place(one)
                 if not apart:
@@ -66,7 +66,9 @@ def scatter(
                     break
             else:
                 name = simulation.parts.names[b]
-                raise PlacementError(f"no place found for '{name}' in {PLACE_TRIES} draws that is clear of the others")
+                raise PlacementError(
+                    f"no place found for '{name}' in {SCATTER_TRIES} draws that is clear of the others"
+                )
     except PlacementError:
         state.pose[0, chosen] = before
         raise
@@ -82,7 +84,7 @@ def robots(simulation: Simulation) -> Ints:
 
 
 def status_of(simulation: Simulation) -> str:
-    """Return how the robots stand: ``Arrived`` all, else ``Collision`` one, else ``Running``."""
+    """Return ``Arrived`` if all robots have arrived, else ``Collision`` if one collides, else ``Running``."""
     chosen = robots(simulation)
     if len(chosen) and simulation.state.arrived[0, chosen].all():
         return "Arrived"

@@ -91,7 +91,7 @@ class PaintedBeams:
             yield piece
 
     def follow(self) -> None:
-        """Bring the readings of the pieces up to date."""
+        """Update the readings of the pieces."""
         for piece, group, k, part in self._copies:
             for key in READINGS:
                 if key in piece.arrays:

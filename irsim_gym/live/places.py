@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Flags, Floats
 
@@ -15,7 +14,7 @@ FARTHEST = 1e9
 """A coordinate is smaller than this [m]."""
 
 
-def rows(points: Any, *, columns: bool = False, least: int = FEWEST) -> Floats:
+def rows(points: ArrayLike, *, columns: bool = False, least: int = FEWEST) -> Floats:
     """Return points as rows.
 
     Args:
@@ -37,7 +36,7 @@ def rows(points: Any, *, columns: bool = False, least: int = FEWEST) -> Floats:
     return found if len(found) else np.zeros((0, least))
 
 
-def _table(points: Any, columns: bool) -> Floats | None:
+def _table(points: ArrayLike, columns: bool) -> Floats | None:
     """Return points as rows; None where they have no shape of points."""
     if isinstance(points, list | tuple) and any(np.ndim(point) for point in points):
         try:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, final
+from typing import final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live.grid_map import GridMap
-from irsim_gym.live.planned import point
+from irsim_gym.live.path_planner import point
 from irsim_gym.paths.queries import cells_way
 
 
@@ -26,7 +27,7 @@ class AStarPlanner:
     def __init__(self, env_map: GridMap) -> None:
         self.env_map = env_map
 
-    def planning(self, start_pose: Any, goal_pose: Any, show_animation: bool = False) -> Floats | None:
+    def planning(self, start_pose: ArrayLike, goal_pose: ArrayLike, show_animation: bool = False) -> Floats | None:
         """Return the way from the goal back to the start, as IR-SIM does, shape ``(2, n)`` [m].
 
         A step leads from the centre of a cell to that of one beside or across, or a knight's move away, so that

@@ -1,34 +1,138 @@
-"""Bodies that come and go while a world runs, and obstacles that are put somewhere else."""
+"""The bodies of a world by hand: who is there, who comes and goes, and where obstacles are moved to."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Literal
 
 import numpy as np
 
-from irsim_gym.engine import Simulation
-from irsim_gym.live import moves, reports
-from irsim_gym.live.actions import Reference
+from irsim_gym.arraytypes import Floats
+from irsim_gym.errors import UnknownNameError
+from irsim_gym.live import body_info, moves
 from irsim_gym.live.body import Body
-from irsim_gym.live.camera import Camera
+from irsim_gym.live.body_info import ObstacleInfo, RobotInfo
 from irsim_gym.live.carry import rebuild
-from irsim_gym.live.standing import Standing
+from irsim_gym.live.roster import Reference
+from irsim_gym.live.run_status import RunStatus
+from irsim_gym.live.session import Session
 from irsim_gym.scenario.edit import add_bodies, remove_body
-from irsim_gym.world.model import OBSTACLE
+from irsim_gym.world.model import OBSTACLE, ROBOT
 
 
-class Population(Standing):
-    """The bodies of a world, and what changes who is there."""
+class Population:
+    """The bodies of a session.
 
-    _camera: Camera
+    Args:
+        session: Where they are.
+        status: Updated when bodies are moved.
+    """
 
-    @abstractmethod
-    def refresh(self) -> None:
-        """Bring outlines, flags, scans and status up to date."""
+    def __init__(self, session: Session, status: RunStatus) -> None:
+        self._session, self._status = session, status
 
-    def add(self, role: Literal["robot", "obstacle"] = "obstacle", **entry: Any) -> Body:
+    def __getitem__(self, reference: Reference) -> Body:
+        """Return the body with some number or name.
+
+        Raises:
+            UnknownNameError: There is none.
+        """
+        return Body(self._session, self._session.roster.name(reference))
+
+    def __iter__(self) -> Iterator[Body]:
+        return iter(self.objects)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def names(self) -> list[str]:
+        """The names of all bodies that this level has, in the order in which they are stepped."""
+        return self._session.roster.present()
+
+    @property
+    def objects(self) -> list[Body]:
+        """All bodies."""
+        return [Body(self._session, name) for name in self.names]
+
+    @property
+    def robots(self) -> list[Body]:
+        """The robots."""
+        return [Body(self._session, name) for name in self._session.roster.present(ROBOT)]
+
+    @property
+    def obstacles(self) -> list[Body]:
+        """The obstacles."""
+        return [Body(self._session, name) for name in self._session.roster.present(OBSTACLE)]
+
+    @property
+    def robot(self) -> Body:
+        """The first robot.
+
+        Raises:
+            UnknownNameError: There is none.
+        """
+        if not (robots := self.robots):
+            raise UnknownNameError(f"no robot in '{self._session.simulation.scenario.name}'")
+        return robots[0]
+
+    @property
+    def robot_number(self) -> int:
+        """How many robots there are."""
+        return len(self.robots)
+
+    @property
+    def obstacle_number(self) -> int:
+        """How many obstacles there are."""
+        return len(self.obstacles)
+
+    @property
+    def static_objects(self) -> list[Body]:
+        """The bodies that never move."""
+        return [body for body in self.objects if body.static]
+
+    @property
+    def dynamic_objects(self) -> list[Body]:
+        """The bodies that can move."""
+        return [body for body in self.objects if not body.static]
+
+    def get_object_by_name(self, name: str) -> Body | None:
+        """Return the body of that name, None if there is none; ``world[name]`` raises then."""
+        return next((body for body in self.objects if body.name == name), None)
+
+    def get_object_by_id(self, target_id: int) -> Body | None:
+        """Return the body with that number, None if there is none; ``world[number]`` raises then."""
+        return next((body for body in self.objects if body.id == target_id), None)
+
+    def get_group_by_name(self, group_name: str) -> list[Body]:
+        """Return the bodies of a group; an entry's bodies are one, named after role and number unless it says else."""
+        return [body for body in self.objects if body.group_name == group_name]
+
+    def get_robot_state(self) -> Floats:
+        """Return the state of the first robot."""
+        return self.robot.state
+
+    def get_robot_info(self, id: int = 0) -> RobotInfo:
+        """Return what a robot is; it is meant by its number."""
+        return self[id].info
+
+    def get_robot_info_list(self) -> list[RobotInfo]:
+        """Return what each robot is."""
+        return [robot.info for robot in self.robots]
+
+    def get_obstacle_info_list(self) -> list[ObstacleInfo]:
+        """Return where each obstacle is."""
+        return [obstacle.obstacle_info for obstacle in self.obstacles]
+
+    def get_lidar_scan(self, id: int = 0) -> dict[str, Any]:
+        """Return the scan of a body's first range sensor; see ``Body.scan``."""
+        return self[id].scan()
+
+    def get_lidar_offset(self, id: int = 0) -> tuple[float, float, float] | None:
+        """Return the mount pose of a body's first sensor in the body frame [m, m, rad]."""
+        return self[id].lidar_offset
+
+    def add(self, /, role: Literal["robot", "obstacle"] = "obstacle", **entry: Any) -> Body:
         """Add a body; everything else stays as it is, and a reset keeps it.
 
         Args:
@@ -42,11 +146,11 @@ class Population(Standing):
         """
         if entry.get("number", 1) != 1 or entry.get("number_range") is not None:
             raise ValueError("one body at a time: leave number and number_range out")
-        before = set(self.simulation.parts.names)
-        self._follow(
-            rebuild(self.simulation, add_bodies(self.simulation.scenario, role, entry, self.roster.next_number))
-        )
-        return Body(self, next(name for name in self.simulation.parts.names if name not in before))
+        session = self._session
+        before = session.simulation
+        scenario = add_bodies(before.scenario, role, entry, session.roster.next_number)
+        session.replace(rebuild(before, scenario))
+        return Body(session, next(name for name in session.simulation.parts.names if name not in before.parts.names))
 
     def remove(self, reference: Reference) -> None:
         """Remove the body with some number or name; the others keep their numbers.
@@ -54,20 +158,14 @@ class Population(Standing):
         Raises:
             UnknownNameError: There is none.
         """
-        self._follow(rebuild(self.simulation, remove_body(self.simulation.scenario, self.roster.index(reference))))
+        now = self._session.simulation
+        self._session.replace(rebuild(now, remove_body(now.scenario, self._session.roster.index(reference))))
 
-    def _follow(self, simulation: Simulation) -> None:
-        self.simulation = simulation
-        self.roster.follow(simulation)
-        self.goals.follow(simulation)
-        self.track.follow(simulation)
-        self._camera.look_at(simulation)
-
-    def create_robot(self, **entry: Any) -> Body:
+    def create_robot(self, /, **entry: Any) -> Body:
         """Add a robot; it is in the world at once, so IR-SIM's ``add_object`` has nothing left to do."""
         return self.add("robot", **entry)
 
-    def create_obstacle(self, **entry: Any) -> Body:
+    def create_obstacle(self, /, **entry: Any) -> Body:
         """Add an obstacle; it is in the world at once, so IR-SIM's ``add_object`` has nothing left to do."""
         return self.add("obstacle", **entry)
 
@@ -91,7 +189,7 @@ class Population(Standing):
 
     def delete_objects(self, target_ids: Iterable[Reference]) -> None:
         """Remove the bodies with some numbers or names; if one of them does not exist, none is removed."""
-        for name in {self.roster.name(number) for number in target_ids}:
+        for name in {self._session.roster.name(number) for number in target_ids}:
             self.remove(name)
 
     def random_obstacle_position(
@@ -101,7 +199,7 @@ class Population(Standing):
         ids: Sequence[Reference] | None = None,
         non_overlapping: bool = False,
     ) -> None:
-        """Put obstacles somewhere at random, for now and for later resets without ``random``.
+        """Move obstacles to random places, for now and for later resets without ``random``.
 
         Args:
             range_low: Least x, y, heading [m, m, rad].
@@ -113,11 +211,11 @@ class Population(Standing):
             PlacementError: One of them found no place clear of the others; then none has moved.
             ValueError: One of them is the obstacle map.
         """
-        obstacles = self.roster.present(OBSTACLE) if ids is None else ids
-        bodies = [self.roster.index(reference) for reference in obstacles]
+        roster, simulation = self._session.roster, self._session.simulation
+        bodies = [roster.index(reference) for reference in (roster.present(OBSTACLE) if ids is None else ids)]
         if ids is None:
-            bodies = [b for b in bodies if not reports.is_map(self.simulation, b)]
+            bodies = [b for b in bodies if not body_info.is_map(simulation, b)]
         for b in bodies:
-            reports.refuse_map(self.simulation, b)
-        moves.scatter(self.simulation, bodies, range_low, range_high, apart=non_overlapping)
-        self.refresh()
+            body_info.refuse_map(simulation, b)
+        moves.scatter(simulation, bodies, range_low, range_high, apart=non_overlapping)
+        self._status.refresh()

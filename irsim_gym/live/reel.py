@@ -1,4 +1,4 @@
-"""What is kept of the course of a world: frames for films and sheets, numbers for replays."""
+"""Keeps the course of a world: frames for films and sheets, numbers for replays."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Reel:
         self._is_begun = False
 
     def begin(self) -> None:
-        """Let what is kept next be another episode."""
+        """Begin another episode."""
         self._is_begun = False
 
     def keep(self, frame: Bytes, scene: Scene, simulation: Simulation) -> None:

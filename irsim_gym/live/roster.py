@@ -1,18 +1,20 @@
-"""Who is in a world: names, numbers and places in the simulation's arrays."""
+"""Names and numbers of bodies, and their indices in the simulation's arrays."""
 
 from __future__ import annotations
 
 from irsim_gym.engine import Simulation
 from irsim_gym.errors import UnknownNameError
-from irsim_gym.live.actions import Reference
 from irsim_gym.scenario.messages import show
+
+Reference = int | str
+"""Number or name of a body."""
 
 
 class Roster:
     """The bodies of a world. A body keeps its number while others come and go.
 
     Args:
-        simulation: Where they are; at first a body's number is its index.
+        simulation: The world; at first a body's number is its index.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -21,8 +23,11 @@ class Roster:
         self._numbers = dict(self._index)
         self.next_number = len(self._index)
 
+    def __len__(self) -> int:
+        return len(self._index)
+
     def follow(self, simulation: Simulation) -> None:
-        """Take over the bodies of a changed simulation; new ones get the next numbers."""
+        """Update the roster to a changed simulation; new bodies get the next numbers."""
         self._simulation = simulation
         self._index = {name: b for b, name in enumerate(simulation.parts.names)}
         for name in self._index:
@@ -47,7 +52,7 @@ class Roster:
         """
         if isinstance(reference, str):
             if reference not in self._index:
-                self._simulation.body(reference)  # tells that there is none
+                self._simulation.body(reference)  # raises with the nearest name
             return reference
         for name, number in self._numbers.items():
             if number == reference and not isinstance(reference, bool):

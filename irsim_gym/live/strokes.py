@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self, cast
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live import looks, places
+from irsim_gym.live.looks import Color, Colors
 from irsim_gym.world.marks import LineMark, Mark, PointsMark
 
 POINTS = "#CC79A7"
@@ -25,7 +27,7 @@ class Ink:
     layer: float
 
     @classmethod
-    def of(cls, color: Any, alpha: Any, layer: Any) -> Self:
+    def of(cls, color: Color | None, alpha: object, layer: object) -> Self:
         """Return these, checked.
 
         Raises:
@@ -40,7 +42,7 @@ class Ink:
         return self.color.lower() != "none"
 
 
-def line(points: Floats, look: looks.Format, ink: Ink, width: Any, size: Any = MARKER_SIZE) -> list[Mark]:
+def line(points: Floats, look: looks.Format, ink: Ink, width: object, size: object = MARKER_SIZE) -> list[Mark]:
     """Return a line through points, and forms at them.
 
     Args:
@@ -82,7 +84,9 @@ def forms(points: Floats, ink: Ink, marker: str, size: float, width: float = MAR
     return [PointsMark(chosen, ink.color, ink.alpha, share * size, looks.FORMS[marker], stroke, ink.layer)]
 
 
-def points(rows: Floats, color: Any, marker: str, size: Any, width: Any, alpha: Any, layer: Any) -> list[Mark]:
+def points(
+    rows: Floats, color: Colors | None, marker: str, size: object, width: object, alpha: object, layer: object
+) -> list[Mark]:
     """Return forms at points, in one colour or in one for each.
 
     Raises:
@@ -97,7 +101,7 @@ def points(rows: Floats, color: Any, marker: str, size: Any, width: Any, alpha: 
     return [mark for ink, chosen in numbers.items() for mark in forms(rows[chosen], ink, form, large, thick)]
 
 
-def area(corners: Floats, edge: Ink, fill: Any, style: str, width: Any) -> list[Mark]:
+def area(corners: Floats, edge: Ink, fill: Color | None, style: str, width: object) -> list[Mark]:
     """Return a polygon; nothing without corners.
 
     Args:
@@ -121,13 +125,13 @@ def area(corners: Floats, edge: Ink, fill: Any, style: str, width: Any) -> list[
     return [LineMark(found, edge.color, edge.alpha, thick, style or "solid", True, filled, edge.layer)]
 
 
-def _colors(color: Any, count: int) -> list[Any]:
+def _colors(color: Colors | None, count: int) -> Sequence[Color]:
     """Return one colour, or one for each point."""
     if color is None:
         return [POINTS]
     is_list = isinstance(color, list | tuple | np.ndarray) and len(color) > 0
     if not is_list or isinstance(color[0], int | float | np.number):
-        return [color]
+        return [cast(Color, color)]
     if len(color) != count:
         raise ValueError(f"one colour, or one for each of {count} points, got {len(color)}")
     return list(color)

@@ -9,7 +9,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
 
-NOBODY = ""
+GONE = ""
 """Stands for the name of a body that is gone."""
 
 
@@ -20,7 +20,7 @@ class Track:
         self._rows: list[tuple[int, tuple[str, ...], Floats]] = []
 
     def begin(self, simulation: Simulation) -> None:
-        """Forget everything, and note where the bodies start."""
+        """Clear the track, and note where the bodies start."""
         self._rows.clear()
         self.note(simulation)
 
@@ -44,7 +44,7 @@ class Track:
         kept: tuple[str, ...] = ()
         for i, (step, here, poses) in enumerate(self._rows):
             if here is not names:
-                names, kept = here, tuple(NOBODY if name in gone else name for name in here)
+                names, kept = here, tuple(GONE if name in gone else name for name in here)
             self._rows[i] = step, kept, poses
 
     def states_of(self, name: str) -> Floats:

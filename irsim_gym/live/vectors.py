@@ -1,17 +1,15 @@
-"""The arrays that a world by hand gives away: flat and guarded, or as columns."""
+"""Vectors that a world by hand returns: flat and guarded, or as columns."""
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
+from irsim_gym.world.arrays import frozen
 
-COLUMNS = "load(..., columns=True) gives columns of shape (n, 1), as IR-SIM does"
-
-A = TypeVar("A", bound=np.ndarray[Any, Any])
-Record = TypeVar("Record")
+COLUMNS_HINT = "load(..., columns=True) gives columns of shape (n, 1), as IR-SIM does"
 
 
 class Vector(np.ndarray[Any, Any]):
@@ -33,7 +31,7 @@ class Vector(np.ndarray[Any, Any]):
             return super().__getitem__(key)
         except IndexError as error:
             if self.ndim == 1 and isinstance(key, tuple) and len(key) > 1:
-                raise IndexError(f"{error}: this array is flat, index it with one number; {COLUMNS}") from None
+                raise IndexError(f"{error}: this array is flat, index it with one number; {COLUMNS_HINT}") from None
             raise
 
     def __repr__(self) -> str:
@@ -51,7 +49,7 @@ def _refuse_columns(inputs: tuple[Any, ...]) -> None:
     """Raise if one of the inputs is a flat array of ours, and another one a column.
 
     Raises:
-        ValueError: So it is.
+        ValueError: They would give a matrix.
     """
     flat = max((value.size for value in inputs if isinstance(value, Vector) and value.ndim == 1), default=0)
     if flat < 2:
@@ -61,28 +59,11 @@ def _refuse_columns(inputs: tuple[Any, ...]) -> None:
         if len(shape) == 2 and shape[0] > 1 and shape[1] == 1:
             raise ValueError(
                 f"a flat array of shape ({flat},) and a column of shape {shape} would give a matrix of shape "
-                f"({shape[0]}, {flat}): {COLUMNS}; if the matrix is meant, take np.asarray(...) of the flat one"
+                f"({shape[0]}, {flat}): {COLUMNS_HINT}; if the matrix is meant, take np.asarray(...) of the flat one"
             )
-
-
-def frozen(values: A) -> A:
-    """Return a copy that cannot be written into."""
-    copied = values.copy()
-    copied.flags.writeable = False
-    return copied
 
 
 def vector(values: Floats, columns: bool) -> Floats:
     """Return a read-only copy of a row of numbers, flat and guarded or as a column ``(n, 1)``."""
     copied = frozen(values)
     return copied.reshape(-1, 1) if columns else copied.view(Vector)
-
-
-def points(rows: Floats, columns: bool) -> Floats:
-    """Return a read-only copy of points, in rows ``(n, 2)`` or in columns ``(2, n)``."""
-    return frozen(rows.T if columns else rows)
-
-
-def goal_of(row: Floats, columns: bool) -> Floats:
-    """Return a goal x, y, heading [m, m, rad]; as a column it has two rows where no heading is asked for."""
-    return vector(row[:2] if columns and np.isnan(row[2]) else row, columns)

@@ -1,36 +1,33 @@
-"""The world itself: load a file, step it, look at it, change it."""
+"""A world by hand: load a file, step it, look at it, change it."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from pathlib import Path
+from collections.abc import Sequence
 from types import TracebackType
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, Self
 
-import numpy as np
-
-from irsim_gym.engine import compile
-from irsim_gym.engine.checks import find_blocked_starts
-from irsim_gym.engine.given import LEVELS
-from irsim_gym.errors import UnknownNameError
-from irsim_gym.live import moves
-from irsim_gym.live.actions import Actions, Reference, pair_actions
+from irsim_gym.engine import Simulation
+from irsim_gym.live import hints, moves
+from irsim_gym.live.action_pairs import Actions, pair_actions
 from irsim_gym.live.arguments import read_arguments
 from irsim_gym.live.camera import Camera
 from irsim_gym.live.drawing import Drawing
-from irsim_gym.live.filmed import Filmed
-from irsim_gym.live.goals import Goals
-from irsim_gym.live.roster import Roster
+from irsim_gym.live.forwarding import Attribute, Method
+from irsim_gym.live.irsim_drawing import IrSimDrawing
+from irsim_gym.live.late_behaviors import LateBehaviors
+from irsim_gym.live.level_source import LevelSource, ScenarioSource
+from irsim_gym.live.media import MediaWriter
+from irsim_gym.live.path_planner import PathPlanner
+from irsim_gym.live.population import Population
+from irsim_gym.live.roster import Reference
+from irsim_gym.live.run_status import ControlMode, RunStatus
 from irsim_gym.live.track import Track
-from irsim_gym.scenario import load_scenario, notes
-from irsim_gym.scenario.parameters import given_as_keywords
+from irsim_gym.live.viewer import Viewer
+from irsim_gym.live.world_info import WorldInfo
+from irsim_gym.scenario import Scenario
 
-ScenarioSource = str | Path | Mapping[str, Any]
 
-
-class World(Filmed):
+class World:
     """One world of a scenario, run by hand as IR-SIM's users know it.
 
     It is a batch of one of the same simulator that learners use, so a step, a collision or a scan is the same here.
@@ -81,47 +78,45 @@ class World(Filmed):
         columns: bool = False,
         **others: Any,
     ) -> None:
-        self.columns, self._strict = columns, strict
-        self._asked = asked = read_arguments(render_mode, others)
-        named = asked.file if scenario is None else scenario
-        self._source: ScenarioSource = _beside_the_script() if named is None else named
-        self._film = asked.film
-        self._record, self._save_at_end, self._unsaved = record or save_ani, save_ani, False
-        self._seed, self._episode = _seed(0 if seed is None else seed), 0
-        self._read()
-        self._begin_driving(asked.render_mode, self._loaded)
+        asked = read_arguments(render_mode, others)
+        self._levels = LevelSource(
+            asked.file if scenario is None else scenario, seed, strict=strict, asked=asked, columns=columns
+        )
+        self._session = self._levels.session
+        self._status = RunStatus(self._session, has_window=asked.render_mode == "human")
+        self._info = WorldInfo(self._session, self._status)
+        self._population = Population(self._session, self._status)
+        self._late_behaviors = LateBehaviors(self._session)
+        self._planner = PathPlanner(self._session, self._population)
+        self.draw = Drawing()
+        self._irsim_drawing = IrSimDrawing(self._session, self.draw)
+        self._camera = Camera(self._session, self.draw, render_backend)
+        keys = {
+            "reset": self.reset,
+            "next": lambda: self.reset(random=True),
+            "reload": self.reload,
+            "figure": lambda: self.save_figure(f"{self.name}_{self.count:04d}"),
+        }
+        self._viewer = Viewer(self._session, self._status, self._camera, asked.render_mode, keys)
+        self._media = MediaWriter(
+            self._session,
+            self._status,
+            self._camera,
+            self._viewer,
+            record=record,
+            save_at_end=save_ani,
+            options=asked.film,
+        )
         if asked.log_level is not None:
             self.logger.setLevel(asked.log_level)
-        self.track, self.draw = Track(), Drawing()
-        self._camera = Camera(self.simulation, self.track, self.draw, render_backend)
-        self._begin(self._loaded.world.status)
-
-    def _read(self) -> None:
-        with given_as_keywords():
-            loaded = load_scenario(self._source, self._asked.parameters, strict=self._strict, may_pend=True)
-        if self._asked.step_mode is not None:
-            loaded = replace(loaded, world=replace(loaded.world, step_mode=self._asked.step_mode))
-        self._loaded = loaded
-        self._compile()
-        simulation = self.simulation
-        found = find_blocked_starts(self._loaded, simulation.parts, simulation.model, simulation.state)
-        notes.warn_of_starts(self._loaded, found)
-
-    def _compile(self) -> None:
-        self.simulation = compile(self._loaded, check_starts=False)
-        self.roster, self.goals = Roster(self.simulation), Goals()
+        self._levels.begin()
+        self._begin(self.scenario.world.status)
 
     def _begin(self, status: str) -> None:
-        """Draw a level and begin it."""
-        self.simulation.reset(self._seed, episode=self._episode)
-        self._begun(status)
-
-    def _begun(self, status: str) -> None:
-        self._paused = self._loaded.world.status == "Pause"
-        self._status = "Pause" if self._paused else status
+        """Show the beginning of an episode."""
+        self._status.begin(status)
         self._camera.clear()
-        self.track.begin(self.simulation)
-        self._keep_frame()
+        self._media.note_moment()
 
     def __enter__(self) -> Self:
         return self
@@ -129,7 +124,142 @@ class World(Filmed):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._free() if error is not None else self.close()
+        self._media.free() if error is not None else self.close()
+
+    if not TYPE_CHECKING:  # a type checker would otherwise accept any name
+
+        def __getattr__(self, name: str) -> NoReturn:
+            if name in dir(type(self)) or (name.startswith("_") and name not in hints.WORLD):
+                object.__getattribute__(self, name)  # raises what went wrong in a property
+            raise AttributeError(hints.missing("a world", name, hints.WORLD, dir(self)), name=name, obj=self)
+
+    __getitem__ = Method("_population", Population.__getitem__)
+    __iter__ = Method("_population", Population.__iter__)
+    __len__ = Method("_population", Population.__len__)
+    names = Attribute("_population", Population.names)
+    objects = Attribute("_population", Population.objects)
+    robots = robot_list = Attribute("_population", Population.robots)
+    obstacles = obstacle_list = Attribute("_population", Population.obstacles)
+    robot = Attribute("_population", Population.robot)
+    robot_number = Attribute("_population", Population.robot_number)
+    obstacle_number = Attribute("_population", Population.obstacle_number)
+    static_objects = Attribute("_population", Population.static_objects)
+    dynamic_objects = Attribute("_population", Population.dynamic_objects)
+    get_object_by_name = Method("_population", Population.get_object_by_name)
+    get_object_by_id = Method("_population", Population.get_object_by_id)
+    get_group_by_name = Method("_population", Population.get_group_by_name)
+    get_robot_state = Method("_population", Population.get_robot_state)
+    get_robot_info = Method("_population", Population.get_robot_info)
+    get_robot_info_list = Method("_population", Population.get_robot_info_list)
+    get_obstacle_info_list = Method("_population", Population.get_obstacle_info_list)
+    get_lidar_scan = Method("_population", Population.get_lidar_scan)
+    get_lidar_offset = Method("_population", Population.get_lidar_offset)
+    add = Method("_population", Population.add)
+    remove = Method("_population", Population.remove)
+    delete_object = Method("_population", Population.delete_object)
+    create_robot = Method("_population", Population.create_robot)
+    create_obstacle = Method("_population", Population.create_obstacle)
+    add_object = Method("_population", Population.add_object)
+    add_objects = Method("_population", Population.add_objects)
+    delete_objects = Method("_population", Population.delete_objects)
+    random_obstacle_position = Method("_population", Population.random_obstacle_position)
+    load_behavior = Method("_late_behaviors", LateBehaviors.load_behavior)
+
+    path = Method("_planner", PathPlanner.path)
+    get_map = Method("_planner", PathPlanner.get_map)
+
+    draw_trajectory = Method("_irsim_drawing", IrSimDrawing.draw_trajectory)
+    draw_points = Method("_irsim_drawing", IrSimDrawing.draw_points)
+    draw_box = Method("_irsim_drawing", IrSimDrawing.draw_box)
+    draw_quiver = Method("_irsim_drawing", IrSimDrawing.draw_quiver)
+    draw_quivers = Method("_irsim_drawing", IrSimDrawing.draw_quivers)
+    set_title = Method("_irsim_drawing", IrSimDrawing.set_title)
+
+    pause = Method("_status", RunStatus.pause)
+    resume = Method("_status", RunStatus.resume)
+    set_status = Method("_status", RunStatus.set_status)
+    step_status = Method("_status", RunStatus.step_status)
+    refresh = Method("_status", RunStatus.refresh)
+
+    render = Method("_viewer", Viewer.render)
+    show = Method("_viewer", Viewer.show)
+    quit_flag = Attribute("_viewer", Viewer.quit_flag)
+    headless = disable_all_plot = Attribute("_viewer", Viewer.headless)
+    display = Attribute("_viewer", Viewer.display)
+    key_id = Attribute("_viewer", Viewer.key_id)
+    key_vel = Attribute("_viewer", Viewer.key_vel)
+    mouse_pos = Attribute("_viewer", Viewer.mouse_pos)
+    mouse_left_pos = Attribute("_viewer", Viewer.mouse_left_pos)
+    mouse_right_pos = Attribute("_viewer", Viewer.mouse_right_pos)
+    sampling = Attribute("_camera", Camera.is_sample)
+
+    save_ani = Attribute("_media", MediaWriter.save_ani)
+    save_figure = Method("_media", MediaWriter.save_figure)
+    save_animation = Method("_media", MediaWriter.save_animation)
+    save_html = Method("_media", MediaWriter.save_html)
+    save_sheet = Method("_media", MediaWriter.save_sheet)
+    save_strobe = Method("_media", MediaWriter.save_strobe)
+    close = Method("_media", MediaWriter.close)
+    end = Method("_media", MediaWriter.end)
+    quit = Method("_media", MediaWriter.quit)
+
+    name = Attribute("_info", WorldInfo.name)
+    time = Attribute("_info", WorldInfo.time)
+    count = Attribute("_info", WorldInfo.count)
+    step_time = Attribute("_info", WorldInfo.step_time)
+    step_mode = Attribute("_info", WorldInfo.step_mode)
+    world_param = Attribute("_info", WorldInfo.world_param)
+    x_range = Attribute("_info", WorldInfo.x_range)
+    y_range = Attribute("_info", WorldInfo.y_range)
+    logger = Attribute("_info", WorldInfo.logger)
+
+    def reset_plot(self) -> None:
+        """Do nothing: every picture is drawn anew."""
+
+    @property
+    def simulation(self) -> Simulation:
+        """The simulator; another one after ``add``, ``remove`` and ``reload``."""
+        return self._session.simulation
+
+    @property
+    def track(self) -> Track:
+        """Where bodies have been since the reset; ``Body.trajectory`` reads it."""
+        return self._session.track
+
+    @property
+    def columns(self) -> bool:
+        """Arrays are returned as IR-SIM's columns, shape ``(n, 1)``, and points as ``(2, n)``."""
+        return self._session.columns
+
+    @property
+    def render_mode(self) -> str | None:
+        """None, ``rgb_array`` or ``human``."""
+        return self._viewer.render_mode
+
+    @property
+    def scenario(self) -> Scenario:
+        """What the file says, with the bodies that are here now."""
+        return self.simulation.scenario
+
+    @property
+    def control_mode(self) -> ControlMode:
+        """Who drives the chosen robot: its behaviour and ``step``'s actions, or the keys; the key x changes it."""
+        return self._status.control_mode
+
+    @property
+    def status(self) -> str:
+        """The status as text.
+
+        ``Arrived`` when all robots have arrived, else ``Collision`` when one collides, else ``Running``, or
+        ``Running (keyboard)`` when keys drive. ``Pause`` lasts until ``resume``, ``Reset`` and ``Reload`` until the
+        next step; at first it is what the file says. ``Pause (Debugging)`` after F5, ``Quit`` after esc.
+        """
+        return self._status.text
+
+    @property
+    def pause_flag(self) -> bool:
+        """Steps do nothing until ``resume``."""
+        return self._status.paused
 
     def done(self, mode: Literal["all", "any"] = "all") -> bool:
         """Return whether all robots, or any, have arrived or are held in place by a collision.
@@ -163,35 +293,22 @@ class World(Filmed):
                 action that reaches nobody is a mistake, and in a loop a warning is easily missed. Or ``step_mode`` is
                 ``external``.
         """
-        if not self._may_step():
+        if not self._status.may_step():
             return
-        rows = (
-            {} if action is None else pair_actions(action, action_id, self._index_of, len(self.simulation.parts.names))
-        )
-        if rows and self.simulation.parts.external:
+        simulation = self.simulation
+        rows = {} if action is None else pair_actions(action, action_id, self._session.roster)
+        if rows and simulation.parts.external:
             raise ValueError("step_mode is external: set_state moves the bodies, actions have no effect")
-        if not self._has_told:
-            self._tell_of_unknown_groups()
-        bodies, commands = moves.commands(self.simulation, {**rows, **self._keys()})
+        self._late_behaviors.warn_of_unknown_groups()
+        bodies, commands = moves.commands(simulation, {**rows, **self._viewer.key_commands()})
         self._camera.leave()
         if len(bodies):
-            self.simulation.step(commands, bodies)
+            simulation.step(commands, bodies)
         else:
-            self.simulation.step()
-        self._status = self._told(moves.status_of(self.simulation))
-        self.track.note(self.simulation)
-        self._keep_frame()
-
-    def _index_of(self, reference: Reference) -> int:
-        try:
-            return self.roster.index(reference)
-        except UnknownNameError as error:
-            raise ValueError(str(error)) from None
-
-    def refresh(self) -> None:
-        """Bring outlines, flags, scans and status up to date after bodies were moved by hand, without a step."""
-        self.simulation.refresh()
-        self._status = self._with_driver(moves.status_of(self.simulation))
+            simulation.step()
+        self._status.note_step()
+        self.track.note(simulation)
+        self._media.note_moment()
 
     def reset(self, random: bool = False) -> None:
         """Begin again.
@@ -202,14 +319,10 @@ class World(Filmed):
                 with the file's bodies.
         """
         self._camera.leave()
-        if not random:
-            self.goals.bring_back(self.simulation)
-            self.simulation.reset_to_start()
-            self._begun("Reset")
-            return
-        self._episode += 1
-        self._compile()
-        self._camera.look_at(self.simulation)
+        if random:
+            self._levels.begin_next()
+        else:
+            self._session.begin_again()
         self._begin("Reset")
 
     def reload(self, world_name: ScenarioSource | None = None) -> None:
@@ -222,16 +335,8 @@ class World(Filmed):
             ScenarioError: The file cannot be used; then the world stays as it is.
         """
         self._camera.leave()
-        before = self._source
-        self._source = before if world_name is None else world_name
-        try:
-            self._read()
-        except Exception:
-            self._source = before
-            raise
-        self._episode = 0
-        self._take_control_mode(self._loaded)
-        self._camera.look_at(self.simulation)
+        self._levels.reload(world_name)
+        self._status.read_control_mode()
         self._begin("Reload")
 
     def set_random_seed(self, seed: int, reload: bool = False) -> None:
@@ -245,51 +350,10 @@ class World(Filmed):
             TypeError: The seed is no whole number.
             ValueError: It is negative.
         """
-        self._seed, self._episode = _seed(seed), -1
-        self.simulation.state.random[:] = self.simulation.streams(self._seed)
+        self._levels.set_seed(seed)
         if reload:
             self.reload()
 
 
-def load(
-    scenario: ScenarioSource | None = None,
-    *,
-    seed: int | None = None,
-    render_mode: str | None = None,
-    render_backend: str = "matplotlib",
-    record: bool = False,
-    save_ani: bool = False,
-    strict: bool = True,
-    columns: bool = False,
-    **others: Any,
-) -> World:
-    """Load a scenario to run it by hand, without learning; arguments and errors are those of ``World``."""
-    return World(
-        scenario,
-        seed=seed,
-        render_mode=render_mode,
-        render_backend=render_backend,
-        record=record,
-        save_ani=save_ani,
-        strict=strict,
-        columns=columns,
-        **others,
-    )
-
-
-def _beside_the_script() -> Path:
-    """Return the YAML file that is named as the running script is."""
-    script = Path(sys.argv[0] or "script.py")
-    for file in (script.with_suffix(".yaml"), Path(script.stem + ".yaml")):
-        if file.is_file():
-            return file
-    raise TypeError(f"no file was given, and no {script.stem}.yaml stands beside the script: load('my_world.yaml')")
-
-
-def _seed(seed: Any) -> int:
-    """Return the level that a seed stands for, as in environments."""
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
-        raise TypeError(f"a seed is a whole number, got {seed!r}")
-    if seed < 0:
-        raise ValueError(f"a seed is 0 or more, got {seed}")
-    return int(seed) % LEVELS
+load = World
+"""Load a scenario to run it by hand, without learning."""

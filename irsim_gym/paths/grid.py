@@ -23,8 +23,8 @@ from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.jit import kernel
 
 FREE, BLOCKED = np.uint8(0), np.uint8(1)
-MOST_CELLS = 1_000_000
-MARGIN = 1e-9
+MOST_PATH_CELLS = 1_000_000
+CELL_MARGIN = 1e-9
 """Added to the radius of cells [m], so that rounding never frees one."""
 
 
@@ -50,10 +50,10 @@ class Grid:
     def over(cls, bounds: Sequence[float] | Floats, cell: float) -> Self:
         """Return the grid over x_min, y_min, x_max, y_max [m]; what no whole cell fills is shared by both sides.
 
-        Cells are larger than asked for where there would be more than ``MOST_CELLS`` of them.
+        Cells are larger than asked for where there would be more than ``MOST_PATH_CELLS`` of them.
         """
         x_min, y_min, x_max, y_max = (float(value) for value in bounds)
-        cell = max(cell, float(np.sqrt((x_max - x_min) * (y_max - y_min) / MOST_CELLS)))
+        cell = max(cell, float(np.sqrt((x_max - x_min) * (y_max - y_min) / MOST_PATH_CELLS)))
         columns = max(1, round((x_max - x_min) / cell))
         rows = max(1, round((y_max - y_min) / cell))
         origin_x = 0.5 * (x_min + x_max - columns * cell)
@@ -117,7 +117,7 @@ def mark_blocked(
         blocked: Written: 1 where a disc of radius R about the cell's centre touches a body, shape ``(rows, columns)``.
     """
     blocked[:] = FREE
-    wide = np.sqrt(radius * radius + 0.5 * cell * cell) + MARGIN
+    wide = np.sqrt(radius * radius + 0.5 * cell * cell) + CELL_MARGIN
     for b in range(blocks.shape[0]):
         if not blocks[b]:
             continue

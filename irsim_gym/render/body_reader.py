@@ -14,7 +14,7 @@ from irsim_gym.render.images import load_image
 from irsim_gym.render.outlines import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
 from irsim_gym.render.scene import BodyView, GoalView, ImageView, LabelView
 from irsim_gym.render.styles import BodyStyle, is_omni
-from irsim_gym.scenario.images import image_file
+from irsim_gym.scenario.image_files import image_file
 from irsim_gym.world.model import ACKERMANN, WorldModel
 from irsim_gym.world.state import WorldState
 

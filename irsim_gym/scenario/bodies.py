@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 from irsim_gym.families import FOOTPRINTS, KINEMATICS, PLACEMENTS
-from irsim_gym.scenario import checks
-from irsim_gym.scenario.entries import FIELDS, OBSTACLE, OF_ENTRY, Entry
-from irsim_gym.scenario.images import DEFAULT_CAR
+from irsim_gym.scenario import body_checks
+from irsim_gym.scenario.entries import FIELDS, OBSTACLE, OF_ENTRY, BodyEntry
+from irsim_gym.scenario.image_files import DEFAULT_CAR
 from irsim_gym.scenario.options import defaults
 from irsim_gym.scenario.plot_spec import (
     CAR_COLOR,
@@ -25,7 +25,7 @@ from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Waypoint, WorldSpec
 from irsim_gym.scenario.validation import BAD, Report
 
 
-def make_bodies(entry: Entry, index: int, first: int, group: int, report: Report) -> list[BodySpec]:
+def make_bodies(entry: BodyEntry, index: int, first: int, group: int, report: Report) -> list[BodySpec]:
     """Return the bodies of an entry; an empty list when one of its values was refused.
 
     Args:
@@ -47,7 +47,7 @@ def make_bodies(entry: Entry, index: int, first: int, group: int, report: Report
     return bodies if len(bodies) == entry.count else []
 
 
-def _named(pattern: BodySpec, entry: Entry, i: int, number: int) -> BodySpec:
+def _named(pattern: BodySpec, entry: BodyEntry, i: int, number: int) -> BodySpec:
     name, color = name_of(entry, i, number)[1], entry.of("color", i)[1]
     if color == "cycle":
         color = CYCLE[i % len(CYCLE)]
@@ -57,7 +57,7 @@ def _named(pattern: BodySpec, entry: Entry, i: int, number: int) -> BodySpec:
     return replace(pattern, name=name, color=color)
 
 
-def name_of(entry: Entry, i: int, number: int) -> tuple[Place, str]:
+def name_of(entry: BodyEntry, i: int, number: int) -> tuple[Place, str]:
     """Return path and name of the entry's i-th body, which has this number in the scenario."""
     place, name = entry.of("name", i)
     return place, f"{entry.raw.role}_{number}" if name is None or name is BAD else name
@@ -81,21 +81,21 @@ def _is_car(body: BodySpec) -> bool:
     return body.kinematics is not None and KINEMATICS.name_of(type(body.kinematics)) == "acker"
 
 
-def _pattern(entry: Entry, i: int, index: int, group: int, report: Report) -> BodySpec | None:
+def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -> BodySpec | None:
     """Return the entry's i-th body without name and colour, after the checks that need several keys at once."""
     given = {key: entry.of(key, i) for key in FIELDS if key not in OF_ENTRY}
     values = {key: value for key, (_, value) in given.items()}
     places = {key: place for key, (place, _) in given.items()}
     drive = values["kinematics"]
-    good = checks.check_body(values, places, report)
+    good = body_checks.check_body(values, places, report)
     if not good or entry.placement is None:
         return None
     low = float(values["angle_range"][0])
-    size = checks.command_size(drive)
+    size = body_checks.command_size(drive)
     role: Any = entry.raw.role
     own_group = group if values["group"] is None else values["group"]
     is_given = bool(entry.values.get("state"))
-    fov, fov_radius = checks.field_of_view(values["fov"], values["fov_radius"], values["sensors"] or ())
+    fov, fov_radius = body_checks.field_of_view(values["fov"], values["fov_radius"], values["sensors"] or ())
     return BodySpec(
         name="",
         role=role,
@@ -137,7 +137,7 @@ def _padded(values: tuple[float, ...], size: int, default: float) -> tuple[float
     return (*values, *[default] * size)[:size]
 
 
-def placement_of(entry: Entry, first: int, report: Report) -> PlacementSpec:
+def placement_of(entry: BodyEntry, first: int, report: Report) -> PlacementSpec:
     """Return how the entry's bodies are placed."""
     members = tuple(range(first, first + entry.count))
     role: Any = entry.raw.role

@@ -1,4 +1,4 @@
-"""Which colours there are (matplotlib's names, and numbers), so that a misspelt one is told with its line."""
+"""Known colours (matplotlib's names, and numbers), so that a misspelt one is reported with its line."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _OTHER = re.compile(
 )
 
 
-def as_text(color: Any) -> Any:
+def as_text(color: object) -> Any:
     """Return red, green, blue and perhaps opacity from 0 to 1 as ``#rrggbb`` or ``#rrggbbaa``; all else unchanged."""
     if not isinstance(color, list | tuple) or len(color) not in (3, 4):
         return color

@@ -1,4 +1,4 @@
-"""YAML text to plain data with lines: bounded, safe, and keys given twice are told.
+"""YAML text to plain data with lines: bounded and safe; keys given twice are reported.
 
 The parser's events are put together here rather than by PyYAML's own composer: that is where depth, the number of
 values after aliases are expanded, anchors that contain themselves and duplicate keys can be checked.
@@ -53,7 +53,7 @@ class Document:
 
 @dataclass
 class _Node:
-    """A value before aliases are expanded; ``error`` is told wherever the value is used."""
+    """A value before aliases are expanded; ``error`` is reported wherever the value is used."""
 
     line: int
     scalar: Any = None

@@ -17,7 +17,7 @@ from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenari
 from irsim_gym.scenario.validation import Report
 
 
-def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, Any], first: int) -> Scenario:
+def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, object], first: int) -> Scenario:
     """Return a scenario with the bodies of one more entry at the end; the obstacle map stays the last one.
 
     Args:

@@ -9,7 +9,7 @@ from typing import Any
 
 from irsim_gym.families import BEHAVIORS, FOOTPRINTS, GROUP_BEHAVIORS, KINEMATICS, PLACEMENTS, SENSORS
 from irsim_gym.registry import Registry
-from irsim_gym.scenario.images import image_problem
+from irsim_gym.scenario.image_files import image_problem
 from irsim_gym.scenario.messages import CONTACT_MESSAGE, CONTACT_SENSOR, show
 from irsim_gym.scenario.options import defaults, option_fields
 from irsim_gym.scenario.pending import is_pending, read_pending
@@ -41,7 +41,7 @@ NO_DRIVE = "static"
 
 
 @dataclass
-class Entry:
+class BodyEntry:
     """An entry whose values are checked.
 
     Attributes:
@@ -67,7 +67,7 @@ class Entry:
         return values[min(i, len(values) - 1)]
 
 
-def read_entry(raw: RawEntry, plot: Mapping[str, Any], report: Report) -> Entry:
+def read_entry(raw: RawEntry, plot: Mapping[str, object], report: Report) -> BodyEntry:
     """Check all values of an entry.
 
     Args:
@@ -75,7 +75,7 @@ def read_entry(raw: RawEntry, plot: Mapping[str, Any], report: Report) -> Entry:
         plot: Drawing options for all bodies of the file, which the entry's own override.
         report: Collects the problems.
     """
-    entry = Entry(raw)
+    entry = BodyEntry(raw)
     spelt = check_keys(raw.data, FIELDS, raw.place, report)
     known = {own: key for key, own in spelt.items()}
     _read_number(entry, report)
@@ -93,7 +93,7 @@ def read_entry(raw: RawEntry, plot: Mapping[str, Any], report: Report) -> Entry:
     return entry
 
 
-def _read_number(entry: Entry, report: Report) -> None:
+def _read_number(entry: BodyEntry, report: Report) -> None:
     data, place = entry.raw.data, entry.raw.place
     number, number_range = data.get("number"), data.get("number_range")
     if number is not None:
@@ -124,7 +124,7 @@ def _read_placement(raw: RawEntry, report: Report) -> Any:
     return build_named(PLACEMENTS, data, place, report)
 
 
-def _reader(key: str, role: str, plot: Mapping[str, Any]) -> Callable[[Any, Place, Report], Any]:
+def _reader(key: str, role: str, plot: Mapping[str, object]) -> Callable[[Any, Place, Report], Any]:
     """Return the function that checks one value of a key."""
     if key in FAMILIES:
         return lambda value, place, report: _read_kind(key, value, place, report)
@@ -162,7 +162,7 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> Any:
     return BAD if made is None else made
 
 
-def _read_sensors(value: Any, place: Place, report: Report) -> Any:
+def _read_sensors(value: object, place: Place, report: Report) -> Any:
     items = [value] if isinstance(value, Mapping) else value
     if not isinstance(items, list):
         report.add(place, f"must be a list of sensors such as [{{name: lidar2d}}], got {show(value)}")
@@ -172,7 +172,7 @@ def _read_sensors(value: Any, place: Place, report: Report) -> Any:
     return BAD if any(sensor is None for sensor in made) else tuple(made)
 
 
-def _read_sensor(item: Any, place: Place, report: Report) -> Any:
+def _read_sensor(item: object, place: Place, report: Report) -> Any:
     if isinstance(item, Mapping) and item.get("name", item.get("type")) == CONTACT_SENSOR:
         report.add((*place, "name" if "name" in item else "type"), CONTACT_MESSAGE)
         return None
@@ -191,7 +191,7 @@ def _read_goal(value: Any, place: Place, report: Report) -> Any:
     return BAD if any(goal is BAD for goal in read) else tuple(read)
 
 
-def _read_waypoint(value: Any, place: Place, report: Report) -> Any:
+def _read_waypoint(value: object, place: Place, report: Report) -> Any:
     numbers = read_field(FIELDS["state"], value, place, report)
     if numbers is BAD:
         return BAD
@@ -209,18 +209,18 @@ def _read_plot(value: Any, shared: Mapping[str, Any], place: Place, report: Repo
     return build(ObjectPlot, {**shared, **value}, place, Report(report.source)) or own
 
 
-def _read_role(value: Any, role: str, place: Place, report: Report) -> Any:
+def _read_role(value: object, role: str, place: Place, report: Report) -> Any:
     if value != role:
         report.add(place, f"must be '{role}' in this section (or left out), got {show(value)}")
         return BAD
     return value
 
 
-def _read_color(value: Any, place: Place, report: Report) -> Any:
+def _read_color(value: object, place: Place, report: Report) -> Any:
     return value if value == "cycle" else read_color(FIELDS["color"], value, place, report)
 
 
-def _read_description(value: Any, place: Place, report: Report) -> Any:
+def _read_description(value: object, place: Place, report: Report) -> Any:
     image = read_field(FIELDS["description"], value, place, report)
     problem = "" if image is BAD or image is None else image_problem(image, report.source.file)
     if problem:

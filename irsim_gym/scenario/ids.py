@@ -16,7 +16,7 @@ from irsim_gym.errors import IrsimGymError, MissingScenarioError, UnknownNameErr
 
 NAMESPACE = "irsim_gym"
 ANY = f"{NAMESPACE}/World-v0"
-SHOWN = 8
+MOST_LISTED = 8
 SOURCES = "a shipped name such as 'corridor', a file such as 'my_world.yaml', or plain data"
 
 _ID = re.compile(r"(?:([A-Za-z_][\w.]*):)?((?:([\w-]+)/)?[\w-]+?(?:-v(\d+))?)")
@@ -28,7 +28,7 @@ class Ids:
     def __init__(self) -> None:
         self._registries: list[Mapping[str, Any]] = []
 
-    def look_in(self, registry: Mapping[str, Any]) -> None:
+    def look_in(self, registry: Mapping[str, object]) -> None:
         """Look ids up in a registry too: from each id to an object with the arguments it is made with, ``kwargs``."""
         if not any(registry is known for known in self._registries):
             self._registries.append(registry)
@@ -54,7 +54,7 @@ class Ids:
             raise UnknownNameError(f"no environment '{name}'{self._advice(one, namespace)}")
         return None
 
-    def scenario(self, name: Any) -> Any:
+    def scenario(self, name: object) -> Any:
         """Return the scenario that an id stands for; what is no id comes back as it is.
 
         Raises:
@@ -99,7 +99,7 @@ class Ids:
             return f" (did you mean '{names[near]}'?)"
         if namespace == NAMESPACE:
             return "; `irsim-gym list` shows what is shipped"
-        return f"; there are {', '.join(known[:SHOWN])}{' ...' if len(known) > SHOWN else ''}"
+        return f"; there are {', '.join(known[:MOST_LISTED])}{' ...' if len(known) > MOST_LISTED else ''}"
 
 
 IDS = Ids()

@@ -29,8 +29,8 @@ LENIENT = "Unknown keys of a file that others wrote are ignored with strict=Fals
 
 
 def load_scenario(
-    scenario: str | Path | Mapping[str, Any],
-    parameters: Mapping[str, Any] | None = None,
+    scenario: str | Path | Mapping[str, object],
+    parameters: Mapping[str, object] | None = None,
     *,
     strict: bool = True,
     warn: bool = True,
@@ -64,7 +64,7 @@ def load_scenario(
 
 
 def read_scenario(
-    source: Source, parameters: Mapping[str, Any] | None = None, *, strict: bool = True, may_pend: bool = False
+    source: Source, parameters: Mapping[str, object] | None = None, *, strict: bool = True, may_pend: bool = False
 ) -> Scenario:
     """Check plain data and return the scenario that it describes; see ``load_scenario``.
 
@@ -123,7 +123,7 @@ def _tell_repeats(report: Report) -> None:
 
 
 def _places(sections: dict[str, Any], roots: Mapping[str, Place], report: Report) -> dict[str, Place]:
-    """Return the path of each section; a misspelt one is told, and read under the name that it stands for."""
+    """Return the path of each section; a misspelt one is reported, and read under the name it stands for."""
     places: dict[str, Place] = {name: (*roots.get(name, ()), name) for name in SECTIONS}
     for name in [name for name in sections if name not in SECTIONS]:
         if report.is_full:
@@ -135,7 +135,7 @@ def _places(sections: dict[str, Any], roots: Mapping[str, Place], report: Report
     return places
 
 
-def _world(data: Any, place: Place, source: Source, report: Report) -> WorldSpec | None:
+def _world(data: object, place: Place, source: Source, report: Report) -> WorldSpec | None:
     """Return the section ``world``, named after the file when it gives no name."""
     if isinstance(data, Mapping):
         data = {**data, "collision_mode": _collision_mode(data.get("collision_mode"), place, report)}
@@ -150,7 +150,7 @@ def _world(data: Any, place: Place, source: Source, report: Report) -> WorldSpec
     return build(WorldSpec, data, place, report, skip=() if own else ["obstacle_map"])
 
 
-def _collision_mode(mode: Any, place: Place, report: Report) -> Any:
+def _collision_mode(mode: object, place: Place, report: Report) -> Any:
     """Return the mode that a file's stands for; None for one that is refused."""
     where = (*place, "collision_mode")
     if mode == "contact":
@@ -171,7 +171,7 @@ def _check_viewpoint(world: WorldSpec | None, bodies: tuple[BodySpec, ...], plac
         report.add(place, f"no body named {show(name)}{suggestion(name[:40], names)}")
 
 
-def _task(data: Any, place: Place, report: Report) -> Mapping[str, Any]:
+def _task(data: object, place: Place, report: Report) -> Mapping[str, Any]:
     if data is None:
         return {}
     if isinstance(data, str):

@@ -22,7 +22,7 @@ IRSIM_MAPS = frozenset({"cave.png", *(f"hm3d_{k}.png" for k in range(1, 10))})
 _IRSIM_FOLDER = Path("irsim", "world", "map")
 
 
-def read_map(data: Any, place: Place, report: Report) -> Any:
+def read_map(data: object, place: Place, report: Report) -> Any:
     """Return the kind of map that ``obstacle_map`` describes: a file's name, a table of cells, or a mapping.
 
     BAD after telling what is wrong.

@@ -20,7 +20,7 @@ CONTACT_SENSOR = "contact2d"
 CONTACT_MESSAGE = "contact mode is not part of the scenario language"
 
 
-def show(value: Any) -> str:
+def show(value: object) -> str:
     """Return a value as it would stand in YAML, shortened."""
     if value is None:
         return "nothing"
@@ -37,13 +37,13 @@ def show(value: Any) -> str:
     return _cut(_number(value))
 
 
-def with_parameters(name: str, parameters: Mapping[str, Any]) -> str:
+def with_parameters(name: str, parameters: Mapping[str, object]) -> str:
     """Return a scenario's name with the values of its parameters: ``circle_swap (n_robots = 8)``."""
     values = ", ".join(f"{key} = {show(value)}" for key, value in parameters.items())
     return f"{name} ({values})" if values else name
 
 
-def _number(value: Any) -> str:
+def _number(value: object) -> str:
     try:
         return f"{value:.6g}" if isinstance(value, float) else str(value)
     except ValueError:  # an integer with thousands of digits
@@ -121,20 +121,20 @@ def translate(error: Any, value: Any, hint: Any) -> str:
     return f"must be {describe(hint)}, got {show(value)}{_hint(value)}"
 
 
-def _literal(value: Any, hint: Any) -> str:
+def _literal(value: object, hint: object) -> str:
     names = [str(name) for name in literal_values(hint)]
     near = suggestion(value, names) if isinstance(value, str) else ""
     return f"must be {choices(names)}, got {show(value)}{near}"
 
 
-def literal_values(hint: Any) -> tuple[Any, ...]:
+def literal_values(hint: object) -> tuple[Any, ...]:
     """Return the choices of a ``Literal``, also one inside a union."""
     if get_origin(hint) is Literal:
         return get_args(hint)
     return tuple(value for arg in get_args(hint) for value in literal_values(arg))
 
 
-def _hint(value: Any) -> str:
+def _hint(value: object) -> str:
     if isinstance(value, str) and value.lower().lstrip("+-") in ("inf", "infinity"):
         return " (infinity is written .inf)"
     return ""

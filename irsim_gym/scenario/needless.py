@@ -1,4 +1,4 @@
-"""What stands in IR-SIM's files though its release 2.12.0 passes it over: it passes here too, and is told."""
+"""Keys that IR-SIM 2.12.0 accepts and ignores: they are accepted here too, and reported."""
 
 from __future__ import annotations
 

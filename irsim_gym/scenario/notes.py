@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-import sys
-import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from irsim_gym.errors import IgnoredKeyWarning, Problem, ScenarioWarning
+from irsim_gym.errors import IgnoredKeyWarning, Problem, ScenarioWarning, warn_caller
 from irsim_gym.families import KINEMATICS
 from irsim_gym.scenario.shorthand import split_entries
 from irsim_gym.scenario.source import ROLES, Place
 from irsim_gym.scenario.spec import BodySpec, Scenario
 from irsim_gym.scenario.validation import Report, read_numbers
 
-FULL_TURN = 2.0 * math.pi + 1e-3
+LARGEST_ANGLE = 2.0 * math.pi + 1e-3
 LONGEST_STEP = 1.0
 IDLE = "has a behavior but no goal: it stands still"
 DEGREES = "angles are radians; pi/2 may be written as it is"
@@ -33,7 +31,7 @@ def warn_of_keys(title: str, ignored: Iterable[Problem]) -> None:
 
 
 def warn_of_starts(scenario: Scenario, found: Sequence[Problem]) -> None:
-    """Warn of robots that begin within an obstacle (``engine.checks.find_blocked_starts``)."""
+    """Warn of robots that begin within an obstacle (``engine.start_checks.find_blocked_starts``)."""
     held = [replace(problem, message=f"{problem.message}: the robot is held there") for problem in found]
     _warn(ScenarioWarning, scenario.source.title, held)
 
@@ -42,10 +40,7 @@ def _warn(category: type[ScenarioWarning], title: str, found: Sequence[Problem])
     """Warn of all that was found, at the line that called this package."""
     if not found:
         return
-    frame, level = sys._getframe(), 1
-    while frame.f_back is not None and str(frame.f_globals.get("__name__")).split(".")[0] in ("irsim_gym", "gymnasium"):
-        frame, level = frame.f_back, level + 1
-    warnings.warn(category(title, found), stacklevel=level)
+    warn_caller(category(title, found))
 
 
 def notes(scenario: Scenario) -> tuple[Problem, ...]:
@@ -65,7 +60,7 @@ def doubts(scenario: Scenario) -> tuple[Problem, ...]:
 
 
 def _in_order(found: Iterable[Problem]) -> tuple[Problem, ...]:
-    """Return notes by line; what holds for several bodies of an entry is told once."""
+    """Return notes by line; a note on several bodies of an entry appears once."""
     seen: dict[tuple[int, str], Problem] = {}
     for note in found:
         seen.setdefault((note.line, note.message), note)
@@ -88,7 +83,7 @@ def _view_notes(scenario: Scenario) -> Iterator[Problem]:
         for entry in split_entries(role, (sections or {}).get(role), (*root, role), Report(scenario.source)):
             value = read_numbers(entry.data.get("fov"))
             for width in value if isinstance(value, list) else [value]:
-                if width is not None and width > FULL_TURN:
+                if width is not None and width > LARGEST_ANGLE:
                     yield scenario.source.problem(
                         (*entry.place, "fov"), f"fov of {width:g} is more than a turn: {DEGREES}"
                     )
@@ -133,5 +128,5 @@ def _angle_notes(body: BodySpec) -> Iterator[str]:
     angles = [("a heading", value) for value in headings]
     angles += [("angle_range", getattr(sensor, "angle_range", 0.0)) for sensor in body.sensors]
     for name, value in angles:
-        if abs(value) > FULL_TURN:
+        if abs(value) > LARGEST_ANGLE:
             yield f"{name} of {value:g} is more than a turn: {DEGREES}"

@@ -47,7 +47,7 @@ def kind(cls: type[T]) -> type[T]:
     """Make a class a kind: a frozen, strictly validated dataclass of its options.
 
     A kind may have a method ``problems()`` that yields (key, message) for each option that does not fit the others;
-    the reader of scenarios tells them with their lines. An empty key means the kind as a whole. One with
+    the reader of scenarios reports them with their lines. An empty key means the kind as a whole. One with
     ``takes_more = True`` takes options that it does not declare as well, unchecked: see ``more_options``.
     """
     config = ConfigDict(**{**OPTIONS_CONFIG, "extra": "allow"}) if getattr(cls, "takes_more", False) else OPTIONS_CONFIG

@@ -128,7 +128,7 @@ class ParameterSpec:
             + (f" <= {self.max:g}" if self.max is not None else "")
         )
 
-    def convert(self, value: Any) -> Any:
+    def convert(self, value: object) -> Any:
         """Return a value in the parameter's type where it can be: numbers may be written as text, e.g. ``"pi/2"``."""
         value = value.item() if isinstance(value, np.generic) else value
         if isinstance(value, str) and isinstance(self.default, bool):
@@ -157,7 +157,7 @@ def is_free(name: str) -> bool:
     return name not in ARGUMENTS
 
 
-def fill_in(source: Source, given: Mapping[str, Any], *, strict: bool = True) -> tuple[Source, dict[str, Value]]:
+def fill_in(source: Source, given: Mapping[str, object], *, strict: bool = True) -> tuple[Source, dict[str, Value]]:
     """Put values in the places of parameters; return the data without any ``$name``, and the values.
 
     Args:
@@ -177,8 +177,8 @@ def fill_in(source: Source, given: Mapping[str, Any], *, strict: bool = True) ->
     for place, name in _sections(source.data):
         if name in values and name not in filler.used:
             report.add((*place, name), "is declared but never used")
-    told: dict[str, Any] = {"problems": tuple(report.problems), "ignored": tuple(report.ignored)}
-    return replace(source, data=data, unknown=frozenset(filler.unknown), origins=filler.origins, **told), values
+    found: dict[str, Any] = {"problems": tuple(report.problems), "ignored": tuple(report.ignored)}
+    return replace(source, data=data, unknown=frozenset(filler.unknown), origins=filler.origins, **found), values
 
 
 @contextmanager
@@ -209,7 +209,7 @@ def _lines(specs: Mapping[str, ParameterSpec], values: Mapping[str, Value]) -> l
     return [f"{value:<{first}}   {allowed:<{second}}   {meaning}" for value, allowed, meaning in cells]
 
 
-def _sections(data: Any) -> Iterator[tuple[Place, str]]:
+def _sections(data: object) -> Iterator[tuple[Place, str]]:
     """Yield the path of the section and the name of each parameter."""
     inner = data.get(WRAPPER) if isinstance(data, Mapping) else None
     for around, place in ((data, (SECTION,)), (inner, (WRAPPER, SECTION))):
@@ -219,7 +219,7 @@ def _sections(data: Any) -> Iterator[tuple[Place, str]]:
 
 
 def _declarations(source: Source, report: Report) -> dict[str, ParameterSpec | None]:
-    """Return what is declared; None for a declaration that cannot be used, which is told."""
+    """Return what is declared; None for a declaration that cannot be used, which is reported."""
     declared: dict[str, ParameterSpec | None] = {}
     inner = source.data.get(WRAPPER) if isinstance(source.data, Mapping) else None
     for around, place in ((source.data, (SECTION,)), (inner, (WRAPPER, SECTION))):
@@ -232,7 +232,7 @@ def _declarations(source: Source, report: Report) -> dict[str, ParameterSpec | N
     return declared
 
 
-def _declaration(name: str, data: Any, place: Place, report: Report) -> ParameterSpec | None:
+def _declaration(name: str, data: object, place: Place, report: Report) -> ParameterSpec | None:
     if _NAME.fullmatch(name) is None:
         report.add(place, "a name consists of letters, digits and _, and does not begin with a digit")
     elif not is_free(name):
@@ -248,7 +248,9 @@ def _declaration(name: str, data: Any, place: Place, report: Report) -> Paramete
     return None
 
 
-def _chosen(source: Source, declared: Mapping[str, ParameterSpec | None], given: Mapping[str, Any]) -> dict[str, Value]:
+def _chosen(
+    source: Source, declared: Mapping[str, ParameterSpec | None], given: Mapping[str, object]
+) -> dict[str, Value]:
     """Return the value of each parameter that is declared rightly."""
     specs = {name: spec for name, spec in declared.items() if spec is not None}
     known = "\n".join(f"    {line}" for line in _lines(specs, {}))
@@ -288,7 +290,7 @@ class _Filler:
         self._declared, self._values, self._report = declared, values, report
         self._numbers = {name: value for name, value in values.items() if not isinstance(value, str | bool)}
 
-    def sections(self, data: Any, place: Place) -> Any:
+    def sections(self, data: object, place: Place) -> Any:
         """Return the file with all sections filled in but that of the parameters themselves."""
         if not isinstance(data, Mapping):
             return data
@@ -300,14 +302,14 @@ class _Filler:
                 filled[name] = section if name == SECTION else self._known(section, (*place, name), name == "custom")
         return filled
 
-    def _known(self, value: Any, place: Place, is_custom: bool) -> Any:
+    def _known(self, value: object, place: Place, is_custom: bool) -> Any:
         """Return a value filled in; None, as if it were not given, where it cannot be worked out."""
         filled = self._value(value, place, is_custom)
         if filled is BAD:
             self.unknown.add(place)
         return None if filled is BAD else filled
 
-    def _value(self, value: Any, place: Place, is_custom: bool) -> Any:
+    def _value(self, value: object, place: Place, is_custom: bool) -> Any:
         if isinstance(value, Mapping):
             return {key: self._known(item, (*place, key), is_custom) for key, item in value.items()}
         if isinstance(value, list):
@@ -334,7 +336,7 @@ class _Filler:
             return BAD
         self.used.update(within, names, bare)
         if any(name not in self._values for name in (*within, *names)):
-            return BAD  # its declaration is refused, which is told there
+            return BAD  # the declaration is refused and reported there
         if within:
             return _WITHIN.sub(lambda match: _plain(self._values[match.group(1)]), text)
         if names:

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NoReturn
 from irsim_gym.errors import BehaviorError, ScenarioError, UnknownNameError
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 from irsim_gym.registry import Registry
-from irsim_gym.scenario.checks import check_drive
+from irsim_gym.scenario.body_checks import check_drive
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import BodySpec, Scenario
@@ -22,7 +22,7 @@ RENEWAL = ("wander", "loop", "range_low", "range_high")
 
 @kind
 class PendingBehavior:
-    """A behaviour whose name is not known yet; it says so when it has to decide.
+    """A behaviour whose name is not known yet; it raises when it has to decide.
 
     A group without a known behaviour is no group: each member decides by itself, as in IR-SIM.
     """
@@ -48,16 +48,16 @@ class PendingBehavior:
         yield from crossed_bounds(self.range_low, self.range_high)
 
     @staticmethod
-    def prepare(group: Any, model: Any, n_slots: int) -> None:
-        """Need nothing."""
+    def prepare(group: object, model: object, n_slots: int) -> None:
+        """Do nothing."""
 
     @staticmethod
-    def begin(group: Any, shard: Any) -> None:
-        """Have nothing to begin with."""
+    def begin(group: object, shard: object) -> None:
+        """Do nothing."""
 
     @staticmethod
     def decide(group: Any, model: Any, state: Any, shard: Any) -> NoReturn:
-        """Say that nobody has registered it.
+        """Raise: nobody has registered it.
 
         Raises:
             BehaviorError: Always.
@@ -76,7 +76,7 @@ def _missing(pending: PendingBehavior) -> str:
     return f"{pending.where}: {message}" if pending.where else message
 
 
-def read_pending(key: str, data: Mapping[str, Any], place: Place, report: Report) -> PendingBehavior | None:
+def read_pending(key: str, data: Mapping[str, object], place: Place, report: Report) -> PendingBehavior | None:
     """Return what stands for a behaviour with an unknown name; None after telling what is wrong with its goals."""
     made = build(PendingBehavior, {name: data[name] for name in RENEWAL if name in data}, place, report)
     line = report.source.line((*place, "name"))
@@ -84,7 +84,7 @@ def read_pending(key: str, data: Mapping[str, Any], place: Place, report: Report
     return None if made is None else replace(made, key=key, where=where, place=place, data=data)
 
 
-def is_pending(key: str, data: Any) -> bool:
+def is_pending(key: str, data: object) -> bool:
     """Return whether this names a behaviour that nobody has registered."""
     name = data.get("name") if isinstance(data, Mapping) else None
     return key in FAMILIES and isinstance(name, str) and name not in FAMILIES[key]
@@ -96,7 +96,7 @@ def unknown_groups(scenario: Scenario) -> list[str]:
     return list(dict.fromkeys(_missing(one) for one in found if isinstance(one, PendingBehavior)))
 
 
-def settle(scenario: Scenario) -> Scenario:
+def resolve_pending(scenario: Scenario) -> Scenario:
     """Return a scenario with the behaviours that have been registered since it was read.
 
     Raises:
@@ -104,13 +104,13 @@ def settle(scenario: Scenario) -> Scenario:
     """
     report = Report(scenario.source)
     made: dict[int, Any] = {}
-    bodies = tuple(_settled(body, made, report) for body in scenario.bodies)
+    bodies = tuple(_resolved(body, made, report) for body in scenario.bodies)
     if report.problems:
         raise ScenarioError(scenario.source.title, list(report.problems))
     return replace(scenario, bodies=bodies) if made else scenario
 
 
-def _settled(body: BodySpec, made: dict[int, Any], report: Report) -> BodySpec:
+def _resolved(body: BodySpec, made: dict[int, Any], report: Report) -> BodySpec:
     found: dict[str, PendingBehavior] = {}
     for key, registry in FAMILIES.items():
         pending = getattr(body, key)
@@ -122,7 +122,7 @@ def _settled(body: BodySpec, made: dict[int, Any], report: Report) -> BodySpec:
     new = {key: made[id(pending)] for key, pending in found.items()}
     if not new or any(value is BAD for value in new.values()):
         return body
-    settled = replace(body, **new)
-    values = {key: getattr(settled, key) for key in ("kinematics", "static", *FAMILIES)}
+    resolved = replace(body, **new)
+    values = {key: getattr(resolved, key) for key in ("kinematics", "static", *FAMILIES)}
     check_drive(values, {key: getattr(getattr(body, key), "place", ()) for key in FAMILIES}, report)
-    return settled
+    return resolved

@@ -20,7 +20,7 @@ class RawEntry:
 
     role: str
     place: Place
-    data: Mapping[str, Any]
+    data: Mapping[str, object]
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Shared:
     values: tuple[tuple[Place, Any], ...]
 
 
-def split_sections(data: Any, report: Report) -> tuple[dict[str, Any], dict[str, Place]]:
+def split_sections(data: object, report: Report) -> tuple[dict[str, Any], dict[str, Place]]:
     """Return the sections of a file by name, and the path of the wrapper key around each."""
     if not isinstance(data, Mapping):
         report.add((), f"must be a mapping with sections such as world, robot and obstacle, got {show(data)}")
@@ -52,7 +52,7 @@ def split_sections(data: Any, report: Report) -> tuple[dict[str, Any], dict[str,
     return sections, roots
 
 
-def split_entries(role: str, section: Any, place: Place, report: Report) -> list[RawEntry]:
+def split_entries(role: str, section: object, place: Place, report: Report) -> list[RawEntry]:
     """Return the entries of a section, which is a list of mappings, one mapping, or nothing."""
     if section is None:
         return []
@@ -70,7 +70,7 @@ def split_entries(role: str, section: Any, place: Place, report: Report) -> list
     return entries
 
 
-def share(key: str, value: Any, count: int, place: Place, report: Report) -> Shared:
+def share(key: str, value: object, count: int, place: Place, report: Report) -> Shared:
     """Share one key of an entry out over its ``count`` bodies.
 
     A list of numbers is one vector for all; any other list holds one value for each body, and the last one again
@@ -95,7 +95,7 @@ def share(key: str, value: Any, count: int, place: Place, report: Report) -> Sha
     return _one_each(value, count, place)
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: object) -> bool:
     return isinstance(value, int | float)
 
 
@@ -103,7 +103,7 @@ def _one_each(value: list[Any], count: int, place: Place) -> Shared:
     return Shared(tuple(((*place, i), item) for i, item in enumerate(value[:count])))
 
 
-def _share_sensors(value: Any, count: int, place: Place) -> Shared:
+def _share_sensors(value: object, count: int, place: Place) -> Shared:
     """One list of mappings is for all; a list of lists is one list for each body."""
     if isinstance(value, list) and value and not all(isinstance(item, Mapping) for item in value):
         return _one_each(value, count, place)
@@ -121,7 +121,7 @@ def _share_goals(value: Any, count: int, place: Place) -> Shared:
     return _one_each(value, count, place)
 
 
-def depth(value: Any, most: int = 4) -> int:
+def depth(value: object, most: int = 4) -> int:
     """Return the levels of lists around the numbers, ``most`` at the most; null among them has none."""
     if not isinstance(value, list) or most == 0:
         return 0

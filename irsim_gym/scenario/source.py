@@ -66,8 +66,8 @@ class Source:
     def problem(self, place: Place, message: str) -> Problem:
         """Return a problem at a path, with its line, and with what stood there where a parameter gave the value."""
         origin = self.origins.get(place)
-        told = message if origin is None else f"{message} (from {' '.join(origin[:LONGEST_KEY].split())})"
-        return Problem(self.line(place), dotted(place), told)
+        full = message if origin is None else f"{message} (from {' '.join(origin[:LONGEST_KEY].split())})"
+        return Problem(self.line(place), dotted(place), full)
 
 
 def is_section(place: Place) -> bool:
@@ -138,7 +138,7 @@ def _neighbor(path: Path) -> str:
     return suggestion(path.name, [file.name for file in folder.iterdir() if file.suffix in (".yaml", ".yml")])
 
 
-def read_mapping(data: Mapping[str, Any]) -> Source:
+def read_mapping(data: Mapping[str, object]) -> Source:
     """Take data made in Python: tuples and NumPy values become lists and numbers.
 
     Raises:
@@ -150,7 +150,7 @@ def read_mapping(data: Mapping[str, Any]) -> Source:
     return Source("", plain, {}, tuple(problems))
 
 
-def _plain(value: Any, place: Place, problems: list[Problem], budget: list[int]) -> Any:
+def _plain(value: object, place: Place, problems: list[Problem], budget: list[int]) -> Any:
     budget[0] -= 1
     if len(place) > MAX_DEPTH or budget[0] < 0:
         limit = f"nested deeper than {MAX_DEPTH} levels" if budget[0] >= 0 else f"more than {MAX_VALUES} values"

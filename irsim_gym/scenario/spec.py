@@ -361,7 +361,7 @@ class Scenario:
     bodies: tuple[BodySpec, ...]
     placements: tuple[PlacementSpec, ...]
     gui: GuiSpec
-    task: Mapping[str, Any]
+    task: Mapping[str, object]
     custom: Any
     source: Source = field(repr=False, compare=False)
     root: Mapping[str, Place] = field(repr=False, compare=False, default_factory=dict)

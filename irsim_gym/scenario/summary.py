@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.parameters import fill_in
@@ -15,7 +14,7 @@ SENTENCE_END = (". ", ": ", "; ")
 
 
 @dataclass(frozen=True)
-class Summary:
+class FileSummary:
     """What a list shows of a file.
 
     Attributes:
@@ -29,7 +28,7 @@ class Summary:
     parameters: Mapping[str, str]
 
 
-def summarize_file(file: Path) -> Summary:
+def summarize_file(file: Path) -> FileSummary:
     """Read what a file is about. A file with mistakes is summarised as far as it can be read.
 
     Raises:
@@ -38,7 +37,7 @@ def summarize_file(file: Path) -> Summary:
     source, values = fill_in(read_file(file), {})
     entries = source.data.get("robot", ()) if isinstance(source.data, Mapping) else ()
     robots = sum(map(_count, entries if isinstance(entries, list) else [entries]))
-    return Summary(first_sentence(file), robots, {name: show(value) for name, value in values.items()})
+    return FileSummary(first_sentence(file), robots, {name: show(value) for name, value in values.items()})
 
 
 def first_sentence(file: Path) -> str:
@@ -53,6 +52,6 @@ def first_sentence(file: Path) -> str:
     return text[: min(ends, default=len(text))].strip()
 
 
-def _count(entry: Any) -> int:
+def _count(entry: object) -> int:
     number = entry.get("number", 1) if isinstance(entry, Mapping) else 0
     return number if isinstance(number, int) else 1

@@ -28,7 +28,7 @@ T = TypeVar("T")
 
 
 class Bad:
-    """Stands for a value that was refused; the problem is already told."""
+    """Stands for a value that was refused and reported."""
 
     def __repr__(self) -> str:
         return "BAD"
@@ -42,7 +42,7 @@ class Report:
 
     Args:
         source: Where they stand.
-        strict: Keys that nobody reads are problems; else they are ignored, and told.
+        strict: Unknown keys are problems; else they are ignored, and reported.
     """
 
     def __init__(self, source: Source, *, strict: bool = True) -> None:
@@ -57,12 +57,12 @@ class Report:
         self._unread = {(problem.line, problem.path) for problem in source.problems}
 
     def add(self, place: Place, message: str) -> None:
-        """Tell a problem; the same one is told once, and after many the rest is left out."""
+        """Report a problem, once; after many the rest is left out."""
         if any(place[:n] in self.source.unknown for n in range(1, len(place) + 1)):
-            return  # what follows from a value that is not known, which is told already
+            return  # follows from an unknown value, which is reported already
         problem = self.source.problem(place, message)
         if (problem.line, problem.path) in self._unread:
-            return  # it could not even be read, which is told already
+            return  # it could not be read, which is reported already
         _collect(self.problems, problem, "problems")
 
     def ignore(self, place: Place, message: str) -> None:
@@ -78,7 +78,7 @@ class Report:
             self.ignore(place, message)
 
     def doubt(self, place: Place, message: str) -> None:
-        """Tell what is allowed but hardly ever meant; the same is told once."""
+        """Report something allowed but hardly ever meant, once."""
         self.doubts[self.source.problem(place, message)] = None
 
     @property
@@ -94,12 +94,12 @@ def _collect(found: dict[Problem, None], problem: Problem, what: str) -> None:
         found[Problem(0, "", f"more than {MAX_PROBLEMS} {what}: the rest is not shown")] = None
 
 
-def frozen(value: Any) -> Any:
+def frozen(value: object) -> Any:
     """Return plain data with tuples in place of lists."""
     return tuple(frozen(item) for item in value) if isinstance(value, list | tuple) else value
 
 
-def read_numbers(value: Any) -> Any:
+def read_numbers(value: object) -> Any:
     """Return a value with every expression in it (``pi/2``) evaluated, also inside lists."""
     if isinstance(value, list | tuple):
         return [read_numbers(item) for item in value]
@@ -111,7 +111,7 @@ def read_numbers(value: Any) -> Any:
 
 def build(
     cls: type[T],
-    data: Any,
+    data: object,
     place: Place,
     report: Report,
     *,
@@ -158,7 +158,7 @@ def _takes_null(info: FieldInfo) -> bool:
     return not info.is_required() and info.default is not None and type(None) in get_args(info.annotation)
 
 
-def _construct(cls: type[T], values: Mapping[str, Any], place: Place, report: Report) -> T | None:
+def _construct(cls: type[T], values: Mapping[str, object], place: Place, report: Report) -> T | None:
     try:
         made = cls(**values)
     except ValidationError as error:
@@ -172,10 +172,10 @@ def _construct(cls: type[T], values: Mapping[str, Any], place: Place, report: Re
     return None if problems else made
 
 
-def check_keys(data: Mapping[str, Any], known: Iterable[str], place: Place, report: Report) -> dict[str, str]:
+def check_keys(data: Mapping[str, object], known: Iterable[str], place: Place, report: Report) -> dict[str, str]:
     """Tell the keys that nobody reads; return by known key the misspelt one that stands for it.
 
-    What a misspelt key holds is read as well, so that its mistakes are told at once; not that of a key which is right
+    What a misspelt key holds is read as well, so that its mistakes are reported too; not that of a key which is right
     elsewhere, nor where the reader is not strict: there it is ignored.
     """
     known, mapping = list(known), mapping_of(place)
@@ -194,7 +194,7 @@ def check_keys(data: Mapping[str, Any], known: Iterable[str], place: Place, repo
     return spelt
 
 
-def read_field(info: FieldInfo, value: Any, place: Place, report: Report) -> Any:
+def read_field(info: FieldInfo, value: object, place: Place, report: Report) -> Any:
     """Return the validated value of one option; BAD after telling what is wrong."""
     ready = prepare(info.annotation, value, place, report)
     if ready is BAD:
@@ -210,7 +210,7 @@ def read_field(info: FieldInfo, value: Any, place: Place, report: Report) -> Any
     return BAD if huge else result
 
 
-def _huge(value: Any, place: Place) -> Iterator[tuple[Place, float]]:
+def _huge(value: object, place: Place) -> Iterator[tuple[Place, float]]:
     """Yield the numbers of an option that are too large to compute with; an infinite one means no limit."""
     if isinstance(value, tuple):
         for i, item in enumerate(value):
@@ -219,7 +219,7 @@ def _huge(value: Any, place: Place) -> Iterator[tuple[Place, float]]:
         yield place, value
 
 
-def read_color(info: FieldInfo, value: Any, place: Place, report: Report) -> Any:
+def read_color(info: FieldInfo, value: object, place: Place, report: Report) -> Any:
     """Return an option that is a colour as text; BAD after telling that there is none such."""
     text = as_text(read_numbers(value)) if isinstance(value, list | tuple) else value
     if isinstance(text, list | tuple):
@@ -256,24 +256,24 @@ def _adapter(declared: _Declared) -> TypeAdapter[Any]:
     return TypeAdapter(hint, config=OPTIONS_CONFIG)
 
 
-def _tell(error: ValidationError, info: FieldInfo, value: Any, place: Place, report: Report) -> None:
+def _tell(error: ValidationError, info: FieldInfo, value: object, place: Place, report: Report) -> None:
     if len(_branches(info.annotation)) > 1:
         report.add(place, f"must be {describe(info.annotation)}, got {show(value)}")
         return
     for record in error.errors():
         if record["type"] == "too_short" and len(record["input"]) >= record["ctx"]["min_length"]:
-            continue  # pydantic counts what is left after refused elements, which are told themselves
+            continue  # pydantic counts what is left after refused elements, which are reported themselves
         inner = tuple(part for part in record["loc"] if isinstance(part, int))
         report.add((*place, *inner), translate(record, record.get("input"), _hint_at(info.annotation, inner)))
 
 
-def _branches(hint: Any) -> list[Any]:
+def _branches(hint: object) -> list[Any]:
     if get_origin(hint) in (Union, types.UnionType):
         return [arg for arg in get_args(hint) if arg is not type(None)]
     return [hint]
 
 
-def _hint_at(hint: Any, inner: tuple[int, ...]) -> Any:
+def _hint_at(hint: object, inner: tuple[int, ...]) -> Any:
     """Return the type declared for an element of a list."""
     hint = _branches(hint)[0]
     if hasattr(hint, "__metadata__"):
@@ -285,7 +285,7 @@ def _hint_at(hint: Any, inner: tuple[int, ...]) -> Any:
     return _hint_at(args[index], inner[1:])
 
 
-def prepare(hint: Any, value: Any, place: Place, report: Report) -> Any:
+def prepare(hint: object, value: object, place: Place, report: Report) -> Any:
     """Return a value as pydantic's strict types want it: tuples, evaluated expressions, nested options built."""
     branches = _branches(hint)
     if len(branches) > 1:
@@ -305,7 +305,7 @@ def prepare(hint: Any, value: Any, place: Place, report: Report) -> Any:
     return frozen(value)
 
 
-def _prepare_tuple(hint: Any, value: list[Any] | tuple[Any, ...], place: Place, report: Report) -> Any:
+def _prepare_tuple(hint: object, value: list[Any] | tuple[Any, ...], place: Place, report: Report) -> Any:
     args = get_args(hint)
     if len(args) == 2 and args[1] is Ellipsis:
         hints = [args[0]] * len(value)
@@ -319,7 +319,7 @@ def _prepare_tuple(hint: Any, value: list[Any] | tuple[Any, ...], place: Place, 
 
 
 def build_named(
-    registry: Registry, data: Any, place: Place, report: Report, *, default: str | None = None, synonym: str = "name"
+    registry: Registry, data: object, place: Place, report: Report, *, default: str | None = None, synonym: str = "name"
 ) -> Any:
     """Make an instance of a registered kind from ``{name: ..., option: ...}``; None after telling what is wrong.
 

@@ -20,7 +20,7 @@ from irsim_gym.training.run import Run, Settings, environment_id, lasting, scena
 from irsim_gym.training.snapshot import listed
 
 FEW = 2
-Parameters = Mapping[str, Any] | None
+Parameters = Mapping[str, object] | None
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class Asked:
         return Settings(named, algorithm, self.seed, task, found, loaded.parameters, self.strict)
 
     def folder(self, settings: Settings) -> Path:
-        """Return the folder of a run that was given none: its name tells what is not as usual."""
+        """Return the default folder of a run, named after its unusual settings."""
         marks = [] if self.task is None else [Path(self.task).stem]
         marks += self._changed(settings)
         marks += [] if self.origin is None else [f"from={policy_names([self.origin])[0]}"]
@@ -169,7 +169,7 @@ def _looks(task: Task) -> bool:
     return any(isinstance(term, IsImage) for term in task.observations)
 
 
-def _changed_values(usual: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+def _changed_values(usual: Mapping[str, object], given: Mapping[str, object]) -> dict[str, Any]:
     """Return the hyper-parameters that differ, those that are missing as None."""
     names = [name for name in dict.fromkeys([*usual, *given]) if usual.get(name) != given.get(name)]
     return {as_name(name): given.get(name) for name in names if name not in ("team", "device")}

@@ -31,7 +31,7 @@ EPISODES_UNDER_WAY = ("_last_obs", "_last_original_obs", "_last_episode_starts",
 
 
 @dataclass
-class Progress:
+class RunProgress:
     """How far a run has come.
 
     Attributes:
@@ -47,7 +47,7 @@ class Progress:
     history: list[dict[str, float]] = field(default_factory=list)
 
 
-def save_checkpoint(folder: Path, model: BaseAlgorithm, progress: Progress) -> Path:
+def save_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress) -> Path:
     """Write a checkpoint below ``folder`` and return its own folder."""
     target = folder / f"{progress.steps:010d}"
     partial = folder / f"{PARTIAL}-{target.name}"
@@ -94,9 +94,9 @@ def newest_checkpoint(folder: Path) -> Path | None:
     return whole[-1] if whole else None
 
 
-def load_progress(checkpoint: Path) -> Progress:
+def load_progress(checkpoint: Path) -> RunProgress:
     """Read how far a checkpoint is."""
-    return Progress(**json.loads((checkpoint / PROGRESS).read_text()))
+    return RunProgress(**json.loads((checkpoint / PROGRESS).read_text()))
 
 
 def load_state(checkpoint: Path) -> dict[str, Any]:
@@ -138,7 +138,7 @@ def _state(model: BaseAlgorithm) -> dict[str, Any]:
     }
 
 
-def _moved(value: Any, device: torch.device) -> Any:
+def _moved(value: object, device: torch.device) -> Any:
     """Return tensors, also inside (named) tuples, on another device, so that any machine can read them."""
     if isinstance(value, torch.Tensor):
         return value.to(device)

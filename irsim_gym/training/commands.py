@@ -26,7 +26,7 @@ from irsim_gym.training.score import MARKS, Point, reached, score_run
 from irsim_gym.training.train import TrainingInterruptedError, ctrl_c_told, train
 from irsim_gym.training.verdict import look_command, verdict
 
-Parameters = Mapping[str, Any] | None
+Parameters = Mapping[str, object] | None
 PLAIN: dict[str, Any] = {"markup": False, "highlight": False, "soft_wrap": True}
 
 
@@ -37,7 +37,7 @@ def run_training(
 
     Args:
         asked: What is trained.
-        out: Folder of the run; None for one whose name tells what is trained.
+        out: Folder of the run; None for one named after what is trained.
         resume: Go on with the run in the folder.
         overwrite: Begin anew in the place of the run in the folder.
         dev_levels: Levels of ``dev`` for each checkpoint; 0 scores none.

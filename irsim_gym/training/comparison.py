@@ -26,7 +26,7 @@ def evaluate(
     references: bool = True,
     n_worlds: int = WORLDS,
     folder: str | Path | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, object] | None = None,
     strict: bool = True,
 ) -> Evaluation | TeamEvaluation:
     """Let policies drive the same levels, each once, and return rates, times and path lengths; print it to read them.

@@ -67,7 +67,7 @@ class Demonstrations:
     final_observations: Observations
     levels: Ints
     outcomes: Ints
-    about: Mapping[str, Any]
+    about: Mapping[str, object]
 
     def __len__(self) -> int:
         return len(self.actions)

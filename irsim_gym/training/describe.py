@@ -27,7 +27,7 @@ LEVEL = 0
 def describe_scenario(
     scenario: str,
     task: str | None,
-    parameters: Mapping[str, Any],
+    parameters: Mapping[str, object],
     *,
     team: bool,
     strict: bool,

@@ -19,10 +19,10 @@ from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN
 from irsim_gym.evaluation.tables import percent, summary_table, table_text, write_episodes, write_json, write_text
 from irsim_gym.tasks import Episodes
+from irsim_gym.training.episode_setup import conditions, make_episodes
 from irsim_gym.training.policies import Source, load_policy, policy_names
 from irsim_gym.training.run import machine
-from irsim_gym.training.ways import Atlas
-from irsim_gym.training.worlds import conditions, make_episodes
+from irsim_gym.training.trajectory_figures import Atlas
 
 WORLDS = 128
 
@@ -67,7 +67,7 @@ def evaluate_policies(
     names: Sequence[str] | None = None,
     folder: Path | None = None,
     console: Console | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, object] | None = None,
     strict: bool = True,
 ) -> Evaluation:
     """Evaluate policies and write ``episodes.csv``, ``summary.json``, ``table.txt``, ``ways.png`` and ``ways.pdf``.

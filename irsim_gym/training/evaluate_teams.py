@@ -19,11 +19,11 @@ from irsim_gym.evaluation.team_metrics import TeamRow, TeamSummary, summarize_te
 from irsim_gym.evaluation.team_tables import compared_table, team_table, write_agents, write_levels
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.tasks import Episodes
+from irsim_gym.training.episode_setup import make_episodes, team_conditions
 from irsim_gym.training.evaluate import WORLDS, drive_policies, named_policies, rate_text
 from irsim_gym.training.policies import Source
 from irsim_gym.training.run import machine
-from irsim_gym.training.ways import Atlas
-from irsim_gym.training.worlds import make_episodes, team_conditions
+from irsim_gym.training.trajectory_figures import Atlas
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def evaluate_team_policies(
     names: Sequence[str] | None = None,
     folder: Path | None = None,
     console: Console | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, object] | None = None,
     strict: bool = True,
 ) -> TeamEvaluation:
     """Evaluate policies of teams; write ``episodes.csv``, ``levels.csv``, ``summary.json``, ``table.txt``, ``ways.*``.

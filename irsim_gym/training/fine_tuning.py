@@ -71,7 +71,7 @@ def inheriting(settings: Settings, file: Path, policy: SavedPolicy) -> Settings:
     )
 
 
-def _plain_networks(file: Path, networks: Mapping[str, Any]) -> dict[str, Any]:
+def _plain_networks(file: Path, networks: Mapping[str, object]) -> dict[str, Any]:
     """Return the arguments that decide on the networks, as a hyper-parameter file holds them."""
     if "features_extractor_class" in networks:
         raise IrsimGymError(f"{file} has a features extractor of its own, which only a script in Python can go on with")
@@ -85,7 +85,7 @@ def _plain_networks(file: Path, networks: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _normalization(learned: VecNormalize | None, wanted: Mapping[str, Any] | None) -> Mapping[str, Any] | None:
+def _normalization(learned: VecNormalize | None, wanted: Mapping[str, object] | None) -> Mapping[str, Any] | None:
     if learned is None:
         return None
     own = {"norm_obs": learned.norm_obs, "norm_reward": learned.norm_reward}

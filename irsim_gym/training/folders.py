@@ -21,7 +21,7 @@ def default_folder(
     scenario: str,
     algorithm: str,
     seed: int,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, object] | None = None,
     team: str | None = None,
     *,
     marks: Sequence[str] = (),
@@ -43,7 +43,7 @@ def default_folder(
 def evaluation_folder(
     scenario: str,
     split: str,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, object] | None = None,
     team: bool = False,
     *,
     overwrite: bool = False,
@@ -59,7 +59,7 @@ def has_results(folder: Path) -> bool:
     return any((folder / name).exists() for name in RESULTS)
 
 
-def labelled(scenario: str, parameters: Mapping[str, Any] | None = None) -> str:
+def labelled(scenario: str, parameters: Mapping[str, object] | None = None) -> str:
     """Return the name of a scenario with its given parameters, as part of a file's name."""
     given = "".join(f"-{name}={value}" for name, value in (parameters or {}).items())
     return as_name(f"{Path(scenario_name(scenario)).stem}{given}")
@@ -127,7 +127,7 @@ def setting_differences(begun: Settings, asked: Settings) -> list[str]:
     return [f"{name} {show(old.get(name))}, asked for: {show(new.get(name))}" for name in names]
 
 
-def _flat(data: Mapping[str, Any], above: tuple[str, ...]) -> Iterator[tuple[str, Any]]:
+def _flat(data: Mapping[str, object], above: tuple[str, ...]) -> Iterator[tuple[str, Any]]:
     for key, value in data.items():
         place = () if key == "hyperparameters" else (*above, key)
         if isinstance(value, Mapping) and value:

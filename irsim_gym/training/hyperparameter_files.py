@@ -69,7 +69,7 @@ def read_hyperparameters(file: Path, algorithm: Algorithm, environment_id: str, 
     return chosen
 
 
-def _entry(name: str, entry: Any, algorithm: Algorithm, report: Report) -> dict[str, Any]:
+def _entry(name: str, entry: object, algorithm: Algorithm, report: Report) -> dict[str, Any]:
     """Return the checked values of one entry."""
     if name != DEFAULT and not _ENTRY.fullmatch(name):
         is_key = name in option_fields(RunKeys) or name in _arguments(algorithm)
@@ -124,7 +124,7 @@ def _arguments(algorithm: Algorithm) -> tuple[str, ...]:
     )
 
 
-def _own_value(key: str, value: Any, place: Place, report: Report) -> Any:
+def _own_value(key: str, value: object, place: Place, report: Report) -> Any:
     if key == "normalize":
         return _normalize(value, place, report)
     info = option_fields(RunKeys)[key]
@@ -135,7 +135,7 @@ def _own_value(key: str, value: Any, place: Place, report: Report) -> Any:
     return found
 
 
-def _argument(key: str, value: Any, algorithm: Algorithm, place: Place, report: Report) -> Any:
+def _argument(key: str, value: object, algorithm: Algorithm, place: Place, report: Report) -> Any:
     """Return an argument of the algorithm, as plain data."""
     info = option_fields(AlgorithmKeys).get(key)
     if info is None:
@@ -150,13 +150,13 @@ def _argument(key: str, value: Any, algorithm: Algorithm, place: Place, report: 
     return read_field(info, _whole(value) if is_whole else _number(value), place, report)
 
 
-def _whole(value: Any) -> Any:
+def _whole(value: object) -> Any:
     """Return a whole number that is written in another way (``1e6``, which YAML reads as text) as one."""
     number = evaluate(value) if isinstance(value, str) else value
     return int(number) if isinstance(number, float) and number.is_integer() else value
 
 
-def _number(value: Any) -> Any:
+def _number(value: object) -> Any:
     """Return a number that YAML reads as text (``1e-3``) as one; other values as they are."""
     number = evaluate(value) if isinstance(value, str) else None
     return value if number is None else number
@@ -193,7 +193,7 @@ def _train_freq(value: Any, place: Place, report: Report) -> Any:
     return value
 
 
-def _normalize(value: Any, place: Place, report: Report) -> Any:
+def _normalize(value: object, place: Place, report: Report) -> Any:
     if value is None or isinstance(value, bool):
         return value
     if not isinstance(value, Mapping):
@@ -217,7 +217,7 @@ def _normalize(value: Any, place: Place, report: Report) -> Any:
     return {key: _number(one) for key, one in value.items()}
 
 
-def _policy(value: Any, algorithm: Algorithm, place: Place, report: Report) -> Any:
+def _policy(value: object, algorithm: Algorithm, place: Place, report: Report) -> Any:
     """Return the checked arguments of the policy."""
     if value is None:
         return {}
@@ -266,7 +266,7 @@ def _policy_arguments(algorithm: Algorithm) -> tuple[str, ...]:
     )
 
 
-def _numbers(value: Any, place: Place, report: Report) -> Any:
+def _numbers(value: object, place: Place, report: Report) -> Any:
     """Return a mapping of further arguments with numbers that YAML reads as text."""
     if not isinstance(value, Mapping):
         report.add(place, f"must be a mapping, got {show(value)}")
@@ -274,7 +274,7 @@ def _numbers(value: Any, place: Place, report: Report) -> Any:
     return {key: _number(one) for key, one in value.items()}
 
 
-def _check_layers(value: Any, place: Place, report: Report) -> None:
+def _check_layers(value: object, place: Place, report: Report) -> None:
     parts = value.items() if isinstance(value, Mapping) else [("", value)]
     for key, layers in parts:
         where = (*place, key) if key else place

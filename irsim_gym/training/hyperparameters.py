@@ -96,7 +96,7 @@ class Hyperparameters:
         return {**arguments, "policy_kwargs": policy}
 
 
-def _schedule(value: Any) -> Any:
+def _schedule(value: object) -> Any:
     return Linear(float(value.removeprefix("lin_"))) if isinstance(value, str) and value.startswith("lin_") else value
 
 
@@ -120,7 +120,7 @@ def load_hyperparameters(
     *,
     images: bool = False,
     file: Path | None = None,
-    overrides: Mapping[str, Any] | None = None,
+    overrides: Mapping[str, object] | None = None,
 ) -> Hyperparameters:
     """Read the hyper-parameters of an algorithm for an environment.
 

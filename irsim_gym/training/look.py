@@ -13,7 +13,7 @@ from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Task, load_task
 from irsim_gym.tasks.levels import check_split
 
-Parameters = Mapping[str, Any] | None
+Parameters = Mapping[str, object] | None
 
 
 def draw_level(

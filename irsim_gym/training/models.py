@@ -97,7 +97,7 @@ def _noise(env: VecEnv, deviation: float) -> NormalActionNoise:
     return NormalActionNoise(np.zeros(size, np.float32), np.full(size, deviation, np.float32))
 
 
-def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, files.Progress]:
+def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, files.RunProgress]:
     """Return the model of a checkpoint, with its worlds in the midst of their episodes, and how far it is.
 
     Raises:

@@ -18,7 +18,7 @@ from irsim_gym.envs.pictures import world_status
 from irsim_gym.envs.single import WorldEnv
 from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
-from irsim_gym.evaluation.commands import to_actions
+from irsim_gym.evaluation.drive_actions import to_actions
 from irsim_gym.evaluation.tables import write_bytes
 from irsim_gym.families import BEHAVIORS
 from irsim_gym.scenario.load import load_scenario

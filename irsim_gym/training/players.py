@@ -13,8 +13,8 @@ from irsim_gym.envs.pictures import world_status
 from irsim_gym.envs.replays import agent_values
 from irsim_gym.evaluation.policy import Policy, by_agent
 from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.policies import load_policy, policy_names
-from irsim_gym.training.worlds import make_episodes
 
 if TYPE_CHECKING:
     from irsim_gym.render import WorldRenderer
@@ -93,7 +93,7 @@ def players(
     split: str = "test",
     task: str | None = None,
     names: Sequence[str] | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, object] | None = None,
     team: bool = False,
     backend: str = "matplotlib",
     strict: bool = True,

@@ -193,7 +193,7 @@ def _short_name(path: Path) -> str:
     return path.stem if path.suffix == ".zip" else path.name
 
 
-def _called(source: Any) -> str:
+def _called(source: object) -> str:
     """Return the name of a function, or of the class of a model or policy, without capitals."""
     return str(getattr(source, "__name__", type(source).__name__.lower()))
 

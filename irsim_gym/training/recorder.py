@@ -65,7 +65,7 @@ class Recorder:
 
     def add(
         self,
-        action: Any,
+        action: object,
         observation: Observations,
         reward: float,
         terminated: bool,
@@ -101,7 +101,7 @@ class Recorder:
         joined = {name: _concatenated([getattr(part, name) for part in parts]) for name in names}
         return Demonstrations(**joined, about=self.about)
 
-    def _check(self, about: Mapping[str, Any]) -> None:
+    def _check(self, about: Mapping[str, object]) -> None:
         pairs = {key: (about.get(key), self.about[key]) for key in SAME}
         other = [f"{key} {then!r} (now: {now!r})" for key, (then, now) in pairs.items() if then != now]
         if other:
@@ -179,7 +179,7 @@ class _Episode:
 
     def add(
         self,
-        action: Any,
+        action: object,
         observation: Observations,
         reward: float,
         terminated: bool,

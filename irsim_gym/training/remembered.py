@@ -17,12 +17,12 @@ from irsim_gym.training.snapshot import differences, listed, take_snapshot
 
 
 def remembered_parameters(
-    scenario: str, sources: Sequence[str | Path], given: Mapping[str, Any] | None = None, *, strict: bool = True
+    scenario: str, sources: Sequence[str | Path], given: Mapping[str, object] | None = None, *, strict: bool = True
 ) -> dict[str, Any]:
     """Return the values for a scenario's parameters: those given, and beside them what all runs were trained with.
 
     Where every policy is a run's in this scenario and they agree on a value, it takes the default's place, and a line
-    on standard error says so; another line tells of values on which they differ. Reference policies have no say.
+    on standard error says so; another line lists the values on which they differ. Reference policies have no say.
 
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.

@@ -47,7 +47,7 @@ class Settings:
     seed: int
     task: str | None
     hyperparameters: Hyperparameters
-    parameters: Mapping[str, Any] = field(default_factory=dict)
+    parameters: Mapping[str, object] = field(default_factory=dict)
     strict: bool = True
     origin: Mapping[str, str] | None = None
 

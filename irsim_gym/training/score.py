@@ -18,14 +18,13 @@ from irsim_gym.evaluation.team_metrics import summarize_team
 from irsim_gym.evaluation.teams import evaluate_team, top_speed
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.tasks import Episodes
-from irsim_gym.training.checkpoint import Progress as RunProgress
-from irsim_gym.training.checkpoint import list_checkpoints, load_progress
+from irsim_gym.training.checkpoint import RunProgress, list_checkpoints, load_progress
+from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.evaluate import WORLDS
-from irsim_gym.training.pictures import draw_curve
+from irsim_gym.training.learning_curve import draw_curve
 from irsim_gym.training.policies import load_policy
 from irsim_gym.training.run import Run
 from irsim_gym.training.verdict import COLUMNS, failures
-from irsim_gym.training.worlds import make_episodes
 
 DEV_LEVELS = 1000
 MARKS = (0.90, 0.95, 0.98, 0.99)

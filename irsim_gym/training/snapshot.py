@@ -16,7 +16,7 @@ from typing import Any
 import yaml
 
 from irsim_gym.evaluation.tables import write_bytes, write_text
-from irsim_gym.scenario.images import image_file
+from irsim_gym.scenario.image_files import image_file
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.map_cells import find_map
 from irsim_gym.scenario.messages import show
@@ -47,8 +47,8 @@ class Snapshot:
 
     file: str
     task_name: str
-    scenario: Mapping[str, Any]
-    task: Mapping[str, Any]
+    scenario: Mapping[str, object]
+    task: Mapping[str, object]
     pictures: Mapping[str, Path] = field(default_factory=dict)
 
     @property
@@ -72,7 +72,7 @@ class Snapshot:
 
 
 def take_snapshot(
-    scenario: str, task: str | None, parameters: Mapping[str, Any] | None = None, *, strict: bool = True
+    scenario: str, task: str | None, parameters: Mapping[str, object] | None = None, *, strict: bool = True
 ) -> Snapshot:
     """Return how a scenario and its task are now.
 
@@ -133,15 +133,15 @@ def _shown(place: Keys, values: Mapping[Keys, Any]) -> str:
     return show(values[place]) if place in values else LEFT_OUT
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> Any:
     return value if not isinstance(value, tuple) else list(value)
 
 
-def _yaml(data: Mapping[str, Any]) -> str:
+def _yaml(data: Mapping[str, object]) -> str:
     return yaml.safe_dump(dict(data), sort_keys=False, allow_unicode=True, width=120)
 
 
-def _sections(data: Any) -> dict[str, Any]:
+def _sections(data: object) -> dict[str, Any]:
     """Return the sections of a file, those inside the wrapper key too; robots and obstacles are lists."""
     outer = dict(data) if isinstance(data, Mapping) else {}
     inner = outer.pop(WRAPPER, None)
@@ -152,7 +152,7 @@ def _sections(data: Any) -> dict[str, Any]:
     return sections
 
 
-def _leaves(value: Any, place: Keys) -> Iterator[tuple[Keys, Any]]:
+def _leaves(value: object, place: Keys) -> Iterator[tuple[Keys, Any]]:
     """Yield the values that are no mappings; a list without mappings is one value. A task's terms go by their names."""
     if isinstance(value, Mapping):
         for key, item in value.items():
@@ -179,12 +179,12 @@ def _take_map(loaded: Scenario, sections: dict[str, Any], pictures: dict[str, Pa
     sections["world"] = {**world, "obstacle_map": {**given, "path": name} if isinstance(given, Mapping) else name}
 
 
-def _with_pictures(entry: Any, file: str, pictures: dict[str, Path]) -> Any:
+def _with_pictures(entry: object, file: str, pictures: dict[str, Path]) -> Any:
     """Return an entry whose images lie beside the copy."""
     if not isinstance(entry, Mapping) or "description" not in entry:
         return entry
 
-    def kept(name: Any) -> Any:
+    def kept(name: object) -> Any:
         return _kept(image_file(name, file), pictures) if isinstance(name, str) else name
 
     given = entry["description"]

@@ -21,9 +21,9 @@ from irsim_gym.training.environment import compile_kernels
 from irsim_gym.training.fine_tuning import take_weights
 from irsim_gym.training.folders import replaceable, setting_differences
 from irsim_gym.training.models import device_of, new_model, restored_model
+from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.snapshot import Snapshot, differences, listed
-from irsim_gym.training.watch import StopLearningError, StopRequest, Watch
 
 WRITTEN = ("config.json", "training.csv", files.NORMALIZATION, "policy.zip", "curve.json", "curve.csv", "curve.png")
 """Files in a run's folder that are written under another name first."""
@@ -128,11 +128,11 @@ def _check(run: Run, settings: Settings, now: Snapshot, resume: bool, screen: Co
     if not resume and not run.finished() and files.list_checkpoints(run.checkpoints):
         raise IrsimGymError(f"{run.folder} holds an unfinished run; go on with it by --resume, {ways}")
     if changed:
-        told = f"the scenario has changed since this run began ({listed(changed)}); it keeps to its copy, {run.copy}"
-        screen.print(told, markup=False, highlight=False, soft_wrap=True)
+        message = f"the scenario has changed since this run began ({listed(changed)}); it keeps to its copy, {run.copy}"
+        screen.print(message, markup=False, highlight=False, soft_wrap=True)
 
 
-def _model(settings: Settings, newest: Path | None, device: str | None) -> tuple[BaseAlgorithm, files.Progress]:
+def _model(settings: Settings, newest: Path | None, device: str | None) -> tuple[BaseAlgorithm, files.RunProgress]:
     """Return the model that learns, a new one or that of a checkpoint, and how far it is."""
     if device is not None:
         settings = replace(settings, hyperparameters=replace(settings.hyperparameters, device=device))
@@ -144,10 +144,10 @@ def _model(settings: Settings, newest: Path | None, device: str | None) -> tuple
     model = new_model(settings)
     if settings.origin is not None:
         take_weights(model, settings)
-    return model, files.Progress()
+    return model, files.RunProgress()
 
 
-def _learn(run: Run, settings: Settings, model: BaseAlgorithm, progress: files.Progress, console: Console) -> None:
+def _learn(run: Run, settings: Settings, model: BaseAlgorithm, progress: files.RunProgress, console: Console) -> None:
     """Learn to the end, or to a signal; either way leave a checkpoint."""
     wanted, stop = settings.hyperparameters, StopRequest()
     for partial in run.checkpoints.glob(f"{files.PARTIAL}*"):
@@ -157,7 +157,7 @@ def _learn(run: Run, settings: Settings, model: BaseAlgorithm, progress: files.P
     def save() -> Path:
         return files.save_checkpoint(run.checkpoints, model, progress)
 
-    watch = Watch(progress, wanted.n_timesteps, wanted.checkpoint_every, save, stop, console)
+    watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save, stop, console)
     with stop.listening():
         try:
             left = wanted.n_timesteps - model.num_timesteps
@@ -180,6 +180,6 @@ def _learn(run: Run, settings: Settings, model: BaseAlgorithm, progress: files.P
         raise TrainingInterruptedError(f"stopped after all {progress.steps:,} steps; the run is finished", stop.signal)
 
 
-def _write_log(run: Run, progress: files.Progress) -> None:
+def _write_log(run: Run, progress: files.RunProgress) -> None:
     rows = ({name: row.get(name, "") for name in LOG_COLUMNS} for row in progress.history)
     write_csv(run.folder / "training.csv", LOG_COLUMNS, rows)

@@ -16,19 +16,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from irsim_gym.errors import IrsimGymError, ScenarioError, ScenarioWarning
 
 if TYPE_CHECKING:
     from irsim_gym.scenario import Scenario
 
-STEPS = 30
+TRIAL_STEPS = 30
 """At most, in each way."""
 LONGEST_S = 2.0
 """A file is played no longer than this in each way [s], apart from the first step."""
-PATIENCE_S = 5.0
-"""After this time [s] somebody who waits is told what for."""
+WAIT_MESSAGE_S = 5.0
+"""After this time [s] a message says what the command waits for."""
 PACKAGE = str(Path(__file__).parents[1])
 
 Failures = dict[str, str]
@@ -44,7 +44,7 @@ class Reading:
         strict: Keys that nobody reads are errors.
     """
 
-    parameters: Mapping[str, Any]
+    parameters: Mapping[str, object]
     modules: Sequence[str] = ()
     strict: bool = True
 
@@ -64,8 +64,8 @@ def try_out(files: Sequence[str], reading: Reading) -> Failures:
     if len(files) == 1:
         return {files[0]: f"{files[0]}: {end}"}
     alone = [try_out([file], reading) for file in files]
-    told = {file: message for one in alone for file, message in one.items()}
-    return told or {files[0]: f"{', '.join(files)}, one after the other: {end}"}
+    errors = {file: message for one in alone for file, message in one.items()}
+    return errors or {files[0]: f"{', '.join(files)}, one after the other: {end}"}
 
 
 def _in_a_process(files: Sequence[str], reading: Reading) -> tuple[Failures, str]:
@@ -93,7 +93,7 @@ def _in_a_process(files: Sequence[str], reading: Reading) -> tuple[Failures, str
 
 def _wait(child: subprocess.Popen[bytes], files: Sequence[str]) -> int:
     with suppress(subprocess.TimeoutExpired):
-        return child.wait(PATIENCE_S)
+        return child.wait(WAIT_MESSAGE_S)
     over = "\r\x1b[2K" if sys.stderr.isatty() else ""  # the other process may show there what it compiles
     print(f"{over}irsim_gym: playing {', '.join(files)} for some steps, to see whether it runs", file=sys.stderr)
     return child.wait()
@@ -131,7 +131,7 @@ def _take_steps(steps: Iterator[None]) -> None:
     """Take so many steps; where they are slow, fewer."""
     next(steps, None)  # this one may compile
     begun = time.perf_counter()
-    for _ in range(STEPS - 1):
+    for _ in range(TRIAL_STEPS - 1):
         next(steps, None)
         if time.perf_counter() - begun > LONGEST_S:
             return
@@ -182,9 +182,9 @@ def _failure(file: str, reading: Reading) -> str:
     except Exception as error:
         frames = traceback.extract_tb(error.__traceback__)
         own = [frame for frame in frames if not frame.filename.startswith(PACKAGE)] or frames
-        told = traceback.format_exception_only(error)
+        lines = traceback.format_exception_only(error)
         place = f"  in {own[-1].filename}:{own[-1].lineno}"
-        return "\n".join([f"{file}: it could not be played: {told[0].strip()}", *map(_indented, told[1:]), place])
+        return "\n".join([f"{file}: it could not be played: {lines[0].strip()}", *map(_indented, lines[1:]), place])
     return ""
 
 
@@ -194,11 +194,11 @@ def _indented(line: str) -> str:
 
 def main(folder: Path) -> None:
     """Play what the plan in a folder names, and write there what went wrong with each file, line by line."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C is told by who asks
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # the parent process reports Ctrl-C
     os.dup2(2, 1)  # what behaviours print is no part of what the command says
     plan = json.loads((folder / "plan").read_text(encoding="utf-8"))
     reading = Reading(**plan["reading"])
-    warnings.simplefilter("ignore", ScenarioWarning)  # they are told as notes
+    warnings.simplefilter("ignore", ScenarioWarning)  # they are reported as notes
     with (folder / "crash").open("w") as crash, (folder / "results").open("w", encoding="utf-8") as results:
         faulthandler.enable(crash, all_threads=False)
         from irsim_gym.cli_tools import import_modules

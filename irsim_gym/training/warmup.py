@@ -26,7 +26,7 @@ from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.look import begin_level
 
-STEPS = 3
+WARMUP_STEPS = 3
 """The first one is recorded, later ones take a shorter way."""
 
 
@@ -55,12 +55,12 @@ def use(scenario: Scenario) -> None:
     """Do once what commands do with a scenario: step it by itself, with one learner, as a team, and draw it."""
     simulation = compile(scenario, 1)
     simulation.reset(seed=0)
-    for _ in range(STEPS):
+    for _ in range(WARMUP_STEPS):
         simulation.step()
     with suppress(ScenarioError):  # nobody can learn there
         env = WorldEnv(scenario)
         env.reset(seed=0)
-        for _ in range(STEPS):
+        for _ in range(WARMUP_STEPS):
             *_, terminated, truncated, _ = env.step(env.action_space.sample())
             if terminated or truncated:
                 env.reset()
@@ -68,7 +68,7 @@ def use(scenario: Scenario) -> None:
     with suppress(ScenarioError):  # or not as a team
         batch = make_batch(scenario)
         batch.reset(seed=0)
-        for _ in range(STEPS):
+        for _ in range(WARMUP_STEPS):
             batch.step(np.stack([[batch.action_space.sample()] * batch.n_agents]))
     _draw(scenario)
 

@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import prod
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from irsim_gym.structs import Struct
 
 CACHE_LINE = 64
 GB = 1e9
+
+A = TypeVar("A", bound=np.ndarray[Any, Any])
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,13 @@ def aligned(shape: tuple[int, ...], dtype: type[Any]) -> Any:
     room = np.zeros(n_bytes + CACHE_LINE, np.uint8)
     begin = -room.ctypes.data % CACHE_LINE
     return room[begin : begin + n_bytes].view(dtype).reshape(shape)
+
+
+def frozen(values: A) -> A:
+    """Return a copy that cannot be written into."""
+    copied = values.copy()
+    copied.flags.writeable = False
+    return copied
 
 
 class Arrays(Struct):

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints
-
-if TYPE_CHECKING:
-    from irsim_gym.world.company import Company
 
 
 @dataclass
@@ -40,7 +37,7 @@ class Group:
         params: Records of the members' numeric options, shape ``(n_members,)``.
         arrays: The kind's own arrays: readings, tables, scratch.
         names: Names of all bodies, for kinds that tell them; may be empty.
-        company: What else there is to tell of all bodies, for kinds that do; may be None.
+        context: Specifications and sensors of all bodies, for kinds that show them; may be None.
     """
 
     kind: Any
@@ -49,7 +46,7 @@ class Group:
     params: Any = None
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
     names: tuple[str, ...] = ()
-    company: Company | None = None
+    context: WorldContext | None = None
 
     def __post_init__(self) -> None:
         if self.params is None:
@@ -62,7 +59,44 @@ class Group:
         """Return a group of some of the members, by their numbers in this one; it shares the arrays."""
         options = [self.options[k] for k in chosen]
         params = self.params[chosen]
-        return Group(self.kind, options, self.members[chosen], params, self.arrays, self.names, self.company)
+        return Group(self.kind, options, self.members[chosen], params, self.arrays, self.names, self.context)
+
+
+@dataclass(frozen=True)
+class WorldContext:
+    """The bodies of a scenario, their sensors and their fields of view.
+
+    Attributes:
+        bodies: What the file says of each body.
+        sensors: Groups of sensors with their readings.
+        detect: Writes who is in a body's field of view, see ``engine.field_of_view``.
+    """
+
+    bodies: Sequence[Any]
+    sensors: Sequence[Group]
+    detect: Callable[..., None]
+
+
+def find_sensor(
+    bodies: Sequence[Any], sensors: Sequence[Group], body: int, reading: str, index: int = 0
+) -> tuple[Group, int] | None:
+    """Return the group and the member number of one of a body's sensors with some reading, None without it.
+
+    Args:
+        bodies: What the file says of each body.
+        sensors: The groups of sensors.
+        body: The body.
+        reading: What the sensor reads, such as ``"ranges"``.
+        index: Which of these sensors, in the order of the file.
+    """
+    wanted = [options for options in bodies[body].sensors if options.reading == reading]
+    if not 0 <= index < len(wanted):
+        return None
+    for group in sensors:
+        for k in map(int, np.flatnonzero(group.members == body)):
+            if group.options[k] is wanted[index]:
+                return group, k
+    return None
 
 
 def records(options: Sequence[Any]) -> Any:

@@ -1,12 +1,18 @@
-"""The boundary of a footprint in the body's own frame."""
+"""The boundary of a footprint: as it is declared, and as the arrays hold it."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+CIRCLE_CORNERS = 64
+"""Points that stand for the outline of a circle, where IR-SIM has them."""
 
 
 @dataclass(frozen=True)
@@ -31,3 +37,52 @@ def chain(vertices: Floats, *, closed: bool) -> Floats:
     ends = np.roll(vertices, -1, axis=0) if closed else vertices[1:]
     starts = vertices if closed else vertices[:-1]
     return np.hstack([starts, ends])
+
+
+def outline_rows(
+    model: WorldModel, state: WorldState, world: int, body: int, *, local: bool = False
+) -> tuple[Floats, Floats]:
+    """Return a body's segments (x0, y0, x1, y1) and discs (x, y, radius) [m] in the world frame, or in its own."""
+    segments, discs = (model.local_segments, model.local_discs) if local else (state.segments, state.discs)
+    start, count = int(model.segment_start[body]), model.segment_count
+    first, n_discs = int(model.disc_start[body]), model.disc_count
+    return (
+        segments[world % len(segments), start : start + count[world % len(count), body]],
+        discs[world % len(discs), first : first + n_discs[world % len(n_discs), body]],
+    )
+
+
+def placed(segments: Floats, discs: Floats, pose: tuple[float, float, float]) -> tuple[Floats, Floats]:
+    """Return an outline in its own frame as it stands at a pose x, y, heading [m, m, rad]."""
+    x, y, heading = pose
+    cosine, sine = math.cos(heading), math.sin(heading)
+    turn, at = np.array([[cosine, sine], [-sine, cosine]]), np.array([x, y])
+    ends = np.hstack([segments[:, :2] @ turn + at, segments[:, 2:] @ turn + at])
+    return ends, np.column_stack([discs[:, :2] @ turn + at, discs[:, 2]])
+
+
+def corner_points(segments: Floats, discs: Floats, heading: float, *, rounds: bool = False) -> Floats:
+    """Return the corners of an outline [m], shape ``(n, 2)``; none of a circle.
+
+    Args:
+        segments: Its segments.
+        discs: Its discs.
+        heading: Heading of its body [rad].
+        rounds: Return 64 corners of a circle, clockwise from the heading, as IR-SIM has them.
+    """
+    if rounds and len(discs) == 1 and not len(segments):
+        turns = heading - np.linspace(0.0, 2.0 * np.pi, CIRCLE_CORNERS, endpoint=False)
+        circle: Floats = discs[0, :2] + discs[0, 2] * np.column_stack([np.cos(turns), np.sin(turns)])
+        return circle
+    is_open = len(segments) > 0 and not np.array_equal(segments[-1, 2:], segments[0, :2])
+    return np.vstack([segments[:, :2], segments[-1:, 2:]]) if is_open else segments[:, :2]
+
+
+def extent(segments: Floats, discs: Floats) -> tuple[float, float]:
+    """Return length and width of an outline along its axes [m]."""
+    ends = [segments[:, :2], segments[:, 2:], discs[:, :2] - discs[:, 2:], discs[:, :2] + discs[:, 2:]]
+    corners = np.vstack(ends)
+    if not len(corners):
+        return 0.0, 0.0
+    length, width = corners.max(axis=0) - corners.min(axis=0)
+    return float(length), float(width)

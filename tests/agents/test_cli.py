@@ -8,8 +8,8 @@ import pytest
 
 from irsim_gym import cli, families
 from irsim_gym.envs.worlds import read_options
-from irsim_gym.scenario.summary import Summary, summarize_file
-from irsim_gym.scenario.tables import MARKER
+from irsim_gym.scenario.option_tables import MARKER
+from irsim_gym.scenario.summary import FileSummary, summarize_file
 from irsim_gym.training import trial
 
 BROKEN = "world: {height: 10, step_tme: 0.1}\nrobot: {shape: {name: circle, radius: -1}}\n"
@@ -47,9 +47,9 @@ def test_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str
 def test_a_file_without_a_comment_is_listed_too(tmp_path: Path) -> None:
     file = tmp_path / "bare.yaml"
     file.write_text("world: {width: 3}\nrobot: {number: 2}\n# late\n")
-    assert summarize_file(file) == Summary("", 2, {})
+    assert summarize_file(file) == FileSummary("", 2, {})
     file.write_text("# About\n# this; and more.\n# Not this\nobstacle: [1]\n")
-    assert summarize_file(file) == Summary("About this", 0, {})
+    assert summarize_file(file) == FileSummary("About this", 0, {})
 
 
 def test_check_tells_every_problem_and_goes_on(
@@ -157,7 +157,7 @@ def test_check_plays_teams_and_draws_levels(
 
 
 def test_who_waits_long_is_told_what_for(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(trial, "PATIENCE_S", 0.0)
+    monkeypatch.setattr(trial, "WAIT_MESSAGE_S", 0.0)
     assert run(monkeypatch, "check", "empty_goal") == 0
     assert "playing empty_goal for some steps, to see whether it runs" in capfd.readouterr().err
 

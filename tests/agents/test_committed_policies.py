@@ -10,8 +10,8 @@ import pytest
 
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.policies import load_policy
-from irsim_gym.training.worlds import make_episodes
 
 AGENTS = Path(__file__).parents[2] / "agents"
 LEVELS = 40

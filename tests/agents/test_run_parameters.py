@@ -13,10 +13,10 @@ from irsim_gym import cli
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.asked import Asked
 from irsim_gym.training.environment import make_worlds
+from irsim_gym.training.episode_setup import conditions, make_episodes
 from irsim_gym.training.folders import default_folder, evaluation_folder
 from irsim_gym.training.remembered import remembered_parameters
 from irsim_gym.training.run import Run, Settings
-from irsim_gym.training.worlds import conditions, make_episodes
 
 FILE = """
 parameters:

@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.image import imread
 
-from irsim_gym.training.pictures import draw_curve
+from irsim_gym.training.learning_curve import draw_curve
 from irsim_gym.training.score import reached
 
 

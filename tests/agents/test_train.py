@@ -18,10 +18,10 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.checkpoint import list_checkpoints, load_progress, newest_checkpoint
 from irsim_gym.training.hyperparameters import Hyperparameters, Linear
 from irsim_gym.training.models import algorithm_class
+from irsim_gym.training.monitoring import TrainingMonitor
 from irsim_gym.training.policies import SavedPolicy, load_policy
 from irsim_gym.training.run import Run, Settings, environment_id, scenario_name
 from irsim_gym.training.train import TrainingInterruptedError, train
-from irsim_gym.training.watch import Watch
 
 PPO: dict[str, Any] = {"n_steps": 16, "batch_size": 32, "n_epochs": 2, "learning_rate": "lin_3e-3"}
 PPO["policy_kwargs"] = {"net_arch": [16], "activation_fn": "relu"}
@@ -62,15 +62,15 @@ def interrupt(monkeypatch: pytest.MonkeyPatch) -> Callable[[int, int], None]:
     """Send this process a signal when a rollout begins after so many steps."""
 
     def arrange(steps: int, number: int) -> None:
-        original, sent = Watch._on_step, []
+        original, sent = TrainingMonitor._on_step, []
 
-        def on_step(self: Watch) -> bool:
+        def on_step(self: TrainingMonitor) -> bool:
             if not sent and self.num_timesteps > steps:
                 sent.append(True)
                 os.kill(os.getpid(), number)
             return original(self)
 
-        monkeypatch.setattr(Watch, "_on_step", on_step)
+        monkeypatch.setattr(TrainingMonitor, "_on_step", on_step)
 
     return arrange
 
@@ -180,7 +180,7 @@ def test_a_folder_with_another_run_is_refused(tmp_path: Path, interrupt: Callabl
 
 
 def test_the_second_signal_stops_at_once() -> None:
-    from irsim_gym.training.watch import StopRequest
+    from irsim_gym.training.monitoring import StopRequest
 
     request = StopRequest()
     with request.listening():

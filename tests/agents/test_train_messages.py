@@ -57,7 +57,7 @@ def test_scoring_that_is_stopped_goes_on_with_the_same_command(train: Train, mon
 
 
 def test_a_second_ctrl_c_is_told_too(train: Train, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("irsim_gym.training.watch.Watch.note", stop)
+    monkeypatch.setattr("irsim_gym.training.monitoring.TrainingMonitor.note", stop)
     status, said = train("empty_goal")
     assert status == 130
     assert said[-1].endswith("what the newest checkpoint holds is kept. Go on with the same command and --resume.")

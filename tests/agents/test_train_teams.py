@@ -17,9 +17,9 @@ from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.environment import build_environment
 from irsim_gym.training.hyperparameters import Hyperparameters, load_hyperparameters
 from irsim_gym.training.models import algorithm_class
+from irsim_gym.training.monitoring import TrainingMonitor
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.train import TrainingInterruptedError, train
-from irsim_gym.training.watch import Watch
 
 PLACES = {"name": "random", "range_low": [0.5, 0.5, -3.14], "range_high": [4.5, 4.5, 3.14]}
 SCENARIO = {
@@ -80,15 +80,15 @@ def test_a_resumed_team_run_equals_an_uninterrupted_one(
 ) -> None:
     asked = settings(scenario, algorithm, team, **own)
     whole = train(asked, tmp_path / "whole")
-    original, sent = Watch._on_step, []
+    original, sent = TrainingMonitor._on_step, []
 
-    def on_step(self: Watch) -> bool:
+    def on_step(self: TrainingMonitor) -> bool:
         if not sent and self.num_timesteps > 400:
             sent.append(True)
             signal.raise_signal(signal.SIGINT)
         return original(self)
 
-    monkeypatch.setattr(Watch, "_on_step", on_step)
+    monkeypatch.setattr(TrainingMonitor, "_on_step", on_step)
     with pytest.raises(TrainingInterruptedError):
         train(asked, tmp_path / "parts")
     parts = Run(tmp_path / "parts")

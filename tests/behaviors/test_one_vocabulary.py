@@ -10,8 +10,7 @@ import pytest
 
 import irsim_gym as ig
 from irsim_gym import families
-from irsim_gym.behaviors.view_state import INSTEAD
-from irsim_gym.behaviors.views import BodyView, EgoView
+from irsim_gym.behaviors.views import INSTEAD, BodyView, EgoView
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.live.body import Body
 
@@ -187,3 +186,11 @@ def test_sensors_and_fields_of_view_that_are_not_there(name: str, said: str) -> 
     bare = {key: value for key, value in ROBOT.items() if key not in ("sensors", "fov", "fov_radius")}
     with pytest.raises(UnknownNameError, match=said):
         ask(read(name), steps=1, robot=bare)
+
+
+def test_an_omni_angular_robot_counts_its_speed_to_the_side() -> None:
+    """As in IR-SIM: the greatest speed over ground is the length of the first two limits, 0.3 and 0.4 m/s."""
+    robot = {"kinematics": {"name": "omni_angular"}, "vel_max": [0.3, 0.4, 1], "state": [1, 1, 0], "goal": [1, 5]}
+    body = ig.load({"robot": robot}).robot
+    assert body.max_speed == pytest.approx(0.5)
+    assert body.desired_omni_vel == pytest.approx([0.0, 0.4])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import irsim_gym as ig
-from irsim_gym.engine import buckets, contact, outlines
+from irsim_gym.engine import body_buckets, contact, outlines
 from irsim_gym.geometry.buckets import find_nearby, put_in_order, square_of
 from irsim_gym.world.group import Shard
 
@@ -47,13 +47,13 @@ def scatter(sim: Any, rng: np.random.Generator, spread: float) -> None:
     sim.state.pose[:, small, :2] += rng.normal(0.0, spread, (2, len(small), 2))
     everyone = sim.parts.everyone
     outlines.place(everyone, sim.model, sim.state, WORLDS)
-    buckets.refresh(everyone, sim.model, sim.state, WORLDS)
+    body_buckets.refresh(everyone, sim.model, sim.state, WORLDS)
 
 
 def begun(**world: Any) -> tuple[Any, np.random.Generator]:
     sim, rng = crowd(**world), np.random.default_rng(3)
     sim.model.present[:, rng.choice(50, 9, replace=False)] = False
-    buckets.empty(sim.model, sim.state, WORLDS)
+    body_buckets.empty(sim.model, sim.state, WORLDS)
     return sim, rng
 
 
@@ -119,7 +119,7 @@ def test_an_absent_body_leaves_its_bucket() -> None:
     sim, rng = begun()
     scatter(sim, rng, 0.0)
     sim.model.present[0, 5] = False
-    buckets.refresh(np.array([5], np.int64), sim.model, sim.state, WORLDS)
+    body_buckets.refresh(np.array([5], np.int64), sim.model, sim.state, WORLDS)
     assert sim.state.bucket[0, 5] == -1
     found = np.zeros(len(sim.model.role), np.int64)
     count = find_nearby(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.engine.limits import limit_velocity
+from irsim_gym.engine.command_limits import limit_velocity
 
 
 def limited(worlds: list[int], fastest: list[list[float]], sharpest: list[list[float]], asked: float) -> np.ndarray:

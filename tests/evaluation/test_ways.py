@@ -10,9 +10,9 @@ import pytest
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.reference_policies import reference_policy
 from irsim_gym.evaluation.teams import evaluate_team
-from irsim_gym.evaluation.ways import Ways
-from irsim_gym.training.ways import Atlas
-from irsim_gym.training.worlds import make_episodes
+from irsim_gym.evaluation.trajectories import TrajectoryLog
+from irsim_gym.training.episode_setup import make_episodes
+from irsim_gym.training.trajectory_figures import Atlas
 
 DISC: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "vel_max": [1, 1]}
 
@@ -40,7 +40,7 @@ def corridor(tmp_path: Any) -> str:
 
 def test_the_ways_of_a_team(corridor: str) -> None:
     episodes = make_episodes(corridor, n_worlds=2, team=True)
-    ways = Ways(episodes, shown=2)
+    ways = TrajectoryLog(episodes, shown=2)
     evaluate_team(reference_policy("dash"), episodes, 3, watcher=ways)
     assert sorted((way.level, way.outcome) for way in ways.ways) == [
         (level, outcome) for level in range(3) for outcome in ("collision", "success")
@@ -58,7 +58,7 @@ def test_watching_changes_nothing() -> None:
     rows = []
     for n_worlds, watched in ((3, False), (3, True), (5, True)):
         episodes = make_episodes("empty_goal", n_worlds=n_worlds)
-        ways = Ways(episodes, shown=4) if watched else None
+        ways = TrajectoryLog(episodes, shown=4) if watched else None
         rows.append(evaluate(reference_policy("random"), episodes, 6, watcher=ways))
         if ways is not None:
             found = {way.level: way for way in ways.ways}

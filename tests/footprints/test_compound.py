@@ -10,7 +10,7 @@ import shapely
 from irsim.lib.handler.geometry_handler import CompoundGeometry
 
 import irsim_gym as ig
-from irsim_gym.engine.measures import measure
+from irsim_gym.engine.body_measures import measure
 from irsim_gym.footprints.compound import Compound, CompoundPart
 from irsim_gym.geometry.polygons import contains_point
 

@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 import irsim_gym as ig
-from irsim_gym.engine.measures import measure
+from irsim_gym.engine.body_measures import measure
 from irsim_gym.geometry.measures import centre_of_mass, corner_points, least_circle
 from irsim_gym.world.outline import chain
 

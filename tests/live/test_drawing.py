@@ -291,7 +291,7 @@ class Window:
 
 def test_in_a_window_marks_wait_for_the_next_sample(monkeypatch: pytest.MonkeyPatch) -> None:
     """As in IR-SIM, where ``render`` draws at samples alone: what was drawn in between is in the next picture."""
-    monkeypatch.setattr("irsim_gym.live.driven.Driver", Window)
+    monkeypatch.setattr("irsim_gym.live.viewer.Driver", Window)
     here = irsim_gym.load({**SCENARIO, "world": {**SCENARIO["world"], "sample_time": 0.3}}, render_mode="human")
     here.render(0.0)
     counts = []
@@ -301,8 +301,8 @@ def test_in_a_window_marks_wait_for_the_next_sample(monkeypatch: pytest.MonkeyPa
         here.render(0.0)
         counts.append(len(here.draw))
     assert counts == [1, 2, 0, 1, 2, 0]
-    assert here._driver is not None
-    red = [int(((one[..., 0] > 200) & (one[..., 1:].max(axis=2) < 60)).sum()) for one in here._driver.pictures]
+    assert here._viewer.driver is not None
+    red = [int(((one[..., 0] > 200) & (one[..., 1:].max(axis=2) < 60)).sum()) for one in here._viewer.driver.pictures]
     assert len(red) == 3
     assert red[0] == 0
     assert min(red[1:]) > 3 * 25  # three discs with a diameter of nine pixels

@@ -172,7 +172,7 @@ def test_what_a_world_has_not(name: str, said: str) -> None:
 
 def test_a_property_that_fails_tells_why(monkeypatch: pytest.MonkeyPatch) -> None:
     here = world()
-    monkeypatch.setattr(here, "roster", None)
+    monkeypatch.setattr(here._session, "roster", None)
     with pytest.raises(AttributeError, match="'NoneType' object has no attribute"):
         _ = here.names
 
@@ -228,7 +228,7 @@ def test_seeds_are_whole_numbers() -> None:
 
 def test_without_a_file_the_script_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "argv", [str(tmp_path / "yard.py")])
-    with pytest.raises(TypeError, match=r"no yard\.yaml stands beside the script"):
+    with pytest.raises(TypeError, match=r"there is no yard\.yaml beside the script"):
         irsim_gym.load()
     (tmp_path / "yard.yaml").write_text(FILE)
     assert irsim_gym.load().names == ["one"]

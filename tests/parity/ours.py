@@ -9,7 +9,7 @@ import numpy as np
 from ir_sim import IrSim, Snapshot
 
 import irsim_gym as ig
-from irsim_gym.engine import buckets, contact, outlines
+from irsim_gym.engine import body_buckets, contact, outlines
 from irsim_gym.world.group import Shard
 from irsim_gym.world.model import OMNI_WORLD, WANDER
 
@@ -73,7 +73,7 @@ def set_state(sim: Any, at: Snapshot, reference: IrSim) -> None:
         state.plan[0, members] = velocities
     state.step[0] = at.clock
     outlines.place(sim.parts.everyone, model, state, SHARD)
-    buckets.refresh(sim.parts.everyone, model, state, SHARD)
+    body_buckets.refresh(sim.parts.everyone, model, state, SHARD)
 
 
 def _set_goals(sim: Any, b: int, at: Snapshot) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from irsim_gym.paths.grid import MARGIN
+from irsim_gym.paths.grid import CELL_MARGIN
 from irsim_gym.paths.regions import LABELLED, SEEN, label_regions, of_slot, way_exists, way_tables
 from tests.paths.scenes import Scene, random_points, random_scene
 
@@ -53,7 +53,7 @@ def test_labels_are_those_of_a_flood_fill() -> None:
         rows, columns = labels.shape
         centres = np.meshgrid((np.arange(columns) + 0.5) * CELL, (np.arange(rows) + 0.5) * CELL)
         room = shapely.distance(shapely.points(*centres), asked.scene.shape)
-        free = room > np.sqrt(RADIUS * RADIUS + 0.5 * CELL * CELL) + MARGIN
+        free = room > np.sqrt(RADIUS * RADIUS + 0.5 * CELL * CELL) + CELL_MARGIN
         # Discs are polygons in shapely: cells so near the edge that this decides may be either.
         sure = np.abs(room - np.sqrt(RADIUS * RADIUS + 0.5 * CELL * CELL)) > 1e-3
         assert np.array_equal((labels != 0)[sure], free[sure])

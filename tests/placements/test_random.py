@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 import irsim_gym as ig
-from irsim_gym.engine import buckets
+from irsim_gym.engine import body_buckets
 from irsim_gym.errors import PlacementError, ScenarioError
 from irsim_gym.geometry.buckets import gather_nearby
 
@@ -206,7 +206,7 @@ def crowded(n_obstacles: int) -> dict[str, Any]:
 def test_levels_of_many_bodies_are_those_drawn_without_buckets(monkeypatch: pytest.MonkeyPatch) -> None:
     levels = []
     for fewest in (64, 1000):
-        monkeypatch.setattr(buckets, "FEWEST_BODIES", fewest)
+        monkeypatch.setattr(body_buckets, "FEWEST_BODIES", fewest)
         sim = ig.compile(ig.load_scenario(crowded(120)), 6)
         assert (sim.model.bucket_frame[3] > 0.0) == (fewest == 64)
         sim.reset(seed=3)

@@ -8,8 +8,8 @@ import pytest
 
 from irsim_gym.live import load
 from irsim_gym.render.scene import Scene
+from irsim_gym.scenario.option_tables import option_rows
 from irsim_gym.scenario.plot_spec import ObjectPlot
-from irsim_gym.scenario.tables import option_rows
 
 ROBOT: dict[str, Any] = {"kinematics": {"name": "diff"}, "state": [5, 5, 0], "goal": [9, 9]}
 

@@ -22,7 +22,7 @@ from irsim_gym.render import Renderer
 from irsim_gym.render.backends import BACKENDS
 from irsim_gym.render.images import LONGEST_SIDE, load_image
 from irsim_gym.scenario import library, load_scenario
-from irsim_gym.scenario.images import DEFAULT_CAR
+from irsim_gym.scenario.image_files import DEFAULT_CAR
 
 Load = Callable[..., World]
 RED, LIME, BLUE, GOLD, WHITE = (255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 215, 0), (255, 255, 255)

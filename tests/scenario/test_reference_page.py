@@ -20,7 +20,7 @@ from irsim_gym.errors import IrsimGymError, Problem, ScenarioWarning
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.library import configs_folder
 from irsim_gym.scenario.notes import notes
-from irsim_gym.scenario.tables import MARKER, rewritten
+from irsim_gym.scenario.option_tables import MARKER, rewritten
 from irsim_gym.tasks import load_task
 
 PAGE = configs_folder() / "README.md"

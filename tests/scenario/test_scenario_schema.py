@@ -13,9 +13,9 @@ import yaml
 
 from irsim_gym import families
 from irsim_gym.scenario import library
+from irsim_gym.scenario.option_tables import markdown, option_tables
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.scenario.schema import json_schema
-from irsim_gym.scenario.tables import markdown, option_tables
 
 # Every key of IR-SIM's language, with its documented default where it has one of its own.
 LANGUAGE: dict[str, str] = {

@@ -83,7 +83,7 @@ def option_rows(cls: type[Any]) -> tuple[OptionRow, ...]:
     return tuple(rows)
 
 
-def _default(value: Any) -> str:
+def _default(value: object) -> str:
     if value is None or value == ():
         return ""
     return "{}" if dataclasses.is_dataclass(value) else show(value)

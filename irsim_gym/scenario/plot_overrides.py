@@ -16,7 +16,7 @@ BODY_KEYS = frozenset(field.name for field in fields(ObjectPlot))
 FIGURE_KEYS = frozenset(field.name for field in fields(SavedFigure))
 
 
-def drawn_with(scenario: Scenario, options: Mapping[str, Any]) -> Scenario:
+def drawn_with(scenario: Scenario, options: Mapping[str, object]) -> Scenario:
     """Return a scenario whose bodies are all drawn with these options.
 
     Args:
@@ -31,7 +31,7 @@ def drawn_with(scenario: Scenario, options: Mapping[str, Any]) -> Scenario:
     return replace(scenario, bodies=bodies)
 
 
-def saved_with(scenario: Scenario, options: Mapping[str, Any]) -> Scenario:
+def saved_with(scenario: Scenario, options: Mapping[str, object]) -> Scenario:
     """Return a scenario whose figures are saved with these options, keys of ``plot.saved_figure``.
 
     Raises:
@@ -42,7 +42,7 @@ def saved_with(scenario: Scenario, options: Mapping[str, Any]) -> Scenario:
     return replace(scenario, world=replace(scenario.world, plot=replace(plot, saved_figure=saved)))
 
 
-def _checked(kind: type[ObjectPlot] | type[SavedFigure], section: str, options: Mapping[str, Any]) -> dict[str, Any]:
+def _checked(kind: type[ObjectPlot] | type[SavedFigure], section: str, options: Mapping[str, object]) -> dict[str, Any]:
     source = read_mapping({section: dict(options)})
     report = Report(source)
     made = build(kind, source.data[section], (section,), report)

@@ -71,7 +71,7 @@ class Clock:
         return self._before[0] + wall, self._before[1] + cpu
 
 
-class Watch(BaseCallback):
+class TrainingMonitor(BaseCallback):
     """The callback of a run.
 
     Args:
@@ -85,7 +85,7 @@ class Watch(BaseCallback):
 
     def __init__(
         self,
-        progress: checkpoint.Progress,
+        progress: checkpoint.RunProgress,
         total: int,
         checkpoint_every: int,
         save: Callable[[], object],

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
-
-Reference = int | str
-"""Number or name of a body."""
+from irsim_gym.errors import UnknownNameError
+from irsim_gym.live.roster import Reference, Roster
 
 Action = Sequence[float] | Floats
 Actions = Action | Sequence[Action | None] | Mapping[str, Action | None]
 
 
 def pair_actions(
-    actions: Actions,
-    references: Reference | Sequence[Reference] | None,
-    find: Callable[[Reference], int],
-    n_bodies: int,
+    actions: Actions, references: Reference | Sequence[Reference] | None, roster: Roster
 ) -> dict[int, Floats]:
     """Return the action for each body that gets one.
 
@@ -29,44 +24,47 @@ def pair_actions(
         references: Whom they are for: a number or name, or a list of them. By default the first body, or with a
             list of actions the bodies from the first one on. One action may go to a list of bodies; a list of
             actions goes to a list of as many, or to the bodies from the one named on.
-        find: Returns the index of a body.
-        n_bodies: How many there are.
+        roster: The bodies.
 
     Raises:
         ValueError: There is no such body, or there are more actions than bodies.
         TypeError: The actions are none of these.
     """
+
+    def find(reference: Reference) -> int:
+        try:
+            return roster.index(reference)
+        except UnknownNameError as error:
+            raise ValueError(str(error)) from None
+
     if isinstance(actions, Mapping):
         if references is not None:
             raise ValueError("actions by name say whom they are for: leave action_id out")
         return _numbers((find(name), action) for name, action in actions.items())
     if not isinstance(actions, list | tuple | np.ndarray):
         raise TypeError(f"an action is a list, a tuple, an array or a mapping, got {type(actions).__name__}")
-    several = not isinstance(references, str | int | np.integer | None)
-    if is_single(actions):
-        targets = [find(reference) for reference in references] if several else [_first(references, find)]  # type: ignore[union-attr]
-        return _numbers((target, actions) for target in targets)
-    if several:
-        targets = [find(reference) for reference in references]  # type: ignore[union-attr]
+    if isinstance(references, str | int | np.integer | None):
+        first = 0 if references is None else find(references)
+        if is_single(actions):
+            return _numbers([(first, actions)])
+        targets = list(range(first, len(roster)))[: len(actions)]
     else:
-        targets = list(range(_first(references, find), n_bodies))[: len(actions)]
+        targets = [find(reference) for reference in references]
+        if is_single(actions):
+            return _numbers((target, actions) for target in targets)
     if len(targets) != len(actions):
         raise ValueError(f"{len(actions)} actions for {len(targets)} bodies")
     return _numbers(zip(targets, actions, strict=True))
 
 
-def is_single(actions: Any) -> bool:
+def is_single(actions: Sequence[object] | Floats) -> bool:
     """Return whether this is one action: a flat row of numbers, or a column as IR-SIM has them."""
     if isinstance(actions, np.ndarray):
         return actions.ndim < 2 or max(actions.shape) == actions.size
     return len(actions) > 0 and all(np.isscalar(value) for value in actions)
 
 
-def _first(reference: Any, find: Callable[[Reference], int]) -> int:
-    return 0 if reference is None else find(reference)
-
-
-def _numbers(pairs: Any) -> dict[int, Floats]:
+def _numbers(pairs: Iterable[tuple[int, Action | None]]) -> dict[int, Floats]:
     """Return the actions as rows of numbers, without those that are None."""
     rows = {}
     for body, action in pairs:

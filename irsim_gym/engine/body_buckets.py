@@ -19,7 +19,7 @@ ROUNDING, TINY = 1.0 + 1e-9, 1e-9
 
 
 def lay_out(model: WorldModel, is_random: Flags) -> None:
-    """Settle the squares of a world with many bodies, and which bodies are small enough for them."""
+    """Choose the squares of a world with many bodies, and the bodies that are small enough for them."""
     n_bodies = len(model.role)
     if n_bodies < FEWEST_BODIES:
         return

@@ -1,4 +1,4 @@
-"""No level without a way: agents whose placement does not see to it are looked after here."""
+"""Checks that each level has a way to the goal, for agents whose placement does not ensure one."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CELL_PER_REACH = 0.5
 
 
 @dataclass
-class Ways:
+class ReachabilityCheck:
     """Agents whose ways are checked when a level is drawn, and the grid for it.
 
     Attributes:
@@ -36,8 +36,10 @@ class Ways:
     rigid: bool
 
 
-def guard_ways(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n_slots: int) -> Ways:
-    """Return the guard: for round agents, where levels differ and the placement does not ensure a way itself."""
+def reachability_check(
+    scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n_slots: int
+) -> ReachabilityCheck:
+    """Return the check: for round agents, where levels differ and the placement does not ensure a way itself."""
     varied = [spec.kind.is_random for spec in scenario.placements]
     stands = [bool(model.stands[list(spec.members)].any()) for spec in scenario.placements]
     walls_vary = any(random and standing for random, standing in zip(varied, stands, strict=True))
@@ -53,7 +55,7 @@ def guard_ways(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n
     reach = min((float(model.reach[0, b]) for b in guarded), default=np.inf)
     x0, y0, x1, y1 = (float(value) for value in model.bounds)
     grid = Grid.over(model.bounds, CELL_PER_REACH * reach if guarded else max(x1 - x0, y1 - y0))
-    return Ways(
+    return ReachabilityCheck(
         agents=np.array(guarded, np.int64),
         blocks=np.zeros((n_slots, len(model.role)), np.bool_),
         tables=way_tables(grid, n_slots, len(model.role)),
@@ -61,7 +63,7 @@ def guard_ways(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n
     )
 
 
-def check(ways: Ways, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+def check(ways: ReachabilityCheck, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
     """Set ``failed`` to body + 1 in worlds where an agent has no way from its start through its goals."""
     if not len(ways.agents):
         return

@@ -2,37 +2,67 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import NoReturn
 
-from irsim_gym.errors import NoEffectWarning
+from irsim_gym.errors import NoEffectWarning, warn_caller
 from irsim_gym.live.arguments import figure_options, film_options
-from irsim_gym.live.camera import FIGURES, FILMS, target
-from irsim_gym.live.driven import ENDING_S, Driven
-from irsim_gym.live.painted import PaintedBeams
+from irsim_gym.live.camera import Camera
+from irsim_gym.live.output_files import FIGURES, FILMS, IMAGES, PAGES, film_file, target, with_suffix
+from irsim_gym.live.run_status import RunStatus
+from irsim_gym.live.session import Session
+from irsim_gym.live.viewer import Viewer
+
+ENDING_S = 3.0
 
 
-class Filmed(Driven):
-    """Keeps frames, and writes them and others to files."""
+class MediaWriter:
+    """Keeps frames, and writes them and others to files.
 
-    _record: bool
-    _save_at_end: bool
-    _unsaved: bool
-    _film: Mapping[str, Any]
+    Args:
+        session: The world's bodies.
+        status: What pictures say.
+        camera: Draws them.
+        viewer: The window, which ``end`` closes.
+        record: Keep frames.
+        save_at_end: ``end`` writes a film.
+        options: Defaults of ``end``.
+    """
 
-    @property
-    def painted(self) -> PaintedBeams:
-        """Beams in colours of their own; ``Body.set_laser_color`` paints them."""
-        return self._camera.painted
+    def __init__(
+        self,
+        session: Session,
+        status: RunStatus,
+        camera: Camera,
+        viewer: Viewer,
+        *,
+        record: bool,
+        save_at_end: bool,
+        options: Mapping[str, object],
+    ) -> None:
+        self._session, self._status, self._camera, self._viewer = session, status, camera, viewer
+        self._record, self._save_at_end, self._options = record or save_at_end, save_at_end, options
+        self._unsaved = False
 
     @property
     def save_ani(self) -> bool:
         """``end`` writes a film."""
         return self._save_at_end
 
-    def close(self, ending_time: float = 0.0, **film: Any) -> None:
+    def note_moment(self) -> None:
+        """Keep a frame if frames are kept and the present moment is a sample."""
+        if self._record and self._camera.is_sample:
+            self._keep()
+
+    def _keep(self) -> None:
+        self._camera.keep(self._status.shown)
+        self._unsaved = True
+
+    def _file(self, path: str | Path | None, ending: str = "") -> Path:
+        return target(path, self._session.simulation.scenario.name + ending)
+
+    def close(self, /, ending_time: float = 0.0, **film: object) -> None:
         """Close the window and free the renderer; with ``save_ani`` write the film before, as ``end`` does.
 
         May be called twice; the world can still be used.
@@ -43,7 +73,7 @@ class Filmed(Driven):
         """
         self._finish(ending_time, film_options(film))
 
-    def end(self, ending_time: float = ENDING_S, ani_name: str | Path | None = None, **film: Any) -> Path | None:
+    def end(self, /, ending_time: float = ENDING_S, ani_name: str | Path | None = None, **film: object) -> Path | None:
         """Write the film if frames were kept, and either ``save_ani`` or a name asks for it; then close.
 
         Where a name is given but no frames were kept, a warning says so.
@@ -61,44 +91,37 @@ class Filmed(Driven):
         named = {} if ani_name is None else {"ani_name": ani_name}
         return self._finish(ending_time, {**film_options(film), **named})
 
-    def _finish(self, ending_time: float, given: Mapping[str, Any]) -> Path | None:
-        options = {**self._film, **given}
+    def _finish(self, ending_time: float, given: Mapping[str, object]) -> Path | None:
+        options = {**self._options, **given}
         name, film = options.get("ani_name"), None
         if self._unsaved and (self._save_at_end or name is not None):
-            film = self.save_animation(_film_name(options, self.name))
+            film = self.save_animation(film_file(options, self._session.simulation.scenario.name))
         elif "ani_name" in given and not self._record:
-            message = "no film was written: load(..., record=True) keeps frames"
-            warnings.warn(message, NoEffectWarning, stacklevel=3)
-        self._linger(ending_time)
-        self._free()
+            warn_caller("no film was written: load(..., record=True) keeps frames", NoEffectWarning)
+        self._viewer.wait(ending_time)
+        self.free()
         return film
 
-    def _free(self) -> None:
-        self._close_window()
+    def free(self) -> None:
+        """Close the window and free the renderer."""
+        self._viewer.close()
         self._camera.close()
 
-    def quit(self) -> None:
+    def quit(self) -> NoReturn:
         """Close, and end the program (``SystemExit``)."""
-        self._quit = True
+        self._viewer.quit = True
         self.end(ending_time=0.0)
         raise SystemExit(0)
 
-    def reset_plot(self) -> None:
-        """Do nothing: every picture is drawn anew."""
-
-    def _keep_frame(self) -> None:
-        if self._record and self.sampling:
-            self._camera.keep(self._shown_status())
-            self._unsaved = True
-
     def save_figure(
         self,
+        /,
         path: str | Path | None = None,
         include_index: bool = False,
         save_gif: bool = False,
         *,
         save_name: str | Path | None = None,
-        **options: Any,
+        **options: object,
     ) -> Path:
         """Write a picture to a file and return its path.
 
@@ -115,14 +138,15 @@ class Filmed(Driven):
             ScenarioError: One of the options has a bad value.
             ValueError: Another suffix.
         """
-        file = target(save_name if path is None else path, self.name)
+        file = self._file(save_name if path is None else path)
         if include_index:
             suffix = file.suffix if file.suffix.lower() in FIGURES else ""
-            file = file.with_name(f"{file.name.removesuffix(suffix)}_{self.count:04d}{suffix}")
+            file = file.with_name(
+                f"{file.name.removesuffix(suffix)}_{int(self._session.simulation.state.step[0]):04d}{suffix}"
+            )
         if save_gif:
-            self._camera.keep(self._shown_status())
-            self._unsaved = True
-        return self._camera.save_figure(file, self._shown_status(), figure_options(options))
+            self._keep()
+        return self._camera.save_figure(file, self._status.shown, figure_options(options))
 
     def save_animation(self, path: str | Path | None = None, fps: float | None = None) -> Path:
         """Write the frames kept so far to a film, let go of them, and return its path.
@@ -134,8 +158,10 @@ class Filmed(Driven):
         Raises:
             ValueError: Another suffix, or no frames: a world keeps them when it is loaded with ``record=True``.
         """
-        rate = 1.0 / (self.scenario.world.steps_per_sample * self.step_time) if fps is None else fps
-        film = self._camera.save_film(target(path, self.name), rate)
+        world = self._session.simulation.scenario.world
+        rate = 1.0 / (world.steps_per_sample * world.step_time) if fps is None else fps
+        film = with_suffix(self._file(path), FILMS, "mp4")
+        self._camera.reel.save_film(film, rate)
         self._unsaved = False
         return film
 
@@ -148,7 +174,9 @@ class Filmed(Driven):
         Raises:
             ValueError: Another suffix, or nothing was kept: a world keeps it when it is loaded with ``record=True``.
         """
-        return self._camera.save_html(target(path, self.name))
+        page = with_suffix(self._file(path), PAGES, "html")
+        self._camera.reel.save_html(page)
+        return page
 
     def save_sheet(self, path: str | Path | None = None, moments: int = 12) -> Path:
         """Write one picture with moments, evenly spaced, of what ``save_animation`` writes or wrote; return its path.
@@ -160,7 +188,9 @@ class Filmed(Driven):
         Raises:
             ValueError: Another suffix, nothing was kept, or fewer than two moments.
         """
-        return self._camera.save_sheet(target(path, f"{self.name}-sheet"), moments)
+        sheet = with_suffix(self._file(path, "-sheet"), IMAGES, "png")
+        self._camera.reel.save_sheet(sheet, moments)
+        return sheet
 
     def save_strobe(self, path: str | Path | None = None) -> Path:
         """Write one picture with the ways of the robots in this episode, coloured by time; return its path.
@@ -171,10 +201,6 @@ class Filmed(Driven):
         Raises:
             ValueError: Another suffix, or nothing was kept.
         """
-        return self._camera.save_strobe(target(path, f"{self.name}-strobe"))
-
-
-def _film_name(options: Mapping[str, Any], name: str) -> Path:
-    """Return the file of a film: what is named, else the world's name, with a suffix where one is given."""
-    chosen, suffix = Path(options.get("ani_name") or name), options.get("suffix")
-    return chosen.with_name(f"{chosen.name}{suffix}") if suffix and chosen.suffix.lower() not in FILMS else chosen
+        picture = with_suffix(self._file(path, "-strobe"), FIGURES, "png")
+        self._camera.reel.save_strobe(picture, self._camera.layout)
+        return picture

@@ -18,7 +18,7 @@ def make_episodes(
     task: TaskSource = None,
     n_worlds: int = 1,
     num_threads: int = 1,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, object] | None = None,
     team: bool = False,
     strict: bool = True,
 ) -> Episodes:

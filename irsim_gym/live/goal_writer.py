@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeGuard
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.engine import Simulation
 from irsim_gym.world.model import LOOP, STATE, WorldModel
 
 
-def read_goals(goal: Any) -> Floats:
+def read_goals(goal: ArrayLike | None) -> Floats:
     """Return goals as rows x, y, heading [m, m, rad], shape ``(n, 3)``; NaN for a heading that is not given.
 
     Args:
@@ -33,15 +34,15 @@ def read_goals(goal: Any) -> Floats:
     return np.array([[row[0], row[1], row[2] if row.size > 2 else np.nan] for row in given]).reshape(-1, 3)
 
 
-def _is_several(goal: Any) -> bool:
+def _is_several(goal: ArrayLike) -> TypeGuard[Sequence[ArrayLike]]:
     """Return whether this is a list of goals, not one goal in a row or a column of numbers."""
     shape = np.shape(goal[0]) if isinstance(goal, Sequence | np.ndarray) and len(goal) else ()
     return len(shape) > 0 and bool(np.prod(shape) > 1)
 
 
 @dataclass(frozen=True)
-class Given:
-    """What a simulation knows of a body's goals.
+class BodyGoals:
+    """The goals of a body as a simulation has them.
 
     Attributes:
         has_goal: It has any.
@@ -54,11 +55,11 @@ class Given:
     rows: Floats
 
 
-class Goals:
+class GoalWriter:
     """Writes goals into a simulation, and remembers those that a reset brings back."""
 
     def __init__(self) -> None:
-        self._at_start: dict[str, Given] = {}
+        self._at_start: dict[str, BodyGoals] = {}
 
     def write(self, simulation: Simulation, body: int, goals: Floats, *, init: bool) -> None:
         """Give a body these goals, the first one next; with ``init`` also after a reset."""
@@ -68,11 +69,11 @@ class Goals:
             self._at_start.pop(name, None)
         elif name not in self._at_start:
             rows = model.waypoints[0, body, : model.waypoint_count[0, body]].copy()
-            self._at_start[name] = Given(bool(model.has_goal[body]), body in simulation.parts.loop_returns, rows)
+            self._at_start[name] = BodyGoals(bool(model.has_goal[body]), body in simulation.parts.loop_returns, rows)
         returns = model.goal_renewal[body] == LOOP and len(goals) == 1
         back = model.start[0, body] if model.arrive_mode[body] == STATE else [*model.start[0, body, :2], np.nan]
         rows = np.vstack([goals, back]) if returns else goals
-        _put(simulation, body, Given(len(goals) > 0, returns, rows))
+        _put(simulation, body, BodyGoals(len(goals) > 0, returns, rows))
         state.waypoint[0, body], state.waypoint_end[0, body] = 0, len(goals)
         state.arrived[0, body] = False
         if len(goals):
@@ -84,13 +85,13 @@ class Goals:
         self._at_start = {name: given for name, given in self._at_start.items() if name in simulation.parts.names}
 
     def bring_back(self, simulation: Simulation) -> None:
-        """Give every body the goals that it has at the start again."""
+        """Restore the goals of the start."""
         for name, given in self._at_start.items():
             _put(simulation, simulation.body(name), given)
         self._at_start.clear()
 
 
-def _put(simulation: Simulation, body: int, given: Given) -> None:
+def _put(simulation: Simulation, body: int, given: BodyGoals) -> None:
     model, parts, count = simulation.model, simulation.parts, len(given.rows)
     make_room(model, count)
     model.waypoints[0, body, :count] = given.rows
@@ -103,7 +104,7 @@ def _put(simulation: Simulation, body: int, given: Given) -> None:
 
 
 def make_room(model: WorldModel, n_goals: int) -> None:
-    """Let every body have up to so many goals."""
+    """Make room for so many goals of each body."""
     missing = n_goals - model.waypoints.shape[2]
     if missing > 0:
         pads = ((0, 0), (0, 0), (0, missing), (0, 0))

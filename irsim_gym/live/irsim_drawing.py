@@ -7,11 +7,13 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live import looks, places, strokes
 from irsim_gym.live.drawing import ARROW, GROUND_LAYER, LINE_LAYER, PATH, Drawing
-from irsim_gym.live.planned import Planned
+from irsim_gym.live.looks import Colors
+from irsim_gym.live.session import Session
 
 LINE_WORDS = {
     "color": "color", "c": "color", "linewidth": "width", "lw": "width", "linestyle": "style", "ls": "style",
@@ -21,7 +23,7 @@ POINT_WORDS = {
     "marker": "marker", "alpha": "alpha", "zorder": "layer", "linewidths": "width", "linewidth": "width", "lw": "width",
 }  # fmt: skip
 ARROW_WORDS = {"color": "color", "alpha": "alpha", "zorder": "layer"}
-EDGE = 1.0
+MARKER_EDGE = 1.0
 """A point of matplotlib's is larger by the width of its edge [point]."""
 SHARE, FEWEST = 1.8, 10.0
 """An arrow is so many times, times the root of how many there are and at least this, shorter than the world."""
@@ -30,20 +32,21 @@ THICK, THIN = 0.0075, 0.003
 ORIGIN_SIZE = 36.0
 
 
-class Sketched(Planned):
-    """What is drawn over a world by hand.
+class IrSimDrawing:
+    """Draws over a world as IR-SIM's scripts do, with its arguments and defaults; ``draw`` is the package's own way.
 
-    ``draw`` is our way of saying it; the methods say it as IR-SIM's scripts do, with its arguments and defaults.
-
-    Attributes:
-        draw: The marks; ``world.draw.path(...)``, ``.points``, ``.polygon``, ``.arrows``, ``.text`` and ``.title``.
+    Args:
+        session: The world's bodies.
+        drawing: Takes the marks.
     """
 
-    draw: Drawing
+    def __init__(self, session: Session, drawing: Drawing) -> None:
+        self._session, self._drawing = session, drawing
 
     def draw_trajectory(
         self,
-        traj: Any,
+        /,
+        traj: ArrayLike,
         traj_type: str = "-",
         label: str = "trajectory",
         show_direction: bool = False,
@@ -76,12 +79,14 @@ class Sketched(Planned):
         marker = looks.marker(given["marker"]) if "marker" in given else named.marker
         look = looks.Format(named.color, style, marker)
         marks = strokes.line(points, look, ink, given.get("width", 1.5), given.get("size", strokes.MARKER_SIZE))
-        self.draw.add(marks, refresh)
+        self._drawing.add(marks, refresh)
         if show_direction and len(points):
             headings = np.column_stack([np.cos(points[:, 2]), np.sin(points[:, 2])])
             self._draw_arrows(np.hstack([points[:, :2], headings]), THIN, {"alpha": ink.alpha}, refresh)
 
-    def draw_points(self, points: Any, s: float = 30.0, c: Any = None, refresh: bool = True, **kwargs: Any) -> None:
+    def draw_points(
+        self, /, points: ArrayLike | None, s: float = 30.0, c: Colors | None = None, refresh: bool = True, **kwargs: Any
+    ) -> None:
         """Mark points, as ``draw.points``.
 
         Args:
@@ -99,12 +104,12 @@ class Sketched(Planned):
         given = looks.known_as("draw_points", kwargs, POINT_WORDS)
         if points is None:
             return
-        rows, size = places.rows(points, columns=True), math.sqrt(looks.number("s", s)) + EDGE
+        rows, size = places.rows(points, columns=True), math.sqrt(looks.number("s", s)) + MARKER_EDGE
         width = given.get("width", strokes.MARKER_WIDTH)
         form = given.get("marker", "o")
-        self.draw.add(strokes.points(rows, c, form, size, width, *_look(given, GROUND_LAYER)), refresh)
+        self._drawing.add(strokes.points(rows, c, form, size, width, *_look(given, GROUND_LAYER)), refresh)
 
-    def draw_box(self, vertex: Any, refresh: bool = False, color: str = "-") -> None:
+    def draw_box(self, vertex: ArrayLike, refresh: bool = False, color: str = "-") -> None:
         """Draw the edge of a polygon, as ``draw.polygon``.
 
         Args:
@@ -121,9 +126,9 @@ class Sketched(Planned):
         marks = strokes.area(corners, ink, None, look.style, 1.5)
         if look.marker:
             marks += strokes.forms(corners, ink, look.marker, strokes.MARKER_SIZE)
-        self.draw.add(marks, refresh)
+        self._drawing.add(marks, refresh)
 
-    def draw_quiver(self, point: Any, refresh: bool = False, **kwargs: Any) -> None:
+    def draw_quiver(self, /, point: ArrayLike | None, refresh: bool = False, **kwargs: Any) -> None:
         """Draw a dot and an arrow; all arrows of IR-SIM's have one length, an eighteenth of the world's width.
 
         ``draw.arrows`` draws them as long as their vectors are.
@@ -141,7 +146,7 @@ class Sketched(Planned):
         if point is not None:
             self._draw_quivers([np.asarray(point, np.float64).ravel()], given, refresh)
 
-    def draw_quivers(self, points: Any, refresh: bool = False, **kwargs: Any) -> None:
+    def draw_quivers(self, /, points: ArrayLike, refresh: bool = False, **kwargs: Any) -> None:
         """Draw a dot and an arrow for each of some points, see ``draw_quiver``.
 
         Args:
@@ -157,23 +162,23 @@ class Sketched(Planned):
 
     def set_title(self, title: str | None) -> None:
         """Write a title above the world until the next reset, as ``draw.title``; None for what the file says."""
-        self.draw.title(title)
+        self._drawing.title(title)
 
-    def _draw_quivers(self, points: Any, given: Mapping[str, Any], once: bool) -> None:
+    def _draw_quivers(self, points: ArrayLike, given: Mapping[str, Any], once: bool) -> None:
         rows = places.rows(points, least=4)
         ink = strokes.Ink.of(given.get("color", ARROW), *_look(given, GROUND_LAYER))
-        self.draw.add(strokes.forms(rows, ink, "o", ORIGIN_SIZE**0.5 + EDGE), once)
+        self._drawing.add(strokes.forms(rows, ink, "o", ORIGIN_SIZE**0.5 + MARKER_EDGE), once)
         for row in rows:
             self._draw_arrows(row[None], THICK, given, once)
 
     def _draw_arrows(self, rows: Floats, width: float, given: Mapping[str, Any], once: bool) -> None:
         """Draw arrows of one length: the more there are, the shorter, as matplotlib has it."""
-        x_min, _, x_max, _ = self.simulation.model.bounds.tolist()
+        x_min, _, x_max, _ = self._session.simulation.model.bounds.tolist()
         length = (x_max - x_min) / (SHARE * max(math.ceil(math.sqrt(len(rows))), FEWEST))
         size = {"length": length, "width": width * (x_max - x_min)}
         alpha, layer = _look(given, GROUND_LAYER)
         look = {"color": given.get("color", ARROW), "alpha": alpha, "layer": layer}
-        self.draw.arrows(rows[:, :2], rows[:, 2:4], **size, **look, once=once)
+        self._drawing.arrows(rows[:, :2], rows[:, 2:4], **size, **look, once=once)
 
 
 def _look(given: Mapping[str, Any], layer: float) -> tuple[Any, Any]:

@@ -1,24 +1,34 @@
-"""Ways through a world that is run by hand, and its map for planners."""
+"""Paths through a world that is run by hand, and its map for planners."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live.grid_map import GridMap, n_cells
 from irsim_gym.live.moves import robots
-from irsim_gym.live.taught import Taught
+from irsim_gym.live.population import Population
+from irsim_gym.live.session import Session
 from irsim_gym.paths.queries import FINE, fixed_bodies, free_path, touched_cells
 
 DEFAULT_CELL = 0.1
 
 
-class Planned(Taught):
-    """Plans around everything that never moves: bodies without a drive, static ones, and the obstacle map."""
+class PathPlanner:
+    """Plans around everything that never moves: bodies without a drive, static ones, and the obstacle map.
 
-    def path(self, start: Any, goal: Any, radius: float | None = None, *, resolution: float = FINE) -> Floats | None:
+    Args:
+        session: The world's bodies.
+        population: For maps, which name the obstacles.
+    """
+
+    def __init__(self, session: Session, population: Population) -> None:
+        self._session, self._population = session, population
+
+    def path(
+        self, start: ArrayLike, goal: ArrayLike, radius: float | None = None, *, resolution: float = FINE
+    ) -> Floats | None:
         """Return a shortest way for a disc around everything that never moves, shape ``(n, 2)`` [m].
 
         The way leads straight from point to point, from start to goal, and the disc touches nothing on it: that is
@@ -40,7 +50,7 @@ class Planned(Taught):
             ValueError: A point is none, a number is not finite, the radius is negative, or the resolution not positive.
             UnknownNameError: There is no robot to take the radius from.
         """
-        model, state = self.simulation.model, self.simulation.state
+        model, state = self._session.simulation.model, self._session.simulation.state
         size = self._own_radius() if radius is None else float(radius)
         if not 0.0 <= size < np.inf or not 0.0 < resolution < np.inf:
             raise ValueError(f"radius must be >= 0 and resolution > 0, got {radius!r} and {resolution!r}")
@@ -49,9 +59,9 @@ class Planned(Taught):
         return points if len(points) else None
 
     def _own_radius(self) -> float:
-        found = robots(self.simulation)
-        first = int(found[0]) if len(found) else self.roster.index(self.robot.name)
-        return float(self.simulation.model.reach[0, first])
+        found = robots(self._session.simulation)
+        first = int(found[0]) if len(found) else self._session.roster.index(self._population.robot.name)
+        return float(self._session.simulation.model.reach[0, first])
 
     def get_map(self, resolution: float | None = None) -> GridMap:
         """Return the world as cells, for planners: occupied where something that never moves touches them.
@@ -63,24 +73,24 @@ class Planned(Taught):
         Raises:
             ValueError: It is not positive, or there would be more than ten million cells.
         """
-        scenario, model = self.simulation.scenario, self.simulation.model
+        scenario, model = self._session.simulation.scenario, self._session.simulation.model
         x_min, y_min, x_max, y_max = map(float, model.bounds)
         if resolution is None and scenario.occupied is not None:
             shape = scenario.occupied.shape[0], scenario.occupied.shape[1]
         else:
             shape = n_cells(x_max - x_min, y_max - y_min, DEFAULT_CELL if resolution is None else resolution)
-        touched = touched_cells(model, self.simulation.state, 0, shape, blocks=fixed_bodies(model, 0))
+        touched = touched_cells(model, self._session.simulation.state, 0, shape, blocks=fixed_bodies(model, 0))
         return GridMap(
             width=x_max - x_min,
             height=y_max - y_min,
             resolution=(x_max - x_min) / shape[0] if resolution is None else float(resolution),
             grid=np.where(touched, 100.0, 0.0),
             world_offset=(x_min, y_min),
-            obstacle_list=self.obstacles,
+            obstacle_list=self._population.obstacles,
         )
 
 
-def point(values: Any, name: str) -> tuple[float, float]:
+def point(values: ArrayLike, name: str) -> tuple[float, float]:
     """Return x and y [m] of a point, a pose or a state, flat or a column.
 
     Raises:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.evaluation.ways import SHOWN, Watcher, Way, Ways
+from irsim_gym.evaluation.trajectories import KEPT_LEVELS, AgentTrajectory, TrajectoryLog, Watcher
 from irsim_gym.tasks import Episodes
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Surveyor:
         moving: The other bodies of these levels, where they were at the end.
     """
 
-    def __init__(self, ways: Ways, density: Density | None) -> None:
+    def __init__(self, ways: TrajectoryLog, density: Density | None) -> None:
         from irsim_gym.render import Renderer
 
         simulation = ways.episodes.simulation
@@ -50,7 +50,7 @@ class Surveyor:
         """Note where agents start and obstacles stand."""
         self.ways.began(episodes, worlds, indices)
         for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
-            if index < SHOWN:
+            if index < KEPT_LEVELS:
                 scene = self._renderer.scene(world)
                 self.fixed[index] = scene.fixed, scene.map
                 if self._density is not None:
@@ -64,14 +64,14 @@ class Surveyor:
         """Note the ways of worlds that have ended, and where bodies are."""
         self.ways.ended(episodes, worlds, indices)
         for world, index in zip(worlds.tolist(), indices.tolist(), strict=True):
-            if index < SHOWN:
+            if index < KEPT_LEVELS:
                 self.moving[index] = self._renderer.scene(world).moving
 
     def levels(self) -> list[DrawnLevel]:
         """Return those levels of which whole ways are kept."""
         from irsim_gym.render.ways_levels import DrawnLevel
 
-        simulation, of_level = self.ways.episodes.simulation, defaultdict[int, list[Way]](list)
+        simulation, of_level = self.ways.episodes.simulation, defaultdict[int, list[AgentTrajectory]](list)
         for way in self.ways.ways:
             of_level[way.level].append(way)
         step_time, agents = float(simulation.model.step_time[0]), simulation.agents.tolist()
@@ -105,7 +105,7 @@ class Atlas:
 
     def follow(self, name: str) -> Watcher:
         """Return a watcher for a policy; the first one also notes where obstacles stand."""
-        surveyor = Surveyor(Ways(self._episodes), None if self._surveyors else self._density)
+        surveyor = Surveyor(TrajectoryLog(self._episodes), None if self._surveyors else self._density)
         self._surveyors[name] = surveyor
         return surveyor
 
@@ -131,7 +131,7 @@ class Atlas:
             )
             for name, kept in self._surveyors.items()
         ]
-        source = f"the first {SHOWN} of {levels:,} levels" if levels > SHOWN else f"{levels} levels"
+        source = f"the first {KEPT_LEVELS} of {levels:,} levels" if levels > KEPT_LEVELS else f"{levels} levels"
         note = (
             f"Ways: at most {FEW} that succeeded and {FEW} that failed, from {source}. Marks: where episodes failed, "
         )
@@ -150,7 +150,7 @@ class Atlas:
         return self._density.differs or far > ALIKE * max(x_max - x_min, y_max - y_min)
 
 
-def _drawn(ways: Sequence[Way]) -> list[DrawnWay]:
+def _drawn(ways: Sequence[AgentTrajectory]) -> list[DrawnWay]:
     from irsim_gym.render.ways_marks import DrawnWay
 
     return [DrawnWay(way.points, way.goal, way.outcome) for way in ways]

@@ -21,6 +21,14 @@ def measure_into(worlds: Ints, bodies: Ints, model: WorldModel, radius: Floats, 
     measure_bodies(worlds, bodies, model, radius, centroid)
 
 
+def measured(model: WorldModel, world: int, body: int) -> tuple[Floats, Floats]:
+    """Return arrays as ``model.radius`` and ``model.centroid`` that are up to date for one body, whoever else asks."""
+    radius, centroid = np.zeros(model.radius.shape), np.zeros(model.centroid.shape)
+    row = world % len(radius)
+    measure_into(np.array([row], np.int64), np.array([body], np.int64), model, radius, centroid)
+    return radius, centroid
+
+
 @kernel(allocates=True)
 def measure_bodies(worlds: Ints, bodies: Ints, model: WorldModel, radius: Floats, centroid: Floats) -> None:
     """Write the radius of the least circle around each footprint, and the centre of its area."""

@@ -1,4 +1,4 @@
-"""What can be known to be wrong before the first level is drawn."""
+"""Robots whose start is blocked, found before the first level is drawn."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from irsim_gym.engine import buckets, contact, outlines
+from irsim_gym.engine import body_buckets, contact, outlines
 from irsim_gym.engine.parts import Parts
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import Scenario
@@ -22,9 +22,9 @@ def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, s
         ScenarioError: With the line of every such robot.
     """
     found = find_blocked_starts(scenario, parts, model, state)
-    told = "; a robot must begin clear of static obstacles; irsim_gym.load runs the file all the same"
+    advice = "; a robot must begin clear of static obstacles; irsim_gym.load runs the file all the same"
     if found:
-        problems = [replace(problem, message=problem.message + told) for problem in found]
+        problems = [replace(problem, message=problem.message + advice) for problem in found]
         raise ScenarioError(scenario.file or scenario.name, problems)
 
 
@@ -44,8 +44,8 @@ def find_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, sta
     shard = Shard(np.zeros(1, np.int64))
     state.pose[0] = model.start[0]
     outlines.place(parts.everyone, model, state, shard)
-    buckets.empty(model, state, shard)
-    buckets.refresh(parts.everyone, model, state, shard)
+    body_buckets.empty(model, state, shard)
+    body_buckets.refresh(parts.everyone, model, state, shard)
     problems = []
     for b in robots:
         model.present[0] = walls

@@ -1,4 +1,4 @@
-"""The ways that agents take in evaluated levels, for pictures."""
+"""The trajectories of agents in evaluated levels, for figures."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.tasks import Episodes, Outcome
 
-SHOWN = 200
-"""Of so many levels, the first ones, whole ways are kept; of the others where they end."""
+KEPT_LEVELS = 200
+"""Number of levels, the first ones, whose whole trajectories are kept; of the others only the end."""
 
 
 class Watcher(Protocol):
-    """Who is told how an evaluation goes on; it only looks."""
+    """Observes an evaluation; it changes nothing."""
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
         """Levels have begun in worlds; the indices are their places among those that are evaluated, all ``(n,)``."""
@@ -28,8 +28,8 @@ class Watcher(Protocol):
 
 
 @dataclass(frozen=True)
-class Way:
-    """The way of one agent in one level.
+class AgentTrajectory:
+    """The trajectory of one agent in one level.
 
     Attributes:
         level: Place of the level among those that are evaluated.
@@ -45,8 +45,8 @@ class Way:
 
 
 @dataclass
-class Ways:
-    """Keeps the ways of a policy: a `Watcher`.
+class TrajectoryLog:
+    """Keeps the trajectories of a policy: a `Watcher`.
 
     Args:
         episodes: The worlds.
@@ -57,8 +57,8 @@ class Ways:
     """
 
     episodes: Episodes
-    shown: int = SHOWN
-    ways: list[Way] = field(default_factory=list, init=False)
+    shown: int = KEPT_LEVELS
+    ways: list[AgentTrajectory] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
         shape = self.episodes.n_worlds, self.episodes.task.max_steps + 1, self.episodes.n_agents, 2
@@ -90,4 +90,6 @@ class Ways:
                 count = int(simulation.model.waypoint_count[w, body])
                 goal = simulation.model.waypoints[w, body, count - 1, :2] if count else np.full(2, np.nan)
                 points = self._points[w, :last, a].copy() if self._kept[w] else here
-                self.ways.append(Way(index, points, goal.copy(), Outcome(int(infos["outcome"][w, a])).name.lower()))
+                self.ways.append(
+                    AgentTrajectory(index, points, goal.copy(), Outcome(int(infos["outcome"][w, a])).name.lower())
+                )

@@ -1,39 +1,39 @@
-"""A world that learns of behaviours after it was loaded."""
+"""Behaviours that a world's file names and a module registers later."""
 
 from __future__ import annotations
 
 import importlib
 import importlib.util
 import sys
-import warnings
 from pathlib import Path
 
-from irsim_gym.errors import NoEffectWarning
+from irsim_gym.errors import NoEffectWarning, warn_caller
 from irsim_gym.live.carry import rebuild
-from irsim_gym.live.population import Population
-from irsim_gym.scenario import Scenario
-from irsim_gym.scenario.pending import settle, unknown_groups
+from irsim_gym.live.session import Session
+from irsim_gym.scenario.pending import resolve_pending, unknown_groups
 
 
-class Taught(Population):
-    """What makes behaviours known that a world's file names.
+class LateBehaviors:
+    """Resolves behaviours that nobody had registered when the file was read; the first step needs them.
 
-    A world may be loaded from a file with behaviours that nobody has registered yet; they have to be known at the
-    first step.
+    Args:
+        session: The world's bodies.
     """
 
-    _loaded: Scenario
-    _has_told = False
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._has_warned = False
 
-    def _tell_of_unknown_groups(self) -> None:
-        """Warn, at the first step, of groups whose behaviour nobody has registered."""
-        self._has_told = True
-        for message in unknown_groups(self.simulation.scenario):
-            told = f"{message}; until then each member decides by itself, as in IR-SIM"
-            warnings.warn(told, NoEffectWarning, stacklevel=3)
+    def warn_of_unknown_groups(self) -> None:
+        """Warn, once, of groups whose behaviour nobody has registered."""
+        if self._has_warned:
+            return
+        self._has_warned = True
+        for message in unknown_groups(self._session.simulation.scenario):
+            warn_caller(f"{message}; until then each member decides by itself, as in IR-SIM", NoEffectWarning)
 
     def load_behavior(self, behaviors: str) -> None:
-        """Import a module that registers behaviours, and let those bodies have them whose file names them.
+        """Import a module that registers behaviours, and give them to the bodies whose file names them.
 
         The module registers them with ``irsim_gym.behavior``, or as for IR-SIM with ``irsim_gym.irsim``. A module that
         is imported already is not run again. Nothing else of the world changes.
@@ -46,16 +46,15 @@ class Taught(Population):
             ModuleNotFoundError: There is none.
             ScenarioError: The file's options do not fit a behaviour; the error lists every problem with its line.
         """
-        _import(behaviors, [Path(sys.argv[0] or "script.py").resolve().parent, *self._folders()])
-        self._loaded = settle(self._loaded)
-        now = self.simulation.scenario
-        settled = settle(now)
-        if settled is not now:
-            self._follow(rebuild(self.simulation, settled))
-
-    def _folders(self) -> list[Path]:
-        file = self.simulation.scenario.file
-        return [Path(file).resolve().parent] if file else []
+        session, now = self._session, self._session.simulation.scenario
+        folders = [Path(sys.argv[0] or "script.py").resolve().parent]
+        if now.file:
+            folders.append(Path(now.file).resolve().parent)
+        _import(behaviors, folders)
+        session.scenario = resolve_pending(session.scenario)
+        resolved = resolve_pending(now)
+        if resolved is not now:
+            session.replace(rebuild(session.simulation, resolved))
 
 
 def _import(name: str, folders: list[Path]) -> None:

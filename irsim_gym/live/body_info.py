@@ -1,0 +1,168 @@
+"""What a body is and where it is, in IR-SIM's words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.engine import Simulation
+from irsim_gym.live.vectors import vector
+from irsim_gym.world.irsim_readings import IrSimReadings
+
+FLATTEST = 1e-9
+"""Share of an area by which a corner may lie outside of a side's half-plane."""
+
+
+@dataclass(frozen=True)
+class RobotInfo:
+    """What a body is. In a world with ``columns`` its flat arrays are columns ``(n, 1)``.
+
+    Attributes:
+        id: Its number.
+        name: Its name.
+        role: ``robot`` or ``obstacle``.
+        shape: Name of its shape; ``map`` for the obstacle map.
+        kinematics: Name of its drive, None without one.
+        color: Its colour.
+        static: It never moves.
+        goal: x, y, heading [m, m, rad], shape ``(3,)``; None without one.
+        vel_min: Least velocities [m/s or rad/s].
+        vel_max: Greatest velocities [m/s or rad/s].
+        acce: Greatest changes per second [m/s2 or rad/s2].
+        angle_range: Interval that headings wrap into [rad].
+        goal_threshold: Distance under which a goal is reached [m].
+        wheelbase: Axle distance [m], None without one.
+        G: Normals of its sides in the body frame, see ``half_planes``.
+        h: Their offsets [m].
+        cone_type: ``Rpositive``, ``norm2`` or None.
+        convex_flag: Its area is convex.
+    """
+
+    id: int
+    name: str
+    role: str
+    shape: str
+    kinematics: str | None
+    color: str
+    static: bool
+    goal: Floats | None
+    vel_min: Floats
+    vel_max: Floats
+    acce: Floats
+    angle_range: tuple[float, float] | Floats
+    goal_threshold: float
+    wheelbase: float | None
+    G: Floats | None
+    h: Floats | None
+    cone_type: str | None
+    convex_flag: bool
+
+
+@dataclass(frozen=True)
+class ObstacleInfo:
+    """Where a body is. In a world with ``columns`` its flat arrays are columns ``(n, 1)``, corners ``(2, n)``.
+
+    Attributes:
+        center: Its x and y [m], shape ``(2,)``.
+        vertex: Corners in the world frame [m], shape ``(n, 2)``; empty for a circle.
+        velocity: vx, vy in the world frame [m/s], shape ``(2,)``.
+        radius: Radius of the least circle around it [m].
+        G: Normals of its sides in the body frame, see ``half_planes``.
+        h: Their offsets [m].
+        cone_type: ``Rpositive``, ``norm2`` or None.
+        convex_flag: Its area is convex.
+    """
+
+    center: Floats
+    vertex: Floats
+    velocity: Floats
+    radius: float
+    G: Floats | None
+    h: Floats | None
+    cone_type: str | None
+    convex_flag: bool
+
+
+HalfPlanes = tuple[Floats | None, Floats | None, str | None, bool]
+"""G, h, ``cone_type`` and ``convex_flag``, see ``half_planes``."""
+
+
+def robot_info(
+    body: IrSimReadings, limits: tuple[Floats, Floats, Floats], half_planes: HalfPlanes, *, columns: bool
+) -> RobotInfo:
+    """Return what a body is; ``limits`` are its least and greatest velocities, and its greatest changes."""
+    least, greatest, changes = limits
+    normals, offsets, cone, is_convex = half_planes
+    return RobotInfo(
+        id=body.id,
+        name=body.name,
+        role=body.role,
+        shape=body.shape,
+        kinematics=body.kinematics,
+        color=body.color,
+        static=body.static,
+        goal=body.goal,
+        vel_min=least,
+        vel_max=greatest,
+        acce=changes,
+        angle_range=vector(np.array(body.angle_range), True) if columns else body.angle_range,
+        goal_threshold=body.goal_threshold,
+        wheelbase=body.wheelbase,
+        G=normals,
+        h=offsets,
+        cone_type=cone,
+        convex_flag=is_convex,
+    )
+
+
+def obstacle_info(body: IrSimReadings, half_planes: HalfPlanes) -> ObstacleInfo:
+    """Return where a body is."""
+    normals, offsets, cone, is_convex = half_planes
+    return ObstacleInfo(
+        center=body.position,
+        vertex=body.vertices,
+        velocity=body.velocity_xy,
+        radius=body.radius,
+        G=normals,
+        h=offsets,
+        cone_type=cone,
+        convex_flag=is_convex,
+    )
+
+
+def is_map(simulation: Simulation, body: int) -> bool:
+    """Return whether a body is the obstacle map."""
+    return int(simulation.model.map_frame[4]) == body
+
+
+def refuse_map(simulation: Simulation, body: int) -> None:
+    """Raise an error where a body is to be moved that cannot be.
+
+    Raises:
+        ValueError: It is the obstacle map.
+    """
+    if is_map(simulation, body):
+        name = simulation.parts.names[body]
+        raise ValueError(f"'{name}' is the obstacle map: its cells stay where they are")
+
+
+def half_planes(segments: Floats, discs: Floats, *, solid: bool) -> tuple[Floats | None, Floats | None, str | None]:
+    """Return a convex outline as the points p with h - G p in a cone, and the cone's name; None for any other.
+
+    A polygon is ``G p <= h`` (``Rpositive``) with an outward normal, as long as the side, for each side; a circle at c
+    with radius r has rows ``[1, 0], [0, 1], [0, 0]`` and ``c, -r`` (``norm2``). G has shape ``(n, 2)``, h ``(n,)``.
+    """
+    if len(discs) == 1 and not len(segments):
+        x, y, reach = discs[0]
+        return np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]), np.array([x, y, -reach]), "norm2"
+    if len(discs) or len(segments) < 3 or not solid:
+        return None, None, None
+    starts, sides = segments[:, :2], segments[:, 2:] - segments[:, :2]
+    area = float(np.sum(starts[:, 0] * segments[:, 3] - starts[:, 1] * segments[:, 2]))
+    normals = np.column_stack([sides[:, 1], -sides[:, 0]]) * np.sign(area)
+    offsets = np.sum(normals * starts, axis=1)
+    outside = starts @ normals.T - offsets
+    is_convex = bool((outside <= FLATTEST * max(abs(area), 1.0)).all())
+    return (normals, offsets, "Rpositive") if is_convex else (None, None, None)

@@ -1,0 +1,43 @@
+"""Names of the files that pictures, films and pages are written to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+FILMS = (".mp4", ".gif")
+PAGES = (".html",)
+IMAGES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
+FIGURES = (".png", ".pdf", ".svg", ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tiff", ".webp")
+
+
+def target(path: str | Path | None, name: str) -> Path:
+    """Return the file that is meant: by default one of this name.
+
+    Raises:
+        ValueError: It is a folder.
+    """
+    chosen = Path(name if path is None else path)
+    if path is not None and chosen.is_dir():
+        inside = chosen / name
+        raise ValueError(
+            f"'{path}' is a folder: name a file, such as '{inside}' in it or '{chosen.name or name}.png' beside it"
+        )
+    return chosen
+
+
+def with_suffix(path: Path, known: tuple[str, ...], default: str) -> Path:
+    """Return the path with a suffix; a point in a name such as ``run-0.5`` begins none."""
+    if not path.stem.strip(" .") or path.name.lower() in known:
+        raise ValueError(f"a file needs a name before its suffix, such as 'world.{default}', got '{path.name}'")
+    if path.suffix.lower() in known:
+        return path
+    if path.suffix and not path.suffix[1:].isdigit():
+        raise ValueError(f"the file's name must end in {', '.join(known)}, got '{path.name}'")
+    return path.with_name(f"{path.name}.{default}")
+
+
+def film_file(options: Mapping[str, object], name: str) -> Path:
+    """Return the file of a film: what is named, else the world's name, with a suffix where one is given."""
+    chosen, suffix = Path(str(options.get("ani_name") or name)), options.get("suffix")
+    return chosen.with_name(f"{chosen.name}{suffix}") if suffix and chosen.suffix.lower() not in FILMS else chosen

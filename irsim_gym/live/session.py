@@ -1,0 +1,60 @@
+"""What the parts of a world by hand share: the simulation, and what is remembered beside it."""
+
+from __future__ import annotations
+
+from irsim_gym.engine import Simulation, compile
+from irsim_gym.live.goal_writer import GoalWriter
+from irsim_gym.live.painted import PaintedBeams
+from irsim_gym.live.roster import Roster
+from irsim_gym.live.track import Track
+from irsim_gym.scenario import Scenario
+
+
+class Session:
+    """A compiled scenario with the names, goals and past poses of its bodies.
+
+    Args:
+        scenario: What the file says.
+        columns: Vectors are returned as IR-SIM's columns, shape ``(n, 1)``, and points as ``(2, n)``.
+
+    Attributes:
+        scenario: What the file says; ``simulation.scenario`` has the bodies that are here now.
+        simulation: The simulator; ``compile`` and ``replace`` exchange it.
+        roster: Names and numbers of the bodies.
+        goals: Writes goals, and restores those of the start.
+        track: Where bodies have been since the reset.
+        painted: Beams in colours of their own.
+    """
+
+    simulation: Simulation
+    roster: Roster
+    goals: GoalWriter
+
+    def __init__(self, scenario: Scenario, *, columns: bool) -> None:
+        self.columns = columns
+        self.track, self.painted = Track(), PaintedBeams()
+        self.compile(scenario)
+
+    def compile(self, scenario: Scenario) -> None:
+        """Take over a scenario; ``begin`` draws its level."""
+        self.simulation = compile(scenario, check_starts=False)
+        self.scenario = scenario
+        self.roster, self.goals = Roster(self.simulation), GoalWriter()
+
+    def replace(self, simulation: Simulation) -> None:
+        """Take over a simulation of the same moment with other bodies."""
+        self.simulation = simulation
+        self.roster.follow(simulation)
+        self.goals.follow(simulation)
+        self.track.follow(simulation)
+
+    def begin(self, seed: int, episode: int) -> None:
+        """Draw a level and begin it."""
+        self.simulation.reset(seed, episode=episode)
+        self.track.begin(self.simulation)
+
+    def begin_again(self) -> None:
+        """Begin the level once more, with the bodies that are here now."""
+        self.goals.bring_back(self.simulation)
+        self.simulation.reset_to_start()
+        self.track.begin(self.simulation)

@@ -1,0 +1,101 @@
+"""Clock, size and name of a world by hand."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+
+from irsim_gym.live.run_status import RunStatus
+from irsim_gym.live.session import Session
+from irsim_gym.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class WorldParam:
+    """Clock and modes of a world, as IR-SIM's scripts ask for them.
+
+    Attributes:
+        time: Elapsed time [s].
+        count: Steps since the reset.
+        step_time: Duration of a step [s].
+        sample_time: Time between frames [s].
+        step_mode: ``internal`` or ``external``.
+        control_mode: ``auto`` or ``keyboard``.
+        collision_mode: What a collision does.
+    """
+
+    time: float
+    count: int
+    step_time: float
+    sample_time: float
+    step_mode: str
+    control_mode: str
+    collision_mode: str
+
+
+class WorldInfo:
+    """What a world is called, how large it is, and what time it is in it.
+
+    Args:
+        session: The world's bodies.
+        status: Who drives.
+    """
+
+    def __init__(self, session: Session, status: RunStatus) -> None:
+        self._session, self._status = session, status
+
+    @property
+    def _scenario(self) -> Scenario:
+        return self._session.simulation.scenario
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self._scenario.name
+
+    @property
+    def time(self) -> float:
+        """Elapsed time [s]: steps times ``step_time``, not rounded."""
+        return float(self._session.simulation.state.time[0])
+
+    @property
+    def count(self) -> int:
+        """Steps since the reset."""
+        return int(self._session.simulation.state.step[0])
+
+    @property
+    def step_time(self) -> float:
+        """Duration of a step [s]."""
+        return self._scenario.world.step_time
+
+    @property
+    def step_mode(self) -> str:
+        """``internal``, or ``external`` where ``set_state`` moves the bodies and steps do not."""
+        return self._scenario.world.step_mode
+
+    @property
+    def world_param(self) -> WorldParam:
+        """Clock and modes at the moment, in one record."""
+        world = self._scenario.world
+        modes = self.step_mode, self._status.control_mode, world.collision_mode
+        return WorldParam(self.time, self.count, self.step_time, world.sample_time, *modes)
+
+    @property
+    def x_range(self) -> tuple[float, float]:
+        """Least and greatest x of the world [m]."""
+        x_min, _, x_max, _ = map(float, self._session.simulation.model.bounds)
+        return x_min, x_max
+
+    @property
+    def y_range(self) -> tuple[float, float]:
+        """Least and greatest y of the world [m]."""
+        _, y_min, _, y_max = map(float, self._session.simulation.model.bounds)
+        return y_min, y_max
+
+    @property
+    def logger(self) -> logging.Logger:
+        """A logger for scripts, of Python's own; the package writes nothing to it.
+
+        What it shows is Python's affair: warnings and errors, and the rest after ``logging.basicConfig(level="INFO")``.
+        """
+        return logging.getLogger(f"irsim_gym.{self.name}")
