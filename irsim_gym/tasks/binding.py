@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
+from irsim_gym.contract import is_foreign
 from irsim_gym.engine import Simulation
 from irsim_gym.registry import Registry
-from irsim_gym.tasks.contract import check_bound, checked_bounds, is_foreign
+from irsim_gym.tasks.contract import check_bound, checked_bounds
 from irsim_gym.tasks.outcome import HitKind
 from irsim_gym.tasks.task import Task
 from irsim_gym.tasks.term import AHEAD_AND_LEFT, HasArrays, HasUnused, IsImage, Term, Words
