@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from typing import Any
 
 from irsim_gym.registry import Registry
 
@@ -48,3 +49,13 @@ def every() -> tuple[Registry, ...]:
         REWARDS,
         ENDINGS,
     )
+
+
+def commands(behavior: Any, drive: type[Any]) -> bool:
+    """Return whether a behaviour, or its kind, commands a kind of drive: it names it, or names none."""
+    return not hasattr(behavior, "kinematics") or KINEMATICS.name_of(drive) in behavior.kinematics
+
+
+def steers(behavior: Any, drive: type[Any]) -> bool:
+    """Return whether a behaviour commands a drive by way of velocities: it is for ``omni``, and the drive steers."""
+    return hasattr(drive, "steer") and not commands(behavior, drive) and "omni" in behavior.kinematics

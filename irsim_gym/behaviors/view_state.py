@@ -57,7 +57,7 @@ class StateView:
 
     def __init__(self, group: Group, model: WorldModel, state: WorldState, world: int, body: int) -> None:
         self._group = group
-        self._columns: bool = group.kind.columns
+        self._columns: bool = getattr(group.kind, "columns", False)
         self._model, self._state, self._world = model, state, world
         self.id = body
         self.name = group.names[body] if group.names else f"body {body}"

@@ -14,7 +14,7 @@ from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
 from irsim_gym.jit import kernel
 from irsim_gym.rng import integer, uniform
-from irsim_gym.world.group import Shard
+from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import STATE, WANDER, WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -78,20 +78,40 @@ def start(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> N
     buckets.empty(model, state, shard)
     buckets.refresh(parts.everyone, model, state, shard)
     begin_moment(parts, model, state, shard)
+    empty_memories(parts, shard)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)
-    begin_behaviors(parts, shard)
     contact.find_static(parts.fixed, model, state, shard)
     contact.stop(model, state, shard)
     arrival.measure(parts.goal_bodies, state, shard)
     sense(parts, model, state, shard)
 
 
-def begin_behaviors(parts: Parts, shard: Shard) -> None:
-    """Tell behaviours that remember anything, those with a ``begin``, that episodes begin."""
-    for group in (*parts.behaviors, *parts.group_behaviors):
+def empty_memories(parts: Parts, shard: Shard) -> None:
+    """Let kinds forget what they remember, where episodes begin.
+
+    What functions remember, objects in ``arrays["memory"]``, becomes None; behaviours and sensors with a ``begin`` of
+    their own are told.
+    """
+    deciding_and_sensing = (*parts.behaviors, *parts.group_behaviors, *parts.sensors)
+    for group in (*deciding_and_sensing, *parts.kinematics):
+        if _has_objects(group):
+            group.arrays["memory"][shard.worlds] = None
+    for group in deciding_and_sensing:
         if hasattr(group.kind, "begin"):
             group.kind.begin(group, shard)
+
+
+def forget_bodies(parts: Parts, shard: Shard, bodies: Ints, chosen: Flags) -> None:
+    """Empty what functions remember of bodies that begin anew, ``chosen``, shape ``(n_worlds, n_bodies)``."""
+    row, k = np.nonzero(chosen[shard.worlds])
+    for group in (*parts.sensors, *parts.kinematics):
+        if _has_objects(group):
+            group.arrays["memory"][shard.worlds[row], bodies[k]] = None
+
+
+def _has_objects(group: Group) -> bool:
+    return "memory" in group.arrays and group.arrays["memory"].dtype == np.object_
 
 
 def _failure(place: str) -> str:

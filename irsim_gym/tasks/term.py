@@ -17,6 +17,7 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.tasks.outcome import Ended, Outcome
 from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.world.group import Group
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -40,6 +41,7 @@ class Term:
         arrays: The term's own arrays: tables, memory, live readings of sensors.
         components: Of each agent, what the components of its action are when they are mapped to its limits, and their
             units: ``(("speed ahead", "m/s"), ...)``.
+        bodies: The agents as a group, for views of them (``behaviors.views``).
         image: What an observation that is a picture writes, ``(n_worlds, n_agents, height, width, n_channels)``; empty
             for all other terms.
     """
@@ -53,6 +55,7 @@ class Term:
     column: int = 0
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
     components: tuple[Words, ...] = ()
+    bodies: Group | None = None
     image: Bytes = field(default_factory=lambda: np.zeros((0, 0, 0, 0, 0), np.uint8))
 
 

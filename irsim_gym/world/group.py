@@ -41,6 +41,7 @@ class Group:
         arrays: The kind's own arrays: readings, tables, scratch.
         names: Names of all bodies, for kinds that tell them; may be empty.
         company: What else there is to tell of all bodies, for kinds that do; may be None.
+        guide: Who of a group that decides is driven by way of velocities (``engine.guide``); None where nobody is.
     """
 
     kind: Any
@@ -50,6 +51,7 @@ class Group:
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
     names: tuple[str, ...] = ()
     company: Company | None = None
+    guide: Any = None
 
     def __post_init__(self) -> None:
         if self.params is None:
@@ -62,7 +64,9 @@ class Group:
         """Return a group of some of the members, by their numbers in this one; it shares the arrays."""
         options = [self.options[k] for k in chosen]
         params = self.params[chosen]
-        return Group(self.kind, options, self.members[chosen], params, self.arrays, self.names, self.company)
+        members = self.members[chosen]
+        guide = None if self.guide is None else self.guide.among(members)
+        return Group(self.kind, options, members, params, self.arrays, self.names, self.company, guide)
 
 
 def records(options: Sequence[Any]) -> Any:
