@@ -214,4 +214,4 @@ class Moment:
     @property
     def lidar_offset(self) -> tuple[float, float, float] | None:
         """Mount pose of its first sensor in the body frame [m, m, rad], None without one."""
-        return self.spec.sensors[0].offset if self.spec.sensors else None
+        return getattr(self.spec.sensors[0], "offset", None) if self.spec.sensors else None
