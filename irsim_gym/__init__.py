@@ -35,8 +35,12 @@ if TYPE_CHECKING:
     from irsim_gym.training.demonstrations import load_demonstrations
     from irsim_gym.training.recorder import record_demonstrations
 
-_DECORATORS = "action behavior drive ending group_behavior observation placement reward sensor".split()
-_LAZY = {
+_DECORATORS = (
+    *("action", "behavior", "drive", "ending", "group_behavior"),
+    *("observation", "placement", "reward", "sensor"),
+)
+
+_LAZY: dict[str, tuple[str, str | None]] = {
     **{name: ("irsim_gym.plugins", name) for name in _DECORATORS},
     "RecordReplay": ("irsim_gym.envs.replays", "RecordReplay"),
     "compile": ("irsim_gym.engine", "compile"),

@@ -188,8 +188,7 @@ def write_command(group: Group, model: WorldModel, body: int, answer: Any, comma
     fits = 1 <= len(numbers) <= 3 if drive == NO_DRIVE else len(numbers) == size
     if not fits or not np.isfinite(numbers).all():
         raise BehaviorError(
-            f"{group.kind.called} must return {size} finite numbers for '{name_of(group, body)}', "
-            f"got {answer!r}"
+            f"{group.kind.called} must return {size} finite numbers for '{name_of(group, body)}', got {answer!r}"
         )
     command[: len(numbers)] = numbers
 
@@ -200,7 +199,6 @@ def _one_each(group: Group, members: Sequence[EgoView], answers: Any) -> Sequenc
     if count != len(members):
         found = "no list" if count < 0 else f"{count} commands"
         raise BehaviorError(
-            f"{group.kind.called} must return a list of {len(members)} commands, one for each "
-            f"member, got {found}"
+            f"{group.kind.called} must return a list of {len(members)} commands, one for each member, got {found}"
         )
     return list(answers)

@@ -159,8 +159,12 @@ class Fused:
         try:
             first, second = (self._look(slot) for _ in range(2))
         except NotRecordableError as error:
-            return self._refuse(str(error))
-        return first if first.equals(second) else self._refuse("a kernel is called with an array that is made anew")
+            self._refuse(str(error))
+            return None
+        if first.equals(second):
+            return first
+        self._refuse("a kernel is called with an array that is made anew")
+        return None
 
     def _refuse(self, why: str) -> None:
         if self._promise is not None:

@@ -1,8 +1,8 @@
 """Whether kinds from outside keep what they promise with ``only_kernels``.
 
-A recorded step repeats the calls of kernels and nothing else, so what a method does by NumPy would happen once and never
-again, without a word. It is recorded once while no array can be written: who writes any has broken the promise. Then
-the first calls take the plain path and are recorded again each time: a number that changes between them shows.
+A recorded step repeats calls of kernels and nothing else: what a method does by NumPy would be lost, in silence. So a
+step is first recorded while all arrays are read-only: a method that writes one raises. Then the first calls take the
+plain path and are recorded again each time: a number or an array that changes between them shows.
 """
 
 from __future__ import annotations

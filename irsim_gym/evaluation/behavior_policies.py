@@ -70,8 +70,8 @@ class BehaviorPolicy:
             spec = episodes.simulation.scenario.bodies[body]
             drive = type(spec.kinematics)
             if not families.commands(self.kind, drive) and not families.steers(self.kind, drive):
-                drive = KINEMATICS.name_of(drive)
-                raise UnfitBehaviorError(f"'{self.name}' cannot drive kinematics '{drive}' of '{spec.name}'")
+                name = KINEMATICS.name_of(drive)
+                raise UnfitBehaviorError(f"'{self.name}' cannot drive kinematics '{name}' of '{spec.name}'")
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
         """Look at the drives, and at the sizes of the bodies.

@@ -33,6 +33,7 @@ class AgentView(EgoView):
     ) -> None:
         world, agent = place
         body, memories = int(term.agents[agent]), term.arrays["memory"]
+        assert term.bodies is not None, "whoever makes a term by hand has to give it bodies"
         if memories[world, agent] is None:
             memories[world, agent] = {}
         super().__init__(term.bodies, model, state, world, body, memories[world, agent])
@@ -83,8 +84,8 @@ class FunctionTerm:
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
         """Empty the memories of agents whose episodes begin."""
-        memory = term.arrays["memory"]
-        memory[shard.worlds] = np.where(episode.began[shard.worlds], None, memory[shard.worlds])
+        for w in shard.worlds.tolist():
+            term.arrays["memory"][w, episode.began[w]] = None
 
 
 def asked(

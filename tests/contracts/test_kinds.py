@@ -33,7 +33,7 @@ OWNERS = {
     "kinematics": {"pose", "direction", "twist", "steering", "random"},
     "behavior": {"command"},
     "group_behavior": {"command", "plan", "random"},
-    "sensor": set(),
+    "sensor": {"random"},
 }
 
 

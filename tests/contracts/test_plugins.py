@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -48,14 +47,13 @@ TASK: dict[str, Any] = {
 
 
 @pytest.fixture(autouse=True)
-def page(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def _page(monkeypatch: pytest.MonkeyPatch) -> None:
     """Register what the page shows, for one test."""
     families.load()
     for family in families.every():
         monkeypatch.setattr(family, "_entries", dict(family._entries))
     for block in (FIVE, TWO.split("team =")[0]):
         exec(compile(block, "CONTRIBUTING.md", "exec", dont_inherit=True), {"__name__": "my_plugins"})
-    yield
 
 
 def episodes(scenario: dict[str, Any], task: dict[str, Any], n_worlds: int = 2) -> Episodes:
@@ -96,12 +94,14 @@ def test_teams_learn_with_them() -> None:
     observations = team.reset(seed=1)[0]
     for _ in range(5):
         actions = rng.uniform(-1, 1, (2, 2, 2)).astype(np.float32)
-        np.testing.assert_array_equal(np.stack(list(observations.values())), batch.observations[1])
+        np.testing.assert_array_equal(np.stack(list(observations.values())), batch.observation()[1])
         observations = team.step(dict(zip(team.agents, actions[1], strict=True)))[0]
         batch.step(actions)
 
 
-@pytest.mark.parametrize(("family", "name"), [("kinematics", "tracks"), ("sensor", "compass"), ("distribution", "column")])
+@pytest.mark.parametrize(
+    ("family", "name"), [("kinematics", "tracks"), ("sensor", "compass"), ("distribution", "column")]
+)
 def test_they_keep_the_promises_of_their_families(family: str, name: str) -> None:
     test_kinds.test_single_batch_and_shards_agree_and_stay_finite(family, name)
     if family != "distribution":
@@ -120,7 +120,7 @@ def test_any_behaviour_for_omni_drives_it(key: str) -> None:
     if key == "dash":
         np.testing.assert_allclose(simulation.state.velocity[0, 0, :2], [0.4, -0.4], atol=1e-12)
         np.testing.assert_allclose(simulation.state.pose[0, 0], [2, 5, np.pi / 2 - 0.2], atol=1e-12)
-    for _ in range(120):
+    while not simulation.state.arrived[0, 0] and simulation.state.step[0] < 300:
         simulation.step()
     assert simulation.state.arrived[0, 0]
 
@@ -155,7 +155,7 @@ def test_memories_are_emptied_where_episodes_begin() -> None:
     irsim_gym.sensor("count")(lambda ego: count(ego))
     irsim_gym.observation("seen", size=2)(lambda ego: (ego.reading("count")[0] / 100, count(ego) / 100))
     irsim_gym.drive("moves", command=("v", "w"))(lambda ego, command: (0.01 * count(ego), 0.0, 0.0))
-    robot = {**DISC, "kinematics": {"name": "moves"}, "sensors": [{"name": "count"}], "state": [5, 5, 0], "goal": [8, 5]}
+    robot = {**DISC, "kinematics": {"name": "moves"}, "sensors": [{"name": "count"}], "goal": [8, 5]}
     played = episodes({"robot": robot}, {"name": "blank", "observations": ["seen"], "endings": ["arrived"]})
 
     def seen() -> list[Any]:
@@ -319,7 +319,7 @@ def pay_by_kernel(term: Any, model: Any, state: Any, episode: Any, shard: Shard)
 @pytest.mark.parametrize(
     ("pay", "said"),
     [
-        (pay_by_numpy, rf"Mine, .*, but {__file__}:\d+: assignment destination is read-only; steps take the plain path"),
+        (pay_by_numpy, rf"Mine, .*, but {__file__}:\d+: assignment destination is read-only; steps take the plain"),
         (pay_a_number, "Mine, .*, but its kernels are called with other numbers or arrays from step to step"),
         (pay_by_kernel, ""),
     ],
