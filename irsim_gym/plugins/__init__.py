@@ -25,70 +25,46 @@ from irsim_gym.plugins.parts import drive, placement, sensor
 from irsim_gym.plugins.terms import AgentView, action, ending, observation, reward
 from irsim_gym.rng import integer, normal, uniform
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.outcome import HitKind, Outcome
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.tasks.term import ActionKind, EndingKind, ObservationKind, RewardKind, Term
-from irsim_gym.tasks.words import Columns
+from irsim_gym.tasks.term import (
+    ActionKind,
+    EndingKind,
+    HasArrays,
+    HasBounds,
+    HasUnused,
+    IsImage,
+    MindsClearance,
+    ObservationKind,
+    Remembers,
+    RewardKind,
+    Term,
+)
+from irsim_gym.tasks.words import Columns, TellsActions, TellsColumns, TellsWhen
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.kinds import (
+    Begins,
     BehaviorKind,
+    Draws,
     DriveKind,
     FootprintKind,
     MapKind,
     PlacementKind,
+    Reports,
     SensorKind,
+    Steers,
 )
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import Outline
 from irsim_gym.world.state import WorldState
 
 __all__ = [
-    "ACTIONS",
-    "BEHAVIORS",
-    "ENDINGS",
-    "FOOTPRINTS",
-    "GROUP_BEHAVIORS",
-    "KINEMATICS",
-    "MAPS",
-    "OBSERVATIONS",
-    "PLACEMENTS",
-    "REWARDS",
-    "SENSORS",
-    "ActionKind",
-    "AgentView",
-    "BehaviorKind",
-    "BodyView",
-    "Columns",
-    "DriveKind",
-    "EgoView",
-    "EndingKind",
-    "EpisodeState",
-    "FootprintKind",
-    "Group",
-    "MapKind",
-    "ObservationKind",
-    "Outcome",
-    "Outline",
-    "PlacementKind",
-    "RewardKind",
-    "SensorKind",
-    "Shard",
-    "Term",
-    "WorldModel",
-    "WorldState",
-    "action",
-    "behavior",
-    "drive",
-    "ending",
-    "group_behavior",
-    "integer",
-    "kernel",
-    "kind",
-    "normal",
-    "observation",
-    "option",
-    "placement",
-    "reward",
-    "sensor",
+    "ACTIONS", "BEHAVIORS", "ENDINGS", "FOOTPRINTS", "GROUP_BEHAVIORS", "KINEMATICS", "MAPS", "OBSERVATIONS",
+    "PLACEMENTS", "REWARDS", "SENSORS", "ActionKind", "AgentView", "Begins", "BehaviorKind", "BodyView", "Columns",
+    "Draws", "DriveKind", "EgoView", "EndingKind", "EpisodeState", "FootprintKind", "Group", "HasArrays", "HasBounds",
+    "HasUnused", "HitKind", "IsImage", "MapKind", "MindsClearance", "ObservationKind", "Outcome", "Outline",
+    "PlacementKind", "Remembers", "Reports", "RewardKind", "SensorKind", "Shard", "Steers", "TellsActions",
+    "TellsColumns", "TellsWhen", "Term", "WorldModel", "WorldState", "action", "behavior", "drive", "ending",
+    "group_behavior", "integer", "kernel", "kind", "normal", "observation", "option", "placement", "reward", "sensor",
     "uniform",
-]
+]  # fmt: skip
