@@ -358,3 +358,97 @@ def test_a_promise_that_is_not_kept_is_found(pay: Any, said: str, monkeypatch: p
         assert played._play.programs.get(0) is None
     expected = [-1e-4 * 0.1 * step for step in range(1, 41)] if pay is pay_a_number else [-0.001] * 40
     np.testing.assert_allclose(paid[:, :, 0], np.transpose([expected, expected]), atol=1e-12)
+
+
+@kernel
+def slide(worlds: Any, members: Any, step_time: Any, velocity: Any, pose: Any, twist: Any) -> None:
+    """Move against the command."""
+    for i in range(worlds.shape[0]):
+        w = worlds[i]
+        for k in range(members.shape[0]):
+            for axis in range(2):
+                twist[w, members[k], axis] = -velocity[w, members[k], axis]
+                pose[w, members[k], axis] += twist[w, members[k], axis] * step_time[0]
+
+
+@kernel
+def reverse(worlds: Any, members: Any, command: Any) -> None:
+    """Turn velocities into commands."""
+    for i in range(worlds.shape[0]):
+        for k in range(members.shape[0]):
+            for axis in range(2):
+                command[worlds[i], members[k], axis] = -command[worlds[i], members[k], axis]
+
+
+@kind
+class Sledge:
+    """A drive whose commands are velocities the other way round."""
+
+    only_kernels: ClassVar[bool] = True
+    command_names: ClassVar[tuple[str, ...]] = ("west", "south")
+    state_size: ClassVar[int] = 3
+
+    @staticmethod
+    def prepare(group: Any, model: Any, n_slots: int) -> None:
+        """Need no memory."""
+
+    @staticmethod
+    def begin(group: Any, model: Any, state: Any, shard: Shard) -> None:
+        """Begin at rest."""
+
+    @staticmethod
+    def move(group: Any, model: Any, state: Any, shard: Shard) -> None:
+        """Move."""
+        slide(shard.worlds, group.members, model.step_time, state.velocity, state.pose, state.twist)
+
+    @staticmethod
+    def steer(group: Any, model: Any, state: Any, shard: Shard) -> None:
+        """Steer."""
+        reverse(shard.worlds, group.members, state.command)
+
+
+def test_a_drive_with_kernels_is_steered_in_recorded_steps() -> None:
+    """At 1 m/s from (2, 5) to (8, 5): after 30 steps of 0.1 s half of the way is done."""
+    families.KINEMATICS.register("sledge", Sledge)
+    robot = {**DISC, "kinematics": {"name": "sledge"}, "state": [2, 5, 0], "goal": [8, 5], "behavior": {"name": "dash"}}
+    simulation = irsim_gym.compile(irsim_gym.load_scenario({"robot": robot}), 1)
+    simulation.reset(seed=0)
+    for _ in range(30):
+        simulation.step()
+    assert simulation._advance.programs[0] is not None
+    np.testing.assert_allclose(simulation.state.pose[0, 0], [5, 5, 0], atol=1e-9)
+    np.testing.assert_array_equal(simulation.state.velocity[0, 0], [-1, 0, 0])
+
+
+def test_a_class_of_a_sensor_is_told_of_beginnings() -> None:
+    @kind
+    class Counter:
+        """Counts its calls."""
+
+        reading: ClassVar[str] = "calls"
+
+        def group_key(self) -> tuple[Any, ...]:
+            """Return what members have in common."""
+            return ()
+
+        @staticmethod
+        def prepare(group: Any, outlines: Any, model: Any, n_slots: int) -> None:
+            """Make room."""
+            group.arrays["calls"] = np.zeros((len(model.present), len(group.members)))
+
+        @staticmethod
+        def begin(group: Any, shard: Shard) -> None:
+            """Forget."""
+            group.arrays["calls"][shard.worlds] = 0
+
+        @staticmethod
+        def sense(group: Any, model: Any, state: Any, shard: Shard) -> None:
+            """Count."""
+            group.arrays["calls"][shard.worlds] += 1
+
+    families.SENSORS.register("counter", Counter)
+    simulation = irsim_gym.compile(irsim_gym.load_scenario({"robot": {**DISC, "sensors": [{"name": "counter"}]}}), 2)
+    for _ in range(2):
+        simulation.reset(seed=0)
+        simulation.step()
+        np.testing.assert_array_equal(simulation.sensors[0].arrays["calls"], [[2], [2]])
