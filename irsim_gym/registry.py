@@ -31,7 +31,7 @@ class Registry:
 
     Args:
         family: What they are, in messages.
-        advice: What to do about a name that is missing because nobody has registered it yet.
+        advice: What to do about a name that is like no other, because nobody has registered it yet.
         contract: Module and name of the ``contract.Contract`` that classes from outside the package have to keep. By
             name, so that nothing here depends on a kind; without one nothing is checked.
     """
@@ -69,8 +69,8 @@ class Registry:
         try:
             return self._entries[name]
         except KeyError:
-            near = suggestion(name, self._entries)
-            raise UnknownNameError(f"no {self.family} named '{name}'{near}{self._advice}") from None
+            cure = suggestion(name, self._entries) or self._advice
+            raise UnknownNameError(f"no {self.family} named '{name}'{cure}") from None
 
     def __contains__(self, name: str) -> bool:
         return name in self._entries

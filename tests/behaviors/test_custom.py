@@ -311,7 +311,7 @@ def test_an_error_of_a_group_tells_behaviour_and_step() -> None:
     sim = simulation({**OMNI, "number": 2, "state": [[1, 1], [1, 3]], "group_behavior": {"name": "own"}})
     with pytest.raises(KeyError, match="lost") as caught:
         sim.step()
-    assert caught.value.__notes__ == ["in behavior 'own' for the group of 'robot_0', step 1 of world 0"]
+    assert caught.value.__notes__ == ["in group behavior 'own' for the group of 'robot_0', step 1 of world 0"]
 
 
 @pytest.mark.parametrize("key", ["behavior", "group_behavior"])
