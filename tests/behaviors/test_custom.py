@@ -121,11 +121,11 @@ def test_a_column_is_a_command_too() -> None:
 @pytest.mark.parametrize(
     ("function", "message"),
     [
-        (lambda ego: 0, "the parameters must be two"),
-        (lambda ego, others, gain: 0, "the parameters must be two"),
-        (lambda ego, others, *more: 0, "the parameters must be two"),
+        (lambda ego: 0, "the parameters must be ego, others, a"),
+        (lambda ego, others, gain: 0, "the parameters must be ego, others, a"),
+        (lambda ego, others, *more: 0, "the parameters must be ego, others, a"),
         (lambda ego, others, *, gain: 0, "the option 'gain' needs a type"),
-        (lambda ego, others, *, wander: 0, "every behaviour has 'wander' already"),
+        (lambda ego, others, *, wander: 0, "every behavior has 'wander' already"),
     ],
 )
 def test_parameters_are_checked(function: Any, message: str) -> None:
