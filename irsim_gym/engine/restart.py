@@ -14,7 +14,7 @@ from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
 from irsim_gym.jit import kernel
 from irsim_gym.rng import integer, uniform
-from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.group import Shard
 from irsim_gym.world.model import STATE, WANDER, WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -88,16 +88,10 @@ def start(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> N
 
 
 def empty_memories(parts: Parts, shard: Shard) -> None:
-    """Let kinds forget what they remember, where episodes begin.
-
-    What functions remember, objects in ``arrays["memory"]``, becomes None; behaviours and sensors with a ``begin`` of
-    their own are told.
-    """
-    deciding_and_sensing = (*parts.behaviors, *parts.group_behaviors, *parts.sensors)
-    for group in (*deciding_and_sensing, *parts.kinematics):
-        if _has_objects(group):
-            group.arrays["memory"][shard.worlds] = None
-    for group in deciding_and_sensing:
+    """Let kinds forget what they remember, where episodes begin; behaviours and sensors may have a ``begin`` for it."""
+    for group in parts.remembering:
+        group.arrays["memory"][shard.worlds] = None
+    for group in (*parts.behaviors, *parts.group_behaviors, *parts.sensors):
         if hasattr(group.kind, "begin"):
             group.kind.begin(group, shard)
 
@@ -105,13 +99,8 @@ def empty_memories(parts: Parts, shard: Shard) -> None:
 def forget_bodies(parts: Parts, shard: Shard, bodies: Ints, chosen: Flags) -> None:
     """Empty what functions remember of bodies that begin anew, ``chosen``, shape ``(n_worlds, n_bodies)``."""
     row, k = np.nonzero(chosen[shard.worlds])
-    for group in (*parts.sensors, *parts.kinematics):
-        if _has_objects(group):
-            group.arrays["memory"][shard.worlds[row], bodies[k]] = None
-
-
-def _has_objects(group: Group) -> bool:
-    return "memory" in group.arrays and group.arrays["memory"].dtype == np.object_
+    for group in parts.remembering:
+        group.arrays["memory"][shard.worlds[row], bodies[k]] = None
 
 
 def _failure(place: str) -> str:
