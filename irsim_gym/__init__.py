@@ -13,30 +13,45 @@ from irsim_gym import errors
 from irsim_gym.envs.registration import make, make_vec, register, register_scenarios
 
 if TYPE_CHECKING:
-    from irsim_gym import irsim, sb3
-    from irsim_gym.behaviors.custom import behavior, group_behavior
+    from irsim_gym import irsim, plugins, sb3
     from irsim_gym.engine.compile import compile
     from irsim_gym.envs.batch import make_batch
     from irsim_gym.envs.parallel import parallel_env
     from irsim_gym.envs.replays import RecordReplay
     from irsim_gym.live import load
+    from irsim_gym.plugins import (
+        action,
+        behavior,
+        drive,
+        ending,
+        group_behavior,
+        observation,
+        placement,
+        reward,
+        sensor,
+    )
     from irsim_gym.scenario import load_scenario
     from irsim_gym.training.comparison import evaluate
     from irsim_gym.training.demonstrations import load_demonstrations
     from irsim_gym.training.recorder import record_demonstrations
 
-_LAZY = {
+_DECORATORS = (
+    *("action", "behavior", "drive", "ending", "group_behavior"),
+    *("observation", "placement", "reward", "sensor"),
+)
+
+_LAZY: dict[str, tuple[str, str | None]] = {
+    **{name: ("irsim_gym.plugins", name) for name in _DECORATORS},
     "RecordReplay": ("irsim_gym.envs.replays", "RecordReplay"),
-    "behavior": ("irsim_gym.behaviors.custom", "behavior"),
     "compile": ("irsim_gym.engine", "compile"),
     "evaluate": ("irsim_gym.training.comparison", "evaluate"),
-    "group_behavior": ("irsim_gym.behaviors.custom", "group_behavior"),
     "irsim": ("irsim_gym.irsim", None),
     "load": ("irsim_gym.live", "load"),
     "load_demonstrations": ("irsim_gym.training.demonstrations", "load_demonstrations"),
     "load_scenario": ("irsim_gym.scenario", "load_scenario"),
     "parallel_env": ("irsim_gym.envs.parallel", "parallel_env"),
     "make_batch": ("irsim_gym.envs.batch", "make_batch"),
+    "plugins": ("irsim_gym.plugins", None),
     "record_demonstrations": ("irsim_gym.training.recorder", "record_demonstrations"),
     "sb3": ("irsim_gym.sb3", None),
 }
@@ -51,8 +66,11 @@ __version__ = "0.1.0"
 __all__ = [
     "RecordReplay",
     "__version__",
+    "action",
     "behavior",
     "compile",
+    "drive",
+    "ending",
     "errors",
     "evaluate",
     "group_behavior",
@@ -63,11 +81,16 @@ __all__ = [
     "make",
     "make_batch",
     "make_vec",
+    "observation",
     "parallel_env",
+    "placement",
+    "plugins",
     "record_demonstrations",
     "register",
     "register_scenarios",
+    "reward",
     "sb3",
+    "sensor",
 ]
 
 

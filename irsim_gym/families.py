@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import importlib
+from typing import Any
 
 from irsim_gym.registry import Registry
 
 _OWN = "; your own is registered by @irsim_gym.{}, on the command line from --import FILE.py"
 
-_CONTRACT = "irsim_gym.tasks.contract"
+_WORLD, _TASK = "irsim_gym.world.kinds", "irsim_gym.tasks.contract"
 
-KINEMATICS = Registry("kinematics")
-BEHAVIORS = Registry("behavior", _OWN.format("behavior"))
-GROUP_BEHAVIORS = Registry("group behavior", _OWN.format("group_behavior"))
-FOOTPRINTS = Registry("shape")
-PLACEMENTS = Registry("distribution")
-SENSORS = Registry("sensor")
-MAPS = Registry("obstacle map")
-ACTIONS = Registry("action", contract=_CONTRACT)
-OBSERVATIONS = Registry("observation", contract=_CONTRACT)
-REWARDS = Registry("reward", contract=_CONTRACT)
-ENDINGS = Registry("ending", contract=_CONTRACT)
+KINEMATICS = Registry("kinematics", _OWN.format("drive"), (_WORLD, "DRIVE"))
+BEHAVIORS = Registry("behavior", _OWN.format("behavior"), (_WORLD, "BEHAVIOR"))
+GROUP_BEHAVIORS = Registry("group behavior", _OWN.format("group_behavior"), (_WORLD, "BEHAVIOR"))
+FOOTPRINTS = Registry("shape", contract=(_WORLD, "FOOTPRINT"))
+PLACEMENTS = Registry("distribution", _OWN.format("placement"), (_WORLD, "PLACEMENT"))
+SENSORS = Registry("sensor", _OWN.format("sensor"), (_WORLD, "SENSOR"))
+MAPS = Registry("obstacle map", contract=(_WORLD, "MAP"))
+ACTIONS = Registry("action", _OWN.format("action"), (_TASK, "ACTION"))
+OBSERVATIONS = Registry("observation", _OWN.format("observation"), (_TASK, "OBSERVATION"))
+REWARDS = Registry("reward", _OWN.format("reward"), (_TASK, "REWARD"))
+ENDINGS = Registry("ending", _OWN.format("ending"), (_TASK, "ENDING"))
 SECTIONS = Registry("section")
 """Sections of a scenario file whose keys a package beyond ``scenario`` declares: for the reference and the schema."""
 
@@ -48,3 +49,13 @@ def every() -> tuple[Registry, ...]:
         REWARDS,
         ENDINGS,
     )
+
+
+def commands(behavior: Any, drive: type[Any]) -> bool:
+    """Return whether a behaviour, or its kind, commands a kind of drive: it names it, or names none."""
+    return not hasattr(behavior, "kinematics") or KINEMATICS.name_of(drive) in behavior.kinematics
+
+
+def steers(behavior: Any, drive: type[Any]) -> bool:
+    """Return whether a behaviour commands a drive by way of velocities: it is for ``omni``, and the drive steers."""
+    return hasattr(drive, "steer") and not commands(behavior, drive) and "omni" in behavior.kinematics

@@ -31,12 +31,12 @@ class Registry:
 
     Args:
         family: What they are, in messages.
-        advice: What to do about a name that is missing because nobody has registered it yet.
-        contract: Module that checks classes from outside the package before they are registered, by its
-            ``check_kind(family, name, kind)``. By name, so that nothing here depends on a kind.
+        advice: What to do about a name that is like no other, because nobody has registered it yet.
+        contract: Module and name of the ``contract.Contract`` that classes from outside the package have to keep. By
+            name, so that nothing here depends on a kind; without one nothing is checked.
     """
 
-    def __init__(self, family: str, advice: str = "", contract: str = "") -> None:
+    def __init__(self, family: str, advice: str = "", contract: tuple[str, str] | None = None) -> None:
         self.family = family
         self._advice = advice
         self._contract = contract
@@ -50,7 +50,9 @@ class Registry:
             KindError: A class of one's own does not do what the family asks for.
         """
         if self._contract and not getattr(kind, "__module__", "").startswith(OWN):
-            importlib.import_module(self._contract).check_kind(self.family, name, kind)
+            module, attribute = self._contract
+            contract = getattr(importlib.import_module(module), attribute)
+            importlib.import_module("irsim_gym.contract").check_kind(self.family, name, kind, contract)
         known = self._entries.get(name)
         if known is not None and known.kind is not kind:
             raise IrsimGymError(
@@ -67,8 +69,8 @@ class Registry:
         try:
             return self._entries[name]
         except KeyError:
-            near = suggestion(name, self._entries)
-            raise UnknownNameError(f"no {self.family} named '{name}'{near}{self._advice}") from None
+            cure = suggestion(name, self._entries) or self._advice
+            raise UnknownNameError(f"no {self.family} named '{name}'{cure}") from None
 
     def __contains__(self, name: str) -> bool:
         return name in self._entries

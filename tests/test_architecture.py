@@ -20,13 +20,14 @@ PACKAGE = Path(__file__).parents[1] / "irsim_gym"
 OWN = "irsim_gym"
 
 # Who may import what, beyond the standard library, numpy and COMMON. "scenario.options" names one module.
-COMMON = {"errors", "registry", "families", "arraytypes"}
+COMMON = {"errors", "registry", "families", "arraytypes", "contract"}
 KIND = {"jit", "rng", "structs", "geometry", "world", "scenario.options"}
 ALLOWED: dict[str, set[str]] = {
     "errors": set(),
     "registry": set(),
     "families": set(),
     "arraytypes": set(),
+    "contract": {"scenario.options", "pydantic"},
     "jit": {"numba", "llvmlite", "rich"},
     "atomics": {"numba", "llvmlite"},
     "replay": {"numba", "llvmlite", "jit", "atomics", "structs"},
@@ -64,7 +65,7 @@ ALLOWED: dict[str, set[str]] = {
     "sb3": {"envs"},
 }
 # Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.
-COMPOSERS = {"training", "cli", "__init__", "irsim"}
+COMPOSERS = {"training", "cli", "__init__", "irsim", "plugins"}
 # Adapters to one library each: files whose place begins so.
 ONLY_FILES = {
     "pettingzoo": "envs/parallel",

@@ -68,7 +68,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("readme")
     for block in blocks(README, "yaml"):
         (place / _file_name(block)).write_text(block.text, encoding="utf-8")
-    for block in blocks(README, "python"):
+    for block in [*blocks(README, "python"), *blocks(CONTRIBUTING, "python")]:
         if block.text.startswith("# "):
             (place / block.text.split()[1]).write_text(block.text, encoding="utf-8")
     return place

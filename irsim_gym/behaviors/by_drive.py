@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from irsim_gym import families
-from irsim_gym.behaviors.custom import PythonBehavior, PythonGroupBehavior, make_kind
+from irsim_gym.behaviors.custom import PythonBehavior, PythonGroupBehavior
 from irsim_gym.behaviors.views import BodyView, EgoView
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.registry import Registry
-from irsim_gym.scenario.options import more_options, option_fields
+from irsim_gym.scenario.options import make_kind, more_options, option_fields
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -108,7 +108,7 @@ def _decorator(registry: Registry, drive: str, name: str, *, makes: bool) -> Cal
     def register(function: F) -> F:
         made = registry.entry(name).kind if name in registry else None
         if made is None or not hasattr(made, "by_drive"):
-            made = _make_kind(name, function, is_group=registry is families.GROUP_BEHAVIORS)
+            made = _make_kind(registry, name, function)
             registry.register(name, made)
         if drive in made.by_drive:
             raise IrsimGymError(f"{registry.family} '{name}' is registered twice for kinematics '{drive}'")
@@ -119,8 +119,9 @@ def _decorator(registry: Registry, drive: str, name: str, *, makes: bool) -> Cal
     return register
 
 
-def _make_kind(name: str, function: Callable[..., Any], *, is_group: bool) -> type[Any]:
+def _make_kind(registry: Registry, name: str, function: Callable[..., Any]) -> type[Any]:
     """Return a kind that takes any options; whom it asks depends on the drive."""
+    is_group = registry is families.GROUP_BEHAVIORS
     base = PythonGroupBehavior if is_group else PythonBehavior
     by_drive: dict[str, _Written] = {}
 
@@ -140,6 +141,7 @@ def _make_kind(name: str, function: Callable[..., Any], *, is_group: bool) -> ty
         return decider(members, **options)
 
     return make_kind(
+        registry.family,
         name,
         function,
         base,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -13,10 +12,10 @@ import numpy as np
 from irsim_gym import families
 from irsim_gym.arraytypes import Floats
 from irsim_gym.behaviors import renewal
-from irsim_gym.behaviors.views import EgoView, ego_view, forget, name_of, others, tell_missing
+from irsim_gym.behaviors.views import EgoView, ego_view, name_of, others, reserve_memory, tell_missing
 from irsim_gym.errors import BehaviorError
 from irsim_gym.registry import Registry
-from irsim_gym.scenario.options import REQUIRED, crossed_bounds, kind, more_options, option
+from irsim_gym.scenario.options import crossed_bounds, kind, kind_of_function, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import NO_DRIVE, OBSTACLE, OMNI_ANGULAR, ROBOT, WorldModel
 from irsim_gym.world.state import WorldState
@@ -50,12 +49,7 @@ class PythonBehavior:
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
         """Make room for the members' memories."""
-        group.arrays["memory"] = np.full((len(model.present), len(model.movable)), None, dtype=object)
-
-    @staticmethod
-    def begin(group: Group, shard: Shard) -> None:
-        """Empty the members' memories."""
-        forget(group, shard)
+        reserve_memory(group, model)
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -68,7 +62,7 @@ class PythonBehavior:
                 role = ROLES[group.params["target_roles"][k]]
                 seen = others(group, model, state, int(w), group.members[k : k + 1], role)
                 ego = ego_view(group, model, state, int(w), int(b))
-                with _told(group, f"'{ego.name}'", state, int(w)):
+                with noting(group.kind, f"'{ego.name}'", state, int(w)):
                     answer = group.kind.function(ego, seen, **group.kind.own_options(group.options[k]))
                     write_command(group, model, int(b), answer, state.command[w, b])
 
@@ -92,12 +86,7 @@ class PythonGroupBehavior:
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
         """Make room for the members' memories."""
-        group.arrays["memory"] = np.full((len(model.present), len(model.movable)), None, dtype=object)
-
-    @staticmethod
-    def begin(group: Group, shard: Shard) -> None:
-        """Empty the members' memories."""
-        forget(group, shard)
+        reserve_memory(group, model)
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -106,7 +95,7 @@ class PythonGroupBehavior:
             here = model.present[w, group.members]
             members = [ego_view(group, model, state, int(w), int(b)) for b in group.members[here]]
             seen = others(group, model, state, int(w), group.members, -1)
-            with _told(group, f"the group of '{name_of(group, int(group.members[0]))}'", state, int(w)):
+            with noting(group.kind, f"the group of '{name_of(group, int(group.members[0]))}'", state, int(w)):
                 answers = group.kind.function(members, seen, **group.kind.own_options(group.options[0]))
                 commands = _one_each(group, members, answers)
                 for ego, answer, decides in zip(members, commands, group.arrays["decides"][here], strict=True):
@@ -116,15 +105,15 @@ class PythonGroupBehavior:
 
 
 @contextmanager
-def _told(group: Group, whose: str, state: WorldState, world: int) -> Iterator[None]:
-    """Add to any error of a function for which body, and when, it was called."""
+def noting(kind: Any, whose: str, state: WorldState, world: int) -> Iterator[None]:
+    """Add to any error of a kind's function for which body, and when, it was called."""
     try:
         yield
     except Exception as error:
         if isinstance(error, AttributeError):
             tell_missing(error)
         step = int(state.step[world]) + 1
-        error.add_note(f"in behavior '{group.kind.behavior_name}' for {whose}, step {step} of world {world}")
+        error.add_note(f"in {kind.called} for {whose}, step {step} of world {world}")
         raise
 
 
@@ -171,92 +160,16 @@ def group_behavior(name: str, *, kinematics: Sequence[str] | None = None) -> Cal
 
 def _decorator(name: str, kinematics: Sequence[str] | None, base: type[Any], registry: Registry) -> Callable[[F], F]:
     families.load()
-    drives = tuple(families.KINEMATICS.names()) if kinematics is None else tuple(kinematics)
-    for drive in drives:
+    for drive in kinematics or ():
         families.KINEMATICS.entry(drive)
+    drives = {} if kinematics is None else {"kinematics": tuple(kinematics)}
+    leading = ("ego", "others") if registry is families.BEHAVIORS else ("members", "others")
 
     def register(function: F) -> F:
-        registry.register(name, _make_kind(name, function, drives, base))
+        registry.register(name, kind_of_function(registry.family, name, function, base, leading, **drives))
         return function
 
     return register
-
-
-def _make_kind(name: str, function: Callable[..., Any], drives: tuple[str, ...], base: type[Any]) -> type[Any]:
-    """Return a kind whose options are the keyword-only parameters of a function."""
-    parameters = _parameters(name, function)
-    options = _options(name, parameters, base)
-    keys, takes_more = tuple(options), any(one.kind is one.VAR_KEYWORD for one in parameters)
-
-    def own_options(chosen: Any) -> dict[str, Any]:
-        own = {key: getattr(chosen, key) for key in keys}
-        return {**own, **more_options(chosen)} if takes_more else own
-
-    return make_kind(
-        name,
-        function,
-        base,
-        options,
-        takes_more=takes_more,
-        kinematics=drives,
-        function=staticmethod(function),
-        own_options=staticmethod(own_options),
-    )
-
-
-def make_kind(
-    name: str, written: Callable[..., Any], base: type[Any], options: dict[str, tuple[Any, Any]], **members: Any
-) -> type[Any]:
-    """Return a kind of a behaviour that somebody has written.
-
-    Args:
-        name: Its name in YAML.
-        written: What was written, for its documentation.
-        base: What all such kinds have in common.
-        options: Type and declaration of each option.
-        **members: Further members of the class, such as ``function``.
-    """
-    made = type(
-        "".join(word.capitalize() for word in name.split("_")) + "Behavior",
-        (base,),
-        {
-            "__doc__": inspect.getdoc(written) or f"The behaviour '{name}'.",
-            "__module__": written.__module__,
-            "__annotations__": {key: hint for key, (hint, _) in options.items()},
-            **{key: declared for key, (_, declared) in options.items()},
-            "behavior_name": name,
-            **members,
-        },
-    )
-    return kind(made)
-
-
-def _parameters(name: str, function: Callable[..., Any]) -> list[inspect.Parameter]:
-    try:
-        return list(inspect.signature(function, eval_str=True).parameters.values())
-    except NameError as error:
-        raise TypeError(f"behavior '{name}': the types of its parameters must exist when it runs ({error})") from None
-
-
-def _options(name: str, parameters: Sequence[inspect.Parameter], base: type[Any]) -> dict[str, tuple[Any, Any]]:
-    """Return type and declaration of each keyword-only parameter."""
-    leading = [one for one in parameters if one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD)]
-    keywords = [one for one in parameters if one.kind is one.KEYWORD_ONLY]
-    more = [one for one in parameters if one.kind is one.VAR_KEYWORD]
-    if len(leading) != 2 or len(leading) + len(keywords) + len(more) != len(parameters):
-        shown = ", ".join(str(one) for one in parameters)
-        raise TypeError(
-            f"behavior '{name}': the parameters must be two, a '*', and the options, or '**' for any, got ({shown})"
-        )
-    options = {}
-    for one in keywords:
-        if hasattr(base, one.name) or one.name == "name":
-            raise TypeError(f"behavior '{name}': every behaviour has '{one.name}' already; name the option differently")
-        if one.annotation is one.empty:
-            raise TypeError(f"behavior '{name}': the option '{one.name}' needs a type, such as {one.name}: float = 1.0")
-        default = REQUIRED if one.default is one.empty else one.default
-        options[one.name] = one.annotation, option(default, meaning=f"Option of '{name}'.")
-    return options
 
 
 def write_command(group: Group, model: WorldModel, body: int, answer: Any, command: Floats) -> None:
@@ -274,8 +187,7 @@ def write_command(group: Group, model: WorldModel, body: int, answer: Any, comma
     fits = 1 <= len(numbers) <= 3 if drive == NO_DRIVE else len(numbers) == size
     if not fits or not np.isfinite(numbers).all():
         raise BehaviorError(
-            f"behavior '{group.kind.behavior_name}' must return {size} finite numbers for '{name_of(group, body)}', "
-            f"got {answer!r}"
+            f"{group.kind.called} must return {size} finite numbers for '{name_of(group, body)}', got {answer!r}"
         )
     command[: len(numbers)] = numbers
 
@@ -286,7 +198,6 @@ def _one_each(group: Group, members: Sequence[EgoView], answers: Any) -> Sequenc
     if count != len(members):
         found = "no list" if count < 0 else f"{count} commands"
         raise BehaviorError(
-            f"group behavior '{group.kind.behavior_name}' must return a list of {len(members)} commands, one for each "
-            f"member, got {found}"
+            f"{group.kind.called} must return a list of {len(members)} commands, one for each member, got {found}"
         )
     return list(answers)

@@ -8,9 +8,9 @@ import numpy as np
 
 from irsim_gym import rng
 from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.errors import suggestion
+from irsim_gym.errors import UnknownNameError, suggestion
 from irsim_gym.world.arrays import A
-from irsim_gym.world.group import Group, Shard, WorldContext
+from irsim_gym.world.group import Group, WorldContext, find_sensor
 from irsim_gym.world.irsim_readings import IrSimReadings
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -134,6 +134,22 @@ class EgoView(BodyView):
         super().__init__(group, model, state, world, body)
         self.memory = memory
 
+    def reading(self, name: str, index: int = 0) -> Any:
+        """Return a copy of the latest reading of one of its sensors.
+
+        Args:
+            name: What the sensor reads: ``ranges``, or the name of a sensor of one's own.
+            index: Which of its sensors that read this, in the order of the file.
+
+        Raises:
+            UnknownNameError: It has no such sensor.
+        """
+        found = find_sensor(self._context.bodies, self._context.sensors, self._b, name, index)
+        if found is None:
+            raise UnknownNameError(f"'{self.name}' has no sensor number {index} that reads '{name}'")
+        group, member = found
+        return group.arrays[name][self._w, member].copy()
+
     def uniform(self, low: float, high: float) -> float:
         """Draw a number from low to high from the world's own stream, so that a seed gives the same episode again."""
         return float(rng.uniform(self._state.random, self._w, low, high))
@@ -143,17 +159,17 @@ class EgoView(BodyView):
         return float(rng.normal(self._state.random, self._w, mean, deviation))
 
 
+def reserve_memory(group: Group, model: WorldModel) -> None:
+    """Make room for a memory for each world and body, which ``ego_view`` fills and the engine empties."""
+    group.arrays["memory"] = np.full(model.present.shape, None, dtype=object)
+
+
 def ego_view(group: Group, model: WorldModel, state: WorldState, world: int, body: int) -> EgoView:
-    """Return the view of a body that decides, with its memory; see ``forget``."""
+    """Return the view of a body that decides, with its memory; see ``reserve_memory``."""
     memories = group.arrays["memory"]
     if memories[world, body] is None:
         memories[world, body] = {}
     return EgoView(group, model, state, world, body, memories[world, body])
-
-
-def forget(group: Group, shard: Shard) -> None:
-    """Let nothing be remembered at the start of an episode, not even by bodies that others command at first."""
-    group.arrays["memory"][shard.worlds] = None
 
 
 def others(group: Group, model: WorldModel, state: WorldState, world: int, unseen: Ints, role: int) -> list[BodyView]:

@@ -11,6 +11,7 @@ from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import field_of_view
 from irsim_gym.engine.body_measures import measure
 from irsim_gym.engine.fog import lay_fog
+from irsim_gym.engine.guide import guide
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.path_checks import reachability_check
 from irsim_gym.engine.turns import take_turns
@@ -40,13 +41,14 @@ def collect_parts(
     sensors = [(b, sensor) for b, body in bodies for sensor in body.sensors]
     scanners = _sensors(sensors, outlines, model, n_slots)
     context = WorldContext(scenario.bodies, scanners, field_of_view.detect)
-    for group in (*group_behaviors, *behaviors):
-        group.names, group.context = names, context
-    for group in behaviors:
-        group.kind.prepare(group, model, n_slots)
     kinematics = group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]])
-    for group in kinematics:
+    placements = _placements(scenario, model, n_slots)
+    for group in (*group_behaviors, *behaviors, *kinematics, *scanners, *placements):
+        group.names, group.context = names, context
+    for group in (*behaviors, *kinematics):
         group.kind.prepare(group, model, n_slots)
+    for group in (*behaviors, *group_behaviors):
+        guide(group, scenario.bodies, kinematics, model)
     external = scenario.world.step_mode == "external"
     everyone = np.arange(len(bodies), dtype=np.int64)
     movers = np.flatnonzero(model.movable)
@@ -60,7 +62,7 @@ def collect_parts(
         turns=[] if external else take_turns(movers, behaviors, kinematics, in_order=in_order),
         external=external,
         footprints=group_members([(b, body.shape) for b, body in bodies if body.shape.is_random]),
-        placements=_placements(scenario, model, n_slots),
+        placements=placements,
         sensors=scanners,
         movers=everyone if external else movers,
         fixed=everyone[:0] if external else np.flatnonzero(~model.movable),

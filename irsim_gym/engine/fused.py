@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.jit import is_recording, kernel, record
+from irsim_gym.engine.promise import CALLS, Promise
+from irsim_gym.jit import Calls, is_recording, kernel, record
 from irsim_gym.replay import BLOCK, NotRecordableError, Program, call_all, is_possible
 from irsim_gym.world.group import Shard
 
@@ -53,16 +54,22 @@ class Fused:
     Args:
         function: What to run. While it is recorded its kernels do nothing.
         is_fusable: False never to record it.
+        promise: What kinds from outside promise that it calls; while that is tried it is not replayed.
 
     Attributes:
         programs: What was recorded, by slot; None where it cannot be.
     """
 
-    def __init__(self, function: Callable[[Shard], None], is_fusable: bool = True) -> None:
+    def __init__(
+        self, function: Callable[[Shard], None], is_fusable: bool = True, promise: Promise | None = None
+    ) -> None:
         self.function = function
         self.__qualname__ = getattr(function, "__qualname__", type(self).__qualname__)
         self.is_fusable = is_fusable and is_possible()
         self.programs: dict[int, Program | None] = {}
+        self._promise = promise
+        self._on_trial: dict[int, Program] = {}
+        self._trials = 0 if promise is None else CALLS
         self._left: dict[int, Ints] = {}
         self._of_slots: Programs | None = None
 
@@ -70,6 +77,8 @@ class Fused:
         """Run the function for the shard's worlds."""
         program = None if is_recording() else self._program(shard.slot)
         if program is None:
+            if shard.slot in self._on_trial and not is_recording():
+                self._try_again(shard.slot)
             self.function(shard)
         else:
             program.run(shard.worlds)
@@ -95,7 +104,7 @@ class Fused:
             raise NotRecordableError(f"{self.__qualname__} is to be repeated, and cannot be recorded")
         remaining = shard
         for _ in range(tries):
-            self.function(remaining)
+            self(remaining)
             worlds = remaining.worlds[failed[remaining.worlds] > 0]
             if not len(worlds):
                 break
@@ -105,15 +114,19 @@ class Fused:
         """Return what is replayed for a slot, recorded now if need be; None where the function runs as it is."""
         if slot not in self.programs:
             self.prepare(slot)
-        return self.programs.get(slot) if self.is_fusable else None
+        if not self.is_fusable:
+            return None
+        return self.programs.get(slot) or (self._on_trial.get(slot) if is_recording() else None)
 
     def prepare(self, slot: int) -> None:
         """Record the function for a slot, unless that was done before.
 
         Call this before handing the function to threads: recording compiles, and an interrupt comes in the main thread.
         """
-        if self.is_fusable and slot not in self.programs:
-            self.programs[slot] = self._record(slot)
+        if self.is_fusable and slot not in self.programs and slot not in self._on_trial:
+            program = self._record(slot)
+            kept: dict[int, Any] = self.programs if program is None or self._trials <= 0 else self._on_trial
+            kept[slot] = program
 
     def of_slots(self, n_slots: int) -> Programs | None:
         """Return the programs of all slots, recorded now if need be; None where it runs as it is."""
@@ -129,24 +142,50 @@ class Fused:
         """Record again at the next call, because an array or a number has been replaced."""
         self.programs.clear()
         self._of_slots = None
+        self._on_trial.clear()
 
     def _record(self, slot: int) -> Program | None:
         """Return the program for a slot; None where recording twice does not give the same one.
 
         The first program holds the arrays made during its recording, so the second one has others.
         """
+        promise = self._promise
+        if promise is not None and self._trials > 0:
+            promise.check(lambda: self._note(slot), getattr(self.function, "__self__", None))
+        if promise is not None and promise.is_broken:
+            return None
         try:
             first, second = (self._look(slot) for _ in range(2))
-        except NotRecordableError:
+        except NotRecordableError as error:
+            self._refuse(str(error))
             return None
-        return first if first.equals(second) else None
+        if first.equals(second):
+            return first
+        self._refuse("a kernel is called with an array that is made anew")
+        return None
+
+    def _refuse(self, why: str) -> None:
+        if self._promise is not None:
+            self._promise.break_off(why)
+
+    def _try_again(self, slot: int) -> None:
+        """Record once more what is on trial; after enough of that it is replayed."""
+        self._trials -= 1
+        if not self._on_trial[slot].equals(self._look(slot)):
+            self._refuse("its kernels are called with other numbers or arrays from step to step")
+        elif self._trials <= 0:
+            self.programs.update(self._on_trial)
+            self._on_trial.clear()
+
+    def _note(self, slot: int) -> tuple[Calls, Ints]:
+        worlds = np.zeros(1, np.int64)
+        return record(self.function, Shard(worlds, slot)), worlds
 
     def _look(self, slot: int) -> Program:
-        worlds = np.zeros(1, np.int64)
-        return Program(record(self.function, Shard(worlds, slot)), worlds)
+        return Program(*self._note(slot))
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, "programs": {}, "_left": {}, "_of_slots": None}
+        return {**self.__dict__, "programs": {}, "_on_trial": {}, "_left": {}, "_of_slots": None}
 
 
 @kernel

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine.fog import FogMap
 from irsim_gym.engine.path_checks import ReachabilityCheck
@@ -56,3 +58,9 @@ class Parts:
     fog: FogMap | None
     names: tuple[str, ...]
     places: tuple[str, ...]
+
+    @property
+    def remembering(self) -> list[Group]:
+        """Groups of kinds written as functions, whose ``arrays["memory"]`` holds an object for each world and body."""
+        groups = (*self.behaviors, *self.group_behaviors, *self.sensors, *self.kinematics)
+        return [group for group in groups if getattr(group.arrays.get("memory"), "dtype", None) == np.object_]

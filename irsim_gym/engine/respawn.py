@@ -9,6 +9,7 @@ import numpy as np
 from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.engine import arrival, body_buckets, contact, outlines, path_checks
 from irsim_gym.engine.parts import Parts
+from irsim_gym.engine.restart import forget_bodies
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
 from irsim_gym.jit import kernel
@@ -70,6 +71,7 @@ def respawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bo
     """
     _find_places(parts, model, state, shard, bodies, chosen)
     twist = state.twist[shard.worlds]
+    forget_bodies(parts, shard, bodies, chosen)
     begin_bodies(shard.worlds, bodies, chosen, model, state)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints, Words
+from irsim_gym.arraytypes import Flags, Ints, Words
 from irsim_gym.engine import arrival, body_buckets, body_measures, contact, fog, outlines, path_checks
 from irsim_gym.engine.fused import Fused
 from irsim_gym.engine.parts import Parts
@@ -78,20 +78,29 @@ def start(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> N
     body_buckets.empty(model, state, shard)
     body_buckets.refresh(parts.everyone, model, state, shard)
     begin_moment(parts, model, state, shard)
+    empty_memories(parts, shard)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)
-    begin_behaviors(parts, shard)
     contact.find_static(parts.fixed, model, state, shard)
     contact.stop(model, state, shard)
     arrival.measure(parts.goal_bodies, state, shard)
     sense(parts, model, state, shard)
 
 
-def begin_behaviors(parts: Parts, shard: Shard) -> None:
-    """Tell behaviours that remember anything, those with a ``begin``, that episodes begin."""
-    for group in (*parts.behaviors, *parts.group_behaviors):
+def empty_memories(parts: Parts, shard: Shard) -> None:
+    """Let kinds forget what they remember, where episodes begin; behaviours and sensors may have a ``begin`` for it."""
+    for group in parts.remembering:
+        group.arrays["memory"][shard.worlds] = None
+    for group in (*parts.behaviors, *parts.group_behaviors, *parts.sensors):
         if hasattr(group.kind, "begin"):
             group.kind.begin(group, shard)
+
+
+def forget_bodies(parts: Parts, shard: Shard, bodies: Ints, chosen: Flags) -> None:
+    """Empty what functions remember of bodies that begin anew, ``chosen``, shape ``(n_worlds, n_bodies)``."""
+    row, k = np.nonzero(chosen[shard.worlds])
+    for group in parts.remembering:
+        group.arrays["memory"][shard.worlds[row], bodies[k]] = None
 
 
 def _failure(place: str) -> str:

@@ -14,6 +14,7 @@ from irsim_gym.engine import body_buckets, contact, field_of_view, outlines, res
 from irsim_gym.engine.fused import Fused, only_kernels
 from irsim_gym.engine.given import check_bodies, check_commands, check_level
 from irsim_gym.engine.parts import Parts
+from irsim_gym.engine.promise import Promise
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.step import Orders, advance, refresh
 from irsim_gym.errors import UnknownNameError, several, suggestion
@@ -47,6 +48,7 @@ class Simulation:
 
     def __post_init__(self) -> None:
         self._recorded: list[Fused] = []
+        self._promise = Promise(self.rewire)
         levels = [group.kind for group in (*self.parts.footprints, *self.parts.placements)]
         self._advance = self.fuse(self.advance)
         self._draw = self.fuse(self._draw_level, levels)
@@ -65,7 +67,9 @@ class Simulation:
         """
         parts = self.parts
         groups = (*parts.group_behaviors, *parts.behaviors, *parts.kinematics, *parts.sensors)
-        self._recorded.append(Fused(function, self.fused and only_kernels([*kinds, *(group.kind for group in groups)])))
+        called = [*kinds, *(group.kind for group in groups)]
+        is_fusable = self.fused and only_kernels(called)
+        self._recorded.append(Fused(function, is_fusable, self._promise.among(called) if is_fusable else None))
         return self._recorded[-1]
 
     def rewire(self) -> None:

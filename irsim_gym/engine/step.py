@@ -9,6 +9,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine import arrival, body_buckets, command_limits, contact, fog, outlines
+from irsim_gym.engine.guide import decide
 from irsim_gym.engine.parts import Parts
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Group, Shard
@@ -46,11 +47,11 @@ class Orders:
 def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, orders: Orders | None = None) -> None:
     """Advance the shard's worlds by one step_time. This order is the specification."""
     for group in parts.group_behaviors:
-        group.kind.decide(group, model, state, shard)
+        decide(group, model, state, shard)
     arrival.renew(parts.goal_bodies, parts.loop_returns, model, state, shard)
     for turn in parts.turns:
         for group in turn.behaviors if orders is None else orders.others(turn.behaviors):
-            group.kind.decide(group, model, state, shard)
+            decide(group, model, state, shard)
         if orders is not None:
             orders.give(state, shard)
         command_limits.apply(turn.movers, model, state, shard)

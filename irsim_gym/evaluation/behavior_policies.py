@@ -25,13 +25,14 @@ from irsim_gym import families
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine import Shard
 from irsim_gym.engine.body_measures import measure
+from irsim_gym.engine.guide import decide, guide
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.drive_actions import decided_commands, to_actions
 from irsim_gym.evaluation.policy import without_lone_axis
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS, KINEMATICS
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.world.group import Group
-from irsim_gym.world.model import DIFFERENTIAL
+from irsim_gym.world.model import DIFFERENTIAL, NO_DRIVE
 
 AT_THEIR_BEST = MappingProxyType({"orca": {"timeHorizon": 5.0, "timeHorizonObst": 2.0, "sidestep": True}})
 """Options in place of the defaults, found on ``dev`` levels of circle_swap and random_swap with 4 to 16 robots."""
@@ -67,9 +68,10 @@ class BehaviorPolicy:
         """
         for body in episodes.simulation.agents.tolist():
             spec = episodes.simulation.scenario.bodies[body]
-            drive = KINEMATICS.name_of(type(spec.kinematics))
-            if drive not in self.kind.kinematics:
-                raise UnfitBehaviorError(f"'{self.name}' cannot drive kinematics '{drive}' of '{spec.name}'")
+            drive = type(spec.kinematics)
+            if not families.commands(self.kind, drive) and not families.steers(self.kind, drive):
+                name = KINEMATICS.name_of(drive)
+                raise UnfitBehaviorError(f"'{self.name}' cannot drive kinematics '{name}' of '{spec.name}'")
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
         """Look at the drives, and at the sizes of the bodies.
@@ -84,6 +86,7 @@ class BehaviorPolicy:
             self._groups = bind(self.name, self.kind, episodes)
             for group in self._groups:
                 self.kind.prepare(group, simulation.model, simulation.shards.n_slots)
+                guide(group, simulation.scenario.bodies, simulation.parts.kinematics, simulation.model)
             self._episodes = episodes
         if self.kind.reads_neighbors:
             measure(worlds, simulation.parts.everyone, simulation.model)
@@ -98,7 +101,7 @@ class BehaviorPolicy:
         if self.is_group:
             _show_who_stands(episodes, worlds)
         for group in self._groups:
-            self.kind.decide(group, simulation.model, simulation.state, shard)
+            decide(group, simulation.model, simulation.state, shard)
         return decided_commands(episodes, worlds)
 
 
@@ -132,7 +135,7 @@ def _options(episodes: Episodes, body: int, family: str, name: str, kind: Any) -
     if not hasattr(options, "vxmax"):
         return options
     fastest = model.velocity_max[:, body].max(axis=0)
-    sideways = fastest[0] if model.drive[body] == DIFFERENTIAL else fastest[1]
+    sideways = fastest[0] if model.drive[body] in (DIFFERENTIAL, NO_DRIVE) else fastest[1]
     return replace(options, vxmax=float(fastest[0]), vymax=float(sideways))
 
 

@@ -89,10 +89,9 @@ def _carry_fog(old: Simulation, new: Simulation) -> None:
 
 
 def _carry_memories(old: Simulation, new: Simulation, was_at: dict[int, int]) -> None:
-    """Copy the memories of behaviours written in Python."""
-    before = [group for group in (*old.parts.behaviors, *old.parts.group_behaviors) if "memory" in group.arrays]
-    for group in (*new.parts.behaviors, *new.parts.group_behaviors):
-        for source in before:
+    """Hand over what kinds written as functions remember."""
+    for group in new.parts.remembering:
+        for source in old.parts.remembering:
             if source.kind is group.kind:
                 for b in map(int, group.members):
                     if was_at.get(b) in source.members:

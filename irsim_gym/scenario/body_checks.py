@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS, KINEMATICS
+from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS, KINEMATICS, commands, steers
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.messages import choices, show
 from irsim_gym.scenario.source import Place
@@ -56,10 +56,10 @@ def check_drive(values: Values, places: Places, report: Report) -> bool:
         if drive is None:
             report.doubt(places[key], f"there is nothing to drive, so the body stands still: {CURE.format(key=key)}")
             continue
-        drives: Sequence[str] = getattr(behavior, "kinematics", KINEMATICS.names())
-        if (name := KINEMATICS.name_of(type(drive))) not in drives:
+        if not commands(behavior, type(drive)) and not steers(behavior, type(drive)):
+            name, drives = KINEMATICS.name_of(type(drive)), choices(behavior.kinematics)
             behavior_name = registry.name_of(type(behavior))
-            report.add(places[key], f"'{behavior_name}' cannot drive kinematics '{name}'; it drives {choices(drives)}")
+            report.add(places[key], f"'{behavior_name}' cannot drive kinematics '{name}'; it drives {drives}")
             good = False
     return good
 

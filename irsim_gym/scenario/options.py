@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import copy
+import inspect
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar, cast, dataclass_transform
 
 from pydantic import ConfigDict, Field
@@ -88,3 +89,104 @@ def crossed_bounds(
     if any(a > b for a, b in zip(low, high, strict=True)):
         shown = [f"[{', '.join(f'{value:g}' for value in bounds)}]" for bounds in (low, high)]
         yield low_name, f"must not exceed {high_name}, got {shown[0]} and {shown[1]}"
+
+
+def kind_of_function(
+    family: str, name: str, function: Callable[..., Any], base: type[Any], leading: Sequence[str], **members: Any
+) -> type[Any]:
+    """Return a kind whose options are the keyword-only parameters of a function, beside those of ``base``.
+
+    The class gets the members ``function`` and ``own_options``, which returns the function's keywords for an instance.
+    With ``**more`` at the end of its parameters the function takes whatever else the file gives, unchecked.
+
+    Args:
+        family: What it is, in messages.
+        name: Its name in YAML.
+        function: The function.
+        base: What all such kinds have in common.
+        leading: What the function is called with before its options, in messages.
+        **members: Further members of the class.
+
+    Raises:
+        TypeError: The function's parameters are not as above.
+    """
+    parameters = function_parameters(family, name, function)
+    options = _function_options(family, name, parameters, base, leading)
+    keys, takes_more = tuple(options), any(one.kind is one.VAR_KEYWORD for one in parameters)
+
+    def own_options(chosen: Any) -> dict[str, Any]:
+        own = {key: getattr(chosen, key) for key in keys}
+        return {**own, **more_options(chosen)} if takes_more else own
+
+    members = {"function": staticmethod(function), "own_options": staticmethod(own_options), **members}
+    return make_kind(family, name, function, base, options, takes_more=takes_more, **members)
+
+
+def make_kind(
+    family: str,
+    name: str,
+    written: Callable[..., Any],
+    base: type[Any],
+    options: dict[str, tuple[Any, Any]],
+    **members: Any,
+) -> type[Any]:
+    """Return a kind of what somebody has written, which ``called`` names in messages.
+
+    Args:
+        family: What it is, in messages.
+        name: Its name in YAML.
+        written: What was written, for its documentation.
+        base: What all such kinds have in common.
+        options: Type and declaration of each option.
+        **members: Further members of the class, such as ``function``.
+    """
+    words = [*name.split("_"), family.split()[-1]]
+    made = type(
+        "".join(word.capitalize() for word in words),
+        (base,),
+        {
+            "__doc__": inspect.getdoc(written) or f"The {family} '{name}'.",
+            "__module__": written.__module__,
+            "__annotations__": {key: hint for key, (hint, _) in options.items()},
+            **{key: declared for key, (_, declared) in options.items()},
+            "called": f"{family} '{name}'",
+            **members,
+        },
+    )
+    return kind(made)
+
+
+def function_parameters(family: str, name: str, function: Callable[..., Any]) -> list[inspect.Parameter]:
+    """Return the parameters of a function with their types.
+
+    Raises:
+        TypeError: A type does not exist when the program runs.
+    """
+    try:
+        return list(inspect.signature(function, eval_str=True).parameters.values())
+    except NameError as error:
+        raise TypeError(f"{family} '{name}': the types of its parameters must exist when it runs ({error})") from None
+
+
+def _function_options(
+    family: str, name: str, parameters: Sequence[inspect.Parameter], base: type[Any], leading: Sequence[str]
+) -> dict[str, tuple[Any, Any]]:
+    """Return type and declaration of each keyword-only parameter."""
+    plain = [one for one in parameters if one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD)]
+    keywords = [one for one in parameters if one.kind is one.KEYWORD_ONLY]
+    more = [one for one in parameters if one.kind is one.VAR_KEYWORD]
+    if len(plain) != len(leading) or len(plain) + len(keywords) + len(more) != len(parameters):
+        shown = ", ".join(str(one) for one in parameters)
+        raise TypeError(
+            f"{family} '{name}': the parameters must be {', '.join(leading)}, a '*', and the options, or '**' for any, "
+            f"got ({shown})"
+        )
+    options = {}
+    for one in keywords:
+        if hasattr(base, one.name) or one.name in option_fields(base) or one.name == "name":
+            raise TypeError(f"{family} '{name}': every {family} has '{one.name}' already; name the option differently")
+        if one.annotation is one.empty:
+            raise TypeError(f"{family} '{name}': the option '{one.name}' needs a type, such as {one.name}: float = 1.0")
+        default = REQUIRED if one.default is one.empty else one.default
+        options[one.name] = one.annotation, option(default, meaning=f"Option of '{name}'.")
+    return options

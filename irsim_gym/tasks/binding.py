@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
-from irsim_gym.engine import Simulation
+from irsim_gym.contract import is_foreign
+from irsim_gym.engine import Simulation, field_of_view
 from irsim_gym.registry import Registry
-from irsim_gym.tasks.contract import check_bound, checked_bounds, is_foreign
+from irsim_gym.tasks.contract import check_bound, checked_bounds
 from irsim_gym.tasks.outcome import HitKind
 from irsim_gym.tasks.task import Task
 from irsim_gym.tasks.term import AHEAD_AND_LEFT, HasArrays, HasUnused, IsImage, Term, Words
 from irsim_gym.world.arrays import aligned
+from irsim_gym.world.group import Group, WorldContext
 from irsim_gym.world.model import OMNI_WORLD, ROBOT
 
 Parts = tuple[tuple[str, Rays, Rays], ...]
@@ -31,10 +33,13 @@ def bind(family: Registry, options: Sequence[Any], simulation: Simulation, task:
     agents = np.array(task.agents, np.int64)
     sizes = action_sizes(simulation, agents)
     words = tuple(_action_words(simulation, task, int(b)) for b in agents)
+    parts = simulation.parts
+    context = WorldContext(simulation.scenario.bodies, parts.sensors, field_of_view.detect)
     terms = []
     for column, item in enumerate(options):
         term = Term(family.name_of(type(item)), item, agents, task.max_steps, int(sizes.max()), sizes, column)
         term.components = words
+        term.bodies = Group(type(item), [item] * len(agents), agents, np.zeros(0), {}, parts.names, context)
         if isinstance(item, HasArrays):
             term.arrays = item.arrays(simulation, agents)
         if is_foreign(type(item)):

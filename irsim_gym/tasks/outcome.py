@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from typing import Literal, get_args
 
 
 class Outcome(IntEnum):
@@ -30,7 +31,8 @@ class HitKind(IntEnum):
     MAP = 4
 
 
-PRECEDENCE = (Outcome.COLLISION, Outcome.LEFT_WORLD, Outcome.SUCCESS, Outcome.DEADLOCK)
+Ended = Literal[Outcome.COLLISION, Outcome.LEFT_WORLD, Outcome.SUCCESS, Outcome.DEADLOCK]
+PRECEDENCE: tuple[Outcome, ...] = get_args(Ended)
 """The outcomes that endings may declare, the one that wins first; the time limit comes after all of them."""
 
 RUNNING = int(Outcome.RUNNING)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
+from typing import Annotated, Any, ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,9 @@ from irsim_gym.arraytypes import Bytes, Flags, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct
-from irsim_gym.tasks.outcome import Outcome
+from irsim_gym.tasks.outcome import Ended, Outcome
 from irsim_gym.tasks.state import EpisodeState
-from irsim_gym.world.group import records
+from irsim_gym.world.group import Group, records
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
@@ -59,6 +59,7 @@ class Term:
         arrays: The term's own arrays: tables, memory, live readings of sensors; a dict, or a struct for kernels.
         components: Of each agent, what the components of its action are when they are mapped to its limits, and their
             units: ``(("speed ahead", "m/s"), ...)``.
+        bodies: The agents as a group, for views of them (``behaviors.views``).
         image: What an observation that is a picture writes, ``(n_worlds, n_agents, height, width, n_channels)``; empty
             for all other terms.
     """
@@ -72,6 +73,7 @@ class Term:
     column: int = 0
     arrays: Any = field(default_factory=dict)
     components: tuple[Words, ...] = ()
+    bodies: Group | None = None
     image: Bytes = field(default_factory=lambda: np.zeros((0, 0, 0, 0, 0), np.uint8))
 
     @cached_property
@@ -123,6 +125,10 @@ class MindsClearance(Protocol):
         """Clearances up to this must be exact [m]; larger ones may be reported as any value not below it."""
 
 
+NeedsGoal = Annotated[bool, "True if it means nothing for an agent without a goal, else False"]
+Weight = Annotated[float, "write 'weight: float = option(1.0, ge=0.0, meaning=...)'"]
+
+
 class ActionKind(Protocol):
     """Turns what a learner emits into commands."""
 
@@ -138,18 +144,19 @@ class ActionKind(Protocol):
         """
 
 
-class ObservationKind(Protocol):
-    """One part of an observation; one that is a picture has ``image_shape`` (``IsImage``) in place of ``bounds``.
-
-    ``needs_goal``: it means nothing for an agent without a goal.
-    ``needs_scan``: it needs a range sensor.
-    """
-
-    needs_goal: ClassVar[bool]
-    needs_scan: ClassVar[bool]
+@runtime_checkable
+class HasBounds(Protocol):
+    """An observation that is a row of numbers."""
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
         """Return the least and the greatest value of each element, within [-1, 1], shape ``(width,)`` each."""
+
+
+class ObservationKind(Protocol):
+    """One part of an observation: a row of numbers (``HasBounds``) or a picture (``IsImage``)."""
+
+    needs_goal: ClassVar[NeedsGoal]
+    needs_scan: ClassVar[Annotated[bool, "True if it needs a range sensor, else False"]]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
@@ -161,16 +168,14 @@ class RewardKind(Protocol):
 
     ``role``: ``potential`` (a difference of potentials), ``bonus`` (positive, once), ``penalty`` (negative, on an
     event) or ``running`` (never positive, and over a whole episode never below ``-weight``).
-    ``outcome``: what a bonus or a penalty is for.
-    ``needs_ending``: the task must end on that outcome, else the term would never be paid.
     ``least(bodies)``: optional, what a penalty that depends on the body is at least, for the audit of rewards.
     """
 
     role: ClassVar[Role]
-    outcome: ClassVar[Outcome]
-    needs_goal: ClassVar[bool]
-    needs_ending: ClassVar[bool]
-    weight: float
+    outcome: ClassVar[Annotated[Outcome, "what a bonus or a penalty is for, else Outcome.RUNNING"]]
+    needs_goal: ClassVar[NeedsGoal]
+    needs_ending: ClassVar[Annotated[bool, "True if it is paid only where the task ends on its outcome, else False"]]
+    weight: Weight
 
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
@@ -180,8 +185,8 @@ class RewardKind(Protocol):
 class EndingKind(Protocol):
     """One way in which the task ends."""
 
-    outcome: ClassVar[Outcome]
-    needs_goal: ClassVar[bool]
+    outcome: ClassVar[Annotated[Ended, "what becomes of an agent whose episode ends so"]]
+    needs_goal: ClassVar[NeedsGoal]
 
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from irsim_gym.contract import is_foreign
 from irsim_gym.engine import Simulation
 from irsim_gym.engine.fused import Fused
-from irsim_gym.tasks.contract import is_foreign
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.watched import (
     Watched,

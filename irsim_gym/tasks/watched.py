@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Ints
+from irsim_gym.contract import refuse
 from irsim_gym.engine import Shard, Simulation
-from irsim_gym.tasks.contract import refuse
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term

@@ -38,6 +38,7 @@ class Group:
         arrays: The kind's own arrays: readings, tables, scratch.
         names: Names of all bodies, for kinds that tell them; may be empty.
         context: Specifications and sensors of all bodies, for kinds that show them; may be None.
+        guide: The members that a behaviour drives through velocities (``engine.guide``); None without any.
     """
 
     kind: Any
@@ -47,6 +48,7 @@ class Group:
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
     names: tuple[str, ...] = ()
     context: WorldContext | None = None
+    guide: Any = None
 
     def __post_init__(self) -> None:
         if self.params is None:
@@ -59,7 +61,9 @@ class Group:
         """Return a group of some of the members, by their numbers in this one; it shares the arrays."""
         options = [self.options[k] for k in chosen]
         params = self.params[chosen]
-        return Group(self.kind, options, self.members[chosen], params, self.arrays, self.names, self.context)
+        members = self.members[chosen]
+        guide = None if self.guide is None else self.guide.among(members)
+        return Group(self.kind, options, members, params, self.arrays, self.names, self.context, guide)
 
 
 @dataclass(frozen=True)

@@ -121,11 +121,11 @@ def test_a_column_is_a_command_too() -> None:
 @pytest.mark.parametrize(
     ("function", "message"),
     [
-        (lambda ego: 0, "the parameters must be two"),
-        (lambda ego, others, gain: 0, "the parameters must be two"),
-        (lambda ego, others, *more: 0, "the parameters must be two"),
+        (lambda ego: 0, "the parameters must be ego, others, a"),
+        (lambda ego, others, gain: 0, "the parameters must be ego, others, a"),
+        (lambda ego, others, *more: 0, "the parameters must be ego, others, a"),
         (lambda ego, others, *, gain: 0, "the option 'gain' needs a type"),
-        (lambda ego, others, *, wander: 0, "every behaviour has 'wander' already"),
+        (lambda ego, others, *, wander: 0, "every behavior has 'wander' already"),
     ],
 )
 def test_parameters_are_checked(function: Any, message: str) -> None:
@@ -311,7 +311,7 @@ def test_an_error_of_a_group_tells_behaviour_and_step() -> None:
     sim = simulation({**OMNI, "number": 2, "state": [[1, 1], [1, 3]], "group_behavior": {"name": "own"}})
     with pytest.raises(KeyError, match="lost") as caught:
         sim.step()
-    assert caught.value.__notes__ == ["in behavior 'own' for the group of 'robot_0', step 1 of world 0"]
+    assert caught.value.__notes__ == ["in group behavior 'own' for the group of 'robot_0', step 1 of world 0"]
 
 
 @pytest.mark.parametrize("key", ["behavior", "group_behavior"])

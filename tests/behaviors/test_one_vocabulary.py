@@ -35,7 +35,7 @@ OTHERS: list[dict[str, Any]] = [
     {"shape": {"name": "linestring", "vertices": [[0, 0], [1, 0], [1, 2]]}, "state": [1, 6, 0.5]},
     {"shape": {"name": "polygon", "vertices": [[0, 0], [1, 0], [0, 1]]}, "state": [7, 2, 0.5], "unobstructed": True},
 ]
-OWN_OF_BEHAVIOURS = {"memory", "uniform", "normal"}
+OWN_OF_BEHAVIOURS = {"memory", "reading", "uniform", "normal"}
 FLAT_ALIKE = ("velocity",)
 
 

@@ -33,7 +33,7 @@ OWNERS = {
     "kinematics": {"pose", "direction", "twist", "steering", "random"},
     "behavior": {"command"},
     "group_behavior": {"command", "plan", "random"},
-    "sensor": set(),
+    "sensor": {"random"},
 }
 
 
@@ -86,7 +86,8 @@ def scene(family: str, name: str) -> dict[str, Any]:
         )
     robot = {**ROBOT, "state": [2, 2, 0.4], "goal": [7, 8, 0]}
     if family == "kinematics":
-        modes = [*drives(name), *({**mode, "noise": True} for mode in drives(name))]
+        has_noise = "noise" in option_fields(families.KINEMATICS.entry(name).kind)
+        modes = [*drives(name), *({**mode, "noise": True} for mode in drives(name) if has_noise)]
         return {"robot": [{**item, "behavior": {"name": "dash"}} for item in row(robot, modes)]}
     if family in ("behavior", "group_behavior"):
         registry = families.BEHAVIORS if family == "behavior" else families.GROUP_BEHAVIORS

@@ -143,8 +143,7 @@ ENTRIES = {
     ),
     "behaviour": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {name: dsh}",
-        "3 robot.behavior.name: no behavior named 'dsh' (did you mean 'dash'?); your own is registered by "
-        "@irsim_gym.behavior, on the command line from --import FILE.py",
+        "3 robot.behavior.name: no behavior named 'dsh' (did you mean 'dash'?)",
     ),
     "behaviour without name": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {wander: true}",

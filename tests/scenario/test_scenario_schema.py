@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from irsim_gym import families
+from irsim_gym.registry import Entry
 from irsim_gym.scenario import library
 from irsim_gym.scenario.option_tables import markdown, option_tables
 from irsim_gym.scenario.options import kind, option
@@ -183,7 +184,7 @@ def test_user_kinds_are_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
         reach: float = option(2.0, gt=0.0, unit="m", meaning="Reach.")
 
     monkeypatch.setattr(families.SENSORS, "_entries", dict(families.SENSORS._entries))
-    families.SENSORS.register("sonar", Sonar)
+    families.SENSORS._entries["sonar"] = Entry("sonar", Sonar)
     assert accepts(json_schema(), "robot: {sensors: [{name: sonar, reach: 3}]}")
     assert not accepts(json_schema(), "robot: {sensors: [{name: sonar, reach: -3}]}")
 

@@ -94,14 +94,14 @@ KEPT = "episode.previous_action[shard.worlds] = episode.action[shard.worlds]"
 
 AT_ONCE: list[tuple[str, str, str, str]] = [
     ("reward", "@kind\n", "", "it is no kind: write @kind above the class"),
-    ("reward", '"running"', '"runing"', "its role must be one of .*, got 'runing' .did you mean 'running'"),
+    ("reward", '"running"', '"runing"', "'role' must be one of .*, got 'runing' .did you mean 'running'"),
     ("reward", '"running"', '"bonus"', "a bonus is for an outcome, such as Outcome.SUCCESS, got Outcome.RUNNING"),
     ("reward", 'role = "running"', "", "it has no 'role': one of potential, bonus, penalty, running"),
     (
         "reward",
         "Outcome.RUNNING",
         '"collision"',
-        "its outcome, .* one of .*COLLISION.*, got 'collision'",
+        "'outcome' must be .* one of .*COLLISION.*, got 'collision'",
     ),
     ("reward", "outcome = Outcome.RUNNING", "", "it has no 'outcome'"),
     ("reward", "needs_goal = False", "", "it has no 'needs_goal': True if"),
@@ -119,8 +119,8 @@ AT_ONCE: list[tuple[str, str, str, str]] = [
         "def bounds(self, term)",
         "'bounds' is called as bounds.term, model",
     ),
-    ("ending", "Outcome.LEFT_WORLD", "Outcome.TIMEOUT", "its outcome, .*, must be one of .*SUCCESS.*, got .*TIMEOUT"),
-    ("ending", "Outcome.LEFT_WORLD", "7", "its outcome, .*, got 7"),
+    ("ending", "Outcome.LEFT_WORLD", "Outcome.TIMEOUT", "'outcome' must be .*, one of .*SUCCESS.*, got .*TIMEOUT"),
+    ("ending", "Outcome.LEFT_WORLD", "7", "'outcome' must be .*, got 7"),
     ("ending", "def ends(", "def end(", r"it has no method ends\(.*\); is 'end' meant"),
     ("action", "n_choices = 0", "", "it has no 'n_choices'"),
     ("action", "def act(", "def action(", "it has no method act"),
@@ -250,7 +250,7 @@ def test_told_when_used(family: str, old: str, new: str, said: str) -> None:
 
 
 def test_all_mistakes_of_a_class_are_told_at_once() -> None:
-    with pytest.raises(KindError, match=r"(?s)needs_goal.*\n.*needs_ending.*\n.*role") as error:
+    with pytest.raises(KindError, match=r"(?s)role.*\n.*needs_goal.*\n.*needs_ending") as error:
         registered("reward", REWARD.replace("needs_", "wants_").replace('"running"', '"cost"'))
     assert len(str(error.value).splitlines()) == 4
 

@@ -1,0 +1,74 @@
+"""Behaviours for ``omni`` in command of any drive that turns velocities into its own commands (``world.kinds.Steers``).
+
+Such a behaviour is shown the body as an omnidirectional one, as fast in every direction as the first number of its
+``vel_max`` says. It asks for a velocity in the world frame, and the drive turns that into a command.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from irsim_gym import families
+from irsim_gym.arraytypes import Ints
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import OMNI_WORLD, WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@dataclass(frozen=True)
+class Guide:
+    """Who of a group is driven by way of velocities.
+
+    Attributes:
+        shown: The constants as the behaviour sees them.
+        drives: Its members whose drives turn velocities into commands, by drive.
+    """
+
+    shown: WorldModel
+    drives: tuple[Group, ...]
+
+    def among(self, members: Ints) -> Guide:
+        """Return the guide of some of the bodies."""
+        chosen = [(drive, np.flatnonzero(np.isin(drive.members, members))) for drive in self.drives]
+        return Guide(self.shown, tuple(drive.select(those) for drive, those in chosen if len(those)))
+
+
+def guide(group: Group, bodies: Sequence[Any], kinematics: Sequence[Group], model: WorldModel) -> None:
+    """Give a group that decides a guide if it needs one.
+
+    Args:
+        group: The group; its ``guide`` is written.
+        bodies: What the file says of each body.
+        kinematics: All bodies that move, by drive.
+        model: The constants.
+    """
+    guided = [int(b) for b in group.members if families.steers(group.kind, type(bodies[b].kinematics))]
+    if guided:
+        group.guide = Guide(_shown(model, np.array(guided)), tuple(kinematics)).among(np.array(guided))
+
+
+def _shown(model: WorldModel, guided: Ints) -> WorldModel:
+    """Return constants in which some bodies are omnidirectional; all other arrays are those of the model."""
+    drive = model.drive.copy()
+    drive[guided] = OMNI_WORLD
+    fastest, slowest, sharpest = (
+        field.copy() for field in (model.velocity_max, model.velocity_min, model.acceleration_limit)
+    )
+    fastest[:, guided, :2] = fastest[:, guided, :1]
+    slowest[:, guided, :2] = -fastest[:, guided, :2]
+    sharpest[:, guided, :2] = sharpest[:, guided, :1]
+    return replace(model, drive=drive, velocity_max=fastest, velocity_min=slowest, acceleration_limit=sharpest)
+
+
+def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Let a group decide: write the commands of its members."""
+    if group.guide is None:
+        group.kind.decide(group, model, state, shard)
+        return
+    group.kind.decide(group, group.guide.shown, state, shard)
+    for drive in group.guide.drives:
+        drive.kind.steer(drive, model, state, shard)

@@ -1,0 +1,70 @@
+"""Everything that kinds of one's own are written with: decorators for functions, and what classes need.
+
+A function is called for one body of one world at a time, so that a batch equals single environments bit for bit. A
+class treats many worlds at once, with NumPy or with kernels; its family's protocol says what it has to have, and is
+checked when the class is registered. CONTRIBUTING.md shows each.
+"""
+
+from irsim_gym.behaviors.custom import behavior, group_behavior
+from irsim_gym.behaviors.views import BodyView, EgoView
+from irsim_gym.families import (
+    ACTIONS,
+    BEHAVIORS,
+    ENDINGS,
+    FOOTPRINTS,
+    GROUP_BEHAVIORS,
+    KINEMATICS,
+    MAPS,
+    OBSERVATIONS,
+    PLACEMENTS,
+    REWARDS,
+    SENSORS,
+)
+from irsim_gym.jit import kernel
+from irsim_gym.plugins.parts import drive, placement, sensor
+from irsim_gym.plugins.terms import AgentView, action, ending, observation, reward
+from irsim_gym.rng import integer, normal, uniform
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.outcome import HitKind, Outcome
+from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.term import (
+    ActionKind,
+    EndingKind,
+    HasArrays,
+    HasBounds,
+    HasUnused,
+    IsImage,
+    MindsClearance,
+    ObservationKind,
+    Remembers,
+    RewardKind,
+    Term,
+)
+from irsim_gym.tasks.words import Columns, TellsActions, TellsColumns, TellsWhen
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.kinds import (
+    Begins,
+    BehaviorKind,
+    Draws,
+    DriveKind,
+    FootprintKind,
+    MapKind,
+    PlacementKind,
+    Reports,
+    SensorKind,
+    Steers,
+)
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import Outline
+from irsim_gym.world.state import WorldState
+
+__all__ = [
+    "ACTIONS", "BEHAVIORS", "ENDINGS", "FOOTPRINTS", "GROUP_BEHAVIORS", "KINEMATICS", "MAPS", "OBSERVATIONS",
+    "PLACEMENTS", "REWARDS", "SENSORS", "ActionKind", "AgentView", "Begins", "BehaviorKind", "BodyView", "Columns",
+    "Draws", "DriveKind", "EgoView", "EndingKind", "EpisodeState", "FootprintKind", "Group", "HasArrays", "HasBounds",
+    "HasUnused", "HitKind", "IsImage", "MapKind", "MindsClearance", "ObservationKind", "Outcome", "Outline",
+    "PlacementKind", "Remembers", "Reports", "RewardKind", "SensorKind", "Shard", "Steers", "TellsActions",
+    "TellsColumns", "TellsWhen", "Term", "WorldModel", "WorldState", "action", "behavior", "drive", "ending",
+    "group_behavior", "integer", "kernel", "kind", "normal", "observation", "option", "placement", "reward", "sensor",
+    "uniform",
+]  # fmt: skip

@@ -1,0 +1,164 @@
+"""What the kinds of a simulation have to have: a protocol for each family; those of a task are in ``tasks.term``.
+
+Methods that act in a step or in the beginning of an episode treat the worlds ``shard.worlds`` and leave all others
+alone. They draw random numbers from ``state.random`` alone (``irsim_gym.rng``), world by world: then a seed gives the
+same episode in any batch. What a kind remembers it keeps in ``group.arrays``, with the world as the first axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Protocol, runtime_checkable
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.contract import Contract
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import Outline
+from irsim_gym.world.state import WorldState
+
+
+class DriveKind(Protocol):
+    """How a body moves."""
+
+    command_names: ClassVar[Annotated[tuple[str, ...], "names of the two or three numbers of a command"]]
+    state_size: ClassVar[Annotated[int, "3, or 4 for a drive with a steering angle"]]
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Make room in ``group.arrays``."""
+
+    @staticmethod
+    def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' ``state.twist`` from ``state.pose`` and ``state.velocity``."""
+
+    @staticmethod
+    def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Advance ``state.pose`` of the members that are not stopped, by ``state.velocity``; write ``state.twist``."""
+
+
+@runtime_checkable
+class Steers(Protocol):
+    """A drive that any behaviour for ``omni`` can command, such as dash, rvo, orca and sfm."""
+
+    @staticmethod
+    def steer(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Turn the members' velocities in the world frame [m/s], in ``state.command``, into commands of the drive."""
+
+
+class BehaviorKind(Protocol):
+    """How a body, or a group of bodies, decides.
+
+    ``kinematics``: names of the drives that it can command; without it, all.
+    """
+
+    reads_neighbors: ClassVar[Annotated[bool, "True if bodies decide and move one after another, else False"]]
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Make room in ``group.arrays``."""
+
+    @staticmethod
+    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' ``state.command``; of a group, those that ``group.arrays["decides"]`` marks."""
+
+
+@runtime_checkable
+class Begins(Protocol):
+    """A behaviour or sensor that takes note of the start of an episode."""
+
+    @staticmethod
+    def begin(group: Group, shard: Shard) -> None:
+        """Forget what is in ``group.arrays`` of the shard's worlds."""
+
+
+class FootprintKind(Protocol):
+    """What a body occupies."""
+
+    is_random: ClassVar[Annotated[bool, "True if the outline is drawn anew for each level, else False"]]
+
+    def outline(self) -> Outline:
+        """Return the outline in the body frame; a random one at its largest."""
+
+
+@runtime_checkable
+class Draws(Protocol):
+    """A footprint that is drawn anew for each level."""
+
+    @staticmethod
+    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' rows of ``model.local_segments`` or ``local_discs``, and ``model.reach``."""
+
+
+class PlacementKind(Protocol):
+    """Where the bodies of an entry start. It remembers nothing: a level follows from its random stream alone."""
+
+    is_random: ClassVar[Annotated[bool, "True if levels differ, else False"]]
+    roams: ClassVar[Annotated[bool, "True if it looks for room among what is placed already, else False"]]
+    ensures_way: ClassVar[Annotated[bool, "True if each goal it draws can be reached, else False"]]
+    gives_goal: ClassVar[Annotated[bool, "True if it writes model.waypoints[w, b, 0], else False"]]
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
+        """Make room in ``group.arrays``; return what does not fit the world, or None."""
+
+    @staticmethod
+    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+        """Write ``state.pose`` and ``state.placed`` of the members that are present and not placed yet.
+
+        Where a member b finds no place, ``failed[w]`` becomes b + 1, and the level is drawn anew.
+        """
+
+
+class MapKind(Protocol):
+    """Which cells of the world are occupied."""
+
+    is_random: ClassVar[Annotated[bool, "False: a map is read once"]]
+
+    def outline(self) -> Outline:
+        """Return an outline without rows."""
+
+    def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
+        """Return which cells are occupied, shape ``(columns, rows)``; ``find`` returns the place of a named file."""
+
+
+class SensorKind(Protocol):
+    """What a body perceives."""
+
+    reading: ClassVar[Annotated[str, "name of its reading in group.arrays, shape (n_worlds, n_members, ...)"]]
+
+    def group_key(self) -> tuple[Any, ...]:
+        """Return what members of one group have in common, such as the number of beams."""
+
+    @staticmethod
+    def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: int) -> None:
+        """Make room in ``group.arrays``, for the reading at least."""
+
+    @staticmethod
+    def sense(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' readings."""
+
+
+@runtime_checkable
+class Reports(Protocol):
+    """A range sensor, whose scans are reported under IR-SIM's names."""
+
+    def angles(self) -> Floats:
+        """Return the beams' directions in the sensor frame [rad], shape ``(n_beams,)``."""
+
+    @staticmethod
+    def report(group: Group, member: int, world: int) -> dict[str, Any]:
+        """Return a copy of a member's scan: ``angle_min``, ``angle_max``, ``ranges`` and so on."""
+
+    @staticmethod
+    def points(group: Group, member: int, world: int) -> Floats | None:
+        """Return the points that the beams hit, in the sensor frame [m], shape ``(2, n)``; None without any."""
+
+
+DRIVE = Contract(DriveKind, (Steers,))
+BEHAVIOR = Contract(BehaviorKind, (Begins,))
+FOOTPRINT = Contract(FootprintKind, (Draws,))
+PLACEMENT = Contract(PlacementKind)
+MAP = Contract(MapKind)
+SENSOR = Contract(SensorKind, (Begins, Reports))
