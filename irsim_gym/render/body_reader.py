@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
+from irsim_gym.raster.play import LABEL_GAP
 from irsim_gym.render.images import load_image
 from irsim_gym.render.outlines import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
 from irsim_gym.render.scene import BodyView, GoalView, ImageView, LabelView
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
 
 REMEMBERED_FORMS = 4096
-LABEL_GAP = 0.08
 
 
 @dataclass(frozen=True, eq=False)

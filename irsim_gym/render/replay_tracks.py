@@ -1,23 +1,25 @@
-"""What a replay remembers of bodies, scans, maps and whatever changes seldom."""
+"""What a replay remembers of bodies, scans, fog and maps."""
 
 from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Iterable
-from dataclasses import asdict, is_dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import to_hex
 from PIL import Image
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.render import shapes
+from irsim_gym.arraytypes import Bytes, Floats
+from irsim_gym.render import vocabulary
 from irsim_gym.render.outlines import chains, placed, replaced
 from irsim_gym.render.packing import METRE, RADIAN, packed
-from irsim_gym.render.scene import BodyView, FogView, ImageView, MapView, ScanView
-from irsim_gym.render.styles import BodyStyle
+from irsim_gym.render.replay_items import Items, Shared, channels, shape_data
+from irsim_gym.render.scene import BodyView, FogView, MapView, ScanView
+from irsim_gym.render.shapes import is_filled
+from irsim_gym.render.styles import TOP, BodyStyle
+from irsim_gym.render.vocabulary import Pen, Shape
 
 SAME = 1e-6
 SPEED = 1e-3
@@ -35,57 +37,28 @@ class Changes:
             self.list.append([moment, value])
 
 
-class Styles:
-    """Styles by number; colours are what browsers understand."""
-
-    def __init__(self) -> None:
-        self.list: list[dict[str, Any]] = []
-        self._known: dict[int, tuple[Any, int]] = {}
-
-    def number(self, style: Any) -> int:
-        """Return the number of a style; equal ones have the same."""
-        known = self._known.get(id(style))
-        if known is not None:
-            return known[1]
-        plain = _plain(style)
-        if plain not in self.list:
-            self.list.append(plain)
-        number = self.list.index(plain)
-        self._known[id(style)] = style, number
-        return number
-
-
 class BodyTrack:
     """A rigid body: its outline in its own frame, and its poses.
 
     Args:
         view: The body as it is seen first.
-        pose: Where it is then.
-        style: Number of its style.
-        field: Width [rad] and depth [m] of its field of view, None where that is not shown.
+        pose: Its pose then.
+        field: Width [rad] and depth [m] of its field of view; None where that is not shown.
         fixed: It never moves.
     """
 
-    def __init__(
-        self, view: BodyView, pose: Floats, style: int, field: tuple[float, float] | None, *, fixed: bool
-    ) -> None:
-        self._view, self._style, self._field, self.fixed = view, style, field, fixed
-        self._filled = shapes.is_filled(view)
+    def __init__(self, view: BodyView, pose: Floats, field: tuple[float, float] | None, *, fixed: bool) -> None:
+        self._view, self._field, self.fixed = view, field, fixed
         self._lines = [_own(line, pose) for line in view.lines]
         self._discs = np.hstack([_own(view.discs[:, :2], pose), view.discs[:, 2:]])
         self._mark = _own(view.heading, pose)
-        self._image = None if view.image is None else _image(view.image, pose)
-        self._ghost = None if view.style.ghost is None else self._left_behind(view, view.style.ghost)
+        self._box = None if view.image is None else _own(view.image.corners[[0, 2]], pose).ravel()
         self._rows: dict[int, Floats] = {}
 
-    def _left_behind(self, view: BodyView, style: BodyStyle) -> dict[str, Any]:
-        """Return the outline that the body leaves behind on its way."""
-        shape = view.style.ghost_shape or ""
-        sides = [np.hstack([line[:-1], line[1:]]) for line in self._lines]
-        segments, discs = replaced(shape, np.vstack([np.zeros((0, 4)), *sides]), self._discs)
-        lines = chains(segments)
-        solid = shape != "linestring" and (bool(shape) or view.solid)
-        return {**_outline(lines, discs), "filled": style.filled and bool(len(discs) or (lines and solid))}
+    @property
+    def name(self) -> str:
+        """The body's name."""
+        return self._view.name
 
     def fits(self, view: BodyView, pose: Floats) -> bool:
         """Return whether the body still has its outline."""
@@ -122,23 +95,69 @@ class BodyTrack:
             image=None,
         )
 
-    def data(self, count: int) -> dict[str, Any]:
+    def data(self, count: int, shared: Shared) -> dict[str, Any]:
         """Return the body as JSON, with a pose for each of ``count`` moments."""
         rows = np.full((count, 4), np.nan)
         for moment, row in self._rows.items():
             rows[moment] = row
         return {
             "name": self._view.name,
-            "style": self._style,
             "fixed": self.fixed,
-            "filled": self._filled,
-            "field": None if self._field is None else [round(value, 4) for value in self._field],
-            "ghost": self._ghost,
-            "image": self._image,
-            **_outline(self._lines, self._discs),
-            "mark": np.round(self._mark, 4).ravel().tolist(),
+            "shape": shared.shape(shape_data(self._shape())),
             "poses": [packed(rows[:, :2], METRE), packed(rows[:, 2:], RADIAN)],
         }
+
+    def draw(self, items: Items, number: int, struck: Sequence[int]) -> None:
+        """Add what is drawn of the body.
+
+        Args:
+            items: Where it is added.
+            number: Number of the body in the episode.
+            struck: Spans of moments at which it takes part in a collision.
+        """
+        view, style = self._view, self._view.style
+        rank, at, shape = "fixed" if self.fixed else "bodies", {"body": number}, self._shape()
+        outline = items.shared.shape(shape_data(shape))
+        if view.image is not None and self._box is not None:
+            picture, box = items.shared.picture(_url(view.image.pixels)), np.round(self._box, 4).tolist()
+            items.add(rank, style.order, "image", picture=picture, box=box, alpha=view.image.alpha, **at)
+        else:
+            filled = is_filled(view)
+            for shift, pen in vocabulary.SHADOWS if self.fixed and filled else ():
+                items.figure("shadows", style.order, pen, outline, shift=shift, **at)
+            for pen in vocabulary.footprint(style, filled=filled, parts=len(self._lines) + len(self._discs)):
+                items.figure(rank, style.order, pen, outline, **at)
+        if len(self._mark):
+            layer = style.order if style.arrow_order is None else style.arrow_order
+            mark = items.shared.shape(shape_data(Shape((np.vstack([self._mark, self._mark[:1]]),))))
+            items.figure("headings", layer, vocabulary.heading(style), mark, turned=True, **at)
+        if self._field is not None:
+            sector = items.shared.shape(shape_data(Shape(sector=self._field)))
+            items.figure("fields", style.field_order, vocabulary.field_of_view(style), sector, **at)
+        if not self.fixed:
+            self._draw_past(items, style, at)
+        for pen in vocabulary.IMPACT if struck else ():
+            items.figure("impacts", TOP, pen, outline, spans=struck, **at)
+        items.body_label(style, view.name, number, fixed=self.fixed)
+
+    def _draw_past(self, items: Items, style: BodyStyle, at: dict[str, int]) -> None:
+        """Add the body's trajectory, and the outlines that it leaves behind."""
+        if style.show_trajectory:
+            pen, length = items.shared.pen(vocabulary.trajectory(style)), style.trajectory_length or None
+            items.add("paths", style.trajectory_order, "path", pen=pen, length=length, **at)
+        if style.ghost is not None:
+            shape, past = style.ghost_shape or "", [style.ghost_every, style.ghost_length]
+            sides = [np.hstack([line[:-1], line[1:]]) for line in self._lines]
+            segments, discs = replaced(shape, np.vstack([np.zeros((0, 4)), *sides]), self._discs)
+            ghost = Shape(chains(segments), discs=discs)
+            solid = shape != "linestring" and (bool(shape) or self._view.solid)
+            filled = style.ghost.filled and bool(len(discs) or (ghost.chains and solid))
+            number = items.shared.shape(shape_data(ghost))
+            for pen in vocabulary.footprint(style.ghost, filled=filled, parts=len(ghost.chains) + len(discs)):
+                items.figure("ghosts", style.ghost.order, pen, number, past=past, **at)
+
+    def _shape(self) -> Shape:
+        return Shape(tuple(self._lines), discs=self._discs)
 
 
 class ScanTrack:
@@ -147,11 +166,10 @@ class ScanTrack:
     Args:
         view: The first scan.
         name: Name of the body that carries it.
-        style: Number of its style.
     """
 
-    def __init__(self, view: ScanView, name: str, style: int) -> None:
-        self._view, self._name, self._style = view, name, style
+    def __init__(self, view: ScanView, name: str) -> None:
+        self._view, self._name = view, name
         self._rows: list[tuple[int, ScanView]] = []
 
     def note(self, view: ScanView, moment: int) -> None:
@@ -172,7 +190,6 @@ class ScanTrack:
         moving = bool(np.nan_to_num(speeds).any())
         return {
             "body": self._name,
-            "style": self._style,
             "surrounds": self._view.surrounds,
             "angles": np.round(self._view.angles, 5).tolist(),
             "near": round(near, 4),
@@ -181,6 +198,10 @@ class ScanTrack:
             "places": [packed(places[:, :2], METRE), packed(places[:, 2:], RADIAN)],
             "speeds": packed(speeds, SPEED) if moving else None,
         }
+
+    def draw(self, items: Items, number: int) -> None:
+        """Add what is drawn of the scan with this number."""
+        items.scan(self._view.style, number, len(self._view.angles))
 
 
 class FogTrack:
@@ -208,14 +229,19 @@ class FogTrack:
         return {
             "extent": [round(float(value), 6) for value in self._view.extent],
             "size": list(self._view.covered.shape),
-            "colour": to_hex(self._view.colour, keep_alpha=True),
-            "alpha": self._view.alpha,
+            "ink": [*channels(self._view.colour), self._view.alpha],
             "changes": self._changes,
         }
 
 
-def map_data(view: MapView) -> dict[str, Any]:
-    """Return a map as JSON: its rectangle [m], number of columns and rows, colour, opacity, and boxes of cells.
+def draw_map(items: Items, view: MapView, spans: Sequence[int]) -> None:
+    """Add a map that is shown in some spans of moments; a thin edge keeps thin walls visible and hides seams."""
+    ink = vocabulary.Ink(view.colour, view.alpha)
+    items.figure("map", -np.inf, Pen(ink, ink, 0.5), items.shared.shape({"cells": cells_data(view)}), spans=spans)
+
+
+def cells_data(view: MapView) -> dict[str, Any]:
+    """Return the occupied cells of a map as JSON: its rectangle [m], number of columns and rows, and boxes of cells.
 
     A box is first column, first row, end column, end row; together the boxes are what is occupied.
     """
@@ -231,29 +257,15 @@ def map_data(view: MapView) -> dict[str, Any]:
     return {
         "extent": [round(float(value), 6) for value in view.extent],
         "size": list(view.occupied.shape),
-        "colour": to_hex(view.colour, keep_alpha=True),
-        "alpha": view.alpha,
         "boxes": [value for box in sorted(boxes) for value in box],
     }
 
 
-def _image(view: ImageView, pose: Floats) -> dict[str, Any]:
-    """Return an image: the picture as a data URL, its corners in the body's frame [m], and its opacity."""
+def _url(pixels: Bytes) -> str:
+    """Return an image as a data URL."""
     content = io.BytesIO()
-    Image.fromarray(view.pixels).save(content, "png", optimize=True)
-    lower, upper = _own(view.corners[[0, 2]], pose).tolist()
-    return {
-        "picture": f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}",
-        "box": [round(value, 4) for value in (*lower, *upper)],
-        "alpha": view.alpha,
-    }
-
-
-def _outline(lines: Iterable[Floats], discs: Floats) -> dict[str, Any]:
-    return {
-        "lines": [np.round(line, 4).ravel().tolist() for line in lines],
-        "discs": np.round(discs, 4).tolist(),
-    }
+    Image.fromarray(pixels).save(content, "png", optimize=True)
+    return f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}"
 
 
 def _own(points: Floats, pose: Floats) -> Floats:
@@ -266,15 +278,3 @@ def _turn(mark: Floats, now: Floats) -> float:
     across = float((mark[:, 0] * now[:, 1] - mark[:, 1] * now[:, 0]).sum())
     along = float((mark * now).sum())
     return float(np.arctan2(across, along)) if len(mark) else 0.0
-
-
-def _plain(style: Any) -> dict[str, Any]:
-    assert is_dataclass(style)
-    assert not isinstance(style, type)
-    return {key: _browsers(key, value) for key, value in asdict(style).items()}
-
-
-def _browsers(key: str, value: Any) -> Any:
-    if isinstance(value, dict):
-        return {name: _browsers(name, inner) for name, inner in value.items()}
-    return to_hex(value, keep_alpha=True) if key.endswith("colour") and isinstance(value, str) else value
