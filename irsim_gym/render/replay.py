@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.render import theme
+from irsim_gym.render import theme, vocabulary
 from irsim_gym.render.packing import METRE, packed
-from irsim_gym.render.replay_items import Items, Seen, Shared
-from irsim_gym.render.replay_tracks import BodyTrack, Changes, FogTrack, ScanTrack, draw_map
+from irsim_gym.render.replay_items import Items, Shared
+from irsim_gym.render.replay_tracks import BodyTrack, Changes, FogTrack, ScanTrack, Seen, map_figure, marks_seen
 from irsim_gym.render.scene import BodyView, Scene
-from irsim_gym.render.styles import GROUND
 from irsim_gym.world.marks import Overlay
 
 if TYPE_CHECKING:
@@ -36,7 +35,8 @@ class Recording:
     - ``title``: the picture's heading; ``bounds``: the world's rectangle [m]; ``look``: ``axis``, ``title`` (there is a
       line above), ``titled`` (it is a title alone); ``center``: the point in the middle of the picture, or None;
     - ``count``: number of moments; ``time`` of each [s];
-    - ``status`` (words and their colour) and ``titles`` (what a script wrote in their place, or None): changes;
+    - ``status``, and ``titles`` (what a script wrote above the world, or None): changes; ``tones``: the colour of each
+      status;
     - ``bodies``: ``name``, ``fixed``, ``shape`` (number of the outline), and ``poses``: x, y, then heading and what the
       mark of the heading is turned by; None where the body is not there;
     - ``scans``: ``body``, ``surrounds``, ``angles``, ``ranges``, ``places`` (x, y, then heading), ``speeds``; a range
@@ -126,7 +126,7 @@ class Recording:
         names = {view.body: view.name for view in scene.fixed + scene.moving}
         self._note_bodies(scene, poses, moment)
         self._note_scans(scene, names, moment)
-        self._status.note(moment, [scene.status.replace("_", " "), theme.status_colour(scene.status)])
+        self._status.note(moment, scene.status)
         if theme.ends_episode(scene.status):
             tone = theme.status_colour(scene.status)
             self._outcomes.note(moment, tone, tone)
@@ -176,6 +176,7 @@ class Recording:
             "count": count,
             "time": packed(self._times, TIME),
             "status": self._status.list,
+            "tones": {status: theme.status_colour(status) for _, status in self._status.list},
             "titles": titles.list,
             "bodies": [track.data(count, shared) for track in bodies],
             "scans": [track.data(count) for track in self._scans.values()],
@@ -188,17 +189,21 @@ class Recording:
     def _items(self, bodies: Sequence[BodyTrack], items: Items) -> Items:
         """Add all that is drawn."""
         for view, spans in self._maps.things.values():
-            draw_map(items, view, spans)
+            items.add(map_figure(view), spans=spans)
         for tone, spans in self._outcomes.things.values():
-            items.outcome(tone, self.last.bounds, spans)
+            for figure in vocabulary.outcome(tone, self.last.bounds):
+                items.add(figure, spans=spans)
         if self._fog is not None:
-            items.add("fog", GROUND, "fog")
+            self._fog.draw(items)
         for number, track in enumerate(bodies):
-            track.draw(items, number, self._struck.things.get(track.name, (None, []))[1])
+            track.draw(items, number, self._struck)
         for number, scan in enumerate(self._scans.values()):
             scan.draw(items, number)
-        items.goals(self._goals)
-        items.overlays(self._overlays)
+        for goal, spans in self._goals.things.values():
+            for thing in vocabulary.goal(goal):
+                items.add(thing, spans=spans)
+        for mark, spans in marks_seen(self._overlays).things.values():
+            items.add(vocabulary.mark(mark), spans=spans)
         return items
 
     def _note_bodies(self, scene: Scene, poses: Floats, moment: int) -> None:
@@ -210,14 +215,13 @@ class Recording:
                 self._bodies[view.name][-1].stay(moment)
         for views, fixed in ((() if still else scene.fixed, True), (scene.moving, False)):
             for view in views:
-                pose = poses[view.body]
-                self._track(view, pose, fields.get(id(view.style)), fixed).note(view, pose, moment)
+                self._track(view, fields.get(id(view.style)), fixed).note(view, poses[view.body], moment)
 
-    def _track(self, view: BodyView, pose: Floats, field: tuple[float, float] | None, fixed: bool) -> BodyTrack:
+    def _track(self, view: BodyView, field: tuple[float, float] | None, fixed: bool) -> BodyTrack:
         """Return where a body's poses go; one whose outline has changed is another body."""
         tracks = self._bodies.setdefault(view.name, [])
-        if not tracks or not tracks[-1].fits(view, pose):
-            tracks.append(BodyTrack(view, pose, field, fixed=fixed))
+        if not tracks or not tracks[-1].fits(view):
+            tracks.append(BodyTrack(view, field, fixed=fixed))
         return tracks[-1]
 
     def _note_scans(self, scene: Scene, names: Mapping[int, str], moment: int) -> None:

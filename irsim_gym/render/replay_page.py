@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.render import theme, vocabulary
+from irsim_gym.render import vocabulary
 from irsim_gym.render.files import whole_file
 from irsim_gym.render.replay import Recording
 from irsim_gym.render.replay_items import Shared
@@ -77,10 +77,8 @@ def _recorded(recordings: Sequence[Recording], title: str) -> dict[str, Any]:
         "schema": SCHEMA,
         "version": VERSION,
         "title": title or episodes[0]["title"],
-        "theme": {"card": theme.CARD, "grid": theme.GRID, "rule": theme.RULE, **vocabulary.CONSTANTS},
-        "pens": shared.pens,
-        "shapes": shared.shapes,
-        "pictures": shared.pictures,
+        "theme": vocabulary.page_constants(),
+        **shared.data(),
         "episodes": episodes,
     }
 

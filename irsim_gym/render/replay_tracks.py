@@ -1,27 +1,22 @@
-"""What a replay remembers of bodies, scans, fog and maps."""
+"""What a replay remembers of bodies, scans, fog and maps, and of what is seen at some moments only."""
 
 from __future__ import annotations
 
-import base64
-import io
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
-from irsim_gym.arraytypes import Bytes, Floats
+from irsim_gym.arraytypes import Floats
 from irsim_gym.render import vocabulary
-from irsim_gym.render.outlines import chains, placed, replaced
+from irsim_gym.render.outlines import placed
 from irsim_gym.render.packing import METRE, RADIAN, packed
-from irsim_gym.render.replay_items import Items, Shared, channels, shape_data
-from irsim_gym.render.scene import BodyView, FogView, MapView, ScanView
-from irsim_gym.render.shapes import is_filled
-from irsim_gym.render.styles import TOP, BodyStyle
-from irsim_gym.render.vocabulary import Pen, Shape
+from irsim_gym.render.primitives import Figure, Ink, Pen, Shape
+from irsim_gym.render.replay_items import Items, Shared
+from irsim_gym.render.scene import BodyView, FogView, Form, MapView, ScanView
+from irsim_gym.world.marks import Mark, Overlay
 
-SAME = 1e-6
 SPEED = 1e-3
 
 
@@ -37,44 +32,60 @@ class Changes:
             self.list.append([moment, value])
 
 
+class Seen:
+    """Things that are seen at some moments only, in the order in which they come.
+
+    Attributes:
+        things: By key, the thing and its spans: first moment, end, first moment, end...
+    """
+
+    def __init__(self) -> None:
+        self.things: dict[Hashable, tuple[Any, list[int]]] = {}
+        self._latest: list[list[int]] = []
+        self._moment = -1
+
+    def note(self, moment: int, key: Hashable, thing: Any) -> None:
+        """Note that a thing is seen at a moment."""
+        if moment != self._moment:
+            self._moment, self._latest = moment, []
+        spans = self.things.setdefault(key, (thing, []))[1]
+        self._latest.append(spans)
+        if spans and spans[-1] == moment:
+            spans[-1] = moment + 1
+        else:
+            spans += [moment, moment + 1]
+
+    def note_again(self, moment: int) -> None:
+        """Note that what was seen one moment before, and nothing else, is seen at this one."""
+        if self._moment == moment - 1:
+            self._moment = moment
+            for spans in self._latest:
+                spans[-1] = moment + 1
+
+
 class BodyTrack:
-    """A rigid body: its outline in its own frame, and its poses.
+    """A rigid body and its poses.
 
     Args:
         view: The body as it is seen first.
-        pose: Its pose then.
         field: Width [rad] and depth [m] of its field of view; None where that is not shown.
         fixed: It never moves.
     """
 
-    def __init__(self, view: BodyView, pose: Floats, field: tuple[float, float] | None, *, fixed: bool) -> None:
-        self._view, self._field, self.fixed = view, field, fixed
-        self._lines = [_own(line, pose) for line in view.lines]
-        self._discs = np.hstack([_own(view.discs[:, :2], pose), view.discs[:, 2:]])
-        self._mark = _own(view.heading, pose)
-        self._box = None if view.image is None else _own(view.image.corners[[0, 2]], pose).ravel()
+    def __init__(self, view: BodyView, field: tuple[float, float] | None, *, fixed: bool) -> None:
+        self._view, self._form, self._field, self.fixed = view, view.form, field, fixed
         self._rows: dict[int, Floats] = {}
 
-    @property
-    def name(self) -> str:
-        """The body's name."""
-        return self._view.name
-
-    def fits(self, view: BodyView, pose: Floats) -> bool:
+    def fits(self, view: BodyView) -> bool:
         """Return whether the body still has its outline."""
-        lines, discs = [_own(line, pose) for line in view.lines], _own(view.discs[:, :2], pose)
-        return (
-            [line.shape for line in lines] == [line.shape for line in self._lines]
-            and discs.shape == self._discs[:, :2].shape
-            and view.heading.shape == self._mark.shape
-            and all(np.abs(one - other).max() < SAME for one, other in zip(lines, self._lines, strict=True))
-            and bool((np.abs(discs - self._discs[:, :2]) < SAME).all())
-            and bool((np.abs(view.discs[:, 2] - self._discs[:, 2]) < SAME).all())
-        )
+        if view.form is not self._form and not _alike(view.form, self._form):
+            return False
+        self._form = view.form
+        return True
 
     def note(self, view: BodyView, pose: Floats, moment: int) -> None:
         """Note where the body is, and where its mark points."""
-        self._rows[moment] = np.array([*pose, _turn(self._mark, _own(view.heading, pose))])
+        self._rows[moment] = np.array([*pose, view.turn])
 
     def stay(self, moment: int) -> None:
         """Note that it is where it was."""
@@ -85,12 +96,12 @@ class BodyTrack:
         row = self._rows.get(moment)
         if row is None:
             return None
-        pose = row[:3]
+        pose, form = row[:3], self._view.form
         return replace(
             self._view,
-            lines=tuple(placed(line, pose) for line in self._lines),
-            discs=np.hstack([placed(self._discs[:, :2], pose), self._discs[:, 2:]]),
-            heading=placed(self._mark, pose + np.array([0.0, 0.0, row[3]])),
+            lines=tuple(placed(line, pose) for line in form.lines),
+            discs=np.hstack([placed(form.discs[:, :2], pose), form.discs[:, 2:]]),
+            heading=placed(form.mark, pose + np.array([0.0, 0.0, row[3]])),
             anchor=(float(pose[0]), float(pose[1])),
             image=None,
         )
@@ -103,61 +114,17 @@ class BodyTrack:
         return {
             "name": self._view.name,
             "fixed": self.fixed,
-            "shape": shared.shape(shape_data(self._shape())),
+            "shape": shared.shape(vocabulary.outline(self._view.form)),
             "poses": [packed(rows[:, :2], METRE), packed(rows[:, 2:], RADIAN)],
         }
 
-    def draw(self, items: Items, number: int, struck: Sequence[int]) -> None:
-        """Add what is drawn of the body.
-
-        Args:
-            items: Where it is added.
-            number: Number of the body in the episode.
-            struck: Spans of moments at which it takes part in a collision.
-        """
-        view, style = self._view, self._view.style
-        rank, at, shape = "fixed" if self.fixed else "bodies", {"body": number}, self._shape()
-        outline = items.shared.shape(shape_data(shape))
-        if view.image is not None and self._box is not None:
-            picture, box = items.shared.picture(_url(view.image.pixels)), np.round(self._box, 4).tolist()
-            items.add(rank, style.order, "image", picture=picture, box=box, alpha=view.image.alpha, **at)
-        else:
-            filled = is_filled(view)
-            for shift, pen in vocabulary.SHADOWS if self.fixed and filled else ():
-                items.figure("shadows", style.order, pen, outline, shift=shift, **at)
-            for pen in vocabulary.footprint(style, filled=filled, parts=len(self._lines) + len(self._discs)):
-                items.figure(rank, style.order, pen, outline, **at)
-        if len(self._mark):
-            layer = style.order if style.arrow_order is None else style.arrow_order
-            mark = items.shared.shape(shape_data(Shape((np.vstack([self._mark, self._mark[:1]]),))))
-            items.figure("headings", layer, vocabulary.heading(style), mark, turned=True, **at)
-        if self._field is not None:
-            sector = items.shared.shape(shape_data(Shape(sector=self._field)))
-            items.figure("fields", style.field_order, vocabulary.field_of_view(style), sector, **at)
-        if not self.fixed:
-            self._draw_past(items, style, at)
-        for pen in vocabulary.IMPACT if struck else ():
-            items.figure("impacts", TOP, pen, outline, spans=struck, **at)
-        items.body_label(style, view.name, number, fixed=self.fixed)
-
-    def _draw_past(self, items: Items, style: BodyStyle, at: dict[str, int]) -> None:
-        """Add the body's trajectory, and the outlines that it leaves behind."""
-        if style.show_trajectory:
-            pen, length = items.shared.pen(vocabulary.trajectory(style)), style.trajectory_length or None
-            items.add("paths", style.trajectory_order, "path", pen=pen, length=length, **at)
-        if style.ghost is not None:
-            shape, past = style.ghost_shape or "", [style.ghost_every, style.ghost_length]
-            sides = [np.hstack([line[:-1], line[1:]]) for line in self._lines]
-            segments, discs = replaced(shape, np.vstack([np.zeros((0, 4)), *sides]), self._discs)
-            ghost = Shape(chains(segments), discs=discs)
-            solid = shape != "linestring" and (bool(shape) or self._view.solid)
-            filled = style.ghost.filled and bool(len(discs) or (ghost.chains and solid))
-            number = items.shared.shape(shape_data(ghost))
-            for pen in vocabulary.footprint(style.ghost, filled=filled, parts=len(ghost.chains) + len(discs)):
-                items.figure("ghosts", style.ghost.order, pen, number, past=past, **at)
-
-    def _shape(self) -> Shape:
-        return Shape(tuple(self._lines), discs=self._discs)
+    def draw(self, items: Items, number: int, struck: Seen) -> None:
+        """Add what is drawn of the body with this number; ``struck`` knows by name who collides."""
+        for thing in vocabulary.body(self._view, self._field, fixed=self.fixed):
+            items.add(thing, body=number)
+        if self._view.name in struck.things:
+            for edge in vocabulary.impact(self._view.form):
+                items.add(edge, body=number, spans=struck.things[self._view.name][1])
 
 
 class ScanTrack:
@@ -201,7 +168,8 @@ class ScanTrack:
 
     def draw(self, items: Items, number: int) -> None:
         """Add what is drawn of the scan with this number."""
-        items.scan(self._view.style, number, len(self._view.angles))
+        for beams in vocabulary.scan(self._view.style, len(self._view.angles)):
+            items.add(beams, scan=number)
 
 
 class FogTrack:
@@ -229,22 +197,22 @@ class FogTrack:
         return {
             "extent": [round(float(value), 6) for value in self._view.extent],
             "size": list(self._view.covered.shape),
-            "ink": [*channels(self._view.colour), self._view.alpha],
             "changes": self._changes,
         }
 
-
-def draw_map(items: Items, view: MapView, spans: Sequence[int]) -> None:
-    """Add a map that is shown in some spans of moments; a thin edge keeps thin walls visible and hides seams."""
-    ink = vocabulary.Ink(view.colour, view.alpha)
-    items.figure("map", -np.inf, Pen(ink, ink, 0.5), items.shared.shape({"cells": cells_data(view)}), spans=spans)
+    def draw(self, items: Items) -> None:
+        """Add the fog."""
+        items.add(vocabulary.fog(self._view))
 
 
-def cells_data(view: MapView) -> dict[str, Any]:
-    """Return the occupied cells of a map as JSON: its rectangle [m], number of columns and rows, and boxes of cells.
+def _alike(one: Form, other: Form) -> bool:
+    """Return whether two footprints have the same outline and mark."""
+    parts, others = ([*form.lines, form.discs, form.mark] for form in (one, other))
+    return len(parts) == len(others) and all(map(np.array_equal, parts, others))
 
-    A box is first column, first row, end column, end row; together the boxes are what is occupied.
-    """
+
+def map_figure(view: MapView) -> Figure:
+    """Return a map: boxes of occupied cells, with a thin edge that keeps thin walls visible and hides seams."""
     boxes: list[list[int]] = []
     open_runs: dict[tuple[int, int], int] = {}
     for column, cells in enumerate([*view.occupied, np.zeros(view.occupied.shape[1], np.bool_)]):
@@ -254,27 +222,28 @@ def cells_data(view: MapView) -> dict[str, Any]:
             boxes.append([open_runs.pop(run), run[0], column, run[1]])
         for run in runs:
             open_runs.setdefault(run, column)
-    return {
-        "extent": [round(float(value), 6) for value in view.extent],
-        "size": list(view.occupied.shape),
-        "boxes": [value for box in sorted(boxes) for value in box],
-    }
+    x_min, y_min, x_max, y_max = (float(value) for value in view.extent)
+    cell = x_min, y_min, (x_max - x_min) / view.occupied.shape[0], (y_max - y_min) / view.occupied.shape[1]
+    ink, shape = Ink(view.colour, view.alpha), Shape(boxes=np.array(sorted(boxes), np.int64).reshape(-1, 4), cell=cell)
+    return Figure("map", -np.inf, Pen(ink, ink, 0.5), shape)
 
 
-def _url(pixels: Bytes) -> str:
-    """Return an image as a data URL."""
-    content = io.BytesIO()
-    Image.fromarray(pixels).save(content, "png", optimize=True)
-    return f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}"
+def marks_seen(overlays: Sequence[Overlay]) -> Seen:
+    """Return the marks that lay over the world at each moment; what is drawn anew as it was is one mark."""
+    seen, looks = Seen(), dict[int, Hashable]()
+    for moment, overlay in enumerate(overlays):
+        if moment and overlay is overlays[moment - 1]:
+            seen.note_again(moment)
+            continue
+        counts = dict[Hashable, int]()
+        for mark in overlay.marks:
+            look = looks[id(mark)] = looks.get(id(mark)) or _look(mark)
+            counts[look] = counts.get(look, 0) + 1
+            seen.note(moment, (look, counts[look]), mark)
+    return seen
 
 
-def _own(points: Floats, pose: Floats) -> Floats:
-    """Move points of the world frame, shape ``(n, 2)`` [m], to the frame of a body."""
-    return placed(points - pose[:2], np.array([0.0, 0.0, -pose[2]]))
-
-
-def _turn(mark: Floats, now: Floats) -> float:
-    """Return by how much a mark is turned about the body's origin [rad]."""
-    across = float((mark[:, 0] * now[:, 1] - mark[:, 1] * now[:, 0]).sum())
-    along = float((mark * now).sum())
-    return float(np.arctan2(across, along)) if len(mark) else 0.0
+def _look(mark: Mark) -> Hashable:
+    """Return what makes a mark look as it does; the parts of a form are the same objects for all marks of one kind."""
+    values = [tuple(map(id, value)) if isinstance(value, tuple) else value for value in vars(mark).values()]
+    return type(mark), *(value.tobytes() if isinstance(value, np.ndarray) else value for value in values)

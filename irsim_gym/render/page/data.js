@@ -53,9 +53,10 @@ function valueAt(changes, moment) {
 
 /** An outline in a frame of its own. */
 class Shape {
-  constructor({ chains = [], offsets = [], least = 0, discs = [], sector, dot = 0, cells }) {
-    const tables = (packed) => packed.map((line) => new Table(line));
-    Object.assign(this, { chains: tables(chains), offsets: tables(offsets), least, discs, sector, dot, cells });
+  constructor({ chains = [], offsets = [], least = 0, discs, sector, dot = 0, boxes, cell }) {
+    const rows = (packed) => (packed ? new Table(packed).rows() : []);
+    Object.assign(this, { chains: chains.map(rows), offsets: offsets.map(rows), least, discs: rows(discs), sector, dot });
+    Object.assign(this, { boxes: rows(boxes), cell });
   }
 
   /** Return it in metres, where a point of type has this size; most are made once. */
@@ -69,10 +70,9 @@ class Shape {
 
   make(point) {
     const path = new Path2D();
-    for (let k = 0; k < Math.max(this.chains.length, this.offsets.length); k++) {
-      const line = this.corners(this.chains[k], this.offsets[k], point);
-      const [first, last] = [line[0], line[line.length - 1]];
+    for (const line of this.lines(point)) {
       line.forEach(([x, y], i) => (i ? path.lineTo(x, y) : path.moveTo(x, y)));
+      const [first, last] = [line[0], line[line.length - 1]];
       if (line.length > 2 && first[0] === last[0] && first[1] === last[1]) path.closePath();
     }
     for (const [x, y, radius] of this.dot ? [[0, 0, this.dot * point]] : this.discs) {
@@ -85,25 +85,22 @@ class Shape {
       path.arc(0, 0, radius, -span / 2, span / 2);
       path.closePath();
     }
-    if (this.cells) addCells(path, this.cells);
+    const [x, y, wide, high] = this.cell ?? [];
+    for (const [first, low, end, above] of this.boxes) {
+      path.rect(x + first * wide, y + low * high, (end - first) * wide, (above - low) * high);
+    }
     return path;
   }
 
-  corners(chain, offsets, point) {
-    return Array.from({ length: Math.max(chain?.count ?? 0, offsets?.count ?? 0) }, (_, i) => {
-      const [x, y] = chain?.row(i) ?? [0, 0];
-      const size = Math.max(this.least * point / (Math.hypot(x, y) || 1), 1);
-      const [a, b] = offsets?.row(i) ?? [0, 0];
-      return [x * (x || y ? size : 1) + a * point, y * (x || y ? size : 1) + b * point];
-    });
-  }
-}
-
-function addCells(path, { extent: [x, y, right, top], size, boxes }) {
-  const [wide, high] = [(right - x) / size[0], (top - y) / size[1]];
-  for (let i = 0; i < boxes.length; i += 4) {
-    const [first, low, end, above] = boxes.slice(i, i + 4);
-    path.rect(x + first * wide, y + low * high, (end - first) * wide, (above - low) * high);
+  /** Return its chains, with their offsets added. */
+  lines(point) {
+    if (!this.offsets.length) return this.chains;
+    return this.offsets.map((offsets, k) => offsets.map(([a, b], i) => {
+      const [x, y] = this.chains[k]?.[i] ?? [0, 0];
+      const away = Math.hypot(x, y) || 1;
+      const size = Math.max(this.least * point, away) / away;
+      return [x * size + a * point, y * size + b * point];
+    }));
   }
 }
 
@@ -127,8 +124,7 @@ class Body {
   boxAt(moment) {
     const [x, y, heading] = this.poseAt(moment);
     const [cosine, sine] = [Math.cos(heading), Math.sin(heading)];
-    const corners = this.shape.chains.flatMap((chain) => this.shape.corners(chain, null, 0));
-    const placed = [...corners, ...this.shape.discs].map(([a, b, radius = 0]) => (
+    const placed = [...this.shape.chains.flat(), ...this.shape.discs].map(([a, b, radius = 0]) => (
       [x + cosine * a - sine * b, y + sine * a + cosine * b, radius]));
     if (!placed.length) return [x, y, x, y];
     const most = (axis, sign) => sign * Math.max(...placed.map((corner) => sign * corner[axis] + corner[2]));
@@ -169,7 +165,7 @@ class Scan {
 
 /** One episode, ready to be drawn. */
 class Episode {
-  constructor(data, { pens, shapes, pictures }) {
+  constructor(data, { pens, shapes, pictures, theme }) {
     Object.assign(this, data);
     this.time = new Table(data.time);
     this.center = data.center && new Table(data.center);
@@ -177,12 +173,13 @@ class Episode {
     this.fog = data.fog && new Fog(data.fog);
     this.scans = data.scans.map((scan) => new Scan(scan));
     this.items = data.items.map((item) => ({
+      ...theme.defaults[item.draw],
       ...item,
       body: this.bodies[item.body],
       scan: this.scans[item.scan],
       pen: pens[item.pen],
       shape: shapes[item.shape],
-      picture: pictures[item.picture],
+      picture: pictures[item.pixels],
       places: item.places && new Table(item.places).rows(),
     }));
     this.agents = data.agents.map((agent) => ({
@@ -245,9 +242,8 @@ class Fog {
   }
 
   /** Return a picture of them, one pixel for each, with soft borders. */
-  cover(moment) {
+  cover(moment, [red, green, blue, opacity]) {
     const [columns, rows] = this.size;
-    const [red, green, blue, alpha] = this.ink;
     const covered = this.at(moment);
     const within = (i, most) => Math.min(Math.max(i, 0), most - 1);
     const isCovered = (i, j) => covered[within(i, columns) * rows + within(j, rows)];
@@ -256,7 +252,7 @@ class Fog {
       for (let j = 0; j < rows; j++) {
         let around = 0;
         if (isCovered(i, j)) for (let k = 0; k < 9; k++) around += isCovered(i + (k % 3) - 1, j + Math.floor(k / 3) - 1);
-        pixels.data.set([red, green, blue, Math.round((255 * alpha * around) / 9)], 4 * ((rows - 1 - j) * columns + i));
+        pixels.data.set([red, green, blue, Math.round((opacity * around) / 9)], 4 * ((rows - 1 - j) * columns + i));
       }
     }
     this.canvas.getContext("2d").putImageData(pixels, 0, 0);

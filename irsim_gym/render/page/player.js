@@ -6,8 +6,12 @@ const byId = (id) => document.getElementById(id);
 
 class Player {
   constructor(recording) {
-    const shapes = recording.shapes.map((shape) => new Shape(shape));
-    this.recording = { ...recording, shapes, pictures: recording.pictures.map((source) => this.picture(source)) };
+    this.recording = {
+      ...recording,
+      pens: recording.pens.map((pen) => ({ ...recording.theme.defaults.Pen, ...pen })),
+      shapes: recording.shapes.map((shape) => new Shape(shape)),
+      pictures: recording.pictures.map((source) => this.picture(source)),
+    };
     this.moment = 0;
     this.clock = 0;
     this.isPlaying = false;

@@ -1,7 +1,7 @@
-// The primitives that draw an episode's items; irsim_gym/render/replay_items.py says what each of them reads.
+// The primitives that draw an episode's items; irsim_gym/render/primitives.py says what each of them reads.
 
 const PRIMITIVES = {
-  figure: drawFigure, image: drawImage, path: drawPath, beams: drawBeams, text: drawText, fog: drawFog,
+  Figure: drawFigure, Picture: drawPicture, Way: drawWay, Beams: drawBeams, Words: drawWords, Cover: drawCover,
 };
 
 /** Return the poses at which an item is drawn, x, y, heading of each: its places or its body's, else the origin. */
@@ -14,21 +14,21 @@ function posesOf({ places, body, past, turned }, moment) {
   return (most ? moments.slice(-most) : moments).map((k) => body.poseAt(k));
 }
 
-function drawFigure(view, { shape, pen, shift = 0, ...item }, moment) {
+function drawFigure(view, { shape, pen, shift, ...item }, moment) {
   const { context } = view;
   const point = view.point / view.scale;
   const path = shape.path(point);
   for (const [x, y, heading] of posesOf(item, moment)) {
     view.metres(x + shift * point, y - shift * point, heading);
     view.take(pen);
-    if (pen.full) context.globalAlpha = Math.min(pen.full * point / shape.discs[0][2], 1) ** 2;
+    if (pen.filled_radius) context.globalAlpha = Math.min(pen.filled_radius * point / shape.discs[0][2], 1) ** 2;
     if (pen.fill) context.fill(path);
     context.globalAlpha = 1;
-    if (pen.edge) context.stroke(path);
+    if (pen.edge && pen.width) context.stroke(path);
   }
 }
 
-function drawImage(view, { picture, box: [left, bottom, right, top], alpha, body }, moment) {
+function drawPicture(view, { picture, box: [left, bottom, right, top], alpha, body }, moment) {
   const { context } = view;
   if (!picture.complete) return;
   view.metres(...body.poseAt(moment));
@@ -41,11 +41,11 @@ function drawImage(view, { picture, box: [left, bottom, right, top], alpha, body
 }
 
 /** Draw where a body has been: a thin line that fades towards its beginning, or a band of one strength. */
-function drawPath(view, { body, pen, length = Infinity }, moment) {
+function drawWay(view, { body, pen, length }, moment) {
   const { context, theme: { fade } } = view;
   const points = [];
   let [along, bin] = [0, -1];
-  for (let k = Math.max(moment + 1 - length, 0), before = null; k <= moment; k++) {
+  for (let k = length ? Math.max(moment + 1 - length, 0) : 0, before = null; k <= moment; k++) {
     if (!body.isThere(k)) continue;
     const [x, y] = body.poseAt(k);
     if (before) along += Math.hypot(x - before[0], y - before[1]) * view.scale;
@@ -55,7 +55,7 @@ function drawPath(view, { body, pen, length = Infinity }, moment) {
   }
   view.metres();
   view.take(pen);
-  const parts = pen.metres ? 1 : Math.min(fade.steps, points.length - 1);
+  const parts = pen.in_metres ? 1 : Math.min(fade.steps, points.length - 1);
   let drawn = 0;
   for (let part = 0; part < parts; part++) {
     const [begin, end] = [part, part + 1].map((k) => Math.floor((k * (points.length - 1)) / parts));
@@ -73,44 +73,48 @@ function drawPath(view, { body, pen, length = Infinity }, moment) {
 }
 
 /** Draw what a range sensor sees: the area, rays, or dots where these end. */
-function drawBeams(view, { scan, form, which, pen, every = 1, radius, tints }, moment) {
+function drawBeams(view, { scan, form, which, pen, every, radius, speeds }, moment) {
   const { context } = view;
   const { x, y, ends } = scan.at(moment, which);
+  const size = radius * view.point / view.scale;
+  const paint = () => {
+    if (form !== "rays" && pen.fill) context.fill();
+    if (form !== "area" && pen.edge && pen.width) context.stroke();
+  };
   view.metres();
   view.take(pen);
   context.beginPath();
-  if (form === "area") {
-    if (!scan.surrounds) context.moveTo(x, y);
-    for (const end of ends) context.lineTo(...end);
-    context.fill();
-    return;
-  }
-  const size = radius * view.point / view.scale;
+  if (form === "area" && !scan.surrounds) context.moveTo(x, y);
   ends.forEach(([a, b, speed], i) => {
     if (i % every) return;
-    if (tints) context.beginPath();
+    if (speeds) {
+      context.beginPath();
+      context[form === "rays" ? "strokeStyle" : "fillStyle"] = speedColour(speeds, speed);
+    }
     if (form === "dots") context.moveTo(a + size, b), context.arc(a, b, size, 0, 2 * Math.PI);
-    else context.moveTo(x, y), context.lineTo(a, b);
-    if (!tints) return;
-    const colour = speedColour(tints, speed);
-    if (form === "rays") context.strokeStyle = colour;
-    else context.fillStyle = colour, context.fill();
-    if (form === "rays" || pen.edge) context.stroke();
+    if (form === "rays") context.moveTo(x, y);
+    if (form !== "dots") context.lineTo(a, b);
+    if (speeds) paint();
   });
-  if (tints) return;
-  if (pen.fill) context.fill();
-  if (pen.edge) context.stroke();
+  if (!speeds) paint();
 }
 
 /** Return the colour of a radial velocity: the sign's, mixed with that of rest below the full speed. */
-function speedColour({ rest, away, nearer, full, opacity }, speed) {
-  const share = Math.min(Math.abs(speed) / full, 1);
-  const mixed = (speed >= 0 ? away : nearer).map((value, i) => Math.round(rest[i] + share * (value - rest[i])));
-  return `rgba(${mixed.join(", ")}, ${opacity})`;
+function speedColour({ rest, away, nearer, full_speed }, speed) {
+  const share = Math.min(Math.abs(speed) / full_speed, 1);
+  const [from, to] = [rest, speed >= 0 ? away : nearer].map(channels);
+  const [red, green, blue, opacity] = from.map((value, i) => Math.round(value + share * (to[i] - value)));
+  return `rgba(${red}, ${green}, ${blue}, ${opacity / 255})`;
+}
+
+/** Return #rrggbb or #rrggbbaa as red, green, blue and opacity, 0 to 255. */
+function channels(colour) {
+  const parts = colour.slice(1).match(/../g).map((part) => parseInt(part, 16));
+  return parts.length === 3 ? [...parts, 255] : parts;
 }
 
 /** Write a text; one without places stands above its body, or below where it would stand on a goal's flag. */
-function drawText(view, { text, places, body, offset, drop = 0, size, ink, align, level }, moment) {
+function drawWords(view, { text, places, body, offset, drop, size, ink, align, level }, moment) {
   const { context, theme: { label, flag }, point, limits: [left, low, right, high] } = view;
   const height = label.height * size * point;
   let [x, y] = places ? places[0] : body.poseAt(moment);
@@ -133,10 +137,10 @@ function drawText(view, { text, places, body, offset, drop = 0, size, ink, align
 }
 
 /** Draw a soft cover over the cells that nobody has seen. */
-function drawFog(view, item, moment) {
+function drawCover(view, { ink }, moment) {
   const { context, episode: { fog } } = view;
   const [x, y, right, top] = fog.extent;
   view.pixels();
   context.imageSmoothingQuality = "high";
-  context.drawImage(fog.cover(moment), view.column(x), view.row(top), (right - x) * view.scale, (top - y) * view.scale);
+  context.drawImage(fog.cover(moment, channels(ink)), view.column(x), view.row(top), (right - x) * view.scale, (top - y) * view.scale);
 }

@@ -137,11 +137,12 @@ class WorldView {
   }
 
   /** Go on with a pen, while lengths are metres. */
-  take({ fill, edge, width = 0, dashes = [], metres, cap }) {
+  take({ fill, edge, width, line, in_metres, cap }) {
+    const { context, theme } = this;
     const point = this.point / this.scale;
-    const wide = metres ? Math.max(width, this.theme.thinnest * point) : width * point;
-    Object.assign(this.context, { fillStyle: fill, strokeStyle: edge, lineWidth: wide, lineCap: cap, lineJoin: "round" });
-    this.context.setLineDash(dashes.map((dash) => dash * wide));
+    const wide = in_metres ? Math.max(width, theme.thinnest * point) : width * point;
+    Object.assign(context, { fillStyle: fill, strokeStyle: edge, lineWidth: wide, lineCap: cap, lineJoin: "round" });
+    context.setLineDash(theme.dashes[line].map((dash) => dash * wide));
   }
 
   cutToPlot() {
@@ -203,7 +204,7 @@ class WorldView {
 
   drawHead(moment) {
     const { context, episode, plot, point } = this;
-    const [status, colour] = valueAt(episode.status, moment);
+    const status = valueAt(episode.status, moment);
     const y = plot.top - 21 * this.large;
     context.textBaseline = "middle";
     context.fillStyle = this.page("ink");
@@ -219,8 +220,8 @@ class WorldView {
     context.font = `${9 * point}px ${FONT}`;
     const room = 66 * this.large;
     context.fillText(`${episode.time.at(moment).toFixed(1)} s`, right, y);
-    const words = `\u25cf ${status}`;
-    context.fillStyle = colour;
+    const words = `\u25cf ${status.replaceAll("_", " ")}`;
+    context.fillStyle = episode.tones[status];
     context.fillText(words, right - room, y);
     const longest = Math.max(...["\u25cf left world", words].map((text) => context.measureText(text).width));
     const rest = right - left - room - longest - 14;
