@@ -45,9 +45,9 @@ class Rank(NamedTuple):
 
 RANKS = {
     "map": Rank(),
-    "touch": Rank(),
     "shadows": Rank(HALF_A_WALL),
     "fixed": Rank(HALF_A_WALL),
+    "touch": Rank(),
     "fog": Rank(),
     "ghosts": Rank(0.0, "paths"),
     "scans": Rank(0.0, "scans"),
@@ -238,7 +238,7 @@ def outcome(colour: str, bounds: Floats) -> Iterator[Figure]:
     """Yield what shows an outcome: a touch of its colour over the world's rectangle, and a frame around that."""
     x_min, y_min, x_max, y_max = bounds.tolist()
     shape = Shape((np.array([(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max), (x_min, y_min)]),))
-    yield Figure("touch", -math.inf, Pen(Ink(colour, 0.07)), shape)
+    yield Figure("touch", GROUND, Pen(Ink(colour, 0.07)), shape)
     yield Figure("frame", math.inf, Pen(edge=Ink(colour, 0.9), width=2.2), shape)
 
 
