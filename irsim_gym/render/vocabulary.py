@@ -16,7 +16,7 @@ from irsim_gym.arraytypes import Floats
 from irsim_gym.raster.figures import APART, FADE_STEPS, FAINTEST
 from irsim_gym.raster.play import LABEL_GAP
 from irsim_gym.raster.ways import DASHES
-from irsim_gym.render import theme
+from irsim_gym.render import layout, theme
 from irsim_gym.render.primitives import Beams, Cover, Figure, Ink, Pen, Picture, Primitive, Shape, SpeedInks, Way, Words
 from irsim_gym.render.scene import BodyView, FogView, Form, GoalView
 from irsim_gym.render.shapes import MOST_BEAMS
@@ -80,6 +80,9 @@ def page_constants() -> dict[str, Any]:
         "card": theme.CARD,
         "grid": theme.GRID,
         "rule": theme.RULE,
+        "margins": {
+            side: getattr(layout, side.upper()) for side in ("left", "right", "top", "bottom", "bare", "padding")
+        },
         "flag": theme.FLAG,
         "ranks": {name: rank._asdict() for name, rank in RANKS.items()},
         "dashes": {"solid": [], **dict(lines)},
