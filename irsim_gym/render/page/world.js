@@ -1,37 +1,28 @@
 // Draws one moment of an episode as the frames of irsim_gym show it.
 
-const MARGINS = { left: 42, right: 34, top: 42, bottom: 34, bare: 12, padding: 9 };
 const FONT = '"DejaVu Sans", Verdana, system-ui, sans-serif';
-const [GROUND, TOP] = [1, 1e9];
-const [FADE_STEPS, FAINTEST, MOST_BEAMS] = [28, 0.12, 100];
-const [FLAG_WIDTH, FLAG_HEIGHT] = [6.5, 10.5];
-
-/** Ranks of what is cut at the world's borders, and how far it may reach over them: half the width of a wall [point]. */
-const REACH = { 0: 1.1, 2: 0, 3: 0, 4: 0, 6: 0, 7: 1.1, 8: 1.1, 9: 0, 10: 1.1, 12: 0 };
 
 class WorldView {
   constructor(canvas, theme) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
     this.theme = theme;
-    this.look = { zoom: 1, x: null, y: null };
-    this.paths = new Map();
+    this.whole();
   }
 
-  /** Show another episode; the part of the world that is seen stays where both are of one size. */
+  /** Show another episode; the view stays where it is if both worlds have the same bounds. */
   show(episode) {
     if (!this.episode || String(this.episode.bounds) !== String(episode.bounds)) this.whole();
     this.episode = episode;
-    this.paths.clear();
   }
 
   whole() {
     this.look = { zoom: 1, x: null, y: null };
   }
 
-  /** Fit the canvas to its place on the page, and lay the world out on it. */
+  /** Fit the canvas to its place on the page, and the world to the canvas. */
   layOut(center) {
-    const { canvas, episode, look } = this;
+    const { canvas, episode, look, theme: { margins } } = this;
     const { axis, title } = episode.look;
     this.ratio = window.devicePixelRatio || 1;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -39,12 +30,12 @@ class WorldView {
     if (canvas.width !== columns || canvas.height !== rows) Object.assign(canvas, { width: columns, height: rows });
     this.large = Math.min(Math.max(Math.sqrt(width * height) / 600, 0.75), 2);
     this.point = (100 / 72) * this.large;
-    const margin = (side, shown) => this.large * (shown ? MARGINS[side] : MARGINS.bare);
+    const margin = (side, shown) => this.large * (shown ? margins[side] : margins.bare);
     const [left, right] = [margin("left", axis), margin("right", axis)];
     const [top, bottom] = [margin("top", title), margin("bottom", axis)];
     const room = [Math.max(width - left - right, 16), Math.max(height - top - bottom, 16)];
     const [xMin, yMin, xMax, yMax] = episode.bounds;
-    const padding = 2 * MARGINS.padding * this.large;
+    const padding = 2 * margins.padding * this.large;
     const fit = Math.min((room[0] - padding) / (xMax - xMin), (room[1] - padding) / (yMax - yMin));
     const plot = look.zoom === 1 && look.x === null && !center
       ? [(xMax - xMin) * fit + padding, (yMax - yMin) * fit + padding] : room;
@@ -80,14 +71,14 @@ class WorldView {
     else this.look = { zoom, x: x + ((left + right) / 2 - x) * share, y: y + ((bottom + top) / 2 - y) * share };
   }
 
-  /** Move what is seen by so many pixels. */
+  /** Move the view by this many pixels. */
   pan(columns, rows) {
     const [left, bottom, right, top] = this.limits;
     this.look.x = (left + right) / 2 - columns / this.scale;
     this.look.y = (bottom + top) / 2 + rows / this.scale;
   }
 
-  /** Draw a moment; the options say which of scans, paths and names are shown, and whom the picture follows. */
+  /** Draw a moment; the options choose scans, paths and names, and the robot that the view follows. */
   draw(moment, options) {
     const { episode, context } = this;
     const followed = options.follow && episode.body(options.follow, moment);
@@ -102,27 +93,38 @@ class WorldView {
     this.drawCard();
     context.save();
     this.cutToPlot();
-    this.drawMap(valueAt(episode.maps, moment));
-    const status = valueAt(episode.status, moment) ?? "";
-    const outcome = this.theme.outcomes[status.trim().toLowerCase().replaceAll(" ", "_")];
-    if (outcome) this.frame(tinted(outcome, 0.07), null);
-    for (const [, rank, draw] of this.layers(moment, options)) {
-      context.save();
-      if (!episode.center && rank in REACH) this.cutToWorld(REACH[rank]);
-      draw();
-      context.restore();
-    }
-    if (outcome) this.frame(null, tinted(outcome, 0.9));
+    this.items = episode.itemsAt(moment);
+    this.drawItems(moment, options);
     context.restore();
     this.pixels();
-    if (episode.look.title) this.drawHead(moment, status, outcome ?? this.theme.running);
+    if (episode.look.title) this.drawHead(moment);
+  }
+
+  /** Draw the items of the moment, the lowest first; the rank of each says how it is cut at the world's border. */
+  drawItems(moment, options) {
+    const { context, items, theme: { ranks } } = this;
+    let cut = null;
+    context.save();
+    for (const item of items) {
+      const { reach, switch: name } = ranks[item.rank];
+      if (name && !options[name]) continue;
+      const wanted = this.episode.center ? null : reach;
+      if (wanted !== cut) {
+        context.restore();
+        context.save();
+        if (wanted !== null) this.cutToWorld(wanted);
+        cut = wanted;
+      }
+      PRIMITIVES[item.draw](this, item, moment);
+    }
+    context.restore();
   }
 
   pixels() {
     this.context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
   }
 
-  /** Go on in metres, in the frame of a body or of the world. */
+  /** Use metres in the frame of a body, or of the world. */
   metres(x = 0, y = 0, heading = 0) {
     const size = this.ratio * this.scale;
     this.context.setTransform(size, 0, 0, -size, this.ratio * this.column(0), this.ratio * this.row(0));
@@ -130,11 +132,13 @@ class WorldView {
     if (heading) this.context.rotate(heading);
   }
 
-  /** Set the width of lines in points, while lengths are metres. */
-  line(points, style = "solid") {
-    const width = (points * this.point) / this.scale;
-    this.context.lineWidth = width;
-    this.context.setLineDash(dashes(style).map((dash) => dash * width));
+  /** Use a pen, while lengths are metres. */
+  take({ fill, edge, width, line, in_metres, cap }) {
+    const { context, theme } = this;
+    const point = this.point / this.scale;
+    const wide = in_metres ? Math.max(width, theme.thinnest * point) : width * point;
+    Object.assign(context, { fillStyle: fill, strokeStyle: edge, lineWidth: wide, lineCap: cap, lineJoin: "round" });
+    context.setLineDash(theme.dashes[line].map((dash) => dash * wide));
   }
 
   cutToPlot() {
@@ -194,75 +198,9 @@ class WorldView {
     for (const y of rows) context.fillText(short(y), this.column(low[0]) - gap, this.row(y));
   }
 
-  drawMap(map) {
-    if (!map) return;
-    if (!this.paths.has(map)) {
-      const path = new Path2D();
-      const [x, y, right, top] = map.extent;
-      const [wide, high] = [(right - x) / map.size[0], (top - y) / map.size[1]];
-      for (let i = 0; i < map.boxes.length; i += 4) {
-        const [first, low, end, above] = map.boxes.slice(i, i + 4);
-        path.rect(x + first * wide, y + low * high, (end - first) * wide, (above - low) * high);
-      }
-      this.paths.set(map, path);
-    }
-    this.metres();
-    this.line(0.5);  // thin walls are seen however small the map is, and boxes have no seams
-    this.context.globalAlpha = map.alpha;
-    this.context.fillStyle = this.context.strokeStyle = map.colour;
-    this.context.fill(this.paths.get(map));
-    this.context.stroke(this.paths.get(map));
-    this.context.globalAlpha = 1;
-  }
-
-  frame(fill, edge) {
-    this.pixels();
-    this.context.setLineDash([]);
-    if (fill) {
-      this.context.fillStyle = fill;
-      this.context.fillRect(...this.card());
-    } else {
-      this.context.strokeStyle = edge;
-      this.context.lineWidth = 2.2 * this.point;
-      this.context.strokeRect(...this.card());
-    }
-  }
-
-  /** Return what lies on the ground, the lowest first: layer, rank within it, how it is drawn. */
-  layers(moment, options) {
-    const { episode } = this;
-    const items = episode.fog ? [[GROUND, 1, () => drawFog(this, moment)]] : [];
-    const there = episode.bodies.filter((body) => !Number.isNaN(body.place.at(moment, 0)));
-    for (const body of there) {
-      const { style } = body;
-      items.push([style.order, body.isFixed ? 0 : 7, () => drawBody(this, body, moment)]);
-      if (body.mark.length) items.push([style.arrow_order ?? style.order, 8, () => drawMark(this, body, moment)]);
-      if (body.field) items.push([style.field_order, 3, () => drawField(this, body, moment)]);
-      if (!options.paths || body.isFixed) continue;
-      if (body.ghost) items.push([style.ghost.order, 4, () => drawGhosts(this, body, moment)]);
-      if (style.show_trajectory) items.push([style.trajectory_order, 6, () => drawPath(this, body, moment)]);
-    }
-    const goals = valueAt(episode.goals, moment) ?? [];
-    for (const goal of goals) items.push([goal.style.goal_order, 5, () => drawGoal(this, goal)]);
-    if (options.scans) {
-      for (const scan of episode.scans.filter((scan) => !Number.isNaN(scan.place.at(moment, 0)))) {
-        items.push([GROUND, 2, () => drawScan(this, scan, moment)], [TOP, 9, () => drawHits(this, scan, moment)]);
-      }
-    }
-    const struck = valueAt(episode.struck, moment) ?? [];
-    for (const body of there.filter((body) => struck.includes(body.name))) {
-      items.push([TOP, 10, () => drawImpact(this, body, moment)]);
-    }
-    for (const body of there) items.push([body.style.label_order, 11, () => drawLabel(this, body, moment, goals, options)]);
-    for (const goal of goals) items.push([goal.style.label_order, 11, () => drawGoalLabel(this, goal)]);
-    for (const mark of episode.marks.filter((mark) => isSeen(mark, moment))) {
-      items.push([mark.layer, "text" in mark ? 13 : 12, () => drawOver(this, mark)]);
-    }
-    return items.sort((one, other) => one[0] - other[0] || one[1] - other[1]);
-  }
-
-  drawHead(moment, status, colour) {
+  drawHead(moment) {
     const { context, episode, plot, point } = this;
+    const status = valueAt(episode.status, moment);
     const y = plot.top - 21 * this.large;
     context.textBaseline = "middle";
     context.fillStyle = this.page("ink");
@@ -279,7 +217,7 @@ class WorldView {
     const room = 66 * this.large;
     context.fillText(`${episode.time.at(moment).toFixed(1)} s`, right, y);
     const words = `\u25cf ${status.replaceAll("_", " ")}`;
-    context.fillStyle = tinted(colour, 1);
+    context.fillStyle = episode.tones[status];
     context.fillText(words, right - room, y);
     const longest = Math.max(...["\u25cf left world", words].map((text) => context.measureText(text).width));
     const rest = right - left - room - longest - 14;
@@ -295,4 +233,19 @@ function cutTo(context, words, room) {
   let shown = words;
   while (shown && context.measureText(shown).width > room) shown = `${shown.replace("\u2026", "").slice(0, -1)}\u2026`.replace(/^\u2026$/, "");
   return shown;
+}
+
+/** Return round numbers from low to high, at most one per 70 of ``room`` pixels. */
+function ticks(low, high, room) {
+  const wanted = (high - low) / Math.max(Math.min(room / 70, 12), 1);
+  const magnitude = 10 ** Math.floor(Math.log10(wanted));
+  const step = [1, 2, 5, 10].map((factor) => factor * magnitude).find((size) => size >= wanted * (1 - 1e-9));
+  const found = [];
+  for (let i = Math.ceil(low / step - 1e-9); i <= Math.floor(high / step + 1e-9); i++) found.push(i * step);
+  return found;
+}
+
+/** Return a number as short as it is round. */
+function short(value) {
+  return String(Number(value.toFixed(9))).replace("-", "\u2212");
 }
