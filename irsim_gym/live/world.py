@@ -49,7 +49,6 @@ class World(Filmed):
             By default the YAML file beside the running script that is named as the script is.
         seed: Which level is drawn first; the one that ``irsim_gym.make`` begins with ``reset(seed=seed)``.
         render_mode: None or ``"rgb_array"``: ``render`` returns pictures. ``"human"``: it shows them in a window too.
-        render_backend: Who draws frames: ``"matplotlib"`` or ``"raster"``; figures in files are matplotlib's.
         record: Keep a frame of the start and of each sample, for ``save_animation`` and its like.
         save_ani: IR-SIM's way: as ``record``, and ``end`` writes the film.
         strict: A key of the file that nobody reads is an error; False: it is ignored, with an ``IgnoredKeyWarning``.
@@ -61,7 +60,7 @@ class World(Filmed):
 
     Raises:
         ScenarioError: The file cannot be used; the error lists every problem with its line.
-        UnknownNameError: Nothing is shipped under the name, or registered under the id; another backend.
+        UnknownNameError: Nothing is shipped under the name, or registered under the id.
         UnknownKeywordError: The scenario has no such parameter.
         ValueError: Another render mode, or a negative seed.
         TypeError: The seed is no whole number, an argument means nothing here, or no file was given and none is beside
@@ -74,7 +73,6 @@ class World(Filmed):
         *,
         seed: int | None = None,
         render_mode: str | None = None,
-        render_backend: str = "matplotlib",
         record: bool = False,
         save_ani: bool = False,
         strict: bool = True,
@@ -93,7 +91,7 @@ class World(Filmed):
         if asked.log_level is not None:
             self.logger.setLevel(asked.log_level)
         self.track, self.draw = Track(), Drawing()
-        self._camera = Camera(self.simulation, self.track, self.draw, render_backend)
+        self._camera = Camera(self.simulation, self.track, self.draw)
         self._begin(self._loaded.world.status)
 
     def _read(self) -> None:
@@ -256,7 +254,6 @@ def load(
     *,
     seed: int | None = None,
     render_mode: str | None = None,
-    render_backend: str = "matplotlib",
     record: bool = False,
     save_ani: bool = False,
     strict: bool = True,
@@ -268,7 +265,6 @@ def load(
         scenario,
         seed=seed,
         render_mode=render_mode,
-        render_backend=render_backend,
         record=record,
         save_ani=save_ani,
         strict=strict,

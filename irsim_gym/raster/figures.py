@@ -306,15 +306,22 @@ def paint_goal(
     arrived: bool,
     turned: bool,
     view: Floats,
+    colour: Floats,
 ) -> None:
     """Paint the circle of a goal's tolerance; it is fuller once the goal is reached.
+
+    One that is larger than ``filled_radius`` is filled faintly, so that those of many goals do not hide each other.
 
     Where the goal's heading counts (``turned``), an arrow points there: its shaft goes to the circle and is at least
     ``x`` long, its head is ``other_width`` long; ``half`` is half the head's width, ``foot`` half the shaft's.
     """
     x, y, radius = view[0] + view[2] * goal[0], view[1] - view[2] * goal[1], view[2] * threshold
     add_disc(sheet, box, x, y, radius, 1.0)
-    paint(picture, sheet, box, item.colours[OTHER] if arrived else item.colours[AREA], False)
+    faint = min(1.0, item.filled_radius / max(radius, 1e-9))
+    for channel in range(4):
+        colour[channel] = item.colours[OTHER if arrived else AREA][channel]
+    colour[3] *= faint * faint
+    paint(picture, sheet, box, colour, False)
     add_disc(sheet, box, x, y, radius + 0.5 * item.width, 1.0)
     add_disc(sheet, box, x, y, radius - 0.5 * item.width, -1.0)
     paint(picture, sheet, box, item.colours[EDGE], False)

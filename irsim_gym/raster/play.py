@@ -291,7 +291,9 @@ def _draw_goal(
     threshold = model.goal_threshold[w % model.goal_threshold.shape[0], b]
     if item.kind == GOAL_CIRCLE:
         turned = model.arrive_mode[b] == STATE
-        paint_goal(picture, desk.sheet, box, desk.points, item, goal, threshold, state.arrived[w, b], turned, view)
+        paint_goal(
+            picture, desk.sheet, box, desk.points, item, goal, threshold, state.arrived[w, b], turned, view, desk.colour
+        )
     else:
         for i in range(state.waypoint[w, b] + 1, model.waypoint_count[w, b]):
             x, y = model.waypoints[w, b, i, 0], model.waypoints[w, b, i, 1]

@@ -59,6 +59,7 @@ ITEM = np.dtype(
             ("y", np.float64),
             ("half", np.float64),
             ("foot", np.float64),
+            ("filled_radius", np.float64),
         ],
     )
 )

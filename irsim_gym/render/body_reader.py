@@ -21,7 +21,6 @@ from irsim_gym.world.state import WorldState
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
 
-REMEMBERED_FORMS = 4096
 LABEL_GAP = 0.08
 
 
@@ -64,7 +63,7 @@ class BodyReader:
             if body.description is not None
         }
         self._solid = [bool(solid) for solid in model.solid]
-        self._forms: dict[tuple[int, bytes, bytes], Form] = {}
+        self._forms: dict[int, tuple[tuple[bytes, bytes], Form]] = {}
 
     def signature(self, world: int, bodies: Sequence[int]) -> bytes:
         """Return what changes whenever one of the bodies changes its place or outline."""
@@ -88,13 +87,11 @@ class BodyReader:
         segment_rows, disc_rows = self._rows(world, body) if rows is None else rows
         segments = self._model.local_segments[world % len(self._model.local_segments), segment_rows]
         discs = self._model.local_discs[world % len(self._model.local_discs), disc_rows]
-        key = body, segments.tobytes(), discs.tobytes()
-        found = self._forms.get(key)
-        if found is None:
-            if len(self._forms) >= REMEMBERED_FORMS:
-                self._forms.pop(next(iter(self._forms)))
-            found = self._forms[key] = self._make_form(body, segments.copy(), discs.copy())
-        return found
+        key = segments.tobytes(), discs.tobytes()
+        found = self._forms.get(body)
+        if found is None or found[0] != key:
+            found = self._forms[body] = key, self._make_form(body, segments.copy(), discs.copy())
+        return found[1]
 
     def _make_form(self, body: int, segments: Floats, discs: Floats) -> Form:
         style, extent = self._styles[body], box(segments, discs)
@@ -148,9 +145,10 @@ class BodyReader:
             return None
         return ImageView(self._pixels[body], placed(form.corners, pose), self._styles[body].image_alpha)
 
-    def ghost(self, body: int, form: Form, pose: Floats, style: BodyStyle) -> BodyView:
+    def ghost(self, body: int, form: Form, pose: Floats) -> BodyView:
         """Return the body as it stood at a pose, or a simpler shape around it."""
-        shape, discs = self._styles[body].ghost_shape or "", form.ghost_discs
+        own, discs = self._styles[body], form.ghost_discs
+        shape, style = own.ghost_shape or "", own.ghost or own
         return BodyView(
             body=body,
             name=self._names[body],

@@ -27,6 +27,17 @@ HEADING = "#FFFFFF"
 GOAL_ARROW = (7.0, 6.0, 3.0, 0.55)
 """Of the arrow at a goal whose heading counts: its shaft's least length, its head's length and half its width, and half
 the shaft's width [point]. The shaft ends at the circle."""
+SHADOWS = ((2.2, 0.05), (1.2, 0.07))
+"""How far each shadow lies aside [point], and its opacity."""
+FLAG = (6.5, 10.5)
+"""Width and height of a goal's flag, from its foot [point]."""
+FLAG_POLE = ((0.0, 0.0), (0.0, 10.0))
+FLAG_PENNANT = ((0.0, 10.0), (6.25, 7.75), (0.0, 5.5))
+"""Corners of a flag's parts, upwards from its foot [point]."""
+GOAL_FILL, REACHED_FILL, FILLED_RADIUS = 0.14, 0.30, 18.0
+"""Opacity of a goal's circle, and once it is reached; in larger circles [point] it falls with their area."""
+PATH_WIDTH = 1.9
+"""Width of a path without one of its own [point]."""
 IMPACT = "#DC2626"
 
 OUTCOMES = {
@@ -37,6 +48,19 @@ OUTCOMES = {
     "left_world": "#7C3AED",
 }
 RUNNING = "#3B82F6"
+
+
+def goal_fill(radius: float, *, arrived: bool) -> float:
+    """Return the opacity of the circle around a goal.
+
+    A large circle is filled faintly, so that those of many goals do not hide each other.
+
+    Args:
+        radius: Its radius [point].
+        arrived: The goal is reached.
+    """
+    full = REACHED_FILL if arrived else GOAL_FILL
+    return full * min(1.0, FILLED_RADIUS / max(radius, 1e-9)) ** 2
 
 
 def status_colour(status: str) -> str:

@@ -1,4 +1,4 @@
-"""What the raster renderer draws, and in which order: the styles of a scenario as records, made once."""
+"""What frames show, and in which order: the styles of a scenario as records, made once."""
 
 from __future__ import annotations
 
@@ -20,10 +20,8 @@ from irsim_gym.world.model import ACKERMANN, WorldModel
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
 
-SHADOWS = ((2.2, 0.05), (1.2, 0.07))
 LINE_STYLES = {"solid": 0, "dashed": 1, "dashdot": 2, "dotted": 3}
 FORMS = {"circle": records.CIRCLE, "rectangle": records.RECTANGLE, "linestring": records.CURVE}
-FLAG = (6.5, 10.5)
 WHITE = np.array([255.0, 1.0])
 RAISED, FOGS, GHOSTS, SCANS, FIELDS, GOALS, PATHS, MOVING, HEADINGS, HITS, IMPACTS, LABELS = range(12)
 """What covers what within a layer."""
@@ -122,7 +120,7 @@ class Plan:
         if body in self._images:
             yield (style.order, RAISED, 3, 0.0), self._item(records.IMAGE, body, row=self._images[body], **look)
             return
-        for number, (pixels, alpha) in enumerate(SHADOWS if style.filled else ()):
+        for number, (pixels, alpha) in enumerate(theme.SHADOWS if style.filled else ()):
             colours = [colour(theme.SHADOW, alpha), colour(theme.SHADOW, 0.4 * alpha)]
             shift = pixels * self._point
             item = self._item(records.SHADOW, body, colours=colours, width=1.5, x=shift, y=shift, **look)
@@ -198,7 +196,8 @@ class Plan:
         flag = _flag(self._masks, point)
         for body in shown:
             style = self._styles[body]
-            look = [colour(style.goal_colour, share * style.goal_alpha) for share in (0.14, 0.9, 0.30)]
+            shares = theme.GOAL_FILL, 0.9, theme.REACHED_FILL
+            look = [colour(style.goal_colour, share * style.goal_alpha) for share in shares]
             arrow = dict(
                 zip(
                     ("x", "other_width", "half", "foot"),
@@ -206,7 +205,8 @@ class Plan:
                     strict=True,
                 )
             )
-            item = self._item(records.GOAL_CIRCLE, body, colours=look, width=1.1, box=records.PLOT, **arrow)
+            look_of_circle = {"width": 1.1, "box": records.PLOT, "filled_radius": theme.FILLED_RADIUS * point}
+            item = self._item(records.GOAL_CIRCLE, body, colours=look, **look_of_circle, **arrow)
             yield (style.goal_order, GOALS, 0, float(body)), item
             look = [CLEAR, *(colour(style.goal_colour, share * style.goal_alpha) for share in (1.0, 0.45))]
             item = self._item(records.GOAL_MARKS, body, colours=look, row=flag, every=dot, box=records.PLOT)
@@ -224,7 +224,7 @@ class Plan:
                     row=row,
                     length=style.trajectory_length,
                     style=LINE_STYLES[style.trajectory_style],
-                    width=1.9 if metres is None else metres / self._point,
+                    width=theme.PATH_WIDTH if metres is None else metres / self._point,
                     in_metres=metres is not None,
                 )
                 yield (style.trajectory_order, PATHS, 0, float(row)), item
@@ -309,8 +309,7 @@ def _dot(masks: Masks, radius: float) -> int:
 
 def _flag(masks: Masks, point: float) -> int:
     """Return the mask of a flag's pole; that of its pennant comes next."""
-    pole = np.array([[0.0, 0.0], [0.0, -10.0 * point]])
-    pennant = np.array([[0.0, -10.0], [6.25, -7.75], [0.0, -5.5]]) * point
+    pole, pennant = (np.array(part) * [point, -point] for part in (theme.FLAG_POLE, theme.FLAG_PENNANT))
     number = masks.drawn(
         10.0 * point,
         lambda picture, sheet, box, middle: paint_line(

@@ -12,11 +12,11 @@ from irsim_gym.raster.masks import paint_mask
 from irsim_gym.raster.sheets import paint
 from irsim_gym.raster.ways import add_way
 from irsim_gym.render import theme
+from irsim_gym.render.card import Head, whole_box
 from irsim_gym.render.colours import Colour, colour
 from irsim_gym.render.layout import Layout
 from irsim_gym.render.letters import Masks, Word
-from irsim_gym.render.raster_card import Head, whole_box
-from irsim_gym.render.raster_plan import LINE_STYLES
+from irsim_gym.render.plan import LINE_STYLES
 from irsim_gym.render.styles import faded
 from irsim_gym.world.marks import LineMark, Mark, Overlay, PointsMark, TextMark
 
