@@ -1,18 +1,18 @@
-"""Reads what is seen of bodies from the arrays of a simulation: footprints, headings, and outlines left behind."""
+"""Reads how bodies look from the arrays of a simulation: footprints, headings, and outlines left behind."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
+from irsim_gym.raster.play import LABEL_GAP
 from irsim_gym.render.images import load_image
 from irsim_gym.render.outlines import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
-from irsim_gym.render.scene import BodyView, GoalView, ImageView, LabelView
+from irsim_gym.render.scene import BodyView, Form, GoalView, ImageView, LabelView
 from irsim_gym.render.styles import BodyStyle, is_omni
 from irsim_gym.scenario.images import image_file
 from irsim_gym.world.model import ACKERMANN, WorldModel
@@ -20,27 +20,6 @@ from irsim_gym.world.state import WorldState
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
-
-LABEL_GAP = 0.08
-
-
-@dataclass(frozen=True, eq=False)
-class Form:
-    """What a footprint is in the body frame [m], where it stays the same however the body moves.
-
-    Attributes:
-        chains: First and last segment (exclusive) of each of its chains.
-        mark: Corners of the mark that shows where it heads; empty for none.
-        corners: Corners of the rectangle around it; None for an empty footprint.
-        ghost_lines: Chains of the outline that it leaves behind.
-        ghost_discs: Discs of that outline.
-    """
-
-    chains: tuple[tuple[int, int], ...]
-    mark: Floats
-    corners: Floats | None
-    ghost_lines: tuple[Floats, ...]
-    ghost_discs: Floats
 
 
 class BodyReader:
@@ -95,12 +74,15 @@ class BodyReader:
 
     def _make_form(self, body: int, segments: Floats, discs: Floats) -> Form:
         style, extent = self._styles[body], box(segments, discs)
-        corners = None
+        corners = ghost = None
         if extent is not None:
             x_min, y_min, x_max, y_max = extent
             corners = np.array([[x_min, y_min], [x_max, y_min], [x_max, y_max], [x_min, y_max]])
-        left = replaced(style.ghost_shape, segments, discs) if style.ghost_shape else (segments, discs)
-        return Form(_cuts(segments), self._mark(body, segments, discs), corners, chains(left[0]), left[1])
+        if style.ghost is not None:
+            left, left_discs = replaced(style.ghost_shape or "", segments, discs)
+            solid = style.ghost_shape != "linestring" and (bool(style.ghost_shape) or self._solid[body])
+            ghost = Form(chains(left), left_discs, solid, NOTHING)
+        return Form(chains(segments), discs, self._solid[body], self._mark(body, segments, discs), corners, ghost)
 
     def _mark(self, body: int, segments: Floats, discs: Floats) -> Floats:
         style = self._styles[body]
@@ -118,26 +100,33 @@ class BodyReader:
         form = self.form(world, body, rows)
         pose = state.pose[world, body]
         segments, discs = state.segments[world, rows[0]], state.discs[world, rows[1]].copy()
-        lines = tuple(_chain(segments[first:last]) for first, last in form.chains)
+        lines, first = [], 0
+        for line in form.lines:
+            lines.append(_chain(segments[first : first + len(line) - 1]))
+            first += len(line) - 1
+        turn = self._turn(world, body, pose)
+        towards = pose + np.array([0.0, 0.0, turn]) if turn else pose
         return BodyView(
             body=body,
             name=self._names[body],
-            lines=lines,
+            lines=tuple(lines),
             discs=discs,
-            solid=self._solid[body],
-            heading=placed(form.mark, self._heading(world, body, pose)) if len(form.mark) else NOTHING,
+            solid=form.solid,
+            heading=placed(form.mark, towards) if len(form.mark) else NOTHING,
             anchor=_anchor(pose, style, lines, discs),
             style=style,
+            form=form,
+            turn=turn,
             image=self._image(body, form, pose) if body in self._pixels else None,
         )
 
-    def _heading(self, world: int, body: int, pose: Floats) -> Floats:
-        """Return a pose that heads where the body is seen to head."""
+    def _turn(self, world: int, body: int, pose: Floats) -> float:
+        """Return where the body is seen to head, relative to its heading [rad]."""
         if self._turning[body]:
             x, y = self._state.twist[world, body, :2].tolist()
             if x or y:
-                return np.array([pose[0], pose[1], math.atan2(y, x)])
-        return pose
+                return math.remainder(math.atan2(y, x) - float(pose[2]), math.tau)
+        return 0.0
 
     def _image(self, body: int, form: Form, pose: Floats) -> ImageView | None:
         """Return the image of a body over the rectangle around its footprint; None without a footprint."""
@@ -147,17 +136,17 @@ class BodyReader:
 
     def ghost(self, body: int, form: Form, pose: Floats) -> BodyView:
         """Return the body as it stood at a pose, or a simpler shape around it."""
-        own, discs = self._styles[body], form.ghost_discs
-        shape, style = own.ghost_shape or "", own.ghost or own
+        left = form if form.ghost is None else form.ghost
         return BodyView(
             body=body,
             name=self._names[body],
-            lines=tuple(placed(line, pose) for line in form.ghost_lines),
-            discs=np.hstack([placed(discs[:, :2], pose), discs[:, 2:]]),
-            solid=shape != "linestring" and (bool(shape) or self._solid[body]),
+            lines=tuple(placed(line, pose) for line in left.lines),
+            discs=np.hstack([placed(left.discs[:, :2], pose), left.discs[:, 2:]]),
+            solid=left.solid,
             heading=NOTHING,
             anchor=(float(pose[0]), float(pose[1])),
-            style=style,
+            style=self._styles[body].ghost or self._styles[body],
+            form=left,
         )
 
 
@@ -176,12 +165,6 @@ def labels(bodies: Sequence[BodyView], goals: Sequence[GoalView]) -> tuple[Label
     return tuple(beside + below)
 
 
-def _cuts(segments: Floats) -> tuple[tuple[int, int], ...]:
-    """Return first and last segment (exclusive) of each chain."""
-    ends = np.cumsum([len(line) - 1 for line in chains(segments)]).tolist()
-    return tuple(zip([0, *ends[:-1]], ends, strict=True)) if ends else ()
-
-
 def _chain(segments: Floats) -> Floats:
     """Return the vertices of segments that follow each other, shape ``(n_segments + 1, 2)``."""
     vertices = np.empty((len(segments) + 1, 2))
@@ -189,7 +172,7 @@ def _chain(segments: Floats) -> Floats:
     return vertices
 
 
-def _anchor(pose: Floats, style: BodyStyle, lines: tuple[Floats, ...], discs: Floats) -> tuple[float, float]:
+def _anchor(pose: Floats, style: BodyStyle, lines: Sequence[Floats], discs: Floats) -> tuple[float, float]:
     """Return where a body's label stands: at the chosen offset, or above the footprint."""
     x, y, _ = pose.tolist()
     if style.label_offset is not None:

@@ -1,4 +1,4 @@
-"""What is kept small: frames in memory, and rows of numbers as short JSON."""
+"""Compact forms of what is kept: frames in memory, and rows of numbers as short JSON."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ METRE, RADIAN = 1e-3, 1e-4
 
 @dataclass(frozen=True)
 class PackedFrame:
-    """A picture, of which flat colours leave a few percent.
+    """A compressed picture; flat colours leave a few percent of it.
 
     Attributes:
         shape: Its height, width and number of channels.
@@ -38,21 +38,22 @@ class PackedFrame:
         return np.frombuffer(zlib.decompress(self.content), np.uint8).reshape(self.shape)
 
 
-def packed(rows: ArrayLike, unit: float) -> dict[str, Any]:
+def packed(rows: ArrayLike, unit: float, *, still: bool = True) -> dict[str, Any]:
     """Return numbers as a unit and whole numbers, differences along the first axis.
 
     Args:
         rows: Shape ``(n,)`` or ``(n, width)``; NaN where there is none.
         unit: What the numbers are rounded to.
+        still: Let one row stand for any number of equal ones.
 
     Returns:
         ``unit``, ``width``, and ``values``: row after row, None for NaN. A difference is taken from the latest number
-        of its column, or from 0. One row stands for any number of equal ones.
+        of its column, or from 0.
     """
     table = np.asarray(rows, np.float64)
     table = table.reshape(len(table), -1)
     whole = np.rint(table / unit)
-    if len(whole) > 1 and np.array_equal(whole, np.broadcast_to(whole[0], whole.shape), equal_nan=True):
+    if still and len(whole) > 1 and np.array_equal(whole, np.broadcast_to(whole[0], whole.shape), equal_nan=True):
         whole = whole[:1]
     absent = np.isnan(whole)
     known = np.where(absent, 0, np.arange(1, len(whole) + 1)[:, None])

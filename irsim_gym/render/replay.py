@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
+from irsim_gym.render import theme, vocabulary
 from irsim_gym.render.packing import METRE, packed
-from irsim_gym.render.replay_marks import overlay_data
-from irsim_gym.render.replay_tracks import BodyTrack, Changes, FogTrack, ScanTrack, Styles, map_data
-from irsim_gym.render.scene import BodyView, GoalView, MapView, Scene
+from irsim_gym.render.replay_items import Items, Shared
+from irsim_gym.render.replay_tracks import BodyTrack, Changes, FogTrack, ScanTrack, Seen, map_figure, marks_seen
+from irsim_gym.render.scene import BodyView, Scene
 from irsim_gym.world.marks import Overlay
 
 if TYPE_CHECKING:
@@ -34,17 +34,17 @@ class Recording:
     - ``name``: how the episode is called in a list; ``details``: what else is known of it, words by name;
     - ``title``: the picture's heading; ``bounds``: the world's rectangle [m]; ``look``: ``axis``, ``title`` (there is a
       line above), ``titled`` (it is a title alone); ``center``: the point in the middle of the picture, or None;
-    - ``count``: number of moments; ``time`` of each [s]; ``status``: changes;
-    - ``styles``: `BodyStyle` and `ScanStyle` as mappings, to which others refer by number;
-    - ``bodies``: ``name``, ``style``, ``fixed``, ``filled``; in its own frame [m] ``lines``, ``discs``, ``mark`` (of
-      its heading), ``ghost`` (the outline that it leaves behind), ``image`` (drawn in its place); ``field`` (width
-      [rad] and depth [m] of its field of view); ``poses``: x, y, then heading and what the mark is turned by; None
-      where the body is not there;
-    - ``goals``, ``struck`` (who takes part in a collision), ``maps`` (see ``map_data``): changes;
+    - ``count``: number of moments; ``time`` of each [s];
+    - ``status``, and ``titles`` (what a script wrote above the world, or None): changes; ``tones``: the colour of each
+      status;
+    - ``bodies``: ``name``, ``fixed``, ``shape`` (number of the outline), and ``poses``: x, y, then heading and what the
+      mark of the heading is turned by; None where the body is not there;
+    - ``scans``: ``body``, ``surrounds``, ``angles``, ``ranges``, ``places`` (x, y, then heading), ``speeds``; a range
+      from above ``near`` to below ``far`` is a hit;
     - ``fog``: what nobody has seen, see ``FogTrack``, or None;
-    - ``scans``: ``body``, ``style``, ``surrounds``, ``angles``, ``ranges``, ``places`` (x, y, then heading),
-      ``speeds``; a range from above ``near`` to below ``far`` is a hit;
-    - ``marks`` (what was drawn over the world) and ``titles``, see ``overlay_data``;
+    - ``items``: what is drawn, the lowest first: ``rank`` (of `irsim_gym.render.vocabulary`), ``draw`` (a primitive of
+      the page's script), and what that one reads: ``pen``, ``shape``, ``body`` and ``scan`` by number, ``places``
+      (x, y and perhaps heading), ``spans`` (first moment, end, first moment, end...) of those not always seen;
     - ``agents``: ``name``, ``outcome`` (changes), and at each moment ``values``, ``action`` and ``terms`` of the
       reward.
 
@@ -71,11 +71,10 @@ class Recording:
         self._fixed: Sequence[BodyView] | None = None
         self._times: list[float] = []
         self._centers: list[tuple[float, float]] = []
-        self._styles = Styles()
         self._bodies: dict[str, list[BodyTrack]] = {}
         self._scans: dict[tuple[str, int], ScanTrack] = {}
-        self._status, self._goals, self._struck, self._maps = Changes(), Changes(), Changes(), Changes()
-        self._map: tuple[MapView | None, Any] = (None, None)
+        self._status = Changes()
+        self._goals, self._struck, self._maps, self._outcomes = Seen(), Seen(), Seen(), Seen()
         self._fog: FogTrack | None = None
         self._overlays: list[Overlay] = []
         self._values: list[tuple[Mapping[str, Any], ...]] = []
@@ -128,11 +127,19 @@ class Recording:
         self._note_bodies(scene, poses, moment)
         self._note_scans(scene, names, moment)
         self._status.note(moment, scene.status)
-        self._struck.note(moment, [view.name for view in scene.struck])
-        self._goals.note(moment, [self._goal(view) for view in scene.goals])
-        if scene.map is not self._map[0]:
-            self._map = scene.map, None if scene.map is None else map_data(scene.map)
-        self._maps.note(moment, self._map[1])
+        if theme.ends_episode(scene.status):
+            tone = theme.status_colour(scene.status)
+            self._outcomes.note(moment, tone, tone)
+        for body in scene.struck:
+            self._struck.note(moment, body.name, body)
+        if self._last is not None and scene.goals is self._last.goals:
+            self._goals.note_again(moment)
+        else:
+            for goal in scene.goals:
+                numbers = goal.x, goal.y, goal.heading, goal.tolerance, goal.arrived, *goal.later.flat
+                self._goals.note(moment, (goal.name, id(goal.style), np.array(numbers).tobytes()), goal)
+        if scene.map is not None:
+            self._maps.note(moment, id(scene.map), scene.map)
         if scene.fog is not None:
             self._fog = self._fog or FogTrack(scene.fog)
             self._fog.note(scene.fog, moment)
@@ -146,14 +153,20 @@ class Recording:
         """Take other marks for the latest moment: those of this scene."""
         self._overlays[-1], self._last = scene.overlay, scene
 
-    def data(self) -> dict[str, Any]:
+    def data(self, shared: Shared | None = None) -> dict[str, Any]:
         """Return the episode as JSON.
+
+        Args:
+            shared: Where its pens, shapes and pictures go, to which it refers by number.
 
         Raises:
             ValueError: Nothing was noted.
         """
-        last, count = self.last, len(self._times)
-        centers = np.array(self._centers)
+        last, count, shared = self.last, len(self._times), shared or Shared()
+        centers, bodies = np.array(self._centers), [track for tracks in self._bodies.values() for track in tracks]
+        titles = Changes()
+        for moment, overlay in enumerate(self._overlays):
+            titles.note(moment, overlay.title)
         return {
             "name": self.name,
             "details": self._details,
@@ -163,17 +176,35 @@ class Recording:
             "count": count,
             "time": packed(self._times, TIME),
             "status": self._status.list,
-            "bodies": [track.data(count) for tracks in self._bodies.values() for track in tracks],
-            "goals": self._goals.list,
-            "struck": self._struck.list,
+            "tones": {status: theme.status_colour(status) for _, status in self._status.list},
+            "titles": titles.list,
+            "bodies": [track.data(count, shared) for track in bodies],
             "scans": [track.data(count) for track in self._scans.values()],
-            "maps": self._maps.list,
             "fog": None if self._fog is None else self._fog.data(),
             "center": None if np.isnan(centers).all() else packed(centers, METRE),
             "agents": [self._agent(a, name) for a, name in enumerate(self._agents)],
-            "styles": self._styles.list,
-            **overlay_data(self._overlays),
+            "items": self._items(bodies, Items(shared)).list(),
         }
+
+    def _items(self, bodies: Sequence[BodyTrack], items: Items) -> Items:
+        """Add all that is drawn."""
+        for view, spans in self._maps.things.values():
+            items.add(map_figure(view), spans=spans)
+        for tone, spans in self._outcomes.things.values():
+            for figure in vocabulary.outcome(tone, self.last.bounds):
+                items.add(figure, spans=spans)
+        if self._fog is not None:
+            self._fog.draw(items)
+        for number, track in enumerate(bodies):
+            track.draw(items, number, self._struck)
+        for number, scan in enumerate(self._scans.values()):
+            scan.draw(items, number)
+        for goal, spans in self._goals.things.values():
+            for thing in vocabulary.goal(goal):
+                items.add(thing, spans=spans)
+        for mark, spans in marks_seen(self._overlays).things.values():
+            items.add(vocabulary.mark(mark), spans=spans)
+        return items
 
     def _note_bodies(self, scene: Scene, poses: Floats, moment: int) -> None:
         still = scene.fixed is self._fixed
@@ -184,14 +215,13 @@ class Recording:
                 self._bodies[view.name][-1].stay(moment)
         for views, fixed in ((() if still else scene.fixed, True), (scene.moving, False)):
             for view in views:
-                pose = poses[view.body]
-                self._track(view, pose, fields.get(id(view.style)), fixed).note(view, pose, moment)
+                self._track(view, fields.get(id(view.style)), fixed).note(view, poses[view.body], moment)
 
-    def _track(self, view: BodyView, pose: Floats, field: tuple[float, float] | None, fixed: bool) -> BodyTrack:
+    def _track(self, view: BodyView, field: tuple[float, float] | None, fixed: bool) -> BodyTrack:
         """Return where a body's poses go; one whose outline has changed is another body."""
         tracks = self._bodies.setdefault(view.name, [])
-        if not tracks or not tracks[-1].fits(view, pose):
-            tracks.append(BodyTrack(view, pose, self._styles.number(view.style), field, fixed=fixed))
+        if not tracks or not tracks[-1].fits(view):
+            tracks.append(BodyTrack(view, field, fixed=fixed))
         return tracks[-1]
 
     def _note_scans(self, scene: Scene, names: Mapping[int, str], moment: int) -> None:
@@ -201,20 +231,8 @@ class Recording:
             key = name, count.get(name, 0)
             count[name] = key[1] + 1
             if key not in self._scans:
-                self._scans[key] = ScanTrack(view, name, self._styles.number(view.style))
+                self._scans[key] = ScanTrack(view, name)
             self._scans[key].note(view, moment)
-
-    def _goal(self, view: GoalView) -> dict[str, Any]:
-        return {
-            "name": view.name,
-            "x": round(view.x, 3),
-            "y": round(view.y, 3),
-            "tolerance": round(view.tolerance, 3),
-            "heading": None if math.isnan(view.heading) else round(view.heading, 3),
-            "later": np.round(view.later, 3).tolist(),
-            "arrived": view.arrived,
-            "style": self._styles.number(view.style),
-        }
 
     def _agent(self, a: int, name: str) -> dict[str, Any]:
         rows = [values[a] for values in self._values]

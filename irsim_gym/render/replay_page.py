@@ -12,20 +12,22 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.render import theme
+from irsim_gym.render import vocabulary
 from irsim_gym.render.files import whole_file
 from irsim_gym.render.replay import Recording
+from irsim_gym.render.replay_items import Shared
 
-SCHEMA, VERSION = "irsim_gym replay", 1
-SCRIPTS = ("data", "shapes", "world", "bodies", "scans", "marks", "chart", "player", "input")
+SCHEMA, VERSION = "irsim_gym replay", 2
+SCRIPTS = ("data", "primitives", "world", "chart", "player", "input")
 DATA = re.compile(r'<script type="application/octet-stream" id="data">([^<]*)</script>')
 
 
 def save_html(path: str | Path, recordings: Sequence[Recording], title: str = "") -> Path:
     """Write episodes to a page with play, scrubber, zoom and a plot of reward terms; return its path.
 
-    The page holds its data, deflated and in base64: ``schema``, ``version``, ``title``, ``theme``, ``maps`` and
-    ``pictures`` (each once), and ``episodes``, see `Recording`.
+    The page holds its data, deflated and in base64: ``schema``, ``version``, ``title``, ``theme`` (what the script has
+    to know of the drawing vocabulary), ``pens``, ``shapes`` and ``pictures`` (each once), and ``episodes``, see
+    `Recording`.
 
     Args:
         path: File to write, ``.html``; missing folders are made.
@@ -68,41 +70,17 @@ def read_html(path: str | Path) -> dict[str, Any]:
 
 
 def _recorded(recordings: Sequence[Recording], title: str) -> dict[str, Any]:
-    """Return all that a page knows; episodes refer to maps and pictures by number."""
-    maps: list[Any] = []
-    pictures: list[Any] = []
-    episodes = [recording.data() for recording in recordings]
-    for episode in episodes:
-        for change in episode["maps"]:
-            if change[1] is not None:
-                change[1] = _number(maps, change[1])
-        for body in episode["bodies"]:
-            if body["image"] is not None:
-                body["image"] = {**body["image"], "picture": _number(pictures, body["image"]["picture"])}
+    """Return all that a page knows."""
+    shared = Shared()
+    episodes = [recording.data(shared) for recording in recordings]
     return {
         "schema": SCHEMA,
         "version": VERSION,
         "title": title or episodes[0]["title"],
-        "theme": {
-            "card": theme.CARD,
-            "grid": theme.GRID,
-            "rule": theme.RULE,
-            "shadow": theme.SHADOW,
-            "impact": theme.IMPACT,
-            "outcomes": theme.OUTCOMES,
-            "running": theme.RUNNING,
-        },
-        "maps": maps,
-        "pictures": pictures,
+        "theme": vocabulary.page_constants(),
+        **shared.data(),
         "episodes": episodes,
     }
-
-
-def _number(known: list[Any], thing: Any) -> int:
-    """Return the place of a thing among those that are known; a new one is added."""
-    if thing not in known:
-        known.append(thing)
-    return known.index(thing)
 
 
 def _part(name: str) -> str:

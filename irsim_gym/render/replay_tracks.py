@@ -1,25 +1,22 @@
-"""What a replay remembers of bodies, scans, maps and whatever changes seldom."""
+"""What a replay remembers of bodies, scans, fog and maps, and of what is seen at some moments only."""
 
 from __future__ import annotations
 
-import base64
-import io
-from collections.abc import Iterable
-from dataclasses import asdict, is_dataclass, replace
+from collections.abc import Hashable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import to_hex
-from PIL import Image
 
 from irsim_gym.arraytypes import Floats
-from irsim_gym.render import shapes
-from irsim_gym.render.outlines import chains, placed, replaced
+from irsim_gym.render import vocabulary
+from irsim_gym.render.outlines import placed
 from irsim_gym.render.packing import METRE, RADIAN, packed
-from irsim_gym.render.scene import BodyView, FogView, ImageView, MapView, ScanView
-from irsim_gym.render.styles import BodyStyle
+from irsim_gym.render.primitives import Figure, Ink, Pen, Shape
+from irsim_gym.render.replay_items import Items, Shared
+from irsim_gym.render.scene import BodyView, FogView, Form, MapView, ScanView
+from irsim_gym.world.marks import Mark, Overlay
 
-SAME = 1e-6
 SPEED = 1e-3
 
 
@@ -35,73 +32,60 @@ class Changes:
             self.list.append([moment, value])
 
 
-class Styles:
-    """Styles by number; colours are what browsers understand."""
+class Seen:
+    """Things that are seen at some moments only, in the order in which they come.
+
+    Attributes:
+        things: By key, the thing and its spans: first moment, end, first moment, end...
+    """
 
     def __init__(self) -> None:
-        self.list: list[dict[str, Any]] = []
-        self._known: dict[int, tuple[Any, int]] = {}
+        self.things: dict[Hashable, tuple[Any, list[int]]] = {}
+        self._latest: list[list[int]] = []
+        self._moment = -1
 
-    def number(self, style: Any) -> int:
-        """Return the number of a style; equal ones have the same."""
-        known = self._known.get(id(style))
-        if known is not None:
-            return known[1]
-        plain = _plain(style)
-        if plain not in self.list:
-            self.list.append(plain)
-        number = self.list.index(plain)
-        self._known[id(style)] = style, number
-        return number
+    def note(self, moment: int, key: Hashable, thing: Any) -> None:
+        """Note that a thing is seen at a moment."""
+        if moment != self._moment:
+            self._moment, self._latest = moment, []
+        spans = self.things.setdefault(key, (thing, []))[1]
+        self._latest.append(spans)
+        if spans and spans[-1] == moment:
+            spans[-1] = moment + 1
+        else:
+            spans += [moment, moment + 1]
+
+    def note_again(self, moment: int) -> None:
+        """Note that what was seen one moment before, and nothing else, is seen at this one."""
+        if self._moment == moment - 1:
+            self._moment = moment
+            for spans in self._latest:
+                spans[-1] = moment + 1
 
 
 class BodyTrack:
-    """A rigid body: its outline in its own frame, and its poses.
+    """A rigid body and its poses.
 
     Args:
         view: The body as it is seen first.
-        pose: Where it is then.
-        style: Number of its style.
-        field: Width [rad] and depth [m] of its field of view, None where that is not shown.
+        field: Width [rad] and depth [m] of its field of view; None where that is not shown.
         fixed: It never moves.
     """
 
-    def __init__(
-        self, view: BodyView, pose: Floats, style: int, field: tuple[float, float] | None, *, fixed: bool
-    ) -> None:
-        self._view, self._style, self._field, self.fixed = view, style, field, fixed
-        self._filled = shapes.is_filled(view)
-        self._lines = [_own(line, pose) for line in view.lines]
-        self._discs = np.hstack([_own(view.discs[:, :2], pose), view.discs[:, 2:]])
-        self._mark = _own(view.heading, pose)
-        self._image = None if view.image is None else _image(view.image, pose)
-        self._ghost = None if view.style.ghost is None else self._left_behind(view, view.style.ghost)
+    def __init__(self, view: BodyView, field: tuple[float, float] | None, *, fixed: bool) -> None:
+        self._view, self._form, self._field, self.fixed = view, view.form, field, fixed
         self._rows: dict[int, Floats] = {}
 
-    def _left_behind(self, view: BodyView, style: BodyStyle) -> dict[str, Any]:
-        """Return the outline that the body leaves behind on its way."""
-        shape = view.style.ghost_shape or ""
-        sides = [np.hstack([line[:-1], line[1:]]) for line in self._lines]
-        segments, discs = replaced(shape, np.vstack([np.zeros((0, 4)), *sides]), self._discs)
-        lines = chains(segments)
-        solid = shape != "linestring" and (bool(shape) or view.solid)
-        return {**_outline(lines, discs), "filled": style.filled and bool(len(discs) or (lines and solid))}
-
-    def fits(self, view: BodyView, pose: Floats) -> bool:
+    def fits(self, view: BodyView) -> bool:
         """Return whether the body still has its outline."""
-        lines, discs = [_own(line, pose) for line in view.lines], _own(view.discs[:, :2], pose)
-        return (
-            [line.shape for line in lines] == [line.shape for line in self._lines]
-            and discs.shape == self._discs[:, :2].shape
-            and view.heading.shape == self._mark.shape
-            and all(np.abs(one - other).max() < SAME for one, other in zip(lines, self._lines, strict=True))
-            and bool((np.abs(discs - self._discs[:, :2]) < SAME).all())
-            and bool((np.abs(view.discs[:, 2] - self._discs[:, 2]) < SAME).all())
-        )
+        if view.form is not self._form and not _alike(view.form, self._form):
+            return False
+        self._form = view.form
+        return True
 
     def note(self, view: BodyView, pose: Floats, moment: int) -> None:
         """Note where the body is, and where its mark points."""
-        self._rows[moment] = np.array([*pose, _turn(self._mark, _own(view.heading, pose))])
+        self._rows[moment] = np.array([*pose, view.turn])
 
     def stay(self, moment: int) -> None:
         """Note that it is where it was."""
@@ -112,33 +96,35 @@ class BodyTrack:
         row = self._rows.get(moment)
         if row is None:
             return None
-        pose = row[:3]
+        pose, form = row[:3], self._view.form
         return replace(
             self._view,
-            lines=tuple(placed(line, pose) for line in self._lines),
-            discs=np.hstack([placed(self._discs[:, :2], pose), self._discs[:, 2:]]),
-            heading=placed(self._mark, pose + np.array([0.0, 0.0, row[3]])),
+            lines=tuple(placed(line, pose) for line in form.lines),
+            discs=np.hstack([placed(form.discs[:, :2], pose), form.discs[:, 2:]]),
+            heading=placed(form.mark, pose + np.array([0.0, 0.0, row[3]])),
             anchor=(float(pose[0]), float(pose[1])),
             image=None,
         )
 
-    def data(self, count: int) -> dict[str, Any]:
+    def data(self, count: int, shared: Shared) -> dict[str, Any]:
         """Return the body as JSON, with a pose for each of ``count`` moments."""
         rows = np.full((count, 4), np.nan)
         for moment, row in self._rows.items():
             rows[moment] = row
         return {
             "name": self._view.name,
-            "style": self._style,
             "fixed": self.fixed,
-            "filled": self._filled,
-            "field": None if self._field is None else [round(value, 4) for value in self._field],
-            "ghost": self._ghost,
-            "image": self._image,
-            **_outline(self._lines, self._discs),
-            "mark": np.round(self._mark, 4).ravel().tolist(),
+            "shape": shared.shape(vocabulary.outline(self._view.form)),
             "poses": [packed(rows[:, :2], METRE), packed(rows[:, 2:], RADIAN)],
         }
+
+    def draw(self, items: Items, number: int, struck: Seen) -> None:
+        """Add what is drawn of the body with this number; ``struck`` knows by name who collides."""
+        for thing in vocabulary.body(self._view, self._field, fixed=self.fixed):
+            items.add(thing, body=number)
+        if self._view.name in struck.things:
+            for edge in vocabulary.impact(self._view.form):
+                items.add(edge, body=number, spans=struck.things[self._view.name][1])
 
 
 class ScanTrack:
@@ -147,11 +133,10 @@ class ScanTrack:
     Args:
         view: The first scan.
         name: Name of the body that carries it.
-        style: Number of its style.
     """
 
-    def __init__(self, view: ScanView, name: str, style: int) -> None:
-        self._view, self._name, self._style = view, name, style
+    def __init__(self, view: ScanView, name: str) -> None:
+        self._view, self._name = view, name
         self._rows: list[tuple[int, ScanView]] = []
 
     def note(self, view: ScanView, moment: int) -> None:
@@ -172,7 +157,6 @@ class ScanTrack:
         moving = bool(np.nan_to_num(speeds).any())
         return {
             "body": self._name,
-            "style": self._style,
             "surrounds": self._view.surrounds,
             "angles": np.round(self._view.angles, 5).tolist(),
             "near": round(near, 4),
@@ -181,6 +165,11 @@ class ScanTrack:
             "places": [packed(places[:, :2], METRE), packed(places[:, 2:], RADIAN)],
             "speeds": packed(speeds, SPEED) if moving else None,
         }
+
+    def draw(self, items: Items, number: int) -> None:
+        """Add what is drawn of the scan with this number."""
+        for beams in vocabulary.scan(self._view.style, len(self._view.angles)):
+            items.add(beams, scan=number)
 
 
 class FogTrack:
@@ -208,17 +197,22 @@ class FogTrack:
         return {
             "extent": [round(float(value), 6) for value in self._view.extent],
             "size": list(self._view.covered.shape),
-            "colour": to_hex(self._view.colour, keep_alpha=True),
-            "alpha": self._view.alpha,
             "changes": self._changes,
         }
 
+    def draw(self, items: Items) -> None:
+        """Add the fog."""
+        items.add(vocabulary.fog(self._view))
 
-def map_data(view: MapView) -> dict[str, Any]:
-    """Return a map as JSON: its rectangle [m], number of columns and rows, colour, opacity, and boxes of cells.
 
-    A box is first column, first row, end column, end row; together the boxes are what is occupied.
-    """
+def _alike(one: Form, other: Form) -> bool:
+    """Return whether two footprints have the same outline and mark."""
+    parts, others = ([*form.lines, form.discs, form.mark] for form in (one, other))
+    return len(parts) == len(others) and all(map(np.array_equal, parts, others))
+
+
+def map_figure(view: MapView) -> Figure:
+    """Return a map: boxes of occupied cells, with a thin edge that keeps thin walls visible and hides seams."""
     boxes: list[list[int]] = []
     open_runs: dict[tuple[int, int], int] = {}
     for column, cells in enumerate([*view.occupied, np.zeros(view.occupied.shape[1], np.bool_)]):
@@ -228,53 +222,28 @@ def map_data(view: MapView) -> dict[str, Any]:
             boxes.append([open_runs.pop(run), run[0], column, run[1]])
         for run in runs:
             open_runs.setdefault(run, column)
-    return {
-        "extent": [round(float(value), 6) for value in view.extent],
-        "size": list(view.occupied.shape),
-        "colour": to_hex(view.colour, keep_alpha=True),
-        "alpha": view.alpha,
-        "boxes": [value for box in sorted(boxes) for value in box],
-    }
+    x_min, y_min, x_max, y_max = (float(value) for value in view.extent)
+    cell = x_min, y_min, (x_max - x_min) / view.occupied.shape[0], (y_max - y_min) / view.occupied.shape[1]
+    ink, shape = Ink(view.colour, view.alpha), Shape(boxes=np.array(sorted(boxes), np.int64).reshape(-1, 4), cell=cell)
+    return Figure("map", -np.inf, Pen(ink, ink, 0.5), shape)
 
 
-def _image(view: ImageView, pose: Floats) -> dict[str, Any]:
-    """Return an image: the picture as a data URL, its corners in the body's frame [m], and its opacity."""
-    content = io.BytesIO()
-    Image.fromarray(view.pixels).save(content, "png", optimize=True)
-    lower, upper = _own(view.corners[[0, 2]], pose).tolist()
-    return {
-        "picture": f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}",
-        "box": [round(value, 4) for value in (*lower, *upper)],
-        "alpha": view.alpha,
-    }
+def marks_seen(overlays: Sequence[Overlay]) -> Seen:
+    """Return the marks that lay over the world at each moment; what is drawn anew as it was is one mark."""
+    seen, looks = Seen(), dict[int, Hashable]()
+    for moment, overlay in enumerate(overlays):
+        if moment and overlay is overlays[moment - 1]:
+            seen.note_again(moment)
+            continue
+        counts = dict[Hashable, int]()
+        for mark in overlay.marks:
+            look = looks[id(mark)] = looks.get(id(mark)) or _look(mark)
+            counts[look] = counts.get(look, 0) + 1
+            seen.note(moment, (look, counts[look]), mark)
+    return seen
 
 
-def _outline(lines: Iterable[Floats], discs: Floats) -> dict[str, Any]:
-    return {
-        "lines": [np.round(line, 4).ravel().tolist() for line in lines],
-        "discs": np.round(discs, 4).tolist(),
-    }
-
-
-def _own(points: Floats, pose: Floats) -> Floats:
-    """Move points of the world frame, shape ``(n, 2)`` [m], to the frame of a body."""
-    return placed(points - pose[:2], np.array([0.0, 0.0, -pose[2]]))
-
-
-def _turn(mark: Floats, now: Floats) -> float:
-    """Return by how much a mark is turned about the body's origin [rad]."""
-    across = float((mark[:, 0] * now[:, 1] - mark[:, 1] * now[:, 0]).sum())
-    along = float((mark * now).sum())
-    return float(np.arctan2(across, along)) if len(mark) else 0.0
-
-
-def _plain(style: Any) -> dict[str, Any]:
-    assert is_dataclass(style)
-    assert not isinstance(style, type)
-    return {key: _browsers(key, value) for key, value in asdict(style).items()}
-
-
-def _browsers(key: str, value: Any) -> Any:
-    if isinstance(value, dict):
-        return {name: _browsers(name, inner) for name, inner in value.items()}
-    return to_hex(value, keep_alpha=True) if key.endswith("colour") and isinstance(value, str) else value
+def _look(mark: Mark) -> Hashable:
+    """Return what makes a mark look as it does; the parts of a form are the same objects for all marks of one kind."""
+    values = [tuple(map(id, value)) if isinstance(value, tuple) else value for value in vars(mark).values()]
+    return type(mark), *(value.tobytes() if isinstance(value, np.ndarray) else value for value in values)

@@ -26,6 +26,27 @@ class ImageView:
 
 
 @dataclass(frozen=True, eq=False)
+class Form:
+    """A footprint in the body frame, the same object however the body moves.
+
+    Attributes:
+        lines: Chains of vertices [m], each of shape ``(n_vertices, 2)``; closed ones repeat the first vertex.
+        discs: x, y, radius of its discs [m], shape ``(n_discs, 3)``.
+        solid: Its closed chains bound an area.
+        mark: Corners of the mark that shows where it heads [m], shape ``(n_corners, 2)``; empty for none.
+        corners: Corners of the rectangle around it [m], as of an ``ImageView``; None for an empty footprint.
+        ghost: The outline that it leaves behind, or None.
+    """
+
+    lines: tuple[Floats, ...]
+    discs: Floats
+    solid: bool
+    mark: Floats
+    corners: Floats | None = None
+    ghost: Form | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class BodyView:
     """A body's footprint in the world frame.
 
@@ -38,6 +59,8 @@ class BodyView:
         heading: Corners of the mark that shows where it heads [m], shape ``(n_corners, 2)``; empty for none.
         anchor: Where its label stands [m].
         style: How it looks.
+        form: Its footprint in the body frame.
+        turn: The direction in which the mark of the heading points, relative to the heading [rad].
         image: What is drawn instead of the footprint, or None.
     """
 
@@ -49,6 +72,8 @@ class BodyView:
     heading: Floats
     anchor: tuple[float, float]
     style: BodyStyle
+    form: Form
+    turn: float = 0.0
     image: ImageView | None = None
 
 

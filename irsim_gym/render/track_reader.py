@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats
-from irsim_gym.render.body_reader import BodyReader, Form
-from irsim_gym.render.scene import BodyView, TrailView
+from irsim_gym.render.body_reader import BodyReader
+from irsim_gym.render.scene import BodyView, Form, TrailView
 from irsim_gym.render.styles import BodyStyle
 from irsim_gym.world.trails import Trails
 

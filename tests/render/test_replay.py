@@ -6,19 +6,23 @@ import json
 import re
 from pathlib import Path
 from types import SimpleNamespace
+from typing import get_args
 
 import numpy as np
 import pytest
 from hand_made import SHOWN, Body, World, disc, make_world, standard_world
 
 from irsim_gym.live.drawing import Drawing
+from irsim_gym.render import primitives, vocabulary
 from irsim_gym.render.packing import packed, unpacked
 from irsim_gym.render.replay import Recording
-from irsim_gym.render.replay_marks import overlay_data
+from irsim_gym.render.replay_items import Items, Shared, css
 from irsim_gym.render.replay_page import read_html, save_html
-from irsim_gym.render.replay_tracks import FogTrack, map_data
-from irsim_gym.render.scene import FogView, MapView
+from irsim_gym.render.replay_tracks import FogTrack, map_figure, marks_seen
+from irsim_gym.render.scene import FogView, GoalView, MapView
+from irsim_gym.render.styles import BodyStyle
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
+from irsim_gym.world.marks import Overlay
 
 
 def recorded(world: World, moves: list[tuple[float, float, float]], **options) -> Recording:
@@ -32,6 +36,26 @@ def recorded(world: World, moves: list[tuple[float, float, float]], **options) -
         recording.note(renderer.scene(0, "running"), world.state.pose[0], values * bool(options))
         world.step()
     return recording
+
+
+def drawn(recording: Recording) -> tuple[dict, list[dict]]:
+    """Return an episode, and its items with the pens and shapes that they have."""
+    shared = Shared()
+    data = recording.data(shared)
+    tables = shared.data()
+    known = {"pen": tables["pens"], "shape": tables["shapes"]}
+    items = [{**item, **{name: known[name][item[name]] for name in known if name in item}} for item in data["items"]]
+    return {**data, "shapes": tables["shapes"]}, items
+
+
+def points(table: dict) -> list[list[float]]:
+    """Return the rows of a packed table of different rows."""
+    return unpacked(table, len(table["values"]) // table["width"]).round(4).tolist()
+
+
+def marks(overlays: list[Overlay]) -> list[tuple[primitives.Primitive, list[int]]]:
+    """Return what is drawn of marks, and when."""
+    return [(vocabulary.mark(mark), spans) for mark, spans in marks_seen(overlays).things.values()]
 
 
 def test_numbers_come_back() -> None:
@@ -49,18 +73,24 @@ def test_equal_rows_are_told_once() -> None:
 
 def test_a_body_keeps_its_outline_and_has_a_pose_at_each_moment() -> None:
     moves = [(2.0, 3.0, 0.0), (2.5, 3.0, 0.3), (3.0, 3.25, 3.0)]
-    data = recorded(standard_world(), moves, agents=["robot_0"]).data()
+    data, items = drawn(recorded(standard_world(), moves, agents=["robot_0"]))
     robot, box, *_ = sorted(data["bodies"], key=lambda body: int(body["name"][-1]))
     place, heading = (unpacked(part, 3) for part in robot["poses"])
     assert np.allclose(place, np.array(moves)[:, :2])
     assert np.allclose(heading, np.column_stack([[0.0, 0.3, 3.0], np.zeros(3)]))
-    assert (robot["discs"], robot["lines"], robot["fixed"]) == ([[0.0, 0.0, 0.4]], [], False)
-    assert np.allclose(robot["mark"][:2], [0.28, 0.0])  # the tip, 0.7 radii ahead
-    assert box["lines"] == [[-1.0, -0.5, 1.0, -0.5, 1.0, 0.5, -1.0, 0.5, -1.0, -0.5]]
+    footprint, corners = (data["shapes"][body["shape"]] for body in (robot, box))
+    assert (list(footprint), points(footprint["discs"]), robot["fixed"]) == (["discs"], [[0.0, 0.0, 0.4]], False)
+    assert [points(line) for line in corners["chains"]] == [
+        [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5], [-1.0, -0.5]]
+    ]
     assert box["poses"][0]["values"] == [7000, 3000]
     assert box["fixed"]
+    number = data["bodies"].index(robot)
+    (mark,) = [item for item in items if (item["rank"], item.get("body")) == ("headings", number)]
+    assert points(mark["shape"]["chains"][0])[0] == [0.28, 0.0]  # the tip, 0.7 radii ahead
     assert (data["count"], unpacked(data["time"], 3).ravel().round(6).tolist()) == (3, [0.0, 0.1, 0.2])
-    assert [(goal["x"], goal["heading"]) for _, goals in data["goals"] for goal in goals] == [(8.0, None)]
+    (goal,) = [item for item in items if item["rank"] == "goals"]
+    assert (points(goal["places"])[0][0], goal["spans"]) == (8.0, [0, 3])
 
 
 def test_a_body_of_another_outline_is_another_body() -> None:
@@ -69,8 +99,9 @@ def test_a_body_of_another_outline_is_another_body() -> None:
     recording.note(renderer.scene(0, ""), world.state.pose[0])
     world.model.local_discs[0, 0, 2] = world.state.discs[0, 0, 2] = 0.7
     recording.note(renderer.scene(0, ""), world.state.pose[0])
-    small, large = recording.data()["bodies"]
-    assert [small["discs"][0][2], large["discs"][0][2]] == [0.4, 0.7]
+    data, _ = drawn(recording)
+    small, large = data["bodies"]
+    assert [points(data["shapes"][body["shape"]]["discs"])[0][2] for body in (small, large)] == [0.4, 0.7]
     assert unpacked(small["poses"][0], 2)[:, 0].tolist()[0] == 0.0
     assert np.isnan(unpacked(small["poses"][0], 2)[1]).all()
     assert np.isnan(unpacked(large["poses"][0], 2)[0]).all()
@@ -98,26 +129,26 @@ def test_agents_tell_their_numbers() -> None:
 
 
 def test_trails_of_outlines_and_colours_are_what_browsers_draw() -> None:
-    plot = ObjectPlot(show_trail=True, trail_type="rectangle", trail_color="r", trail_freq=3, show_trajectory=True)
+    plot = ObjectPlot(show_trail=True, trail_type="rectangle", trail_edgecolor="r", trail_freq=3, show_trajectory=True)
     world = make_world([Body(disc(0.4), (1.0, 1.0, 0.0), robot=True, movable=True, color="C1", plot=plot)])
-    data = recorded(world, [(1.0, 1.0, 0.0)]).data()
-    (body,) = data["bodies"]
-    style = data["styles"][body["style"]]
-    assert (style["colour"], style["ghost"]["colour"], style["ghost_every"]) == ("#ff7f0eff", "#ff0000ff", 3)
-    assert np.allclose(np.abs(body["ghost"]["lines"][0]), 0.4)  # a square around the disc
+    _, items = drawn(recorded(world, [(1.0, 1.0, 0.0)]))
+    footprint, ghost = ([item for item in items if item["rank"] == rank] for rank in ("bodies", "ghosts"))
+    assert (footprint[0]["pen"]["fill"], ghost[0]["past"]) == ("#ff7f0e", [3, 0])
+    assert ghost[0]["pen"]["edge"].startswith("#ff0000")
+    assert np.allclose(np.abs(points(ghost[0]["shape"]["chains"][0])), 0.4)  # a square around the disc
 
 
 def test_a_map_is_boxes_of_its_cells() -> None:
     occupied = np.zeros((5, 4), np.bool_)
     occupied[1:3, 1:4] = True
     occupied[4, 0] = occupied[4, 2] = True
-    data = map_data(MapView((0.0, 0.0, 10.0, 8.0), occupied, "#334155", 0.5))
+    shape = map_figure(MapView((0.0, 0.0, 10.0, 8.0), occupied, "#334155", 0.5)).shape
     found = np.zeros_like(occupied)
-    for first, low, end, high in np.reshape(data["boxes"], (-1, 4)).tolist():
+    for first, low, end, high in np.asarray(shape.boxes).tolist():
         assert not found[first:end, low:high].any()
         found[first:end, low:high] = True
     assert np.array_equal(found, occupied)
-    assert len(data["boxes"]) == 4 * 3
+    assert (np.shape(shape.boxes), shape.cell) == ((3, 4), (0.0, 0.0, 2.0, 2.0))
 
 
 def test_fog_is_what_changes_of_it() -> None:
@@ -141,8 +172,8 @@ def test_a_page_holds_everything_and_loads_nothing(tmp_path: Path) -> None:
     assert "<title>Two &lt;episodes&gt;</title>" in text
     assert "{{" not in text
     data = read_html(path)
-    assert (data["schema"], data["version"], len(data["episodes"])) == ("irsim_gym replay", 1, 2)
-    assert data["episodes"][1] == recordings[1].data()
+    assert (data["schema"], data["version"], len(data["episodes"])) == ("irsim_gym replay", 2, 2)
+    assert data["episodes"][1] == json.loads(json.dumps(recordings[1].data()))
     assert [file.name for file in path.parent.iterdir()] == ["replay.html"]
 
 
@@ -170,7 +201,7 @@ def test_what_cannot_be_written(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"ends in \.html, got 'a\.mp4'"):
         save_html(tmp_path / "a.mp4", [Recording(scenario)])
     (tmp_path / "other.html").write_text("<html></html>")
-    with pytest.raises(ValueError, match="no replay of version 1"):
+    with pytest.raises(ValueError, match="no replay of version 2"):
         read_html(tmp_path / "other.html")
     assert sorted(file.name for file in tmp_path.iterdir()) == ["other.html"]
 
@@ -187,17 +218,13 @@ def test_marks_are_told_with_the_moments_at_which_they_are_seen() -> None:
             drawing.text(1.5, 2.5, "gone", align="left", color="#ff000080")
         overlays.append(drawing.overlay())
         drawing.shown()
-    data = json.loads(json.dumps(overlay_data(overlays)))
-    line, crosses, words = data["marks"]
-    assert [mark["spans"] for mark in data["marks"]] == [[[0, 4]], [[2, 3]], [[4, 6]]]
-    assert data["titles"] == [[0, None], [2, "two"]]
-    assert unpacked(line["points"], line["count"]) == pytest.approx(np.array([[1, 2], [3, 4], [3, 5]]))
-    assert (line["colour"], line["width"], line["style"], line["closed"], line["fill"]) == (
-        "#ff0000", 2.0, "dashed", False, "",
-    )  # fmt: skip
-    assert (crosses["count"], len(crosses["form"]), crosses["points"]["values"]) == (2, 2, [2000, 1000])
-    assert (words["text"], words["align"], words["colour"]) == ("gone", "left", "#ff0000")
-    assert words["alpha"] == pytest.approx(128 / 255)
+    (line, *_), (crosses, *_), (words, *_) = found = marks(overlays)
+    assert [spans for _, spans in found] == [[0, 4], [2, 3], [4, 6]]
+    assert line.shape.chains[0] == pytest.approx(np.array([[1, 2], [3, 4.0004], [3, 5]]))
+    red = primitives.Ink("r", 1.0)
+    assert line.pen == primitives.Pen(None, red, 2.0, "dashed", cap="butt")
+    assert (crosses.places.tolist(), len(crosses.shape.offsets)) == ([[2, 1], [2, 1]], 2)
+    assert (words.text, words.align, css(words.ink)) == ("gone", "left", "#ff000080")
 
 
 def test_what_is_drawn_anew_as_it_was_is_one_mark() -> None:
@@ -211,13 +238,38 @@ def test_what_is_drawn_anew_as_it_was_is_one_mark() -> None:
             drawing.path([[1, 2], [3, 4]], "k", once=True)  # twice at one moment
         overlays.append(drawing.overlay())
         drawing.shown()
-    spans = [mark["spans"] for mark in overlay_data(overlays)["marks"]]
-    assert spans == [[[0, 20], [22, 50]], [[0, 20], [22, 50]], [[30, 31]]]
+    assert [spans for _, spans in marks(overlays)] == [[0, 20, 22, 50], [0, 20, 22, 50], [30, 31]]
 
 
-def test_a_recording_without_marks_says_so_in_short() -> None:
-    data = recorded(standard_world(), [(2.0, 3.0, 0.0), (2.5, 3.0, 0.3)]).data()
-    assert (data["marks"], data["titles"]) == ([], [[0, None]])
+def test_marks_that_stay_are_seen_as_long_as_they_do() -> None:
+    overlays = [Drawing().overlay()]
+    drawing = Drawing()
+    drawing.path([[1, 2], [3, 4]])
+    overlays += [drawing.overlay()] * 3 + overlays * 2 + [drawing.overlay()] * 2
+    assert [spans for _, spans in marks(overlays)] == [[1, 4, 6, 8]]
+
+
+def test_the_script_draws_every_primitive() -> None:
+    """The page's script knows each by its name, and no others."""
+    text = (Path(vocabulary.__file__).parent / "page" / "primitives.js").read_text(encoding="utf-8")
+    names = re.search(r"const PRIMITIVES = {(.*?)}", text, re.DOTALL)[1]
+    assert set(re.findall(r"(\w+):", names)) == {kind.__name__ for kind in get_args(primitives.Primitive)}
+
+
+def test_an_arrow_at_a_goal_is_a_shape_with_a_least_length() -> None:
+    """Its shaft ends at the circle, but is at least 7 points long; its head is 6 points long."""
+    view = GoalView(3.0, 4.0, 1.5, 0.25, np.zeros((0, 2)), False, "robot_0", BodyStyle("C0", goal_colour="#102030"))
+    shared = Shared()
+    items = Items(shared)
+    for thing in vocabulary.goal(view):
+        items.add(thing, spans=[0, 1])
+    _, arrow, pole, _ = items.list()
+    tables = shared.data()
+    shape = tables["shapes"][arrow["shape"]]
+    assert (points(arrow["places"]), shape["least"]) == ([[3.0, 4.0, 1.5]], 7.0)
+    assert (points(shape["chains"][0])[3], points(shape["offsets"][0])[3]) == ([0.25, 0.0], [6.0, 0.0])
+    assert tables["pens"][arrow["pen"]] == {"fill": "#102030e6"}
+    assert pole["rank"] == "flags"
 
 
 def test_a_page_holds_the_marks_of_a_run(tmp_path: Path) -> None:
@@ -232,5 +284,6 @@ def test_a_page_holds_the_marks_of_a_run(tmp_path: Path) -> None:
             world.step()
         world.set_title("end")
         data = read_html(world.save_html(tmp_path / "run.html"))["episodes"][0]
-    assert [mark["spans"] for mark in data["marks"]] == [[[0, 5]], [[0, 1]], [[1, 2]], [[2, 3]], [[3, 4]]]
+    spans = [item["spans"] for item in data["items"] if item["rank"] == "marks"]
+    assert sorted(spans) == [[0, 1], [0, 5], [1, 2], [2, 3], [3, 4]]
     assert data["titles"] == [[0, None], [4, "end"]]

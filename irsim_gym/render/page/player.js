@@ -6,7 +6,12 @@ const byId = (id) => document.getElementById(id);
 
 class Player {
   constructor(recording) {
-    this.recording = { ...recording, pictures: recording.pictures.map((source) => this.picture(source)) };
+    this.recording = {
+      ...recording,
+      pens: recording.pens.map((pen) => ({ ...recording.theme.defaults.Pen, ...pen })),
+      shapes: recording.shapes.map((shape) => new Shape(shape)),
+      pictures: recording.pictures.map((source) => this.picture(source)),
+    };
     this.moment = 0;
     this.clock = 0;
     this.isPlaying = false;
@@ -157,7 +162,7 @@ class Player {
     const { episode, moment } = this;
     const agent = episode.agents[this.agent];
     const shown = (id) => byId(id).checked;
-    const robot = agent?.name ?? episode.bodies.find((body) => !body.isFixed)?.name;
+    const robot = agent?.name ?? episode.bodies.find((body) => !body.fixed)?.name;
     const follow = shown("follow") ? robot : null;
     this.world.draw(moment, { scans: shown("scans"), paths: shown("paths"), names: shown("names"), follow });
     if (agent) this.chart.draw(moment);

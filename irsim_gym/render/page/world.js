@@ -2,27 +2,18 @@
 
 const MARGINS = { left: 42, right: 34, top: 42, bottom: 34, bare: 12, padding: 9 };
 const FONT = '"DejaVu Sans", Verdana, system-ui, sans-serif';
-const [GROUND, TOP] = [1, 1e9];
-const [FADE_STEPS, FAINTEST, MOST_BEAMS] = [28, 0.12, 100];
-const [FLAG_WIDTH, FLAG_HEIGHT] = [6.5, 10.5];
-
-/** Ranks of what is cut at the world's borders, and how far it may reach over them: half the width of a wall [point]. */
-const REACH = { 0: 1.1, 2: 0, 3: 0, 4: 0, 6: 0, 7: 1.1, 8: 1.1, 9: 0, 10: 1.1, 12: 0 };
-
 class WorldView {
   constructor(canvas, theme) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
     this.theme = theme;
-    this.look = { zoom: 1, x: null, y: null };
-    this.paths = new Map();
+    this.whole();
   }
 
   /** Show another episode; the part of the world that is seen stays where both are of one size. */
   show(episode) {
     if (!this.episode || String(this.episode.bounds) !== String(episode.bounds)) this.whole();
     this.episode = episode;
-    this.paths.clear();
   }
 
   whole() {
@@ -102,20 +93,35 @@ class WorldView {
     this.drawCard();
     context.save();
     this.cutToPlot();
-    this.drawMap(valueAt(episode.maps, moment));
-    const status = valueAt(episode.status, moment) ?? "";
-    const outcome = this.theme.outcomes[status.trim().toLowerCase().replaceAll(" ", "_")];
-    if (outcome) this.frame(tinted(outcome, 0.07), null);
-    for (const [, rank, draw] of this.layers(moment, options)) {
-      context.save();
-      if (!episode.center && rank in REACH) this.cutToWorld(REACH[rank]);
-      draw();
-      context.restore();
-    }
-    if (outcome) this.frame(null, tinted(outcome, 0.9));
+    this.drawItems(this.episode.itemsAt(moment), moment, options);
     context.restore();
     this.pixels();
-    if (episode.look.title) this.drawHead(moment, status, outcome ?? this.theme.running);
+    if (episode.look.title) this.drawHead(moment);
+  }
+
+  /** Draw items, the lowest first, each cut at the world's border as its rank says. */
+  drawItems(items, moment, options) {
+    const { context, theme: { ranks } } = this;
+    let cut = null;
+    context.save();
+    for (const item of items) {
+      const { reach, switch: name } = ranks[item.rank];
+      if (name && !options[name]) continue;
+      const wanted = this.episode.center ? null : reach;
+      if (wanted !== cut) {
+        context.restore();
+        context.save();
+        if (wanted !== null) this.cutToWorld(wanted);
+        cut = wanted;
+      }
+      PRIMITIVES[item.draw](this, item, moment);
+    }
+    context.restore();
+  }
+
+  /** Return where the flags of goals stand. */
+  flagsAt(moment) {
+    return this.episode.itemsAt(moment).filter(({ rank }) => rank === "flags").flatMap(({ places }) => places);
   }
 
   pixels() {
@@ -130,11 +136,13 @@ class WorldView {
     if (heading) this.context.rotate(heading);
   }
 
-  /** Set the width of lines in points, while lengths are metres. */
-  line(points, style = "solid") {
-    const width = (points * this.point) / this.scale;
-    this.context.lineWidth = width;
-    this.context.setLineDash(dashes(style).map((dash) => dash * width));
+  /** Go on with a pen, while lengths are metres. */
+  take({ fill, edge, width, line, in_metres, cap }) {
+    const { context, theme } = this;
+    const point = this.point / this.scale;
+    const wide = in_metres ? Math.max(width, theme.thinnest * point) : width * point;
+    Object.assign(context, { fillStyle: fill, strokeStyle: edge, lineWidth: wide, lineCap: cap, lineJoin: "round" });
+    context.setLineDash(theme.dashes[line].map((dash) => dash * wide));
   }
 
   cutToPlot() {
@@ -194,75 +202,9 @@ class WorldView {
     for (const y of rows) context.fillText(short(y), this.column(low[0]) - gap, this.row(y));
   }
 
-  drawMap(map) {
-    if (!map) return;
-    if (!this.paths.has(map)) {
-      const path = new Path2D();
-      const [x, y, right, top] = map.extent;
-      const [wide, high] = [(right - x) / map.size[0], (top - y) / map.size[1]];
-      for (let i = 0; i < map.boxes.length; i += 4) {
-        const [first, low, end, above] = map.boxes.slice(i, i + 4);
-        path.rect(x + first * wide, y + low * high, (end - first) * wide, (above - low) * high);
-      }
-      this.paths.set(map, path);
-    }
-    this.metres();
-    this.line(0.5);  // thin walls are seen however small the map is, and boxes have no seams
-    this.context.globalAlpha = map.alpha;
-    this.context.fillStyle = this.context.strokeStyle = map.colour;
-    this.context.fill(this.paths.get(map));
-    this.context.stroke(this.paths.get(map));
-    this.context.globalAlpha = 1;
-  }
-
-  frame(fill, edge) {
-    this.pixels();
-    this.context.setLineDash([]);
-    if (fill) {
-      this.context.fillStyle = fill;
-      this.context.fillRect(...this.card());
-    } else {
-      this.context.strokeStyle = edge;
-      this.context.lineWidth = 2.2 * this.point;
-      this.context.strokeRect(...this.card());
-    }
-  }
-
-  /** Return what lies on the ground, the lowest first: layer, rank within it, how it is drawn. */
-  layers(moment, options) {
-    const { episode } = this;
-    const items = episode.fog ? [[GROUND, 1, () => drawFog(this, moment)]] : [];
-    const there = episode.bodies.filter((body) => !Number.isNaN(body.place.at(moment, 0)));
-    for (const body of there) {
-      const { style } = body;
-      items.push([style.order, body.isFixed ? 0 : 7, () => drawBody(this, body, moment)]);
-      if (body.mark.length) items.push([style.arrow_order ?? style.order, 8, () => drawMark(this, body, moment)]);
-      if (body.field) items.push([style.field_order, 3, () => drawField(this, body, moment)]);
-      if (!options.paths || body.isFixed) continue;
-      if (body.ghost) items.push([style.ghost.order, 4, () => drawGhosts(this, body, moment)]);
-      if (style.show_trajectory) items.push([style.trajectory_order, 6, () => drawPath(this, body, moment)]);
-    }
-    const goals = valueAt(episode.goals, moment) ?? [];
-    for (const goal of goals) items.push([goal.style.goal_order, 5, () => drawGoal(this, goal)]);
-    if (options.scans) {
-      for (const scan of episode.scans.filter((scan) => !Number.isNaN(scan.place.at(moment, 0)))) {
-        items.push([GROUND, 2, () => drawScan(this, scan, moment)], [TOP, 9, () => drawHits(this, scan, moment)]);
-      }
-    }
-    const struck = valueAt(episode.struck, moment) ?? [];
-    for (const body of there.filter((body) => struck.includes(body.name))) {
-      items.push([TOP, 10, () => drawImpact(this, body, moment)]);
-    }
-    for (const body of there) items.push([body.style.label_order, 11, () => drawLabel(this, body, moment, goals, options)]);
-    for (const goal of goals) items.push([goal.style.label_order, 11, () => drawGoalLabel(this, goal)]);
-    for (const mark of episode.marks.filter((mark) => isSeen(mark, moment))) {
-      items.push([mark.layer, "text" in mark ? 13 : 12, () => drawOver(this, mark)]);
-    }
-    return items.sort((one, other) => one[0] - other[0] || one[1] - other[1]);
-  }
-
-  drawHead(moment, status, colour) {
+  drawHead(moment) {
     const { context, episode, plot, point } = this;
+    const status = valueAt(episode.status, moment);
     const y = plot.top - 21 * this.large;
     context.textBaseline = "middle";
     context.fillStyle = this.page("ink");
@@ -279,7 +221,7 @@ class WorldView {
     const room = 66 * this.large;
     context.fillText(`${episode.time.at(moment).toFixed(1)} s`, right, y);
     const words = `\u25cf ${status.replaceAll("_", " ")}`;
-    context.fillStyle = tinted(colour, 1);
+    context.fillStyle = episode.tones[status];
     context.fillText(words, right - room, y);
     const longest = Math.max(...["\u25cf left world", words].map((text) => context.measureText(text).width));
     const rest = right - left - room - longest - 14;
@@ -295,4 +237,19 @@ function cutTo(context, words, room) {
   let shown = words;
   while (shown && context.measureText(shown).width > room) shown = `${shown.replace("\u2026", "").slice(0, -1)}\u2026`.replace(/^\u2026$/, "");
   return shown;
+}
+
+/** Return round numbers from low to high, at most one per 70 of ``room`` pixels. */
+function ticks(low, high, room) {
+  const wanted = (high - low) / Math.max(Math.min(room / 70, 12), 1);
+  const magnitude = 10 ** Math.floor(Math.log10(wanted));
+  const step = [1, 2, 5, 10].map((factor) => factor * magnitude).find((size) => size >= wanted * (1 - 1e-9));
+  const found = [];
+  for (let i = Math.ceil(low / step - 1e-9); i <= Math.floor(high / step + 1e-9); i++) found.push(i * step);
+  return found;
+}
+
+/** Return a number as short as it is round. */
+function short(value) {
+  return String(Number(value.toFixed(9))).replace("-", "\u2212");
 }

@@ -1,0 +1,111 @@
+"""What a page draws, as JSON: pens, shapes and pictures by number, and primitives in drawing order."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from irsim_gym.arraytypes import Bytes
+from irsim_gym.render.colours import colour
+from irsim_gym.render.packing import METRE, packed
+from irsim_gym.render.primitives import Ink, Pen, Primitive, Shape
+from irsim_gym.render.vocabulary import RANKS
+
+FINE = 1e-4
+"""Unit of numbers up to 1; that of larger ones is a millimetre."""
+RANK_NUMBERS = {name: number for number, name in enumerate(RANKS)}
+
+
+class Shared:
+    """Pens, shapes and pictures (PNG images as data URLs) of all episodes of a page; equal ones are held once."""
+
+    def __init__(self) -> None:
+        self._tables: dict[str, dict[str, int]] = {"pens": {}, "shapes": {}, "pictures": {}}
+
+    def number(self, table: str, thing: Any) -> int:
+        """Return the number of a thing in a table."""
+        known = self._tables[table]
+        return known.setdefault(json.dumps(thing), len(known))
+
+    def shape(self, shape: Shape) -> int:
+        """Return the number of a shape."""
+        return self.number("shapes", _given(shape, self))
+
+    def data(self) -> dict[str, list[Any]]:
+        """Return the tables as JSON."""
+        return {table: [json.loads(thing) for thing in things] for table, things in self._tables.items()}
+
+
+class Items:
+    """Collects what is drawn in one episode.
+
+    Args:
+        shared: Pens, shapes and pictures of the page.
+    """
+
+    def __init__(self, shared: Shared) -> None:
+        self._shared = shared
+        self._rows: list[tuple[float, int, dict[str, Any]]] = []
+
+    def add(self, thing: Primitive, **where: Any) -> None:
+        """Add a primitive, with the number of its ``body`` or ``scan``, or the ``spans`` in which it is seen."""
+        data = _given(thing, self._shared)
+        del data["layer"]
+        self._rows.append((thing.layer, RANK_NUMBERS[thing.rank], {"draw": type(thing).__name__, **data, **where}))
+
+    def list(self) -> list[dict[str, Any]]:
+        """Return the items, the lowest first."""
+        return [item for *_, item in sorted(self._rows, key=lambda row: row[:2])]
+
+
+def css(ink: Ink) -> str:
+    """Return a colour as browsers write it, ``#rrggbb`` or ``#rrggbbaa``."""
+    red, green, blue, opacity = colour(ink.colour, ink.opacity)
+    parts = [round(ink.brightness * value) for value in (red, green, blue)]
+    return "#" + bytes([*parts, round(255.0 * opacity)]).hex().removesuffix("ff" if opacity >= 1.0 else "")
+
+
+def _given(thing: Any, shared: Shared) -> dict[str, Any]:
+    """Return the fields of a primitive, a pen or a shape as JSON, without those that are at their defaults."""
+    data = {}
+    for name, value in thing._asdict().items():
+        is_given = len(value) if isinstance(value, np.ndarray) else value != thing._field_defaults.get(name, ...)
+        if is_given:
+            data[name] = _plain(value, shared)
+    return data
+
+
+def _plain(value: Any, shared: Shared) -> Any:
+    match value:
+        case Ink():
+            return css(value)
+        case Pen():
+            return shared.number("pens", _given(value, shared))
+        case Shape():
+            return shared.shape(value)
+        case np.ndarray() if value.ndim == 3:
+            return shared.number("pictures", _url(value))
+        case np.ndarray():
+            is_whole = np.issubdtype(value.dtype, np.integer)
+            return packed(
+                value, 1 if is_whole else FINE if np.abs(value).max(initial=0.0) <= 1.0 else METRE, still=False
+            )
+        case tuple() if hasattr(value, "_fields"):
+            return _given(value, shared)
+        case tuple():
+            return [_plain(part, shared) for part in value]
+        case float():
+            return round(value, 6)
+    return value
+
+
+def _url(pixels: Bytes) -> str:
+    """Return an image as a data URL."""
+    content = io.BytesIO()
+    Image.fromarray(pixels).save(content, "png", optimize=True)
+    return f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}"
