@@ -241,7 +241,7 @@ class Fog {
     return this.covered;
   }
 
-  /** Return a picture of them, one pixel for each, with soft borders. */
+  /** Return a picture of them, one pixel for each, with soft borders as those of frames. */
   cover(moment, [red, green, blue, opacity]) {
     const [columns, rows] = this.size;
     const covered = this.at(moment);
@@ -250,9 +250,10 @@ class Fog {
     const pixels = new ImageData(columns, rows);
     for (let i = 0; i < columns; i++) {
       for (let j = 0; j < rows; j++) {
+        if (!isCovered(i, j)) continue;
         let around = 0;
-        if (isCovered(i, j)) for (let k = 0; k < 9; k++) around += isCovered(i + (k % 3) - 1, j + Math.floor(k / 3) - 1);
-        pixels.data.set([red, green, blue, Math.round((opacity * around) / 9)], 4 * ((rows - 1 - j) * columns + i));
+        for (let k = 0; k < 9; k++) around += isCovered(i + (k % 3) - 1, j + Math.floor(k / 3) - 1);
+        pixels.data.set([red, green, blue, opacity * (0.5 + around / 18)], 4 * ((rows - 1 - j) * columns + i));
       }
     }
     this.canvas.getContext("2d").putImageData(pixels, 0, 0);

@@ -47,7 +47,7 @@ function drawWay(view, { body, pen, length }, moment) {
   let [along, bin] = [0, -1];
   for (let k = length ? Math.max(moment + 1 - length, 0) : 0, before = null; k <= moment; k++) {
     if (!body.isThere(k)) continue;
-    const [x, y] = body.poseAt(k);
+    const [x, y] = [body.place.at(k, 0), body.place.at(k, 1)];
     if (before) along += Math.hypot(x - before[0], y - before[1]) * view.scale;
     if (Math.floor(along / fade.apart) > bin || k === moment) points.push([x, y]);
     bin = Math.floor(along / fade.apart);
@@ -113,27 +113,32 @@ function channels(colour) {
   return parts.length === 3 ? [...parts, 255] : parts;
 }
 
-/** Write a text; one without places stands above its body, or below where it would stand on a goal's flag. */
-function drawWords(view, { text, places, body, offset, drop, size, ink, align, level }, moment) {
-  const { context, theme: { label, flag }, point, limits: [left, low, right, high] } = view;
-  const height = label.height * size * point;
-  let [x, y] = places ? places[0] : body.poseAt(moment);
-  if (offset) [x, y] = [x + offset[0], y + offset[1]];
-  else if (body) {
-    const [first, below, last, above] = body.boxAt(moment);
-    [x, y] = [(first + last) / 2, above + label.gap];
-    const half = label.letter / 2 * size * text.length * point / view.scale;
-    const [wide, tall, top] = [...flag, height / point].map((length) => length * point / view.scale);
-    const onFlag = view.flagsAt(moment).some(([a, b]) => a < x + half && a + wide > x - half && b + tall > y && b < y + top);
-    if (onFlag) y = below - height / view.scale;
-  }
-  y -= drop * point / view.scale;
-  if (x < left || x > right || y < low || y > high) return;
+/** Write a text: at its place, or beside its body. */
+function drawWords(view, item, moment) {
+  const { context, point, limits: [left, low, right, high] } = view;
+  const { text, size, ink, align, level } = item;
+  const [x, y] = item.places ? item.places[0] : besideBody(view, item, moment);
+  const foot = y - item.drop * point / view.scale;
+  if (x < left || x > right || foot < low || foot > high) return;
   view.pixels();
   context.fillStyle = ink;
   context.font = `${size * point}px ${FONT}`;
   Object.assign(context, { textAlign: align, textBaseline: level });
-  context.fillText(text, view.column(x), view.row(y));
+  context.fillText(text, view.column(x), view.row(foot));
+}
+
+/** Return where a text stands that belongs to a body: above it, or below where it would stand on a goal's flag. */
+function besideBody({ items, theme: { label, flag }, point, scale }, { text, body, offset, size }, moment) {
+  const [x, y] = body.poseAt(moment);
+  if (offset) return [x + offset[0], y + offset[1]];
+  const metres = (points) => points * point / scale;
+  const [left, low, right, high] = body.boxAt(moment);
+  const [middle, foot, height] = [(left + right) / 2, high + label.gap, metres(label.height * size)];
+  const half = metres(label.letter / 2 * size * text.length);
+  const flags = items.filter(({ rank }) => rank === "flags").flatMap(({ places }) => places);
+  const isOnFlag = flags.some(([a, b]) => (
+    a < middle + half && a + metres(flag[0]) > middle - half && b < foot + height && b + metres(flag[1]) > foot));
+  return [middle, isOnFlag ? low - height : foot];
 }
 
 /** Draw a soft cover over the cells that nobody has seen. */

@@ -93,15 +93,16 @@ class WorldView {
     this.drawCard();
     context.save();
     this.cutToPlot();
-    this.drawItems(this.episode.itemsAt(moment), moment, options);
+    this.items = episode.itemsAt(moment);
+    this.drawItems(moment, options);
     context.restore();
     this.pixels();
     if (episode.look.title) this.drawHead(moment);
   }
 
-  /** Draw items, the lowest first, each cut at the world's border as its rank says. */
-  drawItems(items, moment, options) {
-    const { context, theme: { ranks } } = this;
+  /** Draw what is seen, the lowest first, each cut at the world's border as its rank says. */
+  drawItems(moment, options) {
+    const { context, items, theme: { ranks } } = this;
     let cut = null;
     context.save();
     for (const item of items) {
@@ -117,11 +118,6 @@ class WorldView {
       PRIMITIVES[item.draw](this, item, moment);
     }
     context.restore();
-  }
-
-  /** Return where the flags of goals stand. */
-  flagsAt(moment) {
-    return this.episode.itemsAt(moment).filter(({ rank }) => rank === "flags").flatMap(({ places }) => places);
   }
 
   pixels() {
