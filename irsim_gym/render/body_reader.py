@@ -116,6 +116,7 @@ class BodyReader:
             anchor=_anchor(pose, style, lines, discs),
             style=style,
             form=form,
+            pose=(float(pose[0]), float(pose[1]), float(pose[2])),
             turn=turn,
             image=self._image(body, form, pose) if body in self._pixels else None,
         )
@@ -147,6 +148,7 @@ class BodyReader:
             anchor=(float(pose[0]), float(pose[1])),
             style=self._styles[body].ghost or self._styles[body],
             form=left,
+            pose=(float(pose[0]), float(pose[1]), float(pose[2])),
         )
 
 

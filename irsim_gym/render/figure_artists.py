@@ -28,7 +28,6 @@ from irsim_gym.render.layout import DOTS_PER_INCH, POINTS_PER_INCH, Layout
 from irsim_gym.render.outlines import placed
 from irsim_gym.render.primitives import Beams, Cover, Figure, Ink, Pen, Picture, Primitive, Shape, SpeedInks, Words
 from irsim_gym.render.scene import BodyView, GoalView, LabelView, ScanView, Scene, TrailView
-from irsim_gym.render.styles import BodyStyle
 
 TEXT: dict[str, Any] = {"family": theme.FONT, "parse_math": False, "usetex": False}
 HALO = 3.0
@@ -37,6 +36,7 @@ FULL_TURN = 2.0 * np.pi - 0.01
 ARC_STEP = 0.05
 """Angle between two corners of an arc [rad]."""
 RANKS = {name: number for number, name in enumerate(vocabulary.RANKS)}
+GROUND = ("map", "touch", "shadows", "fixed")
 ORIGIN = np.zeros((1, 3))
 Drawn = Iterator[tuple[float, str, Artist]]
 """Layers, ranks and artists."""
@@ -57,7 +57,10 @@ class SceneArtists:
 
     def add(self, scene: Scene) -> None:
         """Add the artists of a scene to the axes, in the order in which they cover each other."""
-        drawn = sorted(self._artists(scene), key=lambda item: (item[0], RANKS[item[1]]))
+        drawn = list(self._artists(scene))
+        floor = min((layer for layer, rank, _ in drawn if rank not in GROUND), default=math.inf)
+        touch = floor, RANKS["fixed"] + 0.5  # over what never moves and has nothing below it, as in frames
+        drawn.sort(key=lambda item: touch if item[1] == "touch" else (item[0], RANKS[item[1]]))
         for number, (_, rank, artist) in enumerate(drawn):
             artist.set_zorder(10.0 + number)
             self._axes.add_artist(artist)
@@ -222,7 +225,7 @@ class SceneArtists:
             yield way.layer, way.rank, line
 
     def _label(self, view: LabelView) -> Drawn:
-        style, words = view.style, vocabulary.label(view.style, view.text)
+        style, words = view.style, vocabulary.label(view.style, "labels", view.text)
         look = {"ha": "center", "va": "bottom", "size": words.size, "color": words.ink.colour}
         if style.label_halo:  # apart from the letters, so that a file holds them as letters
             around = [Stroke(linewidth=HALO, foreground=style.label_halo)]
@@ -285,8 +288,7 @@ def _lowered(view: LabelView, goals: Sequence[GoalView], point: float) -> LabelV
     height, half = vocabulary.LABEL_HEIGHT * size, 0.5 * vocabulary.LETTER_WIDTH * size * len(view.text)
     wide, high = (side * point for side in theme.FLAG)
     meets = any(
-        view.x - half - wide <= goal.x <= view.x + half and view.y - high <= goal.y <= view.y + height
-        for goal in goals
+        view.x - half - wide <= goal.x <= view.x + half and view.y - high <= goal.y <= view.y + height for goal in goals
     )
     if view.under is None or not meets:
         return view
