@@ -304,16 +304,12 @@ def paint_goal(
     goal: Floats,
     threshold: float,
     arrived: bool,
-    turned: bool,
     view: Floats,
     colour: Floats,
 ) -> None:
     """Paint the circle of a goal's tolerance; it is fuller once the goal is reached.
 
     One that is larger than ``filled_radius`` is filled faintly, so that those of many goals do not hide each other.
-
-    Where the goal's heading counts (``turned``), an arrow points there: its shaft goes to the circle and is at least
-    ``x`` long, its head is ``other_width`` long; ``half`` is half the head's width, ``foot`` half the shaft's.
     """
     x, y, radius = view[0] + view[2] * goal[0], view[1] - view[2] * goal[1], view[2] * threshold
     add_disc(sheet, box, x, y, radius, 1.0)
@@ -325,15 +321,25 @@ def paint_goal(
     add_disc(sheet, box, x, y, radius + 0.5 * item.width, 1.0)
     add_disc(sheet, box, x, y, radius - 0.5 * item.width, -1.0)
     paint(picture, sheet, box, item.colours[EDGE], False)
-    if turned and not np.isnan(goal[2]):
-        across, down = np.cos(goal[2]), -np.sin(goal[2])
-        neck = max(radius, item.x)
-        for i in range(7):
-            ahead = 0.0 if i in (0, 6) else neck + item.other_width if i == 3 else neck
-            aside = (0.0 if i == 3 else item.half if i in (2, 4) else item.foot) * (1.0 if i < 3 else -1.0)
-            points[i, 0], points[i, 1] = x + ahead * across - aside * down, y + ahead * down + aside * across
-        add_polygon(sheet, box, points, 0, 7)
-        paint(picture, sheet, box, item.colours[EDGE], False)
+
+
+@kernel
+def load_shape(points: Floats, item: Any, corners: Floats, tolerance: float, place: Floats) -> None:
+    """Write the corners of a shape, see ``records.Prints``, as pixels.
+
+    A corner that is not at the origin is at least ``x`` pixels away from it before its pixels are added.
+    """
+    scale = place[6]
+    cosine, sine = place[0] / scale, -place[1] / scale
+    for i in range(item.length):
+        corner = corners[item.row + i]
+        ahead, aside = scale * (corner[0] + tolerance * corner[2]), scale * (corner[1] + tolerance * corner[3])
+        size = np.sqrt(ahead * ahead + aside * aside)
+        if 0.0 < size < item.x:
+            ahead, aside = ahead * item.x / size, aside * item.x / size
+        ahead, aside = ahead + corner[4], aside + corner[5]
+        points[i, 0] = place[2] + ahead * cosine - aside * sine
+        points[i, 1] = place[5] - ahead * sine - aside * cosine
 
 
 @kernel

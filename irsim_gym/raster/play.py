@@ -17,6 +17,7 @@ from irsim_gym.raster.figures import (
     RIGHT,
     extent,
     load_mark,
+    load_shape,
     paint_field,
     paint_footprint,
     paint_ghost,
@@ -29,6 +30,8 @@ from irsim_gym.raster.figures import (
 from irsim_gym.raster.masks import paint_fog, paint_image, paint_mask
 from irsim_gym.raster.records import (
     AREA,
+    AT_BODY,
+    AT_GOAL,
     EDGE,
     FIELD,
     FOG,
@@ -47,6 +50,7 @@ from irsim_gym.raster.records import (
     PLOT,
     SCAN,
     SHADOW,
+    SHAPE,
     WHOLE,
     Desk,
     Look,
@@ -57,7 +61,7 @@ from irsim_gym.raster.records import (
     State,
 )
 from irsim_gym.raster.sheets import paint
-from irsim_gym.raster.ways import paint_outline
+from irsim_gym.raster.ways import add_way, paint_outline
 from irsim_gym.world.model import STATE
 
 ROBOT = 0
@@ -111,6 +115,8 @@ def draw_items(
             elif kind in (GOAL_CIRCLE, GOAL_MARKS):
                 if model.has_goal[b]:
                     _draw_goal(picture, box, item, w, model, state, prints, view, desk)
+            elif kind == SHAPE:
+                _draw_shape(picture, box, item, w, model, state, prints, view, desk)
             elif kind == FOG:
                 frame = desk.colour
                 columns, rows = readings.explored.shape[1], readings.explored.shape[2]
@@ -290,10 +296,8 @@ def _draw_goal(
     b, goal = item.body, state.goal[w, item.body]
     threshold = model.goal_threshold[w % model.goal_threshold.shape[0], b]
     if item.kind == GOAL_CIRCLE:
-        turned = model.arrive_mode[b] == STATE
-        paint_goal(
-            picture, desk.sheet, box, desk.points, item, goal, threshold, state.arrived[w, b], turned, view, desk.colour
-        )
+        arrived = state.arrived[w, b]
+        paint_goal(picture, desk.sheet, box, desk.points, item, goal, threshold, arrived, view, desk.colour)
     else:
         for i in range(state.waypoint[w, b] + 1, model.waypoint_count[w, b]):
             x, y = model.waypoints[w, b, i, 0], model.waypoints[w, b, i, 1]
@@ -301,6 +305,29 @@ def _draw_goal(
         x, y = goal[0], goal[1]
         for mask in range(item.row, item.row + 2):
             paint_mark(picture, box, prints.masks, prints.mask_rows, mask, x, y, view, item.colours[EDGE])
+
+
+@kernel
+def _draw_shape(
+    picture: Bytes, box: Ints, item: Any, w: int, model: Model, state: State, prints: Prints, view: Floats, desk: Desk
+) -> None:
+    """Draw a shape of the table at its body or at the body's goal."""
+    b, points = item.body, desk.points
+    pose, heading = state.pose[w, b], 0.0
+    if item.form == AT_GOAL:
+        pose = state.goal[w, b]
+        if not model.has_goal[b] or (item.turns and (model.arrive_mode[b] != STATE or np.isnan(pose[2]))):
+            return
+    if item.turns or item.form == AT_BODY:
+        heading = pose[2]
+    set_place(desk.place, view, pose[0], pose[1], heading)
+    load_shape(points, item, prints.corners, model.goal_threshold[w % model.goal_threshold.shape[0], b], desk.place)
+    if item.filled:
+        add_polygon(desk.sheet, box, points, 0, item.length)
+        paint(picture, desk.sheet, box, item.colours[AREA], False)
+    if item.width > 0.0:
+        add_way(desk.sheet, box, points, item.length, item.width, item.snapped, True, item.style, 0.0)
+        paint(picture, desk.sheet, box, item.colours[EDGE], False)
 
 
 @kernel

@@ -28,9 +28,12 @@ from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
     GOAL_LABEL,
     IMAGE,
     FOG,
-) = range(15)
+    SHAPE,
+) = range(16)
 """Kinds of what is drawn."""
 WEDGE, WINDSCREEN, ARROW = 0, 1, 2
+AT_BODY, AT_GOAL = 0, 1
+"""Where a shape stands."""
 OWN, CIRCLE, RECTANGLE, CURVE = 0, 1, 2, 3
 WORLD, WALLS, PLOT, WHOLE, MARKS = 0, 1, 2, 3, 4
 """Boxes: the world, the same and its walls' whole lines, the drawing area, the picture, the world and its rim."""
@@ -157,19 +160,22 @@ class Past(NamedTuple):
 
 
 class Prints(NamedTuple):
-    """Ready-made masks and images, see ``masks``.
+    """Ready-made masks, images and shapes, see ``masks``.
 
     Attributes:
         masks: Opacities of masks.
         mask_rows: Their places, shape ``(n_masks, 5)``.
         pixels: Colours of images.
         image_rows: Their places, shape ``(n_images, 3)``.
+        corners: Corners of shapes in a frame of their own: x, y [m], the same for each metre of a goal's tolerance, and
+            what is added to both [pixel], shape ``(n_corners, 6)``.
     """
 
     masks: Bytes
     mask_rows: Ints
     pixels: Bytes
     image_rows: Ints
+    corners: Floats
 
 
 class Desk(NamedTuple):

@@ -225,7 +225,9 @@ class FramePainter:
             records.State(*(getattr(state, name) for name in records.State._fields)),
             records.Readings(self.plan.angles, ranges, speeds, self._explored),
             records.Past(*self._reader.trails.tables()),
-            records.Prints(self._masks.levels, self._masks.rows, self._images.pixels, self._images.rows),
+            records.Prints(
+                self._masks.levels, self._masks.rows, self._images.pixels, self._images.rows, self.plan.corners
+            ),
         )
 
     def words(self, worlds: Ints, statuses: Sequence[str], overlays: Sequence[Overlay]) -> tuple[Ints, Ints, Floats]:
