@@ -25,13 +25,13 @@ ENDLESS = 1e6
 
 
 class Recording:
-    """What one episode looked like at each of its moments, and how its agents fared.
+    """How one episode looked at each of its moments, and how its agents fared.
 
     ``data`` returns what a page plays; `irsim_gym.render.replay_page` writes it. It is plain JSON; tables of numbers
     are packed (`irsim_gym.render.packing`), and what changes seldom is a list of ``[moment, value]``, one for each
     change:
 
-    - ``name``: how the episode is called in a list; ``details``: what else is known of it, words by name;
+    - ``name``: its name in a list of episodes; ``details``: other facts, words by name;
     - ``title``: the picture's heading; ``bounds``: the world's rectangle [m]; ``look``: ``axis``, ``title`` (there is a
       line above), ``titled`` (it is a title alone); ``center``: the point in the middle of the picture, or None;
     - ``count``: number of moments; ``time`` of each [s];
@@ -41,7 +41,7 @@ class Recording:
       mark of the heading is turned by; None where the body is not there;
     - ``scans``: ``body``, ``surrounds``, ``angles``, ``ranges``, ``places`` (x, y, then heading), ``speeds``; a range
       from above ``near`` to below ``far`` is a hit;
-    - ``fog``: what nobody has seen, see ``FogTrack``, or None;
+    - ``fog``: the cells that no robot has seen, see ``FogTrack``, or None;
     - ``items``: what is drawn, the lowest first: ``rank`` (of `irsim_gym.render.vocabulary`), ``draw`` (a primitive of
       the page's script), and what that one reads: ``pen``, ``shape``, ``body`` and ``scan`` by number, ``places``
       (x, y and perhaps heading), ``spans`` (first moment, end, first moment, end...) of those not always seen;
@@ -50,11 +50,11 @@ class Recording:
 
     Args:
         scenario: What is simulated, for its drawing options.
-        agents: Names of the robots whose numbers are noted.
-        details: What else is known of it, such as the policy and the level.
+        agents: Names of the robots whose numbers are recorded.
+        details: Other facts, such as the policy and the level.
 
     Attributes:
-        name: How the episode is called in a list.
+        name: Its name in a list of episodes.
         look: ``axis``, ``title``, ``titled``, see above.
         saved_figure: Resolution, margins and background of pictures of it.
     """
@@ -84,7 +84,7 @@ class Recording:
 
     @property
     def agents(self) -> tuple[str, ...]:
-        """Names of the robots whose numbers are noted."""
+        """Names of the robots whose numbers are recorded."""
         return self._agents
 
     @property

@@ -1,4 +1,4 @@
-"""What a replay remembers of bodies, scans, fog and maps, and of what is seen at some moments only."""
+"""What a recording keeps of bodies, scans, fog, maps and marks, over time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SPEED = 1e-3
 
 
 class Changes:
-    """A value that changes seldom: moments and what it is from then on."""
+    """A value that changes seldom: each moment at which it changes, and its value from then on."""
 
     def __init__(self) -> None:
         self.list: list[list[Any]] = []
@@ -50,7 +50,7 @@ class Seen:
             self._moment, self._latest = moment, []
         spans = self.things.setdefault(key, (thing, []))[1]
         self._latest.append(spans)
-        if spans and spans[-1] == moment:
+        if spans and spans[-1] >= moment:
             spans[-1] = moment + 1
         else:
             spans += [moment, moment + 1]
@@ -67,7 +67,7 @@ class BodyTrack:
     """A rigid body and its poses.
 
     Args:
-        view: The body as it is seen first.
+        view: The body at first.
         field: Width [rad] and depth [m] of its field of view; None where that is not shown.
         fixed: It never moves.
     """
@@ -174,10 +174,10 @@ class ScanTrack:
 
 
 class FogTrack:
-    """The cells that nobody has seen yet.
+    """The cells that no robot has seen yet.
 
     Args:
-        view: The fog as it is first.
+        view: The fog at first.
     """
 
     def __init__(self, view: FogView) -> None:

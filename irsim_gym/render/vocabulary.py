@@ -17,7 +17,7 @@ from irsim_gym.raster.beams import MOST_BEAMS
 from irsim_gym.raster.figures import APART, FADE_STEPS, FAINTEST
 from irsim_gym.raster.play import LABEL_GAP
 from irsim_gym.raster.ways import DASHES
-from irsim_gym.render import theme
+from irsim_gym.render import layout, theme
 from irsim_gym.render.primitives import Beams, Cover, Figure, Ink, Pen, Picture, Primitive, Shape, SpeedInks, Way, Words
 from irsim_gym.render.scene import BodyView, FogView, Form, GoalView
 from irsim_gym.render.styles import GROUND, TOP, BodyStyle, ScanStyle, faded
@@ -45,9 +45,9 @@ class Rank(NamedTuple):
 
 RANKS = {
     "map": Rank(),
-    "touch": Rank(),
     "shadows": Rank(HALF_A_WALL),
     "fixed": Rank(HALF_A_WALL),
+    "touch": Rank(),
     "fog": Rank(),
     "ghosts": Rank(0.0, "paths"),
     "scans": Rank(0.0, "scans"),
@@ -80,6 +80,9 @@ def page_constants() -> dict[str, Any]:
         "card": theme.CARD,
         "grid": theme.GRID,
         "rule": theme.RULE,
+        "margins": {
+            side: getattr(layout, side.upper()) for side in ("left", "right", "top", "bottom", "bare", "padding")
+        },
         "flag": theme.FLAG,
         "ranks": {name: rank._asdict() for name, rank in RANKS.items()},
         "dashes": {"solid": [], **dict(lines)},
@@ -243,7 +246,7 @@ def outcome(colour: str, bounds: Floats) -> Iterator[Figure]:
     """Yield what shows an outcome: a touch of its colour over the world's rectangle, and a frame around that."""
     x_min, y_min, x_max, y_max = bounds.tolist()
     shape = Shape((np.array([(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max), (x_min, y_min)]),))
-    yield Figure("touch", -math.inf, Pen(Ink(colour, 0.07)), shape)
+    yield Figure("touch", GROUND, Pen(Ink(colour, 0.07)), shape)
     yield Figure("frame", math.inf, Pen(edge=Ink(colour, 0.9), width=2.2), shape)
 
 

@@ -1,5 +1,5 @@
 "use strict";
-// What was recorded. Packed numbers become tables; irsim_gym/render/packing.py says how they are packed.
+// The recording. irsim_gym/render/packing.py packs the numbers that become tables here.
 
 async function readRecording(text) {
   const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -39,7 +39,7 @@ class Table {
   }
 }
 
-/** Return what a list of changes says at a moment. */
+/** Return the value at a moment, from a list of changes. */
 function valueAt(changes, moment) {
   let low = 0;
   let high = changes.length;
@@ -218,7 +218,7 @@ class Episode {
   }
 }
 
-/** The cells that nobody has seen at a moment. */
+/** The cells that no robot has seen at a moment. */
 class Fog {
   constructor(data) {
     Object.assign(this, data);

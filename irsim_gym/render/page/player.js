@@ -177,7 +177,7 @@ class Player {
     }));
   }
 
-  /** Return what is told about the robot at this moment: names and words. */
+  /** Return the names and values that the panel shows of the robot at this moment. */
   values(agent) {
     const { episode, moment } = this;
     const rows = Object.entries(episode.details);

@@ -1,4 +1,4 @@
-// The primitives that draw an episode's items; irsim_gym/render/primitives.py says what each of them reads.
+// The primitives that draw an episode's items; irsim_gym/render/primitives.py documents their fields.
 
 const PRIMITIVES = {
   Figure: drawFigure, Picture: drawPicture, Way: drawWay, Beams: drawBeams, Words: drawWords, Cover: drawCover,
@@ -141,7 +141,7 @@ function besideBody({ items, theme: { label, flag }, point, scale }, { text, bod
   return [middle, isOnFlag ? low - height : foot];
 }
 
-/** Draw a soft cover over the cells that nobody has seen. */
+/** Draw a cover with soft borders over the cells that no robot has seen. */
 function drawCover(view, { ink }, moment) {
   const { context, episode: { fog } } = view;
   const [x, y, right, top] = fog.extent;

@@ -1,7 +1,7 @@
 // Draws one moment of an episode as the frames of irsim_gym show it.
 
-const MARGINS = { left: 42, right: 34, top: 42, bottom: 34, bare: 12, padding: 9 };
 const FONT = '"DejaVu Sans", Verdana, system-ui, sans-serif';
+
 class WorldView {
   constructor(canvas, theme) {
     this.canvas = canvas;
@@ -10,7 +10,7 @@ class WorldView {
     this.whole();
   }
 
-  /** Show another episode; the part of the world that is seen stays where both are of one size. */
+  /** Show another episode; the view stays where it is if both worlds have the same bounds. */
   show(episode) {
     if (!this.episode || String(this.episode.bounds) !== String(episode.bounds)) this.whole();
     this.episode = episode;
@@ -20,9 +20,9 @@ class WorldView {
     this.look = { zoom: 1, x: null, y: null };
   }
 
-  /** Fit the canvas to its place on the page, and lay the world out on it. */
+  /** Fit the canvas to its place on the page, and the world to the canvas. */
   layOut(center) {
-    const { canvas, episode, look } = this;
+    const { canvas, episode, look, theme: { margins } } = this;
     const { axis, title } = episode.look;
     this.ratio = window.devicePixelRatio || 1;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -30,12 +30,12 @@ class WorldView {
     if (canvas.width !== columns || canvas.height !== rows) Object.assign(canvas, { width: columns, height: rows });
     this.large = Math.min(Math.max(Math.sqrt(width * height) / 600, 0.75), 2);
     this.point = (100 / 72) * this.large;
-    const margin = (side, shown) => this.large * (shown ? MARGINS[side] : MARGINS.bare);
+    const margin = (side, shown) => this.large * (shown ? margins[side] : margins.bare);
     const [left, right] = [margin("left", axis), margin("right", axis)];
     const [top, bottom] = [margin("top", title), margin("bottom", axis)];
     const room = [Math.max(width - left - right, 16), Math.max(height - top - bottom, 16)];
     const [xMin, yMin, xMax, yMax] = episode.bounds;
-    const padding = 2 * MARGINS.padding * this.large;
+    const padding = 2 * margins.padding * this.large;
     const fit = Math.min((room[0] - padding) / (xMax - xMin), (room[1] - padding) / (yMax - yMin));
     const plot = look.zoom === 1 && look.x === null && !center
       ? [(xMax - xMin) * fit + padding, (yMax - yMin) * fit + padding] : room;
@@ -71,14 +71,14 @@ class WorldView {
     else this.look = { zoom, x: x + ((left + right) / 2 - x) * share, y: y + ((bottom + top) / 2 - y) * share };
   }
 
-  /** Move what is seen by so many pixels. */
+  /** Move the view by this many pixels. */
   pan(columns, rows) {
     const [left, bottom, right, top] = this.limits;
     this.look.x = (left + right) / 2 - columns / this.scale;
     this.look.y = (bottom + top) / 2 + rows / this.scale;
   }
 
-  /** Draw a moment; the options say which of scans, paths and names are shown, and whom the picture follows. */
+  /** Draw a moment; the options choose scans, paths and names, and the robot that the view follows. */
   draw(moment, options) {
     const { episode, context } = this;
     const followed = options.follow && episode.body(options.follow, moment);
@@ -100,7 +100,7 @@ class WorldView {
     if (episode.look.title) this.drawHead(moment);
   }
 
-  /** Draw what is seen, the lowest first, each cut at the world's border as its rank says. */
+  /** Draw the items of the moment, the lowest first; the rank of each says how it is cut at the world's border. */
   drawItems(moment, options) {
     const { context, items, theme: { ranks } } = this;
     let cut = null;
@@ -124,7 +124,7 @@ class WorldView {
     this.context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
   }
 
-  /** Go on in metres, in the frame of a body or of the world. */
+  /** Use metres in the frame of a body, or of the world. */
   metres(x = 0, y = 0, heading = 0) {
     const size = this.ratio * this.scale;
     this.context.setTransform(size, 0, 0, -size, this.ratio * this.column(0), this.ratio * this.row(0));
@@ -132,7 +132,7 @@ class WorldView {
     if (heading) this.context.rotate(heading);
   }
 
-  /** Go on with a pen, while lengths are metres. */
+  /** Use a pen, while lengths are metres. */
   take({ fill, edge, width, line, in_metres, cap }) {
     const { context, theme } = this;
     const point = this.point / this.scale;
