@@ -36,7 +36,6 @@ FULL_TURN = 2.0 * np.pi - 0.01
 ARC_STEP = 0.05
 """Angle between two corners of an arc [rad]."""
 RANKS = {name: number for number, name in enumerate(vocabulary.RANKS)}
-GROUND = ("map", "touch", "shadows", "fixed")
 ORIGIN = np.zeros((1, 3))
 Drawn = Iterator[tuple[float, str, Artist]]
 """Layers, ranks and artists."""
@@ -57,10 +56,7 @@ class SceneArtists:
 
     def add(self, scene: Scene) -> None:
         """Add the artists of a scene to the axes, in the order in which they cover each other."""
-        drawn = list(self._artists(scene))
-        floor = min((layer for layer, rank, _ in drawn if rank not in GROUND), default=math.inf)
-        touch = floor, RANKS["fixed"] + 0.5  # over what never moves and has nothing below it, as in frames
-        drawn.sort(key=lambda item: touch if item[1] == "touch" else (item[0], RANKS[item[1]]))
+        drawn = sorted(self._artists(scene), key=lambda item: (item[0], RANKS[item[1]]))
         for number, (_, rank, artist) in enumerate(drawn):
             artist.set_zorder(10.0 + number)
             self._axes.add_artist(artist)
