@@ -22,7 +22,7 @@ from irsim_gym.render.mark_painter import MarkPainter, marks_by_layer
 from irsim_gym.render.plan import Plan
 from irsim_gym.render.reader import SceneReader
 from irsim_gym.render.reduced_images import Images
-from irsim_gym.render.wakes import Wakes, rows_of
+from irsim_gym.render.kept_trails import KeptTrails, rows_of
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.marks import Overlay
 from irsim_gym.world.model import WorldModel
@@ -58,7 +58,7 @@ class FramePainter:
     Attributes:
         plan: What is drawn.
         point: Pixels in a point of type.
-        wakes: Pictures with the outlines that bodies left behind.
+        kept_trails: Pictures with the outlines that bodies left behind.
         marks: Paints what somebody laid over the worlds.
         covered: The highest layer of what is drawn once; what lies over worlds in a lower one needs another one.
     """
@@ -111,8 +111,8 @@ class FramePainter:
         )
         self._disc_rows = rows_of(model.disc_start, model.disc_count, self._fixed, model.local_discs.shape[1])
         below = int(np.searchsorted(self.plan.layers, lowest, "right"))
-        self.wakes = Wakes(self.plan.live, model, reader.trails, self._room, below)
-        kept = self.plan.layers[: len(self.wakes.items)]
+        self.kept_trails = KeptTrails(self.plan.live, model, reader.trails, self._room, below)
+        kept = self.plan.layers[: len(self.kept_trails.items)]
         self.covered = max(self.plan.covered, kept.max(initial=-np.inf))
         self.marks = MarkPainter(self.point, layout, shows_title=self._head is not None)
 
@@ -180,8 +180,8 @@ class FramePainter:
             while len(self._backdrops) >= self._room:
                 self._backdrops.pop(next(iter(self._backdrops)))
             self._backdrops[key] = backdrop
-        for world, (wake, picture) in job.new_wakes.items():
-            self.wakes.keep(world, wake, picture)
+        for world, (trail, picture) in job.new_trails.items():
+            self.kept_trails.keep(world, trail, picture)
 
     def look(self, layouts: Sequence[Layout]) -> records.Look:
         """Return where the worlds are on their pictures."""
@@ -277,7 +277,7 @@ class _Job:
         self._painter, self._pictures, self._worlds, self._layouts = painter, pictures, worlds, layouts
         self._overlays = overlays
         self.new_backdrops: dict[tuple[Layout, bytes], Bytes] = {}
-        self.new_wakes: dict[int, tuple[Any, Bytes]] = {}
+        self.new_trails: dict[int, tuple[Any, Bytes]] = {}
         desk = painter.desk(0)
         self._cards = {layout: painter.card(layout, desk) for layout in dict.fromkeys(layouts)}
         self._look = painter.look(layouts)
@@ -292,9 +292,9 @@ class _Job:
         """Draw a share of the pictures."""
         painter, frames, pictures = self._painter, shard.worlds, self._pictures
         desk = painter.desk(shard.slot)
-        wakes = self._lay_ground(frames, desk)
+        kept_trails = self._lay_ground(frames, desk)
         draw_frames(pictures, frames, self._tints, 0.0, self._look, desk)
-        self._draw_wakes(frames, wakes, desk)
+        self._draw_kept_trails(frames, kept_trails, desk)
         self._draw_live(frames, desk)
         draw_frames(pictures, frames, self._edges, 2.2 * painter.point, self._look, desk)
         draw_heads(pictures, frames, *self._words, self._tables[-1], self._look.boxes)
@@ -305,7 +305,7 @@ class _Job:
     def _draw_live(self, frames: Ints, desk: records.Desk) -> None:
         """Draw what is drawn anew for each picture, and between its layers what somebody laid over the worlds."""
         painter = self._painter
-        items, layers = painter.wakes.others, painter.plan.layers[len(painter.wakes.items) :]
+        items, layers = painter.kept_trails.others, painter.plan.layers[len(painter.kept_trails.items) :]
         is_plain = np.array([not self._overlays[f].marks for f in frames.tolist()])
         if is_plain.any():
             self._draw_items(items, frames[is_plain], desk)
@@ -329,16 +329,16 @@ class _Job:
         """Draw what never moves, or copy it from a picture with the same.
 
         Returns:
-            The keys of the pictures whose wakes are still to be drawn; None for a wake that is not to be kept.
+            The keys of the pictures whose trails are still to be drawn; None for one that is not to be kept.
         """
-        painter, missing, wakes = self._painter, {}, {}
+        painter, missing, kept_trails = self._painter, {}, {}
         for f in frames.tolist():
             layout, world = self._layouts[f], int(self._worlds[f])
             key = painter.backdrop_key(world, layout)
-            wake = None if self._tints[f, 3] > 0.0 else painter.wakes.key(world, key)
-            known = None if wake is None else painter.wakes.known(world, wake)
+            trail = None if self._tints[f, 3] > 0.0 else painter.kept_trails.key(world, key)
+            known = None if trail is None else painter.kept_trails.known(world, trail)
             if known is None:
-                wakes[f] = wake
+                kept_trails[f] = trail
                 known = painter.known_backdrop(key)
             if known is None:
                 missing[f], known = key, self._cards[layout]
@@ -347,14 +347,16 @@ class _Job:
             chosen = np.array(list(missing), np.int64)
             self._draw_items(painter.plan.ground, chosen, desk)
             self.new_backdrops |= {key: self._pictures[f].copy() for f, key in missing.items()}
-        return wakes
+        return kept_trails
 
-    def _draw_wakes(self, frames: Ints, wakes: dict[int, Any], desk: records.Desk) -> None:
+    def _draw_kept_trails(self, frames: Ints, kept_trails: dict[int, Any], desk: records.Desk) -> None:
         """Draw what bodies left behind, where that is not known."""
-        if wakes and len(self._painter.wakes.items):
-            self._draw_items(self._painter.wakes.items, np.array(list(wakes), np.int64), desk)
-            found = {int(self._worlds[f]): (key, self._pictures[f]) for f, key in wakes.items() if key is not None}
-            self.new_wakes |= {world: (key, picture.copy()) for world, (key, picture) in found.items()}
+        if kept_trails and len(self._painter.kept_trails.items):
+            self._draw_items(self._painter.kept_trails.items, np.array(list(kept_trails), np.int64), desk)
+            found = {
+                int(self._worlds[f]): (key, self._pictures[f]) for f, key in kept_trails.items() if key is not None
+            }
+            self.new_trails |= {world: (key, picture.copy()) for world, (key, picture) in found.items()}
 
 
 def look_from(layout: Layout) -> Floats:

@@ -58,8 +58,8 @@ def test_what_is_kept_is_not_drawn_again(monkeypatch: pytest.MonkeyPatch) -> Non
     first, drawn = keeps.frame(), list[int]()
     painter = keeps._painter
     assert painter is not None
-    assert len(painter.wakes.items) == 3
-    monkeypatch.setattr(painter.wakes, "keep", lambda world, *_: drawn.append(world))
+    assert len(painter.kept_trails.items) == 3
+    monkeypatch.setattr(painter.kept_trails, "keep", lambda world, *_: drawn.append(world))
     assert np.array_equal(keeps.frame(), first)
     assert drawn == []
     simulation.step()
