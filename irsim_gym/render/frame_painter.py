@@ -16,13 +16,13 @@ from irsim_gym.raster.sheets import new_sheet
 from irsim_gym.render import theme
 from irsim_gym.render.card import Card, Head, plot_box, world_box
 from irsim_gym.render.colours import CLEAR, colour
+from irsim_gym.render.kept_trails import KeptTrails, rows_of
 from irsim_gym.render.layout import Layout
 from irsim_gym.render.letters import Masks
 from irsim_gym.render.mark_painter import MarkPainter, marks_by_layer
 from irsim_gym.render.plan import Plan
 from irsim_gym.render.reader import SceneReader
 from irsim_gym.render.reduced_images import Images
-from irsim_gym.render.kept_trails import KeptTrails, rows_of
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.marks import Overlay
 from irsim_gym.world.model import WorldModel
