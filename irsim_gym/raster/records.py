@@ -6,7 +6,7 @@ simulation's arrays for each picture.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -95,6 +95,36 @@ BEAMS = np.dtype(
 """One sensor: its body, its beams in the tables of readings, its place on the body, and how velocities look."""
 
 
+class Canvas(NamedTuple):
+    """Where something is painted.
+
+    Attributes:
+        picture: uint8, shape ``(height, width, n_channels)``.
+        sheet: An empty sheet of its size, left empty.
+        box: Which part of the picture may change.
+    """
+
+    picture: Bytes
+    sheet: Rays
+    box: Ints
+
+
+class Outline(NamedTuple):
+    """The outline of a body.
+
+    Attributes:
+        segments: x0, y0, x1, y1 [m], shape ``(n_segments, 4)``.
+        segment_rows: First row and number of its segments.
+        discs: x, y, radius [m], shape ``(n_discs, 3)``.
+        disc_rows: First row and number of its discs.
+    """
+
+    segments: Floats
+    segment_rows: tuple[int, int]
+    discs: Floats
+    disc_rows: tuple[int, int]
+
+
 class Model(NamedTuple):
     """Arrays of ``WorldModel``."""
 
@@ -176,6 +206,26 @@ class Prints(NamedTuple):
     pixels: Bytes
     image_rows: Ints
     corners: Floats
+
+
+class Source(NamedTuple):
+    """What is read of a simulation.
+
+    Attributes:
+        scans: Its sensors, ``BEAMS``.
+        model: Its constants.
+        state: Its present state.
+        readings: What its sensors have read; rows go by picture.
+        past: Where its bodies have been.
+        prints: Masks, images and shapes.
+    """
+
+    scans: Any
+    model: Model
+    state: State
+    readings: Readings
+    past: Past
+    prints: Prints
 
 
 class Desk(NamedTuple):

@@ -207,8 +207,8 @@ class FramePainter:
         whole, rim = np.array([0, 0, layout.width, layout.height]), np.array([0, 0, 1, 1])
         return np.array([*inner, plot, whole, np.minimum(inner[0] + rim, whole[[2, 3, 2, 3]])], np.int64)
 
-    def tables(self, worlds: Ints) -> tuple[Any, ...]:
-        """Return what kernels read of the simulation, in the order of ``play.draw_items``."""
+    def source(self, worlds: Ints) -> records.Source:
+        """Return what kernels read of the simulation."""
         model, state, groups = self._model, self._state, self.plan.groups
         rows = [group.arrays["ranges"][worlds].reshape(len(worlds), -1) for group in groups]
         ranges = np.concatenate([np.zeros((len(worlds), 0), np.float32), *rows], axis=1, dtype=np.float32)
@@ -219,7 +219,7 @@ class FramePainter:
                 found = group.arrays["radial_velocity"][worlds].reshape(row.shape)
                 speeds[:, first : first + row.shape[1]] = found
             first += row.shape[1]
-        return (
+        return records.Source(
             self.plan.scans,
             records.Model(*(getattr(model, name) for name in records.Model._fields)),
             records.State(*(getattr(state, name) for name in records.State._fields)),
@@ -283,7 +283,7 @@ class _Job:
         self._look = painter.look(layouts)
         self._words = painter.words(worlds, statuses, overlays)
         painter.marks.prepare(overlays)
-        self._tables = painter.tables(worlds)  # with the masks of new words
+        self._source = painter.source(worlds)  # with the masks of new words
         outcomes = [theme.status_colour(status) if theme.ends_episode(status) else None for status in statuses]
         self._tints = np.array([CLEAR if name is None else colour(name, 0.07) for name in outcomes])
         self._edges = np.array([CLEAR if name is None else colour(name, 0.9) for name in outcomes])
@@ -297,7 +297,7 @@ class _Job:
         self._draw_kept_trails(frames, kept_trails, desk)
         self._draw_live(frames, desk)
         draw_frames(pictures, frames, self._edges, 2.2 * painter.point, self._look, desk)
-        draw_heads(pictures, frames, *self._words, self._tables[-1], self._look.boxes)
+        draw_heads(pictures, frames, *self._words, self._source.prints, self._look.boxes)
         for f in frames.tolist():
             if (title := self._overlays[f].title) is not None:
                 painter.marks.write_title(pictures[f], title)
@@ -320,10 +320,7 @@ class _Job:
 
     def _draw_items(self, items: Any, frames: Ints, desk: records.Desk) -> None:
         """Draw rows of the plan on some pictures."""
-        scans, model, state, readings, past, prints = self._tables
-        draw_items(
-            self._pictures, frames, self._worlds, items, scans, model, state, readings, past, prints, self._look, desk
-        )
+        draw_items(self._pictures, frames, self._worlds, items, self._source, self._look, desk)
 
     def _lay_ground(self, frames: Ints, desk: records.Desk) -> dict[int, Any]:
         """Draw what never moves, or copy it from a picture with the same.

@@ -106,7 +106,7 @@ class MarkPainter:
         """Add a line to a sheet."""
         room = np.empty((2 * len(places) + 4, 2))
         room[: len(places)] = places
-        add_way(sheet, box, room, len(places), width * self._point, closed, False, style, 0.0)
+        add_way(sheet, box, room, len(places), (width * self._point, style, 0.0), closed, False)
 
     def _write(self, picture: Bytes, layout: Layout, mark: TextMark) -> None:
         word = self._word(mark)
