@@ -36,7 +36,6 @@ FULL_TURN = 2.0 * np.pi - 0.01
 ARC_STEP = 0.05
 """Angle between two corners of an arc [rad]."""
 RANKS = {name: number for number, name in enumerate(vocabulary.RANKS)}
-ORIGIN = np.zeros((1, 3))
 Drawn = Iterator[tuple[float, str, Artist]]
 """Layers, ranks and artists."""
 
@@ -125,7 +124,7 @@ class SceneArtists:
     def _figure(self, figure: Figure) -> Drawn:
         """Yield a shape at its places."""
         shape, shift = figure.shape, figure.shift * self._metre
-        places = ORIGIN if figure.places is None else figure.places
+        places = np.zeros((1, 2)) if figure.places is None else figure.places
         if shape.dot:
             yield figure.layer, figure.rank, self._dots(places[:, :2], shape.dot, figure.pen)
             return
