@@ -13,6 +13,9 @@ import pytest
 from browser import browser
 
 import irsim_gym
+from irsim_gym.render import vocabulary
+from irsim_gym.render.primitives import Figure, Ink, Pen, Primitive, Shape
+from irsim_gym.render.scene import GoalView
 from irsim_gym.training.record import record_html
 
 ROOM = """
@@ -326,6 +329,33 @@ def test_marks_look_like_those_of_a_frame(driver: Any, tmp_path: Path) -> None:
     assert page.colour(6, 7) != RED
     marks = page.run("return player.episode.items.filter(({ rank }) => ['marks', 'words'].includes(rank)).length")
     assert marks == 1 + 3 + 3 * 5
+    assert page.problems() == []
+
+
+def test_a_new_mark_needs_no_javascript(driver: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A figure that the vocabulary adds to goals is on the page: an arrow whose tip is a metre and 30 points away."""
+    known = vocabulary.goal
+    reach, sides = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]]), np.array([[0.0, 9.0], [30.0, 0.0], [0.0, -9.0]])
+    arrow = Shape((np.vstack([reach, reach[:1]]),), (np.vstack([sides, sides[:1]]),))
+
+    def goal(view: GoalView) -> Iterator[Primitive]:
+        place = np.array([[view.x, view.y, 0.5 * np.pi]])
+        yield Figure("goals", view.style.goal_order, Pen(Ink("#ff0000")), arrow, place)
+        yield from known(view)
+
+    monkeypatch.setattr(vocabulary, "goal", goal)
+    robot = {"kinematics": {"name": "diff"}, "state": [2, 2, 0], "goal": [5, 5, 0], "plot": {"show_goal": True}}
+    with irsim_gym.load({"world": {"height": 10, "width": 10}, "robot": robot}, record=True) as world:
+        world.step()
+        replay = world.save_html(tmp_path / "run.html")
+    open_page(driver, replay, 1200, 900)
+    page = Page(driver)
+    point = page.run("return player.world.point / player.world.scale")
+    assert page.colour(5.0, 6.0 + 20 * point) == RED
+    assert page.colour(5.0, 6.0 + 32 * point) == WHITE
+    page.press("+")
+    assert page.colour(5.0, 6.0 + 26 * point) == WHITE  # points are smaller where more pixels are a metre
+    assert page.colour(5.0, 6.0 + 20 * point) == RED
     assert page.problems() == []
 
 
