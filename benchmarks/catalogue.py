@@ -91,7 +91,7 @@ def crowd(behavior: dict[str, Any], effort: Effort) -> Figures:
 
 
 def drawing(effort: Effort) -> Figures:
-    """Measure frames with everything on: both renderers, a plain redraw with matplotlib, and IR-SIM if installed."""
+    """Measure frames with everything on: ours, a plain redraw with matplotlib, and IR-SIM if installed."""
     from drawing import measure
 
     return measure(effort)

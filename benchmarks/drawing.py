@@ -46,7 +46,7 @@ def measure(effort: Effort) -> Figures:
                 values[name].append(1e3 * _round_s(painter, painter.n_frames if effort.round_s else 1))
     timings = {name: summed_up(taken) for name, taken in values.items()}
     figures: Figures = {f"{name}_frame_ms": timing for name, timing in timings.items()}
-    ours = timings["matplotlib"].median
+    ours = timings["raster"].median
     return figures | {
         f"{name}_times_slower": timings[name].median / ours for name in ("naive", "irsim") if name in timings
     }
@@ -69,8 +69,7 @@ def painters(n_before: int) -> Iterator[dict[str, Painter]]:
     import matplotlib
 
     matplotlib.use("Agg")
-    found = {name: ours(name, n_before) for name in ("matplotlib", "raster")}
-    found["naive"] = naive(n_before)
+    found = {"raster": ours(n_before), "naive": naive(n_before)}
     with tempfile.TemporaryDirectory() as folder:
         if importlib.util.find_spec("irsim") is not None:
             found["irsim"] = irsim_painter(Path(folder), n_before)
@@ -80,15 +79,15 @@ def painters(n_before: int) -> Iterator[dict[str, Painter]]:
     pyplot.close("all")
 
 
-def _renderer(backend: str, n_before: int) -> tuple[Any, Any, Callable[[], None]]:
+def _renderer(n_before: int) -> tuple[Any, Any, Callable[[], None]]:
     """Return a simulation, its renderer, and how both go to the beginning of a run."""
     import irsim_gym as ig
-    from irsim_gym.render import make_renderer
+    from irsim_gym.render import Renderer
 
     scenario = ig.load_scenario(drawn_world())
     simulation = ig.compile(scenario)
     state = simulation.state
-    renderer = make_renderer(backend, scenario, simulation.model, state, simulation.sensors)
+    renderer = Renderer(scenario, simulation.model, state, simulation.sensors)
 
     def begin() -> None:
         simulation.reset(0)
@@ -100,9 +99,9 @@ def _renderer(backend: str, n_before: int) -> tuple[Any, Any, Callable[[], None]
     return simulation, renderer, begin
 
 
-def ours(backend: str, n_before: int) -> Painter:
-    """Return a renderer of ours."""
-    simulation, renderer, begin = _renderer(backend, n_before)
+def ours(n_before: int) -> Painter:
+    """Return our renderer."""
+    simulation, renderer, begin = _renderer(n_before)
     return Painter(begin, simulation.step, renderer.frame, STEPS_DRAWN)
 
 
@@ -112,7 +111,7 @@ def naive(n_before: int) -> Painter:
     from matplotlib.figure import Figure
     from naive_redraw import redraw
 
-    simulation, renderer, begin = _renderer("matplotlib", n_before)
+    simulation, renderer, begin = _renderer(n_before)
     figure = Figure(figsize=(6.0, 6.0), dpi=100)
     canvas, axes = FigureCanvasAgg(figure), figure.add_subplot()
 

@@ -76,8 +76,7 @@ def cases(name: str, result: Mapping[str, Any]) -> str:
 
 
 PAINTERS = {
-    "matplotlib": "irsim_gym, `matplotlib`",
-    "raster": 'irsim_gym, `render_backend="raster"`',
+    "raster": "irsim_gym",
     "naive": "matplotlib, everything drawn anew",
     "irsim": "IR-SIM",
 }
@@ -86,7 +85,7 @@ PAINTERS = {
 def drawing(figures: Mapping[str, float]) -> str:
     """Return what a picture with everything on takes, and how many times as long as ours."""
     times = {name: figures[f"{name}_frame_ms"] for name in PAINTERS if f"{name}_frame_ms" in figures}
-    ours = times.get("matplotlib")
+    ours = times.get("raster")
     rows = [[PAINTERS[name], number(ms), number(None if ours is None else ms / ours)] for name, ms in times.items()]
     return markdown(["a picture of 600 x 600 with everything on", "ms", "times as long"], rows)
 

@@ -94,8 +94,7 @@ TARGETS = (
     Target("First step of S1, cold [s]", "startup", "s1_cold_first_step_s", "", 15, 8),
     Target("First step of S1, warm [s]", "startup", "s1_warm_first_step_s", "", 1.0, 0.6),
     Target("`import irsim_gym` [s]", "startup", "import_s", "", 0.3, 0.2),
-    Target("Frame with everything on, 600 x 600, matplotlib [ms]", EVERYTHING, "matplotlib_frame_ms", "", 3.0, 2.5),
-    Target("The same frame, raster [ms]", EVERYTHING, "raster_frame_ms", "", 1.0, 0.7),
+    Target("Frame with everything on, 600 x 600 [ms]", EVERYTHING, "raster_frame_ms", "", 1.0, 0.7),
     Target("Memory of a world of S1 [KiB]", "memory", "s1_world_kib", "", 64, 16),
 )
 

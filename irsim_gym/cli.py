@@ -12,7 +12,6 @@ import typer
 from irsim_gym.cli_options import (
     LAST_LEVEL,
     Algorithm,
-    Backend,
     BeginAnew,
     Device,
     DevLevels,
@@ -212,7 +211,6 @@ def record(
     strobe: Annotated[
         bool, typer.Option("--strobe", help="One picture with the ways of each episode, coloured by time.")
     ] = False,
-    backend: Backend = "matplotlib",
     team: Team = False,
     given: Given = None,
     lenient: Lenient = False,
@@ -228,7 +226,7 @@ def record(
     if len(asked) > 1:
         raise IrsimGymError("--html, --sheet and --strobe exclude each other: call record once for each")
     kind, parameters = (*asked, "film")[0], read_parameters(given)
-    chosen: dict[str, Any] = {"kind": kind, "backend": backend, "strict": not lenient}
+    chosen: dict[str, Any] = {"kind": kind, "strict": not lenient}
     run_record(scenario, policies, level or [0], split, task, out, parameters, team, **chosen)
 
 
@@ -256,7 +254,6 @@ def rollout(
     frames: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
     record: Annotated[Path | None, typer.Option(help="Demonstrations to write as well, .npz.")] = None,
     team: Team = False,
-    backend: Backend = "matplotlib",
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -264,7 +261,7 @@ def rollout(
     """Drive a policy through a few levels and print how they ended."""
     from irsim_gym.training.commands import run_rollout
 
-    chosen: dict[str, Any] = {"team": team, "backend": backend, "record": record, "strict": not lenient}
+    chosen: dict[str, Any] = {"team": team, "record": record, "strict": not lenient}
     run_rollout(scenario, policy, levels, split, task, frames, read_parameters(given), **chosen)
 
 
@@ -278,7 +275,6 @@ def run_by_itself(
     film: Annotated[
         Path | None, typer.Option(help="Film to write as well, .mp4 or .gif; .html for a replay in a browser.")
     ] = None,
-    backend: Backend = "matplotlib",
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -289,7 +285,7 @@ def run_by_itself(
     if film is not None and film.suffix.lower() not in (".mp4", ".gif", ".html"):
         raise IrsimGymError(f"a film's name ends in .mp4, .gif or .html, got '{film.name}'")
     parameters = read_parameters(given)
-    chosen: dict[str, Any] = {"render_backend": backend, "record": film is not None, "strict": not lenient}
+    chosen: dict[str, Any] = {"record": film is not None, "strict": not lenient}
     with load(scenario, seed=seed, **chosen, **parameters) as world:
         world.resume()
         with progress("driving", steps, shown=film is not None) as advance:
@@ -341,7 +337,6 @@ def draw(
     split: Split = "dev",
     task: Task = None,
     out: Annotated[Path | None, typer.Option(help=".png, .pdf or .svg file (default: SCENARIO.png).")] = None,
-    backend: Backend = "matplotlib",
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -349,7 +344,7 @@ def draw(
     """Draw the start of a level."""
     from irsim_gym.training.look import draw_level
 
-    print(draw_level(scenario, level, split, task, out, read_parameters(given), backend, not lenient))
+    print(draw_level(scenario, level, split, task, out, read_parameters(given), not lenient))
 
 
 @app.command()

@@ -31,7 +31,6 @@ Team = Annotated[
     bool, typer.Option("--team", help="A policy drives all robots (or those that the task names), not one.")
 ]
 Lenient = Annotated[bool, typer.Option("--lenient", help="Ignore keys of the file that nobody reads, with a warning.")]
-Backend = Annotated[str, typer.Option(help="Who draws frames: matplotlib or raster.")]
 Imports = Annotated[
     list[str] | None,
     typer.Option(

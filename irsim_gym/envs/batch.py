@@ -29,7 +29,6 @@ def make_batch(
     max_steps: int | None = None,
     num_threads: int = 1,
     render_mode: str | None = None,
-    render_backend: str = "matplotlib",
     autoreset: bool = True,
     respawn: bool = False,
     world_steps: int | None = None,
@@ -47,7 +46,6 @@ def make_batch(
         max_steps: Time limit of an agent [steps]; None for the task's.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``Batch.render``.
-        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         autoreset: A world whose agents have all ended begins its next level in the same step.
         respawn: An agent that has ended gets a new start and goal at once; its world goes on.
         world_steps: With ``respawn``, steps after which a world begins its next level; None for four time limits.
@@ -62,7 +60,6 @@ def make_batch(
         max_steps=max_steps,
         num_threads=num_threads,
         render_mode=render_mode,
-        render_backend=render_backend,
         team=True,
         parameters=parameters,
         strict=strict,

@@ -36,7 +36,6 @@ def parallel_env(
     padded: bool = False,
     black_death: bool = False,
     render_mode: str | None = None,
-    render_backend: str = "matplotlib",
     strict: bool = True,
     **parameters: Any,
 ) -> WorldParallelEnv:
@@ -50,7 +49,6 @@ def parallel_env(
         padded: True gives all agents the same spaces, those of the richest one; see ``WorldParallelEnv``.
         black_death: True keeps agents that have ended until all have; see ``WorldParallelEnv``.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``WorldEnv.render``.
-        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         **parameters: Values of the scenario's own parameters.
 
@@ -64,7 +62,6 @@ def parallel_env(
         task=task,
         max_steps=max_cycles if max_steps is None else max_steps,
         render_mode=render_mode,
-        render_backend=render_backend,
         team=True,
         parameters=parameters,
         strict=strict,

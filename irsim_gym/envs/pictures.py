@@ -16,7 +16,7 @@ from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
-    from irsim_gym.render import WorldRenderer
+    from irsim_gym.render import Renderer
     from irsim_gym.render.picture import PictureList
     from irsim_gym.render.screen import Screen
 
@@ -43,24 +43,18 @@ class Pictures:
         scenario: What is simulated.
         episodes: The worlds.
         mode: One of these or None.
-        backend: Who draws: ``"matplotlib"`` or ``"raster"``.
 
     Raises:
         ValueError: Another mode.
-        UnknownNameError: Another backend.
 
     Attributes:
         trails: Where bodies have been whose paths are drawn; None without a mode, as nothing is drawn then.
     """
 
-    def __init__(self, scenario: Scenario, episodes: Episodes, mode: str | None, backend: str = "matplotlib") -> None:
+    def __init__(self, scenario: Scenario, episodes: Episodes, mode: str | None) -> None:
         if mode not in (None, *RENDER_MODES):
             raise ValueError(f"render_mode must be None or one of {list(RENDER_MODES)}, got {mode!r}")
-        if backend != "matplotlib":
-            from irsim_gym.render import checked_backend
-
-            checked_backend(backend)
-        self.mode, self.backend = mode, backend
+        self.mode = mode
         self._scenario, self._episodes = scenario, episodes
         self._n_worlds = n_worlds = episodes.n_worlds
         self._every = np.arange(n_worlds)
@@ -68,7 +62,7 @@ class Pictures:
         if mode is not None:
             followed = trailing(scenario.bodies, episodes.simulation.agents.tolist())
             self.trails = Trails(np.array(followed, np.int64), n_worlds)
-        self._renderers: dict[Size, WorldRenderer] = {}
+        self._renderers: dict[Size, Renderer] = {}
         self._kept: list[PictureList] | None = None
         self._screen: Screen | None = None
         self._panels: list[Bytes | None] = [None] * min(n_worlds, MOST_SHOWN)
@@ -262,15 +256,14 @@ class Pictures:
             self._kept = [PictureList(fps=self.fps) for _ in range(self._n_worlds)]
         return self._kept[w]
 
-    def _renderer(self, size: Size) -> WorldRenderer:
+    def _renderer(self, size: Size) -> Renderer:
         if size not in self._renderers:
-            from irsim_gym.render import make_renderer
+            from irsim_gym.render import Renderer
 
             if len(self._renderers) > 2:
                 self._renderers.pop(list(self._renderers)[-1]).close()
             simulation = self._episodes.simulation
-            self._renderers[size] = make_renderer(
-                self.backend,
+            self._renderers[size] = Renderer(
                 self._scenario,
                 simulation.model,
                 simulation.state,

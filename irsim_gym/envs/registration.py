@@ -26,7 +26,7 @@ VECTOR_ENTRY_POINT = "irsim_gym.envs.vector:WorldVectorEnv"
 PARALLEL_ENTRY_POINT = "irsim_gym.envs.parallel:parallel_env"
 SINGLES = (gymnasium.VectorizeMode.SYNC, gymnasium.VectorizeMode.ASYNC)
 DEFAULTS = {
-    **{"render_backend": "matplotlib", "strict": True, "autoreset_mode": "NextStep", "num_threads": 1},
+    **{"strict": True, "autoreset_mode": "NextStep", "num_threads": 1},
     **{"numpy_infos": False},
 }
 """Arguments of whatever makes environments whose default is not None."""
@@ -105,7 +105,6 @@ def make(
     max_steps: int | None = None,
     max_episode_steps: int | None = None,
     render_mode: str | None = None,
-    render_backend: str = "matplotlib",
     strict: bool = True,
     numpy_infos: bool = False,
     disable_env_checker: bool | None = None,
@@ -119,7 +118,6 @@ def make(
         max_steps: Time limit of the task [steps]; None for the task's.
         max_episode_steps: Another time limit [steps]; of it and ``max_steps`` the smaller one counts.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``WorldEnv.render``.
-        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         numpy_infos: Infos hold NumPy scalars, see ``WorldEnv``.
         disable_env_checker: True leaves out Gymnasium's checks of the first steps.
@@ -130,7 +128,6 @@ def make(
         max_steps=max_steps,
         max_episode_steps=max_episode_steps,
         render_mode=render_mode,
-        render_backend=render_backend,
         strict=strict,
         numpy_infos=numpy_infos,
         disable_env_checker=disable_env_checker,
@@ -149,7 +146,6 @@ def make_vec(
     autoreset_mode: gymnasium.vector.AutoresetMode | str = "NextStep",
     num_threads: int = 1,
     render_mode: str | None = None,
-    render_backend: str = "matplotlib",
     strict: bool = True,
     vectorization_mode: gymnasium.VectorizeMode | str | None = None,
     vector_kwargs: dict[str, Any] | None = None,
@@ -167,7 +163,6 @@ def make_vec(
         autoreset_mode: ``"NextStep"``, ``"SameStep"`` or ``"Disabled"``.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``WorldVectorEnv.render``.
-        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         vectorization_mode: ``"sync"`` or ``"async"`` makes single environments, see ``gymnasium.make_vec``.
         vector_kwargs: With these modes, arguments of Gymnasium's vector environment.
@@ -181,7 +176,6 @@ def make_vec(
         autoreset_mode=autoreset_mode,
         num_threads=num_threads,
         render_mode=render_mode,
-        render_backend=render_backend,
         strict=strict,
         vectorization_mode=vectorization_mode,
         vector_kwargs=vector_kwargs,

@@ -12,7 +12,7 @@ from irsim_gym.envs.pictures import world_status
 from irsim_gym.tasks import Episodes, Outcome
 
 if TYPE_CHECKING:
-    from irsim_gym.render import WorldRenderer
+    from irsim_gym.render import Renderer
     from irsim_gym.render.replay import Recording
 
 
@@ -56,11 +56,11 @@ class RecordReplay(gymnasium.Wrapper[Any, Any, Any, Any]):
             raise ValueError(f"at least one episode has to be kept, got most={most}")
         self._path, self._most = Path(path), most
         self._recordings: list[Recording] = []
-        self._renderer: WorldRenderer | None = None
+        self._renderer: Renderer | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode, and its recording."""
-        from irsim_gym.render import make_renderer
+        from irsim_gym.render import Renderer
         from irsim_gym.render.replay import Recording
 
         begun = self.env.reset(seed=seed, options=options)
@@ -69,7 +69,7 @@ class RecordReplay(gymnasium.Wrapper[Any, Any, Any, Any]):
             simulation = worlds.simulation
             parts = worlds.scenario, simulation.model, simulation.state, simulation.sensors
             learners = simulation.agents.tolist()
-            self._renderer = make_renderer("matplotlib", *parts, learners=learners, explored=simulation.explored)
+            self._renderer = Renderer(*parts, learners=learners, explored=simulation.explored)
         self._renderer.clear(0)
         level = {"level": str(begun[1]["level"])}
         self._recordings = [*self._recordings, Recording(worlds.scenario, worlds.agent_names, level)][-self._most :]

@@ -51,7 +51,6 @@ def make_vec_env(
     max_episode_steps: int | None = None,
     num_threads: int = 1,
     render_mode: str | None = "rgb_array",
-    render_backend: str = "matplotlib",
     strict: bool = True,
     env_kwargs: Mapping[str, Any] | None = None,
     start_index: int = 0,
@@ -73,7 +72,6 @@ def make_vec_env(
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
-        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         env_kwargs: More of these keywords, and values for parameters.
         start_index: Number of the first world in the files of ``monitor_dir``.
@@ -86,7 +84,7 @@ def make_vec_env(
     """
     refuse_for_singles(parameters)
     asked = {"task": task, "max_steps": max_steps, "max_episode_steps": max_episode_steps, **parameters}
-    shown: dict[str, Any] = {"render_mode": render_mode, "render_backend": render_backend, "strict": strict}
+    shown: dict[str, Any] = {"render_mode": render_mode, "strict": strict}
     if env_kwargs:
         files = {"start_index": start_index, "monitor_dir": monitor_dir, "monitor_kwargs": monitor_kwargs}
         given = {"num_threads": num_threads, **shown, **files, **with_env_kwargs(asked, env_kwargs)}

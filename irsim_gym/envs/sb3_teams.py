@@ -45,7 +45,6 @@ def make_multi_agent_vec_env(
     world_steps: int | None = None,
     num_threads: int = 1,
     render_mode: str | None = "rgb_array",
-    render_backend: str = "matplotlib",
     strict: bool = True,
     **parameters: Any,
 ) -> TeamVecEnv:
@@ -64,7 +63,6 @@ def make_multi_agent_vec_env(
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
-        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
     """
@@ -75,7 +73,6 @@ def make_multi_agent_vec_env(
         max_steps=max_steps,
         num_threads=num_threads,
         render_mode=checked_mode(render_mode),
-        render_backend=render_backend,
         team=True,
         parameters=parameters,
         strict=strict,

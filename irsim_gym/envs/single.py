@@ -41,7 +41,6 @@ class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
-        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         numpy_infos: Infos hold NumPy scalars, and flags as arrays without axes, in place of Python numbers: what the
             info readers of TorchRL need. Such a step takes half as long again.
@@ -57,7 +56,6 @@ class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
         task: TaskSource = None,
         max_steps: int | None = None,
         render_mode: str | None = None,
-        render_backend: str = "matplotlib",
         strict: bool = True,
         numpy_infos: bool = False,
         **parameters: Any,
@@ -67,7 +65,6 @@ class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
             task=task,
             max_steps=max_steps,
             render_mode=render_mode,
-            render_backend=render_backend,
             parameters=parameters,
             strict=strict,
         )

@@ -46,7 +46,6 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         autoreset_mode: An ``AutoresetMode`` or its value: ``"NextStep"``, ``"SameStep"``, ``"Disabled"``.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
-        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
         **parameters: Values for the scenario's parameters.
     """
@@ -69,7 +68,6 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         num_threads: int = 1,
         render_mode: str | None = None,
-        render_backend: str = "matplotlib",
         strict: bool = True,
         **parameters: Any,
     ) -> None:
@@ -82,7 +80,6 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
             outer_limit=max_episode_steps,
             num_threads=num_threads,
             render_mode=render_mode,
-            render_backend=render_backend,
             parameters=parameters,
             strict=strict,
         )

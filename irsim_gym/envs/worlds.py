@@ -53,7 +53,6 @@ class Worlds:
         num_threads: Threads that share the worlds.
         render_mode: One of ``RENDER_MODES`` or None, see ``Pictures``; with it each step notes the poses of bodies
             whose paths are drawn.
-        render_backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         team: All robots learn, unless the task names some; else there has to be one learner.
         parameters: Values for the scenario's parameters; a loaded scenario has them already.
         strict: A key that nobody reads, in the scenario's file or its section ``task``, is an error; False: it is
@@ -75,7 +74,6 @@ class Worlds:
         outer_limit: int | None = None,
         num_threads: int = 1,
         render_mode: str | None = None,
-        render_backend: str = "matplotlib",
         team: bool = False,
         parameters: Mapping[str, Any] | None = None,
         strict: bool = True,
@@ -92,7 +90,7 @@ class Worlds:
                 "sb3.make_multi_agent_vec_env, on the command line --team"
             )
         self.n_worlds = n_worlds
-        self.pictures = Pictures(self.scenario, self.episodes, render_mode, render_backend)
+        self.pictures = Pictures(self.scenario, self.episodes, render_mode)
         self.observation_space = observation_space(self.episodes)
         self.action_space = action_space(self.episodes)
         self.layout = observation_layout(self.episodes)

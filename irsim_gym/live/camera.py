@@ -19,7 +19,7 @@ from irsim_gym.world.marks import Overlay
 from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
-    from irsim_gym.render import Renderer, WorldRenderer
+    from irsim_gym.render import Renderer
     from irsim_gym.render.layout import Layout, Limits
     from irsim_gym.render.scene import Scene
     from irsim_gym.scenario import Scenario
@@ -33,18 +33,13 @@ class Camera:
     Args:
         session: What is drawn.
         drawing: Marks over it.
-        backend: ``matplotlib`` or ``raster``.
     """
 
-    def __init__(self, session: Session, drawing: Drawing, backend: str = "matplotlib") -> None:
-        if backend != "matplotlib":
-            from irsim_gym.render import checked_backend
-
-            checked_backend(backend)
-        self._session, self._drawing, self._backend = session, drawing, backend
+    def __init__(self, session: Session, drawing: Drawing) -> None:
+        self._session, self._drawing = session, drawing
         self._drawn = session.simulation
         self._n_recorded = 0
-        self._renderer: WorldRenderer | None = None
+        self._renderer: Renderer | None = None
         self._limits: Limits | None = None
         self._options: Mapping[str, object] = {}
         self._painted_version = 0
@@ -111,10 +106,7 @@ class Camera:
 
     def seen(self) -> Layout:
         """Return where the world is on the picture."""
-        from irsim_gym.render.backends import layout_of
-
-        viewpoint = self._simulation.scenario.world.plot.viewpoint
-        return layout_of(self._ready(), follows=viewpoint is not None and self._limits is None)
+        return self._ready().seen()
 
     def keep(self, status: str) -> None:
         """Keep the present moment for films, replays and sheets."""
@@ -165,8 +157,8 @@ class Camera:
         scenario = saved_with(self._scenario(), options) if options else self._scenario()
         saved = scenario.world.plot.saved_figure
         target = with_suffix(path, FIGURES, saved.format)
-        drawn = self._drawn_by_matplotlib(scenario if options else None)
-        drawn.save(target, 0, status, dots_per_inch=saved.dpi)
+        renderer = self._renderer_with(scenario) if options else self._ready()
+        renderer.save(target, 0, status, dots_per_inch=saved.dpi)
         return target
 
     @property
@@ -180,17 +172,17 @@ class Camera:
         """Where the world is on pictures, as the renderer has it."""
         return self._ready().layout
 
-    def _ready(self) -> WorldRenderer:
+    def _ready(self) -> Renderer:
         if self._painted_version != self._session.painted.version or self._drawn is not self._simulation:
             self._painted_version, self._drawn = self._session.painted.version, self._simulation
             self.close()
         self._session.painted.follow()
         if self._renderer is None:
-            from irsim_gym.render import make_renderer
+            from irsim_gym.render import Renderer
 
             seen = self._simulation
             parts = self._scenario(), seen.model, seen.state, self._session.painted.groups(seen)
-            self._renderer = make_renderer(self._backend, *parts, explored=seen.explored)
+            self._renderer = Renderer(*parts, explored=seen.explored)
             if self._limits is not None:
                 self._renderer.look_at(self._limits)
         self._tell(self._renderer.trails)
@@ -202,14 +194,12 @@ class Camera:
         scenario = self._simulation.scenario
         return drawn_with(scenario, self._options) if self._options else scenario
 
-    def _drawn_by_matplotlib(self, scenario: Scenario | None) -> Renderer:
-        """Return a renderer that writes files, whichever draws the frames; of another scenario a new one."""
+    def _renderer_with(self, scenario: Scenario) -> Renderer:
+        """Return a renderer of the present moment with other plot options."""
         from irsim_gym.render import Renderer
 
         ready, seen = self._ready(), self._simulation
-        if isinstance(ready, Renderer) and scenario is None:
-            return ready
-        parts = scenario or self._scenario(), seen.model, seen.state, self._session.painted.groups(seen)
+        parts = scenario, seen.model, seen.state, self._session.painted.groups(seen)
         made = Renderer(*parts, trails=ready.trails, explored=seen.explored)
         made.lay_over(self._drawing.overlay())
         if self._limits is not None:

@@ -110,7 +110,7 @@ class Reel:
         Raises:
             ValueError: There is none.
         """
-        from irsim_gym.render.sheet import save_strobe
+        from irsim_gym.render.strobe import save_strobe
 
         if not self._recordings:
             raise ValueError(NOTHING_KEPT)

@@ -46,7 +46,6 @@ class World:
             By default the YAML file beside the running script that is named as the script is.
         seed: Which level is drawn first; the one that ``irsim_gym.make`` begins with ``reset(seed=seed)``.
         render_mode: None or ``"rgb_array"``: ``render`` returns pictures. ``"human"``: it shows them in a window too.
-        render_backend: Who draws frames: ``"matplotlib"`` or ``"raster"``; figures in files are matplotlib's.
         record: Keep a frame of the start and of each sample, for ``save_animation`` and its like.
         save_ani: IR-SIM's way: as ``record``, and ``end`` writes the film.
         strict: A key of the file that nobody reads is an error; False: it is ignored, with an ``IgnoredKeyWarning``.
@@ -58,7 +57,7 @@ class World:
 
     Raises:
         ScenarioError: The file cannot be used; the error lists every problem with its line.
-        UnknownNameError: Nothing is shipped under the name, or registered under the id; another backend.
+        UnknownNameError: Nothing is shipped under the name, or registered under the id.
         UnknownKeywordError: The scenario has no such parameter.
         ValueError: Another render mode, or a negative seed.
         TypeError: The seed is no whole number, an argument means nothing here, or no file was given and none is beside
@@ -71,7 +70,6 @@ class World:
         *,
         seed: int | None = None,
         render_mode: str | None = None,
-        render_backend: str = "matplotlib",
         record: bool = False,
         save_ani: bool = False,
         strict: bool = True,
@@ -90,7 +88,7 @@ class World:
         self._planner = PathPlanner(self._session, self._population)
         self.draw = Drawing()
         self._irsim_drawing = IrSimDrawing(self._session, self.draw)
-        self._camera = Camera(self._session, self.draw, render_backend)
+        self._camera = Camera(self._session, self.draw)
         keys = {
             "reset": self.reset,
             "next": lambda: self.reset(random=True),

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
+from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.jit import kernel
+from irsim_gym.raster.records import Canvas
 from irsim_gym.raster.sheets import note, paint, scan_edge
 
+Place = tuple[float, float]
 FARTHEST = 1e6
 FINENESS, DISC_FINENESS = 16.0, 13.0
 """Corners of a polygon that stands for a circle with a radius of one pixel: it departs by less than 0.02 pixels.
@@ -126,7 +128,7 @@ def add_line(
         x, y = x / size, y / size
         _add_sides(sheet, box, points[at, 0], points[at, 1], points[ahead, 0], points[ahead, 1], half * x, half * y)
         if last_size > 0.0:
-            _add_join(sheet, box, points[at, 0], points[at, 1], last_x, last_y, x, y, half, min(last_size, size))
+            _add_join(sheet, box, (points[at, 0], points[at, 1]), (last_x, last_y), (x, y), half, min(last_size, size))
         else:
             begin_x, begin_y, begin_size = x, y, size
         if ahead == first:
@@ -135,7 +137,8 @@ def add_line(
         if ahead < 0 and closed and (points[at, 0] != points[first, 0] or points[at, 1] != points[first, 1]):
             ahead = first
     if closed:
-        _add_join(sheet, box, points[first, 0], points[first, 1], x, y, begin_x, begin_y, half, min(begin_size, size))
+        corner = points[first, 0], points[first, 1]
+        _add_join(sheet, box, corner, (x, y), (begin_x, begin_y), half, min(begin_size, size))
         return
     _add_end(sheet, box, points[first, 0], points[first, 1], -half * begin_x, -half * begin_y, round_ends)
     _add_end(sheet, box, points[at, 0], points[at, 1], half * x, half * y, round_ends)
@@ -167,14 +170,15 @@ def _add_end(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, i
 
 
 @kernel
-def _add_join(
-    sheet: Rays, box: Ints, px: float, py: float, ax: float, ay: float, bx: float, by: float, half: float, size: float
-) -> None:
+def _add_join(sheet: Rays, box: Ints, p: Place, a: Place, b: Place, half: float, size: float) -> None:
     """Add what joins the sides of a line at a corner p between the directions a and b.
 
     Outside it is an arc. Inside it is a straight edge, which encloses the other way around what both parts of the line
     cover, so that it counts once; where a part is shorter (``size``) than that, the inner sides meet in the corner.
     """
+    px, py = p
+    ax, ay = a
+    bx, by = b
     cross, along = ax * by - ay * bx, ax * bx + ay * by
     if along > 0.0 and half * cross * cross < SMOOTH:
         scan_edge(sheet, box, px + half * ay, py - half * ax, px + half * by, py - half * bx)
@@ -206,44 +210,35 @@ def _add_arc(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, a
 
 
 @kernel
-def paint_disc(picture: Bytes, sheet: Rays, box: Ints, x: float, y: float, radius: float, colour: Floats) -> None:
-    """Paint a disc with its middle at x, y [pixel]; ``sheet`` is empty before and after."""
+def paint_disc(canvas: Canvas, x: float, y: float, radius: float, colour: Floats) -> None:
+    """Paint a disc with its middle at x, y [pixel]."""
+    picture, sheet, box = canvas
     add_disc(sheet, box, x, y, radius, 1.0)
     paint(picture, sheet, box, colour, False)
 
 
 @kernel
-def paint_ring(
-    picture: Bytes, sheet: Rays, box: Ints, x: float, y: float, radius: float, width: float, colour: Floats
-) -> None:
-    """Paint a circle as a line of a width, half of it on each side [pixel]; ``sheet`` is empty before and after."""
+def paint_ring(canvas: Canvas, x: float, y: float, radius: float, width: float, colour: Floats) -> None:
+    """Paint a circle as a line of a width, half of it on each side [pixel]."""
+    picture, sheet, box = canvas
     add_disc(sheet, box, x, y, radius + 0.5 * width, 1.0)
     add_disc(sheet, box, x, y, radius - 0.5 * width, -1.0)
     paint(picture, sheet, box, colour, False)
 
 
 @kernel
-def paint_polygon(
-    picture: Bytes, sheet: Rays, box: Ints, points: Floats, first: int, count: int, even_odd: bool, colour: Floats
-) -> None:
+def paint_polygon(canvas: Canvas, points: Floats, first: int, count: int, even_odd: bool, colour: Floats) -> None:
     """Paint a polygon; see ``add_polygon`` for its corners and ``paint`` for the rule."""
+    picture, sheet, box = canvas
     add_polygon(sheet, box, points, first, count)
     paint(picture, sheet, box, colour, even_odd)
 
 
 @kernel
 def paint_line(
-    picture: Bytes,
-    sheet: Rays,
-    box: Ints,
-    points: Floats,
-    first: int,
-    count: int,
-    width: float,
-    closed: bool,
-    round_ends: bool,
-    colour: Floats,
+    canvas: Canvas, points: Floats, first: int, count: int, width: float, closed: bool, round_ends: bool, colour: Floats
 ) -> None:
     """Paint a thick line through points; see ``add_line``."""
+    picture, sheet, box = canvas
     add_line(sheet, box, points, first, count, width, closed, round_ends)
     paint(picture, sheet, box, colour, False)

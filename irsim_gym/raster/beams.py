@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
+from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc, add_polygon, is_near
 from irsim_gym.raster.masks import paint_mask
-from irsim_gym.raster.records import AREA, EDGE
+from irsim_gym.raster.records import AREA, EDGE, Canvas, Prints
 from irsim_gym.raster.sheets import note, paint, scan_edge
 
 MOST_BEAMS = 100
@@ -33,9 +33,7 @@ def load_beams(points: Floats, scan: Any, pose: Floats, angles: Floats, ranges: 
 
 @kernel
 def paint_scan(
-    picture: Bytes,
-    sheet: Rays,
-    box: Ints,
+    canvas: Canvas,
     points: Floats,
     item: Any,
     scan: Any,
@@ -50,8 +48,9 @@ def paint_scan(
     if not is_near(points, 0, 1):
         return
     if scan.coloured:
-        _paint_velocities(picture, sheet, box, points, item, scan, ranges, speeds, colour)
+        _paint_velocities(canvas, points, item, scan, ranges, speeds, colour)
         return
+    picture, sheet, box = canvas
     add_polygon(sheet, box, points, 1 if scan.surrounds else 0, scan.count if scan.surrounds else scan.count + 1)
     paint(picture, sheet, box, item.colours[AREA], False)
     apart = (scan.count + MOST_BEAMS - 1) // MOST_BEAMS
@@ -86,9 +85,7 @@ def _add_beam(sheet: Rays, box: Ints, points: Floats, i: int, width: float) -> N
 
 @kernel
 def _paint_velocities(
-    picture: Bytes,
-    sheet: Rays,
-    box: Ints,
+    canvas: Canvas,
     points: Floats,
     item: Any,
     scan: Any,
@@ -97,6 +94,7 @@ def _paint_velocities(
     colour: Floats,
 ) -> None:
     """Paint beams that hit nothing as one, and each other one in the colour of its velocity."""
+    picture, sheet, box = canvas
     for i in range(scan.count):
         if not (scan.range_min < ranges[i] < scan.range_max - HIT_MARGIN):
             _add_beam(sheet, box, points, i + 1, item.other_width)
@@ -120,26 +118,24 @@ def _mix(colour: Floats, scan: Any, speed: float, opacity: float) -> None:
 
 @kernel
 def paint_hits(
-    picture: Bytes,
-    sheet: Rays,
-    box: Ints,
+    canvas: Canvas,
     points: Floats,
     item: Any,
     scan: Any,
     ranges: Rays,
     speeds: Floats,
     colour: Floats,
-    masks: Bytes,
-    mask_rows: Ints,
+    prints: Prints,
 ) -> None:
     """Paint the points that beams hit; ``points`` are those of ``load_beams``."""
+    picture, sheet, box = canvas
     for i in range(scan.count):
         x, y = points[i + 1, 0], points[i + 1, 1]
         if not (ranges[i] < scan.range_max - HIT_MARGIN and is_near(points, i + 1, 1)):
             continue
         if scan.full_speed <= 0.0:
             column, row = int(np.floor(x + 0.5)), int(np.floor(y + 0.5))
-            paint_mask(picture, box, masks, mask_rows, item.every, column, row, item.colours[AREA])
+            paint_mask(picture, box, prints.masks, prints.mask_rows, item.every, column, row, item.colours[AREA])
         elif scan.mark > 0.0 and ranges[i] > scan.range_min:
             _mix(colour, scan, speeds[i] if speeds.shape[0] else 0.0, 1.0)
             add_disc(sheet, box, x, y, scan.mark, 1.0)

@@ -10,7 +10,20 @@ from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc, add_line, add_polygon
 from irsim_gym.raster.masks import paint_mask
-from irsim_gym.raster.records import AREA, ARROW, CIRCLE, CURVE, EDGE, OTHER, RECTANGLE, WINDSCREEN
+from irsim_gym.raster.records import (
+    AREA,
+    ARROW,
+    CIRCLE,
+    CURVE,
+    EDGE,
+    OTHER,
+    RECTANGLE,
+    WINDSCREEN,
+    Canvas,
+    Desk,
+    Outline,
+    Prints,
+)
 from irsim_gym.raster.sheets import paint
 from irsim_gym.raster.ways import add_way, paint_outline
 
@@ -51,37 +64,20 @@ def extent(
 
 
 @kernel
-def paint_footprint(
-    picture: Bytes,
-    sheet: Rays,
-    box: Ints,
-    points: Floats,
-    item: Any,
-    segments: Floats,
-    segment_rows: tuple[int, int],
-    discs: Floats,
-    disc_rows: tuple[int, int],
-    place: Floats,
-    solid: bool,
-    colour: Floats,
-) -> None:
+def paint_footprint(canvas: Canvas, desk: Desk, item: Any, outline: Outline, solid: bool) -> None:
     """Paint a body; one of several parts has no edges where they overlap."""
-    is_area = item.filled and (disc_rows[1] > 0 or (segment_rows[1] > 0 and solid))
-    area, edge = item.colours[AREA], item.colours[EDGE] if is_area else item.colours[OTHER]
+    n_segments, n_discs = outline.segment_rows[1], outline.disc_rows[1]
+    is_area = item.filled and (n_discs > 0 or (n_segments > 0 and solid))
+    area, edge, nothing = item.colours[AREA], item.colours[EDGE] if is_area else item.colours[OTHER], desk.colour
     width = item.width if is_area else item.other_width
-    colour[3] = 0.0
+    nothing[3] = 0.0
     if not is_area:
-        area = colour
-    elif area[3] >= 1.0 and (disc_rows[1] > 1 or disc_rows[1] * segment_rows[1] > 0):
-        paint_outline(
-            picture, sheet, box, points, segments, segment_rows, discs, disc_rows, place,
-            colour, edge, 2.0 * width, item.style, item.snapped,
-        )  # fmt: skip
-        edge = colour
-    paint_outline(
-        picture, sheet, box, points, segments, segment_rows, discs, disc_rows, place,
-        area, edge, width, item.style, item.snapped,
-    )  # fmt: skip
+        area = nothing
+    elif area[3] >= 1.0 and (n_discs > 1 or n_discs * n_segments > 0):
+        line = 2.0 * width, item.style, item.snapped
+        paint_outline(canvas, desk.points, outline, desk.place, (nothing, edge), line)
+        edge = nothing
+    paint_outline(canvas, desk.points, outline, desk.place, (area, edge), (width, item.style, item.snapped))
 
 
 @kernel
@@ -172,35 +168,22 @@ def load_around(points: Floats, form: int, segments: Floats, segment_rows: tuple
 
 
 @kernel
-def paint_ghost(
-    picture: Bytes,
-    sheet: Rays,
-    box: Ints,
-    points: Floats,
-    item: Any,
-    segments: Floats,
-    segment_rows: tuple[int, int],
-    discs: Floats,
-    disc_rows: tuple[int, int],
-    place: Floats,
-    solid: bool,
-    colour: Floats,
-) -> None:
+def paint_ghost(canvas: Canvas, desk: Desk, item: Any, outline: Outline, solid: bool) -> None:
     """Paint what a body left behind: its outline, or a simpler shape around it."""
     if item.form not in (CIRCLE, RECTANGLE):
-        is_solid = solid and item.form != CURVE
-        paint_footprint(
-            picture, sheet, box, points, item, segments, segment_rows, discs, disc_rows, place, is_solid, colour
-        )
+        paint_footprint(canvas, desk, item, outline, solid and item.form != CURVE)
         return
-    if not load_around(points, item.form, segments, segment_rows, discs, disc_rows, colour):
+    picture, sheet, box = canvas
+    segments, segment_rows, discs, disc_rows = outline
+    points, place = desk.points, desk.place
+    if not load_around(points, item.form, segments, segment_rows, discs, disc_rows, desk.colour):
         return
     if item.form == RECTANGLE:
         place_points(points, 4, place)
         if item.filled:
             add_polygon(sheet, box, points, 0, 4)
             paint(picture, sheet, box, item.colours[AREA], False)
-        add_way(sheet, box, points, 4, item.width, True, True, item.style, 0.0)
+        add_way(sheet, box, points, 4, (item.width, item.style, 0.0), True, True)
     else:
         radius = points[1, 0] * place[6]
         place_points(points, 1, place)
@@ -270,7 +253,7 @@ def paint_path(
         colour[3] = item.colours[EDGE][3] * (faintest + (1.0 - faintest) * share)
         for i in range(after - before + 1):
             points[count + i, 0], points[count + i, 1] = points[before + i, 0], points[before + i, 1]
-        add_way(sheet, box, points[count:], after - before + 1, width, False, False, item.style, length)
+        add_way(sheet, box, points[count:], after - before + 1, (width, item.style, length), False, False)
         paint(picture, sheet, box, colour, False)
         for i in range(before, after):
             dx, dy = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
@@ -296,52 +279,50 @@ def _thin(points: Floats, count: int, view: Floats) -> int:
 
 @kernel
 def paint_goal(
-    picture: Bytes,
-    sheet: Rays,
-    box: Ints,
-    points: Floats,
-    item: Any,
-    goal: Floats,
-    threshold: float,
-    arrived: bool,
-    turned: bool,
-    view: Floats,
+    canvas: Canvas, item: Any, goal: Floats, threshold: float, arrived: bool, view: Floats, colour: Floats
 ) -> None:
     """Paint the circle of a goal's tolerance; it is fuller once the goal is reached.
 
-    Where the goal's heading counts (``turned``), an arrow points there: its shaft goes to the circle and is at least
-    ``x`` long, its head is ``other_width`` long; ``half`` is half the head's width, ``foot`` half the shaft's.
+    One that is larger than ``filled_radius`` is filled faintly, so that those of many goals do not hide each other.
     """
+    picture, sheet, box = canvas
     x, y, radius = view[0] + view[2] * goal[0], view[1] - view[2] * goal[1], view[2] * threshold
     add_disc(sheet, box, x, y, radius, 1.0)
-    paint(picture, sheet, box, item.colours[OTHER] if arrived else item.colours[AREA], False)
+    faint = min(1.0, item.filled_radius / max(radius, 1e-9))
+    for channel in range(4):
+        colour[channel] = item.colours[OTHER if arrived else AREA][channel]
+    colour[3] *= faint * faint
+    paint(picture, sheet, box, colour, False)
     add_disc(sheet, box, x, y, radius + 0.5 * item.width, 1.0)
     add_disc(sheet, box, x, y, radius - 0.5 * item.width, -1.0)
     paint(picture, sheet, box, item.colours[EDGE], False)
-    if turned and not np.isnan(goal[2]):
-        across, down = np.cos(goal[2]), -np.sin(goal[2])
-        neck = max(radius, item.x)
-        for i in range(7):
-            ahead = 0.0 if i in (0, 6) else neck + item.other_width if i == 3 else neck
-            aside = (0.0 if i == 3 else item.half if i in (2, 4) else item.foot) * (1.0 if i < 3 else -1.0)
-            points[i, 0], points[i, 1] = x + ahead * across - aside * down, y + ahead * down + aside * across
-        add_polygon(sheet, box, points, 0, 7)
-        paint(picture, sheet, box, item.colours[EDGE], False)
+
+
+@kernel
+def load_shape(points: Floats, item: Any, corners: Floats, tolerance: float, place: Floats) -> None:
+    """Write the corners of a shape, see ``records.Prints``, as pixels.
+
+    A corner that is not at the origin is at least ``x`` pixels away from it before its pixels are added.
+    """
+    scale = place[6]
+    cosine, sine = place[0] / scale, -place[1] / scale
+    for i in range(item.length):
+        corner = corners[item.row + i]
+        ahead, aside = scale * (corner[0] + tolerance * corner[2]), scale * (corner[1] + tolerance * corner[3])
+        size = np.sqrt(ahead * ahead + aside * aside)
+        if 0.0 < size < item.x:
+            ahead, aside = ahead * item.x / size, aside * item.x / size
+        ahead, aside = ahead + corner[4], aside + corner[5]
+        points[i, 0] = place[2] + ahead * cosine - aside * sine
+        points[i, 1] = place[5] - ahead * sine - aside * cosine
 
 
 @kernel
 def paint_mark(
-    picture: Bytes,
-    box: Ints,
-    masks: Bytes,
-    mask_rows: Ints,
-    mask: int,
-    x: float,
-    y: float,
-    view: Floats,
-    colour: Floats,
+    picture: Bytes, box: Ints, prints: Prints, mask: int, x: float, y: float, view: Floats, colour: Floats
 ) -> None:
     """Paint a mask with its origin at a point of the world [m]."""
     column, row = view[0] + view[2] * x, view[1] - view[2] * y
     if abs(column) < 1e6 and abs(row) < 1e6:
-        paint_mask(picture, box, masks, mask_rows, mask, int(np.floor(column + 0.5)), int(np.floor(row + 0.5)), colour)
+        left, top = int(np.floor(column + 0.5)), int(np.floor(row + 0.5))
+        paint_mask(picture, box, prints.masks, prints.mask_rows, mask, left, top, colour)

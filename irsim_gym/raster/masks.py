@@ -67,14 +67,16 @@ def paint_image(
             u = (dx * along[0] + dy * along[1]) / length2 * width - 0.5
             v = (1.0 - (dx * across[0] + dy * across[1]) / height2) * height - 0.5
             if u > -1.0 and v > -1.0 and u < width and v < height:
-                _paint_sample(picture, y, x, pixels, begin, width, height, u, v)
+                _paint_sample(picture, (y, x), pixels, begin, (width, height), u, v)
 
 
 @kernel
 def _paint_sample(
-    picture: Bytes, y: int, x: int, pixels: Bytes, begin: int, width: int, height: int, u: float, v: float
+    picture: Bytes, place: tuple[int, int], pixels: Bytes, begin: int, size: tuple[int, int], u: float, v: float
 ) -> None:
     """Blend the colour of an image between four of its pixels into a pixel of the picture."""
+    y, x = place
+    width, height = size
     column, line = int(np.floor(u)), int(np.floor(v))
     right, low = u - column, v - line
     opacity = 0.0

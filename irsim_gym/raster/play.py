@@ -17,6 +17,7 @@ from irsim_gym.raster.figures import (
     RIGHT,
     extent,
     load_mark,
+    load_shape,
     paint_field,
     paint_footprint,
     paint_ghost,
@@ -29,6 +30,8 @@ from irsim_gym.raster.figures import (
 from irsim_gym.raster.masks import paint_fog, paint_image, paint_mask
 from irsim_gym.raster.records import (
     AREA,
+    AT_BODY,
+    AT_GOAL,
     EDGE,
     FIELD,
     FOG,
@@ -47,17 +50,20 @@ from irsim_gym.raster.records import (
     PLOT,
     SCAN,
     SHADOW,
+    SHAPE,
     WHOLE,
+    Canvas,
     Desk,
     Look,
     Model,
+    Outline,
     Past,
     Prints,
-    Readings,
+    Source,
     State,
 )
 from irsim_gym.raster.sheets import paint
-from irsim_gym.raster.ways import paint_outline
+from irsim_gym.raster.ways import add_way, paint_outline
 from irsim_gym.world.model import STATE
 from irsim_gym.world.rows import row_of
 
@@ -72,12 +78,7 @@ def draw_items(
     frames: Ints,
     worlds: Ints,
     items: Any,
-    scans: Any,
-    model: Model,
-    state: State,
-    readings: Readings,
-    past: Past,
-    prints: Prints,
+    source: Source,
     look: Look,
     desk: Desk,
 ) -> None:
@@ -88,15 +89,11 @@ def draw_items(
         frames: Which pictures, shape ``(n_drawn,)``.
         worlds: World of each picture, shape ``(n,)``.
         items: What is drawn, ``records.ITEM``.
-        scans: Sensors, ``records.BEAMS``.
-        model: The simulation's constants.
-        state: Its present state.
-        readings: What its sensors have read; rows go by picture.
-        past: Where its bodies have been.
-        prints: Masks and images.
+        source: What is read of the simulation.
         look: Where the world is on the pictures; rows go by picture.
         desk: Memory to draw with.
     """
+    model, state, readings = source.model, source.state, source.readings
     for f in frames:
         w, picture, view = worlds[f], pictures[f], look.views[f]
         _find_struck(w, model, state, desk)
@@ -104,13 +101,16 @@ def draw_items(
             kind, b, box = item.kind, item.body, look.boxes[f, item.box]
             if b >= 0 and not model.present[w, b]:
                 continue
+            canvas = Canvas(picture, desk.sheet, box)
             if kind in (SCAN, HITS):
-                _draw_scan(picture, box, item, scans[item.row], w, f, state, readings, prints, view, desk)
+                _draw_scan(canvas, item, source, w, f, view, desk)
             elif kind in (GHOSTS, PATH):
-                _draw_past(picture, box, item, w, model, past, view, desk)
+                _draw_past(canvas, item, source, w, view, desk)
             elif kind in (GOAL_CIRCLE, GOAL_MARKS):
                 if model.has_goal[b]:
-                    _draw_goal(picture, box, item, w, model, state, prints, view, desk)
+                    _draw_goal(canvas, item, source, w, view, desk)
+            elif kind == SHAPE:
+                _draw_shape(canvas, item, source, w, view, desk)
             elif kind == FOG:
                 frame = desk.colour
                 columns, rows = readings.explored.shape[1], readings.explored.shape[2]
@@ -119,11 +119,11 @@ def draw_items(
                 paint_fog(picture, box, readings.explored[w], desk.cells, frame, view, item.colours[AREA])
             elif kind in (LABEL, GOAL_LABEL):
                 if kind == LABEL or model.has_goal[b]:
-                    _draw_label(picture, item, w, f, model, state, prints, look, desk)
+                    _draw_label(picture, item, source, w, f, look, desk)
             elif kind == FIELD:
                 paint_field(picture, desk.sheet, box, desk.points, item, state.pose[w, b], view)
             else:
-                _draw_body(picture, box, item, w, model, state, prints, view, desk)
+                _draw_body(canvas, item, source, w, view, desk)
 
 
 @kernel
@@ -140,10 +140,10 @@ def _find_struck(w: int, model: Model, state: State, desk: Desk) -> None:
 
 
 @kernel
-def _draw_body(
-    picture: Bytes, box: Ints, item: Any, w: int, model: Model, state: State, prints: Prints, view: Floats, desk: Desk
-) -> None:
+def _draw_body(canvas: Canvas, item: Any, source: Source, w: int, view: Floats, desk: Desk) -> None:
     """Draw a footprint, its shadow, image, heading or impact."""
+    picture, _, box = canvas
+    model, state, prints = source.model, source.state, source.prints
     b, kind, place = item.body, item.kind, desk.place
     segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
     disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
@@ -157,11 +157,9 @@ def _draw_body(
         set_place(place, view, state.pose[w, b, 0], state.pose[w, b, 1], heading)
     else:
         set_place(place, view, 0.0, 0.0, 0.0)
+    outline = Outline(segments, segment_rows, discs, disc_rows)
     if kind == FOOTPRINT:
-        paint_footprint(
-            picture, desk.sheet, box, desk.points, item, segments, segment_rows, discs, disc_rows, place,
-            model.solid[b], desk.colour,
-        )  # fmt: skip
+        paint_footprint(canvas, desk, item, outline, model.solid[b])
     elif kind == HEADING:
         count = load_mark(desk.points, item, segments, segment_rows, discs, disc_rows, desk.colour)
         place_points(desk.points, count, place)
@@ -169,17 +167,13 @@ def _draw_body(
         paint(picture, desk.sheet, box, item.colours[AREA], False)
     elif kind == SHADOW and (disc_rows[1] > 0 or (segment_rows[1] > 0 and model.solid[b])):
         place[2], place[5] = place[2] + item.x, place[5] + item.y
-        paint_outline(
-            picture, desk.sheet, box, desk.points, segments, segment_rows, discs, disc_rows, place,
-            item.colours[AREA], item.colours[EDGE], item.width, item.style, item.snapped,
-        )  # fmt: skip
+        inks, line = (item.colours[AREA], item.colours[EDGE]), (item.width, item.style, item.snapped)
+        paint_outline(canvas, desk.points, outline, place, inks, line)
     elif kind == IMPACT and desk.struck[b]:
         desk.colour[3] = 0.0
         for width, colour in ((item.other_width, item.colours[OTHER]), (item.width, item.colours[EDGE])):
-            paint_outline(
-                picture, desk.sheet, box, desk.points, segments, segment_rows, discs, disc_rows, place,
-                desk.colour, colour, width, item.style, item.snapped,
-            )  # fmt: skip
+            line = width, item.style, item.snapped
+            paint_outline(canvas, desk.points, outline, place, (desk.colour, colour), line)
     elif kind == IMAGE and extent(desk.colour, segments, segment_rows, discs, disc_rows):
         points, low = desk.points, desk.colour
         points[0, 0], points[0, 1], points[1, 0], points[1, 1] = low[LEFT], low[LOW], low[RIGHT], low[LOW]
@@ -191,10 +185,9 @@ def _draw_body(
 
 
 @kernel
-def _draw_past(
-    picture: Bytes, box: Ints, item: Any, w: int, model: Model, past: Past, view: Floats, desk: Desk
-) -> None:
+def _draw_past(canvas: Canvas, item: Any, source: Source, w: int, view: Floats, desk: Desk) -> None:
     """Draw the path of a body, or the outlines that it has left behind, from the oldest on."""
+    model, past = source.model, source.past
     b, n_slots, count = item.body, past.noted.shape[1], 0
     for step in range(_first_step(past, w, item), past.latest[w] + 1):
         if not _was_there(past, w, step, item):
@@ -207,14 +200,11 @@ def _draw_past(
             segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
             disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
             set_place(desk.place, view, pose[0], pose[1], pose[2])
-            paint_ghost(
-                picture, desk.sheet, box, desk.points, item,
-                model.local_segments[row_of(model.local_segments, w)], segment_rows,
-                model.local_discs[row_of(model.local_discs, w)], disc_rows,
-                desk.place, model.solid[b], desk.colour,
-            )  # fmt: skip
+            segments = model.local_segments[row_of(model.local_segments, w)]
+            discs = model.local_discs[row_of(model.local_discs, w)]
+            paint_ghost(canvas, desk, item, Outline(segments, segment_rows, discs, disc_rows), model.solid[b])
     if item.kind == PATH:
-        paint_path(picture, desk.sheet, box, desk.points, item, count, view, desk.colour)
+        paint_path(canvas.picture, desk.sheet, canvas.box, desk.points, item, count, view, desk.colour)
 
 
 @kernel
@@ -256,56 +246,64 @@ def _was_there(past: Past, w: int, step: int, item: Any) -> bool:
 
 
 @kernel
-def _draw_scan(
-    picture: Bytes,
-    box: Ints,
-    item: Any,
-    scan: Any,
-    w: int,
-    f: int,
-    state: State,
-    readings: Readings,
-    prints: Prints,
-    view: Floats,
-    desk: Desk,
-) -> None:
+def _draw_scan(canvas: Canvas, item: Any, source: Source, w: int, f: int, view: Floats, desk: Desk) -> None:
     """Draw what a sensor sees, or the points that its beams hit."""
+    scan, readings = source.scans[item.row], source.readings
     ranges, speeds, points = readings.ranges[f, scan.first :], readings.speeds[f, 0:], desk.points
     if speeds.shape[0] > 0:
         speeds = speeds[scan.first :]
-    load_beams(points, scan, state.pose[w, scan.body], readings.angles, ranges, 0, view)
+    load_beams(points, scan, source.state.pose[w, scan.body], readings.angles, ranges, 0, view)
     if item.kind == SCAN:
-        paint_scan(picture, desk.sheet, box, points, item, scan, ranges, speeds, desk.colour)
+        paint_scan(canvas, points, item, scan, ranges, speeds, desk.colour)
     else:
-        paint_hits(
-            picture, desk.sheet, box, points, item, scan, ranges, speeds, desk.colour, prints.masks, prints.mask_rows
-        )
+        paint_hits(canvas, points, item, scan, ranges, speeds, desk.colour, source.prints)
 
 
 @kernel
-def _draw_goal(
-    picture: Bytes, box: Ints, item: Any, w: int, model: Model, state: State, prints: Prints, view: Floats, desk: Desk
-) -> None:
+def _draw_goal(canvas: Canvas, item: Any, source: Source, w: int, view: Floats, desk: Desk) -> None:
     """Draw the circle of a goal, or its flag and the goals after it."""
+    model, state, prints = source.model, source.state, source.prints
     b, goal = item.body, state.goal[w, item.body]
     threshold = model.goal_threshold[row_of(model.goal_threshold, w), b]
     if item.kind == GOAL_CIRCLE:
-        turned = model.arrive_mode[b] == STATE
-        paint_goal(picture, desk.sheet, box, desk.points, item, goal, threshold, state.arrived[w, b], turned, view)
+        arrived = state.arrived[w, b]
+        paint_goal(canvas, item, goal, threshold, arrived, view, desk.colour)
     else:
         for i in range(state.waypoint[w, b] + 1, model.waypoint_count[w, b]):
             x, y = model.waypoints[w, b, i, 0], model.waypoints[w, b, i, 1]
-            paint_mark(picture, box, prints.masks, prints.mask_rows, item.every, x, y, view, item.colours[OTHER])
+            paint_mark(canvas.picture, canvas.box, prints, item.every, x, y, view, item.colours[OTHER])
         x, y = goal[0], goal[1]
         for mask in range(item.row, item.row + 2):
-            paint_mark(picture, box, prints.masks, prints.mask_rows, mask, x, y, view, item.colours[EDGE])
+            paint_mark(canvas.picture, canvas.box, prints, mask, x, y, view, item.colours[EDGE])
 
 
 @kernel
-def _draw_label(
-    picture: Bytes, item: Any, w: int, f: int, model: Model, state: State, prints: Prints, look: Look, desk: Desk
-) -> None:
+def _draw_shape(canvas: Canvas, item: Any, source: Source, w: int, view: Floats, desk: Desk) -> None:
+    """Draw a shape of the table at its body or at the body's goal."""
+    picture, sheet, box = canvas
+    model, state, prints = source.model, source.state, source.prints
+    b, points = item.body, desk.points
+    pose, heading = state.pose[w, b], 0.0
+    if item.form == AT_GOAL:
+        pose = state.goal[w, b]
+        if not model.has_goal[b] or (item.turns and (model.arrive_mode[b] != STATE or np.isnan(pose[2]))):
+            return
+    if item.turns or item.form == AT_BODY:
+        heading = pose[2]
+    set_place(desk.place, view, pose[0], pose[1], heading)
+    load_shape(points, item, prints.corners, model.goal_threshold[row_of(model.goal_threshold, w), b], desk.place)
+    if item.filled:
+        add_polygon(sheet, box, points, 0, item.length)
+        paint(picture, sheet, box, item.colours[AREA], False)
+    if item.width > 0.0:
+        add_way(sheet, box, points, item.length, (item.width, item.style, 0.0), item.snapped, True)
+        paint(picture, sheet, box, item.colours[EDGE], False)
+
+
+@kernel
+def _draw_label(picture: Bytes, item: Any, source: Source, w: int, f: int, look: Look, desk: Desk) -> None:
     """Draw a label: that of a goal below it; that of a body at its place or above it, below it where a flag stands."""
+    model, state, prints = source.model, source.state, source.prints
     b, view, box = item.body, look.views[f], desk.colour
     x, y, height = state.pose[w, b, 0], state.pose[w, b, 1], 1.3 * item.width / view[2]
     segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
@@ -317,7 +315,7 @@ def _draw_label(
         x, y = x + item.x, y + item.y
     elif extent(box, state.segments[w], segment_rows, state.discs[w], disc_rows):
         x, y = 0.5 * (box[LEFT] + box[RIGHT]), box[HIGH] + LABEL_GAP
-        if _meets_flag(w, x, y, 0.35 * item.width * item.length / view[2], height, model, state, look, view):
+        if _meets_flag(w, x, y, 0.35 * item.width * item.length / view[2], height, source, look, view):
             y = box[LOW] - height
     shown = look.boxes[f, PLOT]
     column, row = view[0] + view[2] * x, view[1] - view[2] * y
@@ -330,10 +328,10 @@ def _draw_label(
 
 @kernel
 def _meets_flag(
-    w: int, x: float, y: float, half: float, height: float, model: Model, state: State, look: Look, view: Floats
+    w: int, x: float, y: float, half: float, height: float, source: Source, look: Look, view: Floats
 ) -> bool:
     """Return whether a label over x, y [m] would stand on the flag of a goal."""
-    meets = False
+    model, state, meets = source.model, source.state, False
     for b in range(look.flagged.shape[0]):
         if look.flagged[b] and model.present[w, b] and model.has_goal[b]:
             goal_x, goal_y = state.goal[w, b, 0], state.goal[w, b, 1]

@@ -6,7 +6,7 @@ simulation's arrays for each picture.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -28,9 +28,12 @@ from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
     GOAL_LABEL,
     IMAGE,
     FOG,
-) = range(15)
+    SHAPE,
+) = range(16)
 """Kinds of what is drawn."""
 WEDGE, WINDSCREEN, ARROW = 0, 1, 2
+AT_BODY, AT_GOAL = 0, 1
+"""Where a shape stands."""
 OWN, CIRCLE, RECTANGLE, CURVE = 0, 1, 2, 3
 WORLD, WALLS, PLOT, WHOLE, MARKS = 0, 1, 2, 3, 4
 """Boxes: the world, the same and its walls' whole lines, the drawing area, the picture, the world and its rim."""
@@ -59,6 +62,7 @@ ITEM = np.dtype(
             ("y", np.float64),
             ("half", np.float64),
             ("foot", np.float64),
+            ("filled_radius", np.float64),
         ],
     )
 )
@@ -89,6 +93,36 @@ BEAMS = np.dtype(
     )
 )
 """One sensor: its body, its beams in the tables of readings, its place on the body, and how velocities look."""
+
+
+class Canvas(NamedTuple):
+    """Where something is painted.
+
+    Attributes:
+        picture: uint8, shape ``(height, width, n_channels)``.
+        sheet: An empty sheet of its size, left empty.
+        box: Which part of the picture may change.
+    """
+
+    picture: Bytes
+    sheet: Rays
+    box: Ints
+
+
+class Outline(NamedTuple):
+    """The outline of a body.
+
+    Attributes:
+        segments: x0, y0, x1, y1 [m], shape ``(n_segments, 4)``.
+        segment_rows: First row and number of its segments.
+        discs: x, y, radius [m], shape ``(n_discs, 3)``.
+        disc_rows: First row and number of its discs.
+    """
+
+    segments: Floats
+    segment_rows: tuple[int, int]
+    discs: Floats
+    disc_rows: tuple[int, int]
 
 
 class Model(NamedTuple):
@@ -156,19 +190,42 @@ class Past(NamedTuple):
 
 
 class Prints(NamedTuple):
-    """Ready-made masks and images, see ``masks``.
+    """Ready-made masks, images and shapes, see ``masks``.
 
     Attributes:
         masks: Opacities of masks.
         mask_rows: Their places, shape ``(n_masks, 5)``.
         pixels: Colours of images.
         image_rows: Their places, shape ``(n_images, 3)``.
+        corners: Corners of shapes in a frame of their own: x, y [m], the same for each metre of a goal's tolerance, and
+            what is added to both [pixel], shape ``(n_corners, 6)``.
     """
 
     masks: Bytes
     mask_rows: Ints
     pixels: Bytes
     image_rows: Ints
+    corners: Floats
+
+
+class Source(NamedTuple):
+    """What is read of a simulation.
+
+    Attributes:
+        scans: Its sensors, ``BEAMS``.
+        model: Its constants.
+        state: Its present state.
+        readings: What its sensors have read; rows go by picture.
+        past: Where its bodies have been.
+        prints: Masks, images and shapes.
+    """
+
+    scans: Any
+    model: Model
+    state: State
+    readings: Readings
+    past: Past
+    prints: Prints
 
 
 class Desk(NamedTuple):

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
+from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import FINENESS, MOST_CORNERS, add_disc, add_line, add_polygon, is_near
+from irsim_gym.raster.records import Canvas, Outline
 from irsim_gym.raster.sheets import paint
 
 SOLID, DASHED, DASHDOT, DOTTED = 0, 1, 2, 3
@@ -24,17 +25,16 @@ def add_way(
     box: Ints,
     points: Floats,
     count: int,
-    width: float,
+    line: tuple[float, int, float],
     closed: bool,
     round_ends: bool,
-    style: int,
-    before: float,
 ) -> None:
-    """Add a line through the first ``count`` points to a sheet, in a line style.
+    """Add a line through the first ``count`` points to a sheet.
 
-    It goes on with the dashes of one that is ``before`` [pixel] long. The points behind them are overwritten; there is
-    room for ``2 count + 3``.
+    ``line`` is its width [pixel], its style, and the length of the line whose dashes it continues [pixel]. The points
+    behind the first ones are overwritten; there is room for ``2 count + 3``.
     """
+    width, style, before = line
     if style == SOLID:
         add_line(sheet, box, points, 0, count, width, closed, round_ends)
         return
@@ -77,40 +77,29 @@ def add_way(
 
 @kernel
 def paint_outline(
-    picture: Bytes,
-    sheet: Rays,
-    box: Ints,
+    canvas: Canvas,
     points: Floats,
-    segments: Floats,
-    segment_rows: tuple[int, int],
-    discs: Floats,
-    disc_rows: tuple[int, int],
+    outline: Outline,
     place: Floats,
-    area: Floats,
-    edge: Floats,
-    width: float,
-    style: int,
-    snapped: bool,
+    inks: tuple[Floats, Floats],
+    stroke: tuple[float, int, bool],
 ) -> None:
     """Paint the area of an outline and a line along its boundary.
 
     Args:
-        picture: Where it is painted.
-        sheet: An empty sheet.
-        box: Part of the picture that may change.
+        canvas: Where it is painted.
         points: Room for points.
-        segments: x0, y0, x1, y1 [m], shape ``(segment, 4)``.
-        segment_rows: First row and number of its segments.
-        discs: x, y, radius [m], shape ``(disc, 3)``.
-        disc_rows: First row and number of its discs.
+        outline: The outline.
         place: From metres to pixels: columns are ``place[0] x + place[1] y + place[2]``, rows go by the other three,
             and ``place[6]`` is the pixels per metre.
-        area: Colour and opacity of the area.
-        edge: Colour and opacity of the line.
-        width: Its width [pixel].
-        style: Its style.
-        snapped: Where it goes along rows and columns alone, its lines fill whole pixels.
+        inks: Colours and opacities of the area and of the line.
+        stroke: The line's width [pixel], its style, and whether it fills whole pixels where it goes along rows and
+            columns alone.
     """
+    picture, sheet, box = canvas
+    segments, segment_rows, discs, disc_rows = outline
+    area, edge = inks
+    width, style, snapped = stroke
     shift = snapping(segments, segment_rows, disc_rows[1], place, width) if snapped else -1.0
     if area[3] > 0.0:
         row, end = segment_rows[0], segment_rows[0] + segment_rows[1]
@@ -128,7 +117,7 @@ def paint_outline(
         while row < end:
             count, closed = load_chain(points, segments, row, end, place, shift)
             row += count - 1
-            add_way(sheet, box, points, count - 1 if closed else count, width, closed, True, style, 0.0)
+            add_way(sheet, box, points, count - 1 if closed else count, (width, style, 0.0), closed, True)
         for row in range(disc_rows[0], disc_rows[0] + disc_rows[1]):
             x, y = discs[row, 0], discs[row, 1]
             column, line = place[0] * x + place[1] * y + place[2], place[3] * x + place[4] * y + place[5]
@@ -190,4 +179,4 @@ def _add_circle(
     for i in range(count):
         angle = 2.0 * np.pi * i / count
         points[i, 0], points[i, 1] = x + radius * np.cos(angle), y + radius * np.sin(angle)
-    add_way(sheet, box, points, count, width, True, True, style, 0.0)
+    add_way(sheet, box, points, count, (width, style, 0.0), True, True)

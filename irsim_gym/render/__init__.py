@@ -1,26 +1,19 @@
-"""How it is drawn: scenes, frames, films."""
+"""How it is drawn: scenes, frames, figures, films."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from irsim_gym.render.backends import BACKENDS, checked_backend, make_renderer
-
 if TYPE_CHECKING:
-    from irsim_gym.render.matplotlib_renderer import Renderer
-    from irsim_gym.render.renderer import WorldRenderer
+    from irsim_gym.render.renderer import Renderer
 
-__all__ = ["BACKENDS", "Renderer", "WorldRenderer", "checked_backend", "make_renderer"]
+__all__ = ["Renderer"]
 
 
 def __getattr__(name: str) -> Any:
-    """Load matplotlib only for who draws with it."""
+    """Load what draws only for who draws with it."""
     if name == "Renderer":
-        from irsim_gym.render.matplotlib_renderer import Renderer
+        from irsim_gym.render.renderer import Renderer
 
         return Renderer
-    if name == "WorldRenderer":
-        from irsim_gym.render.renderer import WorldRenderer
-
-        return WorldRenderer
     raise AttributeError(f"module 'irsim_gym.render' has no attribute {name!r}")

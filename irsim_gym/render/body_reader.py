@@ -21,8 +21,6 @@ from irsim_gym.world.state import WorldState
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
 
-REMEMBERED_FORMS = 4096
-
 
 class BodyReader:
     """Makes views of the bodies of one simulation.
@@ -44,7 +42,7 @@ class BodyReader:
             if body.description is not None
         }
         self._solid = [bool(solid) for solid in model.solid]
-        self._forms: dict[tuple[int, bytes, bytes], Form] = {}
+        self._forms: dict[int, tuple[tuple[bytes, bytes], Form]] = {}
 
     def signature(self, world: int, bodies: Sequence[int]) -> bytes:
         """Return what changes whenever one of the bodies changes its place or outline."""
@@ -68,13 +66,11 @@ class BodyReader:
         segment_rows, disc_rows = self._rows(world, body) if rows is None else rows
         segments = self._model.local_segments[world % len(self._model.local_segments), segment_rows]
         discs = self._model.local_discs[world % len(self._model.local_discs), disc_rows]
-        key = body, segments.tobytes(), discs.tobytes()
-        found = self._forms.get(key)
-        if found is None:
-            if len(self._forms) >= REMEMBERED_FORMS:
-                self._forms.pop(next(iter(self._forms)))
-            found = self._forms[key] = self._make_form(body, segments.copy(), discs.copy())
-        return found
+        key = segments.tobytes(), discs.tobytes()
+        found = self._forms.get(body)
+        if found is None or found[0] != key:
+            found = self._forms[body] = key, self._make_form(body, segments.copy(), discs.copy())
+        return found[1]
 
     def _make_form(self, body: int, segments: Floats, discs: Floats) -> Form:
         style, extent = self._styles[body], box(segments, discs)
@@ -120,6 +116,7 @@ class BodyReader:
             anchor=_anchor(pose, style, lines, discs),
             style=style,
             form=form,
+            pose=(float(pose[0]), float(pose[1]), float(pose[2])),
             turn=turn,
             image=self._image(body, form, pose) if body in self._pixels else None,
         )
@@ -138,7 +135,7 @@ class BodyReader:
             return None
         return ImageView(self._pixels[body], placed(form.corners, pose), self._styles[body].image_alpha)
 
-    def ghost(self, body: int, form: Form, pose: Floats, style: BodyStyle) -> BodyView:
+    def ghost(self, body: int, form: Form, pose: Floats) -> BodyView:
         """Return the body as it stood at a pose, or a simpler shape around it."""
         left = form if form.ghost is None else form.ghost
         return BodyView(
@@ -149,8 +146,9 @@ class BodyReader:
             solid=left.solid,
             heading=NOTHING,
             anchor=(float(pose[0]), float(pose[1])),
-            style=style,
+            style=self._styles[body].ghost or self._styles[body],
             form=left,
+            pose=(float(pose[0]), float(pose[1]), float(pose[2])),
         )
 
 

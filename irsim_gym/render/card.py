@@ -1,116 +1,259 @@
-"""The drawing area: a white card with the world's frame, a faint grid and ticks in metres."""
+"""What is around the world on a frame: paper, rim, grid and ticks, and the line of text above it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import NamedTuple
 
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.backend_bases import RendererBase
-from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
-from matplotlib.transforms import Bbox
+import numpy as np
 
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
+from irsim_gym.raster.areas import paint_line, paint_polygon
+from irsim_gym.raster.masks import paint_mask
+from irsim_gym.raster.records import Canvas
 from irsim_gym.render import theme
-from irsim_gym.render.layout import Layout, tick_positions
-from irsim_gym.render.lettering import TEXT
+from irsim_gym.render.colours import colour
+from irsim_gym.render.layout import Layout, Limits, tick_positions
+from irsim_gym.render.letters import Masks, Word
 
-TICK: dict[str, Any] = {**TEXT, "fontsize": 7.5, "color": theme.INK_LIGHT}
-
-
-class Area(Axes):
-    """Axes whose animated artists somebody else may draw where a figure is saved, as where it is shown."""
-
-    leaves_out_animated = False
-    card: Rectangle
-
-    def get_children(self) -> list[Artist]:
-        """Return the artists that are drawn with the axes."""
-        children = super().get_children()
-        return [child for child in children if not child.get_animated()] if self.leaves_out_animated else children
+MARGIN, GAP, TIME_ROOM = 10.0, 14.0, 66.0
+LONGEST_STATUS = "left world"
+FEWEST_LETTERS = 3
+DOT = "\N{BLACK CIRCLE}"
+TICK_SIZE, NAME_SIZE, STATUS_SIZE = 7.5, 9.5, 9.0
+REMEMBERED_HEADS = 512
+Placed = list[tuple[int, int, int]]
+"""Mask, column and row of each word."""
 
 
-class Play(Artist):
-    """What moves, as one artist above all others of a figure that is saved."""
+class Card:
+    """Draws the paper, the world's frame, the grid and the ticks of a layout.
 
-    zorder = 100.0
+    Args:
+        masks: Where its words are kept.
+        point: Pixels in a point of type.
+        axis: Draw ticks and the world's frame.
+    """
 
-    def __init__(self, play: Callable[[RendererBase], None], extent: Callable[[RendererBase], Bbox]) -> None:
-        super().__init__()
-        self._play, self._extent = play, extent
+    def __init__(self, masks: Masks, point: float, axis: bool) -> None:
+        self._masks, self._point, self._axis = masks, point, axis
 
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw it."""
-        self._play(renderer)
+    def draw(self, picture: Bytes, sheet: Rays, layout: Layout) -> None:
+        """Draw it over the whole of a picture, uint8, ``(height, width, 3)``."""
+        picture[:] = np.rint(colour(theme.PAPER, 1.0)[:3]).astype(np.uint8)
+        corners = _snapped([_place(layout, x, y) for x, y in _corners(layout)], 0.8 * self._point)
+        box = plot_box(layout)
+        canvas = Canvas(picture, sheet, box)
+        paint_polygon(canvas, corners, 0, 4, False, np.array(colour(theme.CARD, 1.0)))
+        rule = np.array(colour(theme.RULE if self._axis else theme.CARD, 1.0))
+        paint_line(canvas, corners, 0, 4, 0.8 * self._point, True, True, rule)
+        if self._axis:
+            self._draw_ticks(picture, sheet, layout)
 
-    def get_tightbbox(self, renderer: RendererBase | None = None) -> Bbox | None:
-        """Return the part of the canvas that it asks for."""
-        return None if renderer is None else self._extent(renderer)
-
-
-def make_axes(figure: Figure, layout: Layout, axis: bool) -> Area:
-    """Add the drawing area to a figure, without ticks."""
-    place = (
-        layout.left / layout.width,
-        layout.bottom / layout.height,
-        layout.plot_width / layout.width,
-        layout.plot_height / layout.height,
-    )
-    axes = Area(figure, place)
-    figure.add_axes(axes)
-    axes.set(xticks=[], yticks=[], facecolor=theme.PAPER)
-    axes.set_axis_off()
-    axes.card = add_frame(
-        axes, layout, facecolor=theme.CARD, edgecolor=theme.RULE if axis else theme.CARD, linewidth=0.8
-    )
-    return axes
-
-
-def add_frame(axes: Axes, layout: Layout, **look: Any) -> Rectangle:
-    """Add a rectangle as large as the world."""
-    x_min, y_min, x_max, y_max = layout.bounds
-    rectangle = Rectangle((x_min, y_min), x_max - x_min, y_max - y_min, **look)
-    axes.add_patch(rectangle)
-    return rectangle
-
-
-class Ticks:
-    """Coordinates beside the drawing area and the grid; the last number bears the unit."""
-
-    def __init__(self, figure: Figure, axes: Axes) -> None:
-        self._figure, self._axes = figure, axes
-        self._shown: list[Any] = []
-
-    def update(self, layout: Layout) -> None:
-        """Show the ticks of the part of the world that a layout shows."""
-        for artist in self._shown:
-            artist.remove()
-        x_min, y_min, x_max, y_max = layout.bounds
-        left, below, right, above = layout.limits
-        low, high = (max(x_min, left), max(y_min, below)), (min(x_max, right), min(y_max, above))
-        self._shown = []
-        if low[0] <= high[0] and low[1] <= high[1]:
-            self._columns(layout, low, high)
-            self._rows(layout, low, high)
-
-    def _columns(self, layout: Layout, low: tuple[float, float], high: tuple[float, float]) -> None:
-        columns = tick_positions(low[0], high[0], layout.plot_width / layout.enlargement)
+    def _draw_ticks(self, picture: Bytes, sheet: Rays, layout: Layout) -> None:
+        columns, rows, (left, low, right, high) = ticks(layout)
         gap = 6.0 * layout.enlargement
         for x in columns:
-            self._shown += self._axes.plot([x, x], [low[1], high[1]], color=theme.GRID, linewidth=0.7)
-            column, row = layout.column_row(x, low[1])
-            words = number_text(x) + (" m" if x == columns[-1] else "")
-            place = column / layout.width, 1.0 - (row + gap) / layout.height
-            self._shown.append(self._figure.text(*place, words, ha="center", va="top", **TICK))
+            self._draw_rule(picture, sheet, layout, (x, low), (x, high))
+        for y in rows:
+            self._draw_rule(picture, sheet, layout, (left, y), (right, y))
+        for x in columns:
+            word = self._word(number_text(x) + (" m" if x == columns[-1] else ""))
+            column, row = layout.column_row(x, low)
+            self._write(picture, word, column - 0.5 * word.width, row + gap + word.height - word.foot)
+        for y in rows:
+            word = self._word(number_text(y))
+            column, row = layout.column_row(left, y)
+            self._write(picture, word, column - gap - word.width, row + 0.5 * word.height - word.foot)
 
-    def _rows(self, layout: Layout, low: tuple[float, float], high: tuple[float, float]) -> None:
-        gap = 6.0 * layout.enlargement
-        for y in tick_positions(low[1], high[1], layout.plot_height / layout.enlargement):
-            self._shown += self._axes.plot([low[0], high[0]], [y, y], color=theme.GRID, linewidth=0.7)
-            column, row = layout.column_row(low[0], y)
-            place = (column - gap) / layout.width, 1.0 - row / layout.height
-            self._shown.append(self._figure.text(*place, number_text(y), ha="right", va="center", **TICK))
+    def _word(self, text: str) -> Word:
+        return self._masks.word(text, TICK_SIZE * self._point)
+
+    def _write(self, picture: Bytes, word: Word, column: float, row: float) -> None:
+        ink, box = np.array(colour(theme.INK_LIGHT, 1.0)), whole_box(picture)
+        paint_mask(picture, box, self._masks.levels, self._masks.rows, word.mask, round(column), round(row), ink)
+
+    def _draw_rule(
+        self, picture: Bytes, sheet: Rays, layout: Layout, start: tuple[float, float], end: tuple[float, float]
+    ) -> None:
+        """Draw a line of the grid, which reaches half its width beyond its ends."""
+        width = 0.7 * self._point
+        points = _snapped([_place(layout, *start), _place(layout, *end)], width)
+        axis = int(points[0, 0] == points[1, 0])
+        order = 1.0 if points[1, axis] > points[0, axis] else -1.0
+        points[:, axis] += np.array([-0.5, 0.5]) * order * width
+        canvas, ink = Canvas(picture, sheet, plot_box(layout)), np.array(colour(theme.GRID, 1.0))
+        paint_line(canvas, points, 0, 2, width, False, False, ink)
+
+
+class HeadText(NamedTuple):
+    """A part of the line above the world.
+
+    Attributes:
+        words: What it says.
+        column: Where it begins [pixel].
+        bold: It is the name or the title.
+        coloured: It has the colour of the status.
+    """
+
+    words: str
+    column: float
+    bold: bool
+    coloured: bool
+
+
+class Head:
+    """The line above the world: name, status and time, or a title in place of all three.
+
+    Where the drawing area is too narrow they spread over the whole frame, and a text that is too long is cut.
+
+    Args:
+        masks: Where its words are kept.
+        point: Pixels in a point of type.
+        layout: Where things stand.
+        titled: There is a title alone.
+
+    Attributes:
+        middle: Row of its middle [pixel].
+    """
+
+    def __init__(self, masks: Masks, point: float, layout: Layout, *, titled: bool) -> None:
+        self._masks, self._layout, self._titled = masks, layout, titled
+        self._name_size, self._size = NAME_SIZE * point, STATUS_SIZE * point
+        self.middle = 21.0 * layout.enlargement
+        self._known: dict[tuple[str, str, float], tuple[Placed, Placed, float]] = {}
+
+    def texts(self, title: str, status: str, time: float) -> list[HeadText]:
+        """Return what is written and where."""
+        words = f"{time:.1f} s"
+        if self._titled:
+            return [self._title(title)]
+        width = self._width(words)
+        parts, right = self._line(title, status, width)
+        return parts if np.isnan(right) else [*parts, HeadText(words, right - width, bold=False, coloured=False)]
+
+    def place(self, title: str, status: str, time: float) -> tuple[Placed, Placed]:
+        """Return the masks in the colour of ink, and those in the colour of the status.
+
+        Nearly every frame has a time of its own; the other words stand where they stood beside one of its width.
+        """
+        words = f"{time:.1f} s"
+        width = 0.0 if self._titled else self._width(words)
+        key = title, status, width
+        found = self._known.get(key)
+        if found is None:
+            if len(self._known) >= REMEMBERED_HEADS:
+                self._known.clear()
+            parts, right = ([self._title(title)], np.nan) if self._titled else self._line(*key)
+            ink, coloured = ([mask for text in parts if text.coloured is flag for mask in self._masks_of(text)]
+                             for flag in (False, True))  # fmt: skip
+            found = self._known[key] = ink, coloured, right
+        ink, coloured, right = found
+        if np.isnan(right):
+            return ink, coloured
+        return ink + self._letters(words, right - width), coloured
+
+    def _title(self, title: str) -> HeadText:
+        margin, width = MARGIN * self._layout.enlargement, self._layout.width
+        words = self._shortened(title, width - 2.0 * margin)
+        half = 0.5 * self._masks.word(words, self._name_size, bold=True).width
+        middle = self._layout.left + 0.5 * self._layout.plot_width
+        return HeadText(words, min(max(middle, margin + half), width - margin - half) - half, bold=True, coloured=False)
+
+    def _line(self, title: str, status: str, time_width: float) -> tuple[list[HeadText], float]:
+        """Return the name, the status, and where the time ends; NaN where there is no room for it."""
+        layout, gap, margin = self._layout, GAP * self._layout.enlargement, MARGIN * self._layout.enlargement
+        left, right = float(layout.left), float(layout.left + layout.plot_width)
+        status = f"{DOT} {status.replace('_', ' ')}"
+        time_room = max(time_width + gap, TIME_ROOM * layout.enlargement)
+        room = max(self._width(f"{DOT} {LONGEST_STATUS}"), self._width(status)) + time_room
+        if self._masks.word(title, self._name_size, bold=True).width + gap + room > right - left:
+            left, right = margin, layout.width - margin
+        end = right
+        if room > right - left:
+            time_room, end = 0.0, np.nan
+        name = HeadText(self._shortened(title, right - left - room - gap), left, bold=True, coloured=False)
+        return [name, HeadText(status, right - time_room - self._width(status), bold=False, coloured=True)], end
+
+    def _masks_of(self, text: HeadText) -> Placed:
+        if not text.bold:
+            return self._letters(text.words, text.column)
+        if not text.words:
+            return []
+        word = self._masks.word(text.words, self._name_size, bold=True)
+        return [(word.mask, round(text.column), round(self.middle + 0.5 * word.height - word.foot))]
+
+    def _letters(self, text: str, column: float) -> Placed:
+        """Place a text letter by letter: it changes from frame to frame, its letters do not."""
+        placed, line = [], self._masks.word("lp", self._size)
+        row = round(self.middle + 0.5 * line.height - line.foot)
+        for letter in text:
+            word = self._masks.word(letter, self._size)
+            placed.append((word.mask, round(column), row))
+            column += word.advance
+        return placed
+
+    def _width(self, text: str) -> float:
+        return sum(self._masks.word(letter, self._size).advance for letter in text)
+
+    def _shortened(self, words: str, room: float) -> str:
+        """Cut words to a room; nothing is left where hardly a letter has room."""
+        short, count = words, len(words)
+        while short and self._masks.word(short, self._name_size, bold=True).width > room:
+            count -= 1
+            short = f"{words[:count].rstrip()}\N{HORIZONTAL ELLIPSIS}" if count >= FEWEST_LETTERS else ""
+        return short
+
+
+def ticks(layout: Layout) -> tuple[list[float], list[float], Limits]:
+    """Return where ticks are on both axes [m], none where no world is shown, and the part that is."""
+    x_min, y_min, x_max, y_max = layout.bounds
+    left, below, right, above = layout.limits
+    left, below, right, above = max(x_min, left), max(y_min, below), min(x_max, right), min(y_max, above)
+    shown = left, below, right, above
+    if left > right or below > above:
+        return [], [], shown
+    columns = tick_positions(left, right, layout.plot_width / layout.enlargement).tolist()
+    return columns, tick_positions(below, above, layout.plot_height / layout.enlargement).tolist(), shown
+
+
+def plot_box(layout: Layout) -> Ints:
+    """Return the drawing area: first column, first row, end column, end row."""
+    top = layout.height - layout.bottom - layout.plot_height
+    sides = np.array([layout.left, top, layout.left + layout.plot_width, layout.height - layout.bottom])
+    most = [layout.width, layout.height, layout.width, layout.height]
+    return np.asarray(np.clip(sides, 0, most), np.int64)
+
+
+def world_box(layout: Layout, margin: float) -> Ints:
+    """Return the part of the world that is shown, wider by a margin [pixel]."""
+    left, foot = layout.column_row(*layout.bounds[:2])
+    right, top = layout.column_row(*layout.bounds[2:])
+    plot = plot_box(layout)
+    box = np.floor(np.clip([left - margin, top - margin, right + margin, foot + margin], -1e6, 1e6) + 0.5)
+    return np.array([*np.clip(box[:2], plot[:2], plot[2:]), *np.clip(box[2:], plot[:2], plot[2:])], np.int64)
+
+
+def whole_box(picture: Bytes) -> Ints:
+    """Return the box of a whole picture."""
+    return np.array([0, 0, picture.shape[1], picture.shape[0]])
+
+
+def _corners(layout: Layout) -> list[tuple[float, float]]:
+    x_min, y_min, x_max, y_max = layout.bounds
+    return [(x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)]
+
+
+def _place(layout: Layout, x: float, y: float) -> tuple[float, float]:
+    """Return column and row of a point [m], rounded as matplotlib's matrix does: many lie in the middle of pixels."""
+    left = layout.limits[0]
+    scale = layout.plot_width / (layout.limits[2] - left)
+    return scale * x + (layout.left - left * scale), layout.column_row(x, y)[1]
+
+
+def _snapped(places: list[tuple[float, float]], width: float) -> Floats:
+    """Return points moved so that a line through them fills whole pixels."""
+    shift = 0.5 if round(width) % 2 == 1 else 0.0
+    return np.asarray(np.floor(np.clip(places, -1e6, 1e6) + 0.5) + shift)
 
 
 def number_text(value: float) -> str:

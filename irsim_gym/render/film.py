@@ -5,21 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.render import fonts, theme
-from irsim_gym.render.layout import LEFT, REFERENCE_SIDE
+from irsim_gym.raster.masks import paint_mask
+from irsim_gym.render import theme
+from irsim_gym.render.colours import colour
+from irsim_gym.render.layout import DOTS_PER_INCH, LEFT, POINTS_PER_INCH, REFERENCE_SIDE
+from irsim_gym.render.letters import Masks
 from irsim_gym.render.tiles import grid
 from irsim_gym.render.video import write_video
 
 CAPTION_HEIGHT = 34
 CAPTION_SIZE = 11.0
-DOTS_PER_INCH = 100.0
 
 
 @dataclass
@@ -94,12 +93,10 @@ def caption_strip(caption: str, width: int, frame_width: float | None = None) ->
     """
     enlargement = max((frame_width or width) / REFERENCE_SIDE, 0.4)
     height = 2 * round(CAPTION_HEIGHT * enlargement / 2.0)
-    dpi = DOTS_PER_INCH * enlargement
-    figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi, facecolor=theme.PAPER)
-    canvas: Any = FigureCanvasAgg(figure)
-    left = LEFT * enlargement / width
-    caption, face = fonts.families(caption, bold=True)
-    look: dict[str, Any] = {**face, "fontsize": CAPTION_SIZE, "color": theme.INK}
-    figure.text(left, 0.40, caption, va="center", parse_math=False, usetex=False, **look)
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+    strip, masks = np.empty((height, width, 3), np.uint8), Masks()
+    strip[:] = np.rint(colour(theme.PAPER, 1.0)[:3])
+    word = masks.word(caption, CAPTION_SIZE * DOTS_PER_INCH / POINTS_PER_INCH * enlargement, bold=True)
+    row = round(0.6 * height + 0.5 * word.height - word.foot)
+    ink, box = np.array(colour(theme.INK, 1.0)), np.array([0, 0, width, height])
+    paint_mask(strip, box, masks.levels, masks.rows, word.mask, round(LEFT * enlargement), row, ink)
+    return strip

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.font_manager import FontProperties, findfont
 from PIL import Image, ImageDraw, ImageFont
 
 from irsim_gym.arraytypes import Bytes
-from irsim_gym.render import theme
+from irsim_gym.render import fonts, theme
 
 SIZE, GAP, PAD, ROW = 11.5, 12.0, 4.0, 21.0
 """Height of the type, room between two keys, within a key's frame, and from row to row [pixel], without enlargement."""
@@ -42,9 +41,9 @@ class Panel:
 
     def __init__(self, width: int, keys: Sequence[tuple[str, str]], enlargement: float = 1.0) -> None:
         self._scale = enlargement
-        plain, bold = (findfont(FontProperties(family=theme.FONT, weight=weight)) for weight in ("normal", "bold"))
-        self._type = ImageFont.truetype(plain, round(SIZE * enlargement))
-        self._bold = ImageFont.truetype(bold, round(SIZE * enlargement))
+        self._type, self._bold = (
+            ImageFont.truetype(fonts.usual(bold=bold), round(SIZE * enlargement)) for bold in (False, True)
+        )
         self._width, self._margin = width, round(12 * enlargement)
         rows = self._rows(keys)
         self._base = self._empty(rows)

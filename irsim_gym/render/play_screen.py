@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import theme
-from irsim_gym.render.backends import layout_of
 from irsim_gym.render.layout import Layout, Limits
 from irsim_gym.render.panel import Panel, Told, Word
-from irsim_gym.render.renderer import WorldRenderer
+from irsim_gym.render.renderer import Renderer
 
 DRIVE = {
     2: (("w s", "ahead, back"), ("a d", "turn"), ("q e", "speed"), ("z c", "turn rate")),
@@ -52,11 +51,10 @@ class PlayScreen:
         renderer: Draws the world.
         command_names: What the components of the robot's command are.
         several: There are other robots to choose.
-        follows: The scenario has a ``viewpoint``.
     """
 
-    def __init__(self, renderer: WorldRenderer, command_names: Sequence[str], *, several: bool, follows: bool) -> None:
-        self._renderer, self._follows, self._zoomed = renderer, follows, False
+    def __init__(self, renderer: Renderer, command_names: Sequence[str], *, several: bool) -> None:
+        self._renderer = renderer
         driving = SIDEWAYS if tuple(command_names) == ("x", "y") else DRIVE[len(command_names)]
         keys = (*driving, *WORLD[:4], *(SEVERAL if several else ()), *WORLD[4:])
         self._panel = Panel(renderer.layout.width, keys, renderer.layout.enlargement)
@@ -71,11 +69,10 @@ class PlayScreen:
 
     def seen(self) -> Layout:
         """Return where the world is on the picture."""
-        return layout_of(self._renderer, follows=self._follows and not self._zoomed)
+        return self._renderer.seen()
 
     def look_at(self, limits: Limits | None) -> None:
         """Show another part of the world; None for the whole."""
-        self._zoomed = limits is not None
         self._renderer.look_at(limits)
 
     def clear(self) -> None:

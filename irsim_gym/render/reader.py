@@ -11,7 +11,6 @@ import numpy as np
 from irsim_gym.arraytypes import Flags
 from irsim_gym.render import theme
 from irsim_gym.render.body_reader import BodyReader, labels
-from irsim_gym.render.kept import Kept
 from irsim_gym.render.scan_reader import ScanReader
 from irsim_gym.render.scene import (
     BodyView,
@@ -32,8 +31,6 @@ from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
-
-REMEMBERED_WORLDS = 16
 
 
 class SceneReader:
@@ -70,11 +67,11 @@ class SceneReader:
         self._title = scenario.name if scenario.world.plot.title is None else scenario.world.plot.title
         self._viewpoint = scenario.world.plot.viewpoint
         self._fields = {b: field_of_view(body) for b, body in enumerate(scenario.bodies) if self._styles[b].show_field}
-        self._explored, self._fogs = explored, dict[int, FogView]()
+        self._explored = explored
+        self._fog: tuple[int, FogView] | None = None
         self._overlays: dict[int, Overlay] = {}
         self._map: MapView | None = None
-        self._fixed: Kept[tuple[BodyView, ...]] = Kept()
-        self._goal_views: Kept[tuple[GoalView, ...]] = Kept()
+        self._fixed: tuple[object, tuple[BodyView, ...]] = None, ()
         if trails is None:
             trails = Trails(np.array(trailing(scenario.bodies, learners), np.int64), len(state.pose))
         self.trails = trails
@@ -133,10 +130,12 @@ class SceneReader:
         return "collision" if bool(state.collided[world, robots].any()) else "running"
 
     def _fixed_views(self, world: int, present: Flags) -> tuple[BodyView, ...]:
-        """Return the views of the fixed bodies, the same tuple until one of their outlines changes."""
+        """Return the views of the fixed bodies: while one world is read, the same tuple until an outline changes."""
         bodies = [body for body in self._fixed_bodies if present[body]]
-        key = self._bodies.signature(world, bodies)
-        return self._fixed.get(world, key, lambda _: tuple(self._bodies.view(world, body) for body in bodies))
+        key = world, self._bodies.signature(world, bodies)
+        if key != self._fixed[0]:
+            self._fixed = key, tuple(self._bodies.view(world, body) for body in bodies)
+        return self._fixed[1]
 
     def _struck(self, world: int, views: tuple[BodyView, ...]) -> tuple[BodyView, ...]:
         state = self._state
@@ -145,15 +144,8 @@ class SceneReader:
         return tuple(view for view in views if view.body in bodies) if bodies else ()
 
     def _goals(self, world: int) -> tuple[GoalView, ...]:
-        """Return the goals that are shown, the same tuple until one of them changes."""
-        model, state = self._model, self._state
-        shown = model.has_goal & model.present[world] & self._shows_goal
-        columns = (state.goal, state.waypoint, state.arrived, model.waypoint_count, model.waypoints)
-        threshold = model.goal_threshold[world % len(model.goal_threshold)]
-        key = [shown.tobytes(), threshold.tobytes(), *(column[world].tobytes() for column in columns)]
-        return self._goal_views.get(
-            world, key, lambda _: tuple(self._goal(world, body) for body in np.flatnonzero(shown).tolist())
-        )
+        shown = self._model.has_goal & self._model.present[world] & self._shows_goal
+        return tuple(self._goal(world, body) for body in np.flatnonzero(shown).tolist())
 
     def _goal(self, world: int, body: int) -> GoalView:
         model, state = self._model, self._state
@@ -190,17 +182,14 @@ class SceneReader:
         return self._map
 
     def _fog_view(self, world: int) -> FogView | None:
-        """Return the fog over the world, the same object until somebody sees more of it."""
+        """Return the fog over the world: while one world is read, the same object until somebody sees more of it."""
         if self._explored is None:
             return None
-        known, explored = self._fogs.pop(world, None), self._explored[world]
-        if known is None or bool((known.covered == explored).any()):
+        explored = self._explored[world]
+        if self._fog is None or self._fog[0] != world or bool((self._fog[1].covered == explored).any()):
             x_min, y_min, x_max, y_max = (float(value) for value in self._model.bounds)
-            known = FogView((x_min, y_min, x_max, y_max), ~explored, theme.FOG, 1.0)
-            if len(self._fogs) >= REMEMBERED_WORLDS:
-                self._fogs.pop(next(iter(self._fogs)))
-        self._fogs[world] = known
-        return known
+            self._fog = world, FogView((x_min, y_min, x_max, y_max), ~explored, theme.FOG, 1.0)
+        return self._fog[1]
 
     def center(self, world: int) -> tuple[float, float] | None:
         """Return the point that stays in the middle of the picture."""

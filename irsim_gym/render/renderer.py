@@ -1,15 +1,19 @@
-"""What every renderer of a simulation's worlds is: what it reads, which part it shows, and what it promises."""
+"""Frames of a simulation's worlds, drawn by compiled kernels, and figures of them in files."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Flags
+from irsim_gym.render.frame_painter import FramePainter, Share
 from irsim_gym.render.layout import Layout, Limits, lay_out
 from irsim_gym.render.reader import SceneReader
 from irsim_gym.render.scene import Scene
+from irsim_gym.render.styles import TOP
 from irsim_gym.world.group import Group
 from irsim_gym.world.marks import Overlay
 from irsim_gym.world.model import WorldModel
@@ -20,7 +24,7 @@ if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
 
 
-class WorldRenderer(ABC):
+class Renderer:
     """Pictures of a simulation's worlds. It only reads, and costs nothing until the first frame.
 
     Args:
@@ -34,6 +38,8 @@ class WorldRenderer(ABC):
         trails: Where bodies have been, kept by who steps the worlds; by default paths and trails go through the poses
             at which frames were drawn.
         explored: Which cells of the world its robots have seen (``Simulation.explored``); what is left lies in fog.
+        share: Divides the work of ``frames`` among threads, as ``Shards.run`` of the engine does; None for one thread.
+            Frames do not depend on it.
     """
 
     def __init__(
@@ -47,12 +53,16 @@ class WorldRenderer(ABC):
         size: tuple[int, int] | None = None,
         trails: Trails | None = None,
         explored: Flags | None = None,
+        share: Share | None = None,
     ) -> None:
         plot = scenario.world.plot
         self._reader = SceneReader(scenario, model, state, sensors, learners, trails, explored)
         shown = {"axis": not plot.no_axis, "title": bool(plot.show_title), "tight": plot.tight}
         self._whole = lay_out(model.bounds, size or plot.figure_pixels, **shown)
         self._looked_at: Limits | None = None
+        self._scenario, self._model, self._state, self._sensors = scenario, model, state, sensors
+        self._learners, self._explored, self._share = learners, explored, share
+        self._painter: FramePainter | None = None
 
     @property
     def layout(self) -> Layout:
@@ -64,8 +74,13 @@ class WorldRenderer(ABC):
         """Where bodies have been."""
         return self._reader.trails
 
+    def seen(self, world: int = 0) -> Layout:
+        """Return where the world is on a frame of it that is drawn now, also with a viewpoint."""
+        center = None if self._looked_at is not None else self._reader.center(world)
+        return self.layout if center is None else self._whole.centred(*center)
+
     def look_at(self, limits: Limits | None) -> None:
-        """Show another part of the world from now on, in frames and in saved pictures.
+        """Show another part of the world from now on, in frames and in figures.
 
         Args:
             limits: That part [m]: x_min, y_min, x_max, y_max; None for what the scenario says. Where its proportions
@@ -77,7 +92,7 @@ class WorldRenderer(ABC):
         self._looked_at = None if limits is None else self._whole.showing(limits).limits
 
     def lay_over(self, overlay: Overlay, world: int = 0) -> None:
-        """Draw marks over a world from now on, in frames and in saved pictures."""
+        """Draw marks over a world from now on, in frames and in figures."""
         self._reader.lay_over(world, overlay)
 
     def scene(self, world: int = 0, status: str = "") -> Scene:
@@ -88,7 +103,6 @@ class WorldRenderer(ABC):
         """Forget the trails of one world, or of all; for the beginning of an episode."""
         self._reader.clear(world)
 
-    @abstractmethod
     def frame(self, world: int = 0, status: str = "") -> Bytes:
         """Draw a world.
 
@@ -100,8 +114,9 @@ class WorldRenderer(ABC):
         Returns:
             The picture, uint8, shape ``(height, width, 3)``; the caller's own, never written again.
         """
+        picture: Bytes = self.frames([world], [status])[0]
+        return picture
 
-    @abstractmethod
     def frames(self, worlds: Sequence[int], statuses: Sequence[str] = ()) -> Bytes:
         """Draw several worlds.
 
@@ -111,8 +126,56 @@ class WorldRenderer(ABC):
 
         Returns:
             The pictures, uint8, shape ``(n, height, width, 3)``.
-        """
 
-    @abstractmethod
+        Raises:
+            ValueError: There are not as many statuses as worlds.
+        """
+        chosen, given = np.array(worlds, np.int64), list(statuses) or [""] * len(worlds)
+        if len(given) != len(chosen):
+            raise ValueError(f"as many statuses as worlds: {len(chosen)}, got {len(given)}")
+        state, reader = self._state, self._reader
+        for world in dict.fromkeys(chosen.tolist()):
+            self.trails.record(np.array([world]), state.step[[world]], state.pose[[world]])
+        overlays = [reader.overlay(world) for world in chosen.tolist()]
+        ready = [status or reader.status(world) for world, status in zip(chosen.tolist(), given, strict=True)]
+        painter = self._painter_for(min((mark.layer for overlay in overlays for mark in overlay.marks), default=TOP))
+        return painter.draw(chosen, ready, [self.seen(world) for world in chosen.tolist()], overlays)
+
+    def save(self, path: Path, world: int = 0, status: str = "", *, dots_per_inch: float = 100.0) -> None:
+        """Write a figure of a world to a file, without empty margins if the scenario's ``bbox_inches`` is ``tight``.
+
+        Args:
+            path: File to write: ``.png``, ``.pdf``, ``.svg`` or another format that matplotlib writes.
+            world: Its index.
+            status: As for ``frame``.
+            dots_per_inch: 100 for the size of a frame, 200 for twice as many pixels each way.
+        """
+        from irsim_gym.render.figure import Frame, save_figure
+
+        plot, scene = self._scenario.world.plot, self._reader.read(world, status)
+        around = Frame(plot.title is not None, not plot.no_axis, bool(plot.show_title))
+        save_figure(scene, self.seen(world), around, path, plot.saved_figure, dots_per_inch)
+
     def close(self) -> None:
-        """Let go of what frames were drawn with; a later frame makes it anew."""
+        """Free the memory that frames are drawn with; a later frame makes it anew."""
+        self._painter = None
+
+    def _painter_for(self, lowest: float) -> FramePainter:
+        """Return the painter, a new one where a mark lies below what the present one takes for ground."""
+        if self._painter is None or lowest < self._painter.covered:
+            self._painter = FramePainter(
+                self._scenario,
+                self._model,
+                self._state,
+                self._sensors,
+                self._learners,
+                self._reader,
+                self._explored,
+                self._share,
+                self._whole,
+                lowest,
+            )
+        return self._painter
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_painter": None}

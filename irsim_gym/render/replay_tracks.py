@@ -103,6 +103,7 @@ class BodyTrack:
             discs=np.hstack([placed(form.discs[:, :2], pose), form.discs[:, 2:]]),
             heading=placed(form.mark, pose + np.array([0.0, 0.0, row[3]])),
             anchor=(float(pose[0]), float(pose[1])),
+            pose=(float(pose[0]), float(pose[1]), float(pose[2])),
             image=None,
         )
 

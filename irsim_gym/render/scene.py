@@ -60,6 +60,7 @@ class BodyView:
         anchor: Where its label stands [m].
         style: How it looks.
         form: Its footprint in the body frame.
+        pose: Where the body frame is [m, m, rad].
         turn: The direction in which the mark of the heading points, relative to the heading [rad].
         image: What is drawn instead of the footprint, or None.
     """
@@ -73,6 +74,7 @@ class BodyView:
     anchor: tuple[float, float]
     style: BodyStyle
     form: Form
+    pose: tuple[float, float, float]
     turn: float = 0.0
     image: ImageView | None = None
 

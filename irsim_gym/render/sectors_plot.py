@@ -17,9 +17,9 @@ from matplotlib.patches import Circle, Polygon, Wedge
 
 from irsim_gym.arraytypes import Bytes, Floats, Rays
 from irsim_gym.render import fonts, theme
+from irsim_gym.render.figure import READABLE
 from irsim_gym.render.files import whole_file
 from irsim_gym.render.scene import BodyView, MapView, Scene
-from irsim_gym.render.stage import READABLE
 from irsim_gym.render.tiles import few_columns
 
 PANEL = 4.6

@@ -50,19 +50,6 @@ OUTCOMES = {
 RUNNING = "#3B82F6"
 
 
-def goal_fill(radius: float, *, arrived: bool) -> float:
-    """Return the opacity of the circle around a goal.
-
-    A large circle is filled faintly, so that those of many goals do not hide each other.
-
-    Args:
-        radius: Its radius [point].
-        arrived: The goal is reached.
-    """
-    full = REACHED_FILL if arrived else GOAL_FILL
-    return full * min(1.0, FILLED_RADIUS / max(radius, 1e-9)) ** 2
-
-
 def status_colour(status: str) -> str:
     """Return the colour of a status line; that of a running episode for a status without one of its own."""
     return OUTCOMES.get(status_key(status), RUNNING)

@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
+from irsim_gym.raster.beams import MOST_BEAMS
 from irsim_gym.raster.figures import APART, FADE_STEPS, FAINTEST
 from irsim_gym.raster.play import LABEL_GAP
 from irsim_gym.raster.ways import DASHES
 from irsim_gym.render import layout, theme
 from irsim_gym.render.primitives import Beams, Cover, Figure, Ink, Pen, Picture, Primitive, Shape, SpeedInks, Way, Words
 from irsim_gym.render.scene import BodyView, FogView, Form, GoalView
-from irsim_gym.render.shapes import MOST_BEAMS
 from irsim_gym.render.styles import GROUND, TOP, BodyStyle, ScanStyle, faded
 from irsim_gym.world.marks import LineMark, Mark, PointsMark, TextMark
 
@@ -118,15 +118,20 @@ def body(view: BodyView, span: tuple[float, float] | None, *, fixed: bool) -> It
         fill, edge = (Ink(colour, style.field_alpha) for colour in (style.field_colour, style.field_edge_colour))
         yield Figure("fields", style.field_order, Pen(fill, edge, 0.9), Shape(sector=span))
     if style.show_trajectory and not fixed:
-        ink, width = Ink(style.trajectory_colour, style.trajectory_alpha), style.trajectory_width
-        pen = Pen(None, ink, width or theme.PATH_WIDTH, style.trajectory_style, width is not None, "butt")
-        yield Way("paths", style.trajectory_order, pen, style.trajectory_length)
+        yield way(style)
     if style.ghost is not None and form.ghost is not None and not fixed:
         past, left = (style.ghost_every, style.ghost_length), outline(form.ghost)
         for pen in footprint(form.ghost, style.ghost):
             yield Figure("ghosts", style.ghost.order, pen, left, past=past)
     if style.label or not fixed:
-        yield _label(style, "labels", style.label) if style.label else _label(style, "names", view.name)
+        yield label(style, "labels", style.label) if style.label else label(style, "names", view.name)
+
+
+def way(style: BodyStyle) -> Way:
+    """Return how is drawn where a body has been."""
+    ink, width = Ink(style.trajectory_colour, style.trajectory_alpha), style.trajectory_width
+    pen = Pen(None, ink, width or theme.PATH_WIDTH, style.trajectory_style, width is not None, "butt")
+    return Way("paths", style.trajectory_order, pen, style.trajectory_length)
 
 
 def outline(form: Form) -> Shape:
@@ -183,11 +188,11 @@ def goal(view: GoalView) -> Iterator[Primitive]:
     yield Figure("flags", layer, Pen(full), PENNANT, foot)
     if style.goal_label:
         below = foot - np.array([0.0, view.tolerance])  # the flag is above
-        words = _label(style, "labels", style.goal_label)
+        words = label(style, "labels", style.goal_label)
         yield words._replace(places=below, offset=None, drop=LABEL_HEIGHT * style.label_size)
 
 
-def _label(style: BodyStyle, rank: str, text: str) -> Words:
+def label(style: BodyStyle, rank: str, text: str) -> Words:
     """Return a text beside a body; its name stands above it, wherever its label does."""
     offset = style.label_offset if rank == "labels" else None
     ink = Ink(style.label_colour, style.label_alpha)

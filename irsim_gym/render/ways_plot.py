@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 
 from irsim_gym.render import fonts, theme
 from irsim_gym.render.card import number_text
+from irsim_gym.render.figure import READABLE
 from irsim_gym.render.files import whole_file
 from irsim_gym.render.layout import DOTS_PER_INCH, tick_positions
-from irsim_gym.render.stage import READABLE
 from irsim_gym.render.tiles import few_columns
 from irsim_gym.render.ways_density import Density
 from irsim_gym.render.ways_levels import DrawnLevel, draw_level

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from irsim_gym.errors import nearest
 
-EVERYWHERE = ("task", "max_steps", "render_mode", "render_backend", "strict")
+EVERYWHERE = ("task", "max_steps", "render_mode", "strict")
 """Keywords of whatever makes an environment."""
 
 _ITSELF = "give what it would hold as keywords of this function"
@@ -31,9 +31,13 @@ ELSEWHERE = {
     **dict.fromkeys(("frame_skip", "frameskip", "skip", "dt"), "a step lasts what 'world.step_time' in the file says"),
     **dict.fromkeys(("obs_type", "observation_type"), "what is observed is said by the task: 'observations'"),
     **dict.fromkeys(("continuous", "continuous_actions"), "actions are said by the task: 'action'"),
+    "render_backend": "there is one renderer, which was called 'raster': leave it out; matplotlib writes figures",
     **dict.fromkeys(("apply_api_compatibility", "new_step_api"), "of old releases of gym"),
 }
 """Names that other libraries, and other functions of this one, have for something: what to do here."""
+
+RETIRED = {"render_backend": "raster"}
+"""Keywords of old releases, and the values that say what is always so now."""
 
 
 def meant(name: str, declared: Iterable[str], taken_by: Mapping[str, str]) -> str:

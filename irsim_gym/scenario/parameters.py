@@ -13,7 +13,7 @@ import numpy as np
 
 from irsim_gym.errors import Problem, ScenarioError, UnknownKeywordError, UnknownParameterError, suggestion
 from irsim_gym.scenario.expressions import evaluate, names_in
-from irsim_gym.scenario.keywords import meant
+from irsim_gym.scenario.keywords import RETIRED, meant
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.scenario.source import WRAPPER, Place, Source
@@ -23,7 +23,7 @@ SECTION = "parameters"
 ARGUMENTS = frozenset(
     (
         *("scenario", "id", "name", "task", "parameters", "seed", "split", "level", "mode", "team", "kwargs"),
-        *("num_envs", "n_envs", "n_worlds", "num_threads", "render_mode", "render_backend"),
+        *("num_envs", "n_envs", "n_worlds", "num_threads", "render_mode"),
         *("record", "save_ani", "columns", "wrappers"),
         *("max_steps", "max_episode_steps", "max_cycles", "outer_limit", "autoreset_mode", "autoreset"),
         *("respawn", "world_steps", "padded", "team_state", "strict"),
@@ -171,7 +171,7 @@ def fill_in(source: Source, given: Mapping[str, object], *, strict: bool = True)
     """
     report = Report(source, strict=strict)
     declared = _declarations(source, report)
-    values = _chosen(source, declared, given)
+    values = _chosen(source, declared, {name: value for name, value in given.items() if RETIRED.get(name) != value})
     filler = _Filler(declared, values, report)
     data = filler.sections(source.data, ())
     for place, name in _sections(source.data):

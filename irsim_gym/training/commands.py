@@ -170,7 +170,6 @@ def run_rollout(
     frames: Path | None,
     parameters: Parameters = None,
     team: bool = False,
-    backend: str = "matplotlib",
     record: Path | None = None,
     strict: bool = True,
 ) -> None:
@@ -199,7 +198,7 @@ def run_rollout(
         hit = f" with {row.hit}" if row.hit else ""
         print(f"{who}: {row.outcome}{hit} after {row.time:.1f} s, {row.path_length:.2f} m driven")
     if frames is not None:
-        print(record_film(scenario, [policy], range(levels), frames, team=team, backend=backend, **chosen))
+        print(record_film(scenario, [policy], range(levels), frames, team=team, **chosen))
     if record is not None:
         from irsim_gym.training.recorder import record_demonstrations
 
@@ -218,7 +217,6 @@ def run_record(
     team: bool = False,
     *,
     kind: str = "film",
-    backend: str = "matplotlib",
     strict: bool = True,
 ) -> None:
     """Film policies, or write a ``replay``, a ``sheet`` or a ``strobe`` picture of them; print the file's name.
@@ -233,7 +231,6 @@ def run_record(
         parameters: Values for the scenario's parameters.
         team: The policies drive all robots, unless the task names some.
         kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
-        backend: Who draws frames: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads.
     """
     from irsim_gym.training.record import record_film, record_html, record_sheet
@@ -241,7 +238,7 @@ def run_record(
     used = remembered_parameters(scenario, policies, parameters, strict=strict)
     tell_changes(scenario, policies, task, strict=strict)
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}
-    chosen |= {"team": team, "backend": backend}
+    chosen |= {"team": team}
     asked_by_name = out is not None and out.suffix.lower() == ".html"
     if kind == "replay" or (kind == "film" and asked_by_name):
         print(record_html(scenario, policies, levels, out or Path("runs/replay.html"), **chosen))

@@ -23,7 +23,6 @@ def draw_level(
     task: str | None,
     out: Path | None,
     parameters: Parameters = None,
-    backend: str = "matplotlib",
     strict: bool = True,
 ) -> Path:
     """Draw the start of a level into a file and return it; nobody has to learn in it.
@@ -31,7 +30,7 @@ def draw_level(
     Raises:
         IrsimGymError: The file is to have another ending than ``.png``, ``.pdf`` or ``.svg``.
     """
-    from irsim_gym.render import Renderer, make_renderer
+    from irsim_gym.render import Renderer
     from irsim_gym.render.sheet import save_sheet
 
     if out is not None and out.suffix not in (".png", ".pdf", ".svg"):
@@ -40,14 +39,12 @@ def draw_level(
     path = out or Path(f"{simulation.scenario.name}.png")
     parts = simulation.model, simulation.state, simulation.sensors
     chosen: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored}
+    renderer = Renderer(simulation.scenario, *parts, **chosen)
     if path.suffix == ".png":
-        renderer = make_renderer(backend, simulation.scenario, *parts, **chosen)
         save_sheet(renderer.frame(0), path)
-        renderer.close()
     else:
-        figure = Renderer(simulation.scenario, *parts, **chosen)
-        figure.save(path)
-        figure.close()
+        renderer.save(path)
+    renderer.close()
     return path
 
 

@@ -309,14 +309,14 @@ def play(wishes: Wishes) -> Played:
 
 def _screen(worlds: Worlds, body: int) -> PlayScreen:
     """Return what shows the one world of an environment to whoever drives a body."""
-    from irsim_gym.render import make_renderer
+    from irsim_gym.render import Renderer
     from irsim_gym.render.play_screen import PlayScreen
 
     simulation, scenario = worlds.simulation, worlds.scenario
     parts = simulation.model, simulation.state, simulation.sensors
-    renderer = make_renderer("matplotlib", scenario, *parts, learners=[body], explored=simulation.explored)
+    renderer = Renderer(scenario, *parts, learners=[body], explored=simulation.explored)
     names, several = scenario.bodies[body].kinematics.command_names, len(scenario.robots) > 1
-    return PlayScreen(renderer, names, several=several, follows=scenario.world.plot.viewpoint is not None)
+    return PlayScreen(renderer, names, several=several)
 
 
 def _task_of(scenario: Scenario, task: str | None, robot: str) -> dict[str, Any]:

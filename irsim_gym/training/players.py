@@ -17,7 +17,7 @@ from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.policies import load_policy, policy_names
 
 if TYPE_CHECKING:
-    from irsim_gym.render import WorldRenderer
+    from irsim_gym.render import Renderer
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Players:
     episodes: Episodes
     policies: Sequence[Policy]
     names: Sequence[str]
-    renderer: WorldRenderer
+    renderer: Renderer
     split: str
 
     @property
@@ -95,7 +95,6 @@ def players(
     names: Sequence[str] | None = None,
     parameters: Mapping[str, object] | None = None,
     team: bool = False,
-    backend: str = "matplotlib",
     strict: bool = True,
 ) -> Players:
     """Load policies, and make a world for each.
@@ -108,10 +107,9 @@ def players(
         names: What the policies are called; None to take it from the sources.
         parameters: Values for the scenario's parameters.
         team: The policies drive all robots, unless the task names some.
-        backend: Who draws: ``"matplotlib"`` or ``"raster"``.
         strict: False ignores keys that nobody reads.
     """
-    from irsim_gym.render import make_renderer
+    from irsim_gym.render import Renderer
 
     loaded = [load_policy(source) for source in sources]
     made: dict[str, Any] = {"task": task, "parameters": parameters, "team": team, "strict": strict}
@@ -119,5 +117,5 @@ def players(
     simulation = episodes.simulation
     parts = simulation.model, simulation.state, simulation.sensors
     learners = simulation.agents.tolist()
-    renderer = make_renderer(backend, simulation.scenario, *parts, learners=learners, explored=simulation.explored)
+    renderer = Renderer(simulation.scenario, *parts, learners=learners, explored=simulation.explored)
     return Players(episodes, loaded, policy_names(sources) if names is None else names, renderer, split)

@@ -41,7 +41,7 @@ def record_film(
         levels: Levels of the split.
         path: Film to write, ``.mp4`` or ``.gif``.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
-        **chosen: As ``players`` takes it: split, task, names, parameters, team, backend, strict.
+        **chosen: As ``players`` takes it: split, task, names, parameters, team, strict.
 
     Raises:
         IrsimGymError: The file's suffix is none of a film.
@@ -80,7 +80,7 @@ def record_html(
         levels: Levels of the split.
         path: Page to write, ``.html``.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
-        **chosen: As ``players`` takes it: split, task, names, parameters, team, backend, strict.
+        **chosen: As ``players`` takes it: split, task, names, parameters, team, strict.
 
     Raises:
         IrsimGymError: The file's suffix is none of a page.
@@ -116,13 +116,14 @@ def record_sheet(
         strobe: Each episode is one panel: the ways that the robots took, coloured by time, and where they stood. Else
             it is a row of moments, evenly spaced, from the first to the last.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
-        **chosen: As ``players`` takes it: split, task, names, parameters, team, backend, strict.
+        **chosen: As ``players`` takes it: split, task, names, parameters, team, strict.
 
     Raises:
         IrsimGymError: The file's suffix is none of such a picture.
     """
     from irsim_gym.render.film import EpisodeFilm
-    from irsim_gym.render.sheet import contact_sheet, draw_strobe, save_sheet, save_strobe
+    from irsim_gym.render.sheet import contact_sheet, save_sheet
+    from irsim_gym.render.strobe import draw_strobe, save_strobe
 
     cast = players(scenario, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]

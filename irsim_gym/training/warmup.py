@@ -82,10 +82,10 @@ def _drive(episodes: Episodes) -> None:
 
 
 def _draw(scenario: Scenario) -> None:
-    from irsim_gym.render import make_renderer
+    from irsim_gym.render import Renderer
 
     level = begin_level(scenario)
     parts = level.model, level.state, level.sensors
-    renderer = make_renderer("matplotlib", scenario, *parts, learners=level.agents.tolist(), explored=level.explored)
+    renderer = Renderer(scenario, *parts, learners=level.agents.tolist(), explored=level.explored)
     renderer.frame(0)
     renderer.close()

@@ -236,7 +236,7 @@ def test_levels_are_counted_from_0(monkeypatch: pytest.MonkeyPatch, capsys: pyte
 
 def test_rollout_and_draw(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     film, picture = tmp_path / "film.gif", tmp_path / "new" / "picture.png"
-    assert run(monkeypatch, "rollout", "empty_goal", "--levels", 1, "--frames", film, "--backend", "raster") == 0
+    assert run(monkeypatch, "rollout", "empty_goal", "--levels", 1, "--frames", film) == 0
     assert "level 0: success after" in capsys.readouterr().out
     assert film.read_bytes().startswith(b"GIF")
     assert run(monkeypatch, "draw", "empty_goal", "--level", 3, "--out", picture) == 0

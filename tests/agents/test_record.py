@@ -87,13 +87,13 @@ def test_a_replay_is_no_film(file: str, monkeypatch: pytest.MonkeyPatch, capsys:
 def test_a_film_shows_samples_and_the_end(file: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A sample each 1.25 s is one each five steps: the start, steps 5 and 10, the end after step 12."""
     Path(file).write_text(STRAIGHT.replace("step_time: 0.25", "step_time: 0.25, sample_time: 1.25"), encoding="utf-8")
-    cast = players(file, ["dash"], backend="raster")
+    cast = players(file, ["dash"])
     assert cast.steps_per_frame == 5
     shown = [(int(cast.episodes.simulation.state.step[0]), status) for status in cast.play(0, 0) if cast.is_frame(0)]
     assert shown == [(0, "running"), (5, "running"), (10, "running"), (12, "success")]
     (trail,) = cast.renderer.scene(0).trails
     assert trail.points[:, 0] == pytest.approx(1.0 + 0.25 * np.arange(STEPS + 1))
-    assert run(monkeypatch, "record", file, "dash", "--backend", "raster") == 0
+    assert run(monkeypatch, "record", file, "dash") == 0
     with imageio.get_reader("runs/film.mp4") as film:
         assert film.get_meta_data()["fps"] == pytest.approx(0.8)
         assert film.count_frames() == 4 + 1  # the end is held for 1.2 s

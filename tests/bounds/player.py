@@ -14,7 +14,7 @@ from irsim_gym.errors import PlacementError, ScenarioError
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.families import OBSERVATIONS
 from irsim_gym.live import load
-from irsim_gym.render import make_renderer
+from irsim_gym.render import Renderer
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.tasks.observations import route
 
@@ -119,7 +119,7 @@ def drawn(scenario: Scenario, steps: int) -> None:
     sim = compile(scenario, N_WORLDS)
     sim.reset()
     parts = scenario, sim.model, sim.state, sim.sensors
-    renderer = make_renderer("raster", *parts, size=PICTURE, explored=sim.explored, learners=scenario.robots)
+    renderer = Renderer(*parts, size=PICTURE, explored=sim.explored, learners=scenario.robots)
     for _ in range(steps):
         sim.step()
     renderer.frames(range(N_WORLDS))

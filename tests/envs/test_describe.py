@@ -264,7 +264,7 @@ def test_editors_can_complete_what_makes_environments() -> None:
     makers = (irsim_gym.make, irsim_gym.make_vec, irsim_gym.parallel_env, irsim_gym.make_batch)
     for maker in (*makers, irsim_gym.sb3.make_vec_env, irsim_gym.load):
         declared = inspect.signature(maker).parameters
-        assert {"render_mode", "render_backend", "strict"} <= set(declared)
+        assert {"render_mode", "strict"} <= set(declared)
         assert maker is irsim_gym.load or {"task", "max_steps"} <= set(declared)
         assert all(one.annotation is not inspect.Parameter.empty for one in declared.values())
         assert [one.kind for one in declared.values()].count(inspect.Parameter.VAR_KEYWORD) == 1
@@ -274,6 +274,6 @@ def test_editors_can_complete_what_makes_environments() -> None:
             default = theirs[name].default
             assert getattr(default, "value", default) == ours[name].default, name
         assert set(theirs) <= set(ours)
-    env = irsim_gym.make("empty_goal", strict=True, render_backend="matplotlib")
+    env = irsim_gym.make("empty_goal", strict=True)
     assert env.spec is not None
     assert env.spec.kwargs == {"scenario": "empty_goal"}  # defaults are not written into a spec

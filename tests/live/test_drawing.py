@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from matplotlib.colors import to_hex
 from small_world import SCENARIO, world
 
 import irsim_gym
@@ -318,11 +319,8 @@ def test_marks_are_drawn_in_the_order_of_the_calls() -> None:
 
 def filmed(here: Any) -> list[list[str]]:
     """Return the colours of the marks that a replay shows at each moment."""
-    data = here._camera._reel._recordings[-1].data()
-    return [
-        [mark["colour"] for mark in data["marks"] if any(first <= moment < end for first, end in mark["spans"])]
-        for moment in range(data["count"])
-    ]
+    overlays = here._camera._reel._recordings[-1]._overlays
+    return [[to_hex(mark.color) for mark in overlay.marks] for overlay in overlays]
 
 
 def test_a_film_shows_marks_when_they_were_drawn() -> None:

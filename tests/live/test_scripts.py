@@ -30,9 +30,8 @@ def painted(picture: Any, colour: tuple[int, int, int]) -> int:
     return int((np.abs(picture.astype(int) - colour).max(axis=2) < 30).sum())
 
 
-@pytest.mark.parametrize("backend", ["matplotlib", "raster"])
-def test_a_picture_may_be_drawn_otherwise_than_the_file_says(backend: str) -> None:
-    here = irsim_gym.load(SCENARIO, render_backend=backend)
+def test_a_picture_may_be_drawn_otherwise_than_the_file_says() -> None:
+    here = irsim_gym.load(SCENARIO)
     for _ in range(5):
         here.step()
     plain = here.render()
@@ -248,11 +247,10 @@ def test_a_goal_without_room() -> None:
         here.robot.set_random_goal([], max_attempts=0)
 
 
-@pytest.mark.parametrize("backend", ["matplotlib", "raster"])
-def test_beams_in_colours_of_their_own(backend: str, tmp_path: Path) -> None:
+def test_beams_in_colours_of_their_own(tmp_path: Path) -> None:
     lidar = {"name": "lidar2d", "number": 60, "range_max": 4, "angle_range": 3.0}
     looker = {**DIFF, "state": [3, 5, 0], "sensors": [lidar]}
-    here = irsim_gym.load({"robot": [looker, {**looker, "state": [3, 2, 0]}]}, render_backend=backend, record=True)
+    here = irsim_gym.load({"robot": [looker, {**looker, "state": [3, 2, 0]}]}, record=True)
     robot, plain = here.robot, here.render()
     robot.set_laser_color(range(30), "blue", 1.0)  # the right half, below y = 5
     blue = here.render()

@@ -1,11 +1,9 @@
-"""Images of bodies lie where the bodies are, and fog where nobody has looked, in both renderers."""
+"""Images of bodies lie where the bodies are, and fog where nobody has looked."""
 
 from __future__ import annotations
 
-import functools
 import importlib.util
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +15,12 @@ import irsim_gym
 from irsim_gym import compile
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.errors import IrsimGymError, ScenarioError
-from irsim_gym.live import World
+from irsim_gym.live import World, load
 from irsim_gym.render import Renderer
-from irsim_gym.render.backends import BACKENDS
 from irsim_gym.render.images import LONGEST_SIDE, load_image
 from irsim_gym.scenario import library, load_scenario
 from irsim_gym.scenario.image_files import DEFAULT_CAR
 
-Load = Callable[..., World]
 RED, LIME, BLUE, GOLD, WHITE = (255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 215, 0), (255, 255, 255)
 FOG = (195, 202, 211)
 CAR: dict[str, Any] = {
@@ -42,13 +38,7 @@ def quarters(tmp_path: Path) -> Path:
     return tmp_path / "quarters.png"
 
 
-@pytest.fixture(params=BACKENDS)
-def load(request: pytest.FixtureRequest) -> Load:
-    """Load worlds that one of the renderers draws."""
-    return functools.partial(irsim_gym.load, render_backend=request.param)
-
-
-def world_with(load: Load, folder: Path, text: str) -> World:
+def world_with(folder: Path, text: str) -> World:
     file = folder / "world.yaml"
     file.write_text(text)
     return load(file)
@@ -64,11 +54,9 @@ BOX = "shape: {name: rectangle, length: 4, width: 2}, description: quarters.png"
 
 @pytest.mark.parametrize("heading", [0.0, 0.5 * np.pi, 2.0, -0.7])
 @pytest.mark.parametrize("section", ["robot", "obstacle"])
-def test_an_image_lies_over_the_footprint_and_turns_with_the_body(
-    load: Load, quarters: Path, heading: float, section: str
-) -> None:
+def test_an_image_lies_over_the_footprint_and_turns_with_the_body(quarters: Path, heading: float, section: str) -> None:
     drive = "kinematics: {name: diff}, plot: {show_arrow: false}, " if section == "robot" else ""
-    with world_with(load, quarters.parent, f"{section}: {{{drive}{BOX}, state: [5, 5, {heading}]}}") as world:
+    with world_with(quarters.parent, f"{section}: {{{drive}{BOX}, state: [5, 5, {heading}]}}") as world:
         frame = world.render()
         for (ahead, aside), colour in {
             (1.7, 0.8): RED,
@@ -84,62 +72,58 @@ def test_an_image_lies_over_the_footprint_and_turns_with_the_body(
             assert np.allclose(colour_at(world, frame, x, y), colour, atol=12), (ahead, aside)
 
 
-def test_it_is_the_same_in_files(load: Load, quarters: Path) -> None:
+def test_it_is_the_same_in_files(quarters: Path) -> None:
     plot = "world: {plot: {saved_figure: {bbox_inches: standard}}}\n"
-    with world_with(load, quarters.parent, f"{plot}obstacle: {{{BOX}, state: [5, 5, 0.4]}}") as world:
+    with world_with(quarters.parent, f"{plot}obstacle: {{{BOX}, state: [5, 5, 0.4]}}") as world:
         frame = world.render()
         with Image.open(world.save_figure(quarters.parent / "figure.png")) as saved:
             off = np.abs(np.asarray(saved.convert("RGB")).astype(int) - frame)
-        assert (off.max(axis=2) > 30).mean() < 0.002
+        assert (off.max(axis=2) > 30).mean() < 0.006  # edges of pixels that are enlarged
         assert "<image" in world.save_figure(quarters.parent / "figure.svg").read_text()
 
 
-def test_the_rectangle_around_a_round_body_is_covered_where_the_body_is_off_its_centre(
-    load: Load, quarters: Path
-) -> None:
+def test_the_rectangle_around_a_round_body_is_covered_where_the_body_is_off_its_centre(quarters: Path) -> None:
     circle = "{shape: {name: circle, radius: 1, center: [2, 0]}, state: [4, 5, 0], description: quarters.png}"
-    with world_with(load, quarters.parent, f"obstacle: {circle}") as world:
+    with world_with(quarters.parent, f"obstacle: {circle}") as world:
         frame = world.render()
         assert np.allclose(colour_at(world, frame, 6.8, 5.8), RED, atol=12)
         assert np.allclose(colour_at(world, frame, 5.2, 4.2), GOLD, atol=12)
         assert np.allclose(colour_at(world, frame, 4.9, 5.0), WHITE, atol=12)
 
 
-def test_opacity_and_layers_hold_for_images(load: Load, quarters: Path) -> None:
+def test_opacity_and_layers_hold_for_images(quarters: Path) -> None:
     text = f"""
 robot: {{kinematics: {{name: diff}}, {BOX}, state: [5, 5, 0], unobstructed: true, plot: {{obj_alpha: 0.5}}}}
 obstacle: {{shape: {{name: circle, radius: 0.4}}, state: [6, 5.5, 0], color: black, plot: {{obj_zorder: %d}}}}
 """
     for layer, colour in ((1, (127, 0, 0)), (4, (0, 0, 0))):
-        with world_with(load, quarters.parent, text % layer) as world:
+        with world_with(quarters.parent, text % layer) as world:
             frame = world.render()
             assert np.allclose(colour_at(world, frame, 6.0, 5.5), colour, atol=12)
             assert np.allclose(colour_at(world, frame, 6.7, 5.7), (255, 127, 127), atol=12)
 
 
-def test_a_still_body_that_is_turned_by_hand_is_drawn_anew(load: Load, quarters: Path) -> None:
+def test_a_still_body_that_is_turned_by_hand_is_drawn_anew(quarters: Path) -> None:
     """A disc has the same outline at any heading."""
     circle = "{shape: {name: circle, radius: 1}, state: [5, 5, 0], description: quarters.png}"
-    with world_with(load, quarters.parent, f"obstacle: {circle}") as world:
+    with world_with(quarters.parent, f"obstacle: {circle}") as world:
         assert np.allclose(colour_at(world, world.render(), 5.5, 5.5), RED, atol=12)
         world.obstacle_list[0].set_state([5, 5, np.pi])
         assert np.allclose(colour_at(world, world.render(), 5.5, 5.5), GOLD, atol=12)
 
 
-def test_images_beyond_the_frame_and_tiny_ones(load: Load, quarters: Path) -> None:
+def test_images_beyond_the_frame_and_tiny_ones(quarters: Path) -> None:
     text = f"obstacle:\n  - {{{BOX}, state: [9.5, 5, 0]}}\n  - {{{BOX}, state: [50, 50, 0]}}\n"
     tiny = "  - {shape: {name: circle, radius: 0.001}, state: [2, 2, 0], description: quarters.png}\n"
-    with world_with(load, quarters.parent, text + tiny) as world:
+    with world_with(quarters.parent, text + tiny) as world:
         frame = world.render()
         assert np.allclose(colour_at(world, frame, 9.8, 5.5), RED, atol=12)
         assert colour_at(world, frame, 5.0, 5.0) == WHITE
 
 
-def test_ones_own_file_wins_over_a_shipped_one(load: Load, quarters: Path) -> None:
+def test_ones_own_file_wins_over_a_shipped_one(quarters: Path) -> None:
     shutil.copy(quarters, quarters.parent / "car_blue.png")
-    with world_with(
-        load, quarters.parent, f"obstacle: {{{BOX.replace('quarters', 'car_blue')}, state: [5, 5, 0]}}"
-    ) as world:
+    with world_with(quarters.parent, f"obstacle: {{{BOX.replace('quarters', 'car_blue')}, state: [5, 5, 0]}}") as world:
         assert np.allclose(colour_at(world, world.render(), 6.0, 5.5), RED, atol=12)
 
 
@@ -201,7 +185,7 @@ def test_large_images_are_reduced_and_read_once(tmp_path: Path) -> None:
 def test_a_file_that_is_no_image_is_told_with_its_line(tmp_path: Path) -> None:
     (tmp_path / "broken.png").write_bytes(b"not an image")
     with pytest.raises(ScenarioError) as caught:
-        world_with(irsim_gym.load, tmp_path, "robot:\n  description: broken.png\n")
+        world_with(tmp_path, "robot:\n  description: broken.png\n")
     assert [(problem.line, problem.message) for problem in caught.value.problems] == [
         (2, "'broken.png' cannot be read as an image")
     ]
@@ -218,7 +202,7 @@ FOGGY: dict[str, Any] = {
 }
 
 
-def test_fog_lies_where_nobody_has_looked_until_the_next_episode(load: Load) -> None:
+def test_fog_lies_where_nobody_has_looked_until_the_next_episode() -> None:
     with load(FOGGY) as world:
         for _ in range(20):
             world.step([1.0, 0.0])
@@ -253,7 +237,7 @@ def test_each_world_has_its_own_fog_and_keeps_it_between_frames() -> None:
     assert Renderer(*parts).scene().fog is None
 
 
-def test_fog_covers_still_bodies_and_the_map_but_neither_goals_nor_robots(load: Load) -> None:
+def test_fog_covers_still_bodies_and_the_map_but_neither_goals_nor_robots() -> None:
     block = {"shape": {"name": "rectangle"}, "state": [8, 5, 0]}
     cells = {"name": "array", "cells": [[False, True], [False, False]]}
     scenario = {**FOGGY, "obstacle": block, "world": {"fog_map": True, "obstacle_map": cells}}

@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib import font_manager
+from pixels import WAYS, of_world
 
 from irsim_gym import load
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import fonts
-from irsim_gym.render.backends import BACKENDS
 
 ROBOT = {"kinematics": {"name": "diff"}, "state": [5, 5, 0], "plot": {"show_text": True, "text_size": 40}}
 NAMES = ["\u4e16\u754c", "\u0645\u0631\u062d\u0628\u0627", "\u65e5\u672c \U0001f916", "a\u202eb\tc", "\U000fffff"]
 SCRIPT = "\U0001d4d0"
 """A letter that STIX has, which comes with matplotlib, and DejaVu Sans has not."""
-backends = pytest.mark.parametrize("backend", BACKENDS)
+hows = pytest.mark.parametrize("how", WAYS)
 
 
 @pytest.fixture
@@ -44,27 +44,27 @@ def _with_fresh_answers(font: Path) -> Iterator[Path]:
     fonts._installed_with.cache_clear()
 
 
-def frame(name: str, backend: str) -> Bytes:
+def frame(name: str, how: str) -> Bytes:
     """Draw a robot of that name in a world of that name."""
-    with load({"world": {"name": name}, "robot": {**ROBOT, "name": name}}, render_backend=backend) as world:
-        return world.render()
+    with load({"world": {"name": name}, "robot": {**ROBOT, "name": name}}) as world:
+        return of_world(world, how)
 
 
-@backends
+@hows
 @pytest.mark.parametrize("name", NAMES)
-def test_no_name_warns(name: str, backend: str) -> None:
-    assert frame(name, backend).shape[2] == 3
+def test_no_name_warns(name: str, how: str) -> None:
+    assert frame(name, how).shape[2] == 3
 
 
 @pytest.mark.usefixtures("no_other_font")
-@backends
-def test_a_letter_that_no_font_has_is_a_box(backend: str) -> None:
+@hows
+def test_a_letter_that_no_font_has_is_a_box(how: str) -> None:
     assert fonts.runs("x\u4e16") == (("x\N{WHITE SQUARE}", fonts.usual(bold=False)),)
-    assert np.array_equal(frame("x\u4e16", backend), frame("x\N{WHITE SQUARE}", backend))
+    assert np.array_equal(frame("x\u4e16", how), frame("x\N{WHITE SQUARE}", how))
 
 
-@backends
-def test_a_font_that_is_installed_lends_its_letters(only_stix: Path, backend: str) -> None:
+@hows
+def test_a_font_that_is_installed_lends_its_letters(only_stix: Path, how: str) -> None:
     own = fonts.usual(bold=False)
     assert fonts.runs(f"a{SCRIPT}b") == (("a", own), (SCRIPT, only_stix), ("b", own))
     assert fonts.families(f"a{SCRIPT}b") == (
@@ -72,7 +72,7 @@ def test_a_font_that_is_installed_lends_its_letters(only_stix: Path, backend: st
         {"family": ["DejaVu Sans", "STIXGeneral"], "weight": "normal"},
     )
     assert fonts.runs(f"a{SCRIPT}b", bold=True) == fonts.runs(f"a{SCRIPT}b"), "no mixture of bold and other letters"
-    assert not np.array_equal(frame(SCRIPT, backend), frame("\N{WHITE SQUARE}", backend))
+    assert not np.array_equal(frame(SCRIPT, how), frame("\N{WHITE SQUARE}", how))
 
 
 def test_marks_that_are_not_seen_are_left_out() -> None:

@@ -1,4 +1,4 @@
-"""Marks over a world: what they look like in pixels, what covers what, and that both renderers draw them alike."""
+"""Marks over a world: what they look like in pixels, what covers what, and that figures show them as frames do."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pixels import WAYS, of_world
 from test_agreement import LEAST, similarity
 
 import irsim_gym
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.live.drawing import Drawing
 from irsim_gym.live.world import World
-from irsim_gym.render import BACKENDS
+from irsim_gym.render import Renderer
 
 ROOM: dict[str, Any] = {
     "world": {"height": 10, "width": 10},
@@ -26,9 +27,9 @@ RED, BLUE, WHITE, GREEN = (255, 0, 0), (0, 0, 255), (255, 255, 255), (0, 158, 11
 TALL = 300.0
 
 
-def room(backend: str, **plot: Any) -> World:
+def room(**plot: Any) -> World:
     """Return a world of 10 x 10 m whose colours are flat."""
-    return irsim_gym.load({**ROOM, "world": {**ROOM["world"], "plot": plot}}, render_backend=backend)
+    return irsim_gym.load({**ROOM, "world": {**ROOM["world"], "plot": plot}})
 
 
 def colour(here: World, frame: Bytes, x: float, y: float) -> tuple[int, int, int]:
@@ -42,19 +43,19 @@ def shows(drawn: tuple[int, int, int], wanted: tuple[int, int, int]) -> bool:
     return bool(np.abs(np.subtract(drawn, wanted)).max() <= 2)
 
 
-@pytest.fixture(params=BACKENDS)
-def backend(request: pytest.FixtureRequest) -> str:
+@pytest.fixture(params=WAYS)
+def how(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
-def test_places_and_colours(backend: str) -> None:
-    here = room(backend)
+def test_places_and_colours(how: str) -> None:
+    here = room()
     here.draw.path([[1, 7.5], [3.5, 7.5]], color="red", width=6)
     here.draw.points([[7, 7], [8, 7]], color=["red", "#0000ff"], size=12)
     here.draw.points([[6, 7]], color="red", size=12, marker="s")
     here.draw.polygon([[7, 1], [9, 1], [9, 3], [7, 3]], color="#0000ff", fill="red", width=6)
     here.draw.arrows([[6, 9]], [[3, 0]], color="red", width=0.3)
-    frame = here.render()
+    frame = of_world(here, how)
     seen = {
         (2.5, 7.5): RED, (2.5, 7.7): WHITE, (3.7, 7.5): WHITE,
         (7.0, 7.0): RED, (8.0, 7.0): BLUE, (7.16, 7.16): WHITE, (6.1, 7.1): RED,
@@ -65,22 +66,22 @@ def test_places_and_colours(backend: str) -> None:
     assert {place: drawn for place, drawn in found.items() if not shows(drawn, seen[place])} == {}
 
 
-def test_a_line_is_as_wide_as_it_says(backend: str) -> None:
+def test_a_line_is_as_wide_as_it_says(how: str) -> None:
     """A point is 100 / 72 pixels in a frame of 600 x 600."""
-    here = room(backend)
+    here = room()
     here.draw.path([[4, 8], [8, 8]], color="black", width=7.2)
-    frame = here.render()
+    frame = of_world(here, how)
     column, row = (int(value) for value in here._camera.seen().column_row(6.3, 8))
     dark = 1.0 - frame[row - 12 : row + 12, column].mean(axis=1) / 255.0
     assert dark.sum() == pytest.approx(10.0, abs=0.1)
 
 
-def test_dashes_and_opacity(backend: str) -> None:
-    here = room(backend)
+def test_dashes_and_opacity(how: str) -> None:
+    here = room()
     here.draw.path([[1, 8], [9, 8]], "r--", width=4)
     here.draw.path([[1, 7], [9, 7]], "r", width=6, alpha=0.4)
     here.draw.polygon([[7, 1], [9, 1], [9, 3]], color=None, fill="#ff000066")
-    frame = here.render()
+    frame = of_world(here, how)
     column, row = (int(value) for value in here._camera.seen().column_row(1, 8))
     end = int(here._camera.seen().column_row(9, 8)[0])
     share = (frame[row, column:end, 1] < 128).mean()
@@ -91,9 +92,9 @@ def test_dashes_and_opacity(backend: str) -> None:
 
 
 @pytest.mark.parametrize(("layer", "over_wall", "over_robot"), [(0.5, False, False), (1, True, False), (4, True, True)])
-def test_layers(backend: str, layer: float, over_wall: bool, over_robot: bool) -> None:
+def test_layers(layer: float, over_wall: bool, over_robot: bool) -> None:
     """Obstacles are in layer 1, robots in 3, as in IR-SIM; in one layer marks cover what was there."""
-    here = room(backend)
+    here = room()
     before = here.render()  # the ground is drawn before there is a mark below it
     here.draw.polygon([[0, 0], [10, 0], [10, 10], [0, 10]], color=None, fill="red", layer=layer, once=True)
     frame = here.render()
@@ -103,19 +104,19 @@ def test_layers(backend: str, layer: float, over_wall: bool, over_robot: bool) -
     assert np.array_equal(here.render(), before)
 
 
-def test_marks_of_one_layer_cover_each_other_in_their_order(backend: str) -> None:
-    here = room(backend)
+def test_marks_of_one_layer_cover_each_other_in_their_order(how: str) -> None:
+    here = room()
     for color in ("red", "#0000ff"):
         here.draw.points([[8, 8]], color=color, size=30)
     here.draw.points([[8, 2]], color="red", size=30, layer=1.5)
     here.draw.points([[8, 2]], color="#0000ff", size=30)
-    frame = here.render()
+    frame = of_world(here, how)
     assert shows(colour(here, frame, 8, 8), BLUE)
     assert shows(colour(here, frame, 8, 2), RED)
 
 
-def test_nothing_is_drawn_beyond_the_world(backend: str) -> None:
-    here = room(backend)
+def test_nothing_is_drawn_beyond_the_world() -> None:
+    here = room()
     before = here.render()
     here.draw.points([[0, 5], [10, 5], [5, 0], [5, 10], [-3, 4], [1e9, 4]], color="red", size=TALL / 4)
     here.draw.path([[-50, -40], [60, 70]], width=9)
@@ -135,11 +136,11 @@ def ink(frame: Bytes, box: Sequence[int]) -> tuple[float, float]:
     return float(left + columns[0]), float(left + columns[-1] + 1)
 
 
-def test_texts_stand_where_they_are_told(backend: str) -> None:
-    here = room(backend)
+def test_texts_stand_where_they_are_told(how: str) -> None:
+    here = room()
     for row, align in ((8.0, "left"), (7.0, "center"), (6.0, "right")):
         here.draw.text(7, row, "HIH", size=12, align=align, color="black")
-    frame, layout = here.render(), here._camera.seen()
+    frame, layout = of_world(here, how), here._camera.seen()
     for row, share in ((8.0, 0.0), (7.0, 0.5), (6.0, 1.0)):
         middle, line = (int(value) for value in layout.column_row(7, row))
         first, last = ink(frame, (middle - 80, line - 12, middle + 80, line + 12))
@@ -149,28 +150,28 @@ def test_texts_stand_where_they_are_told(backend: str) -> None:
         assert rows.mean() - 14 == pytest.approx(0.0, abs=2.5)
 
 
-def test_a_text_whose_place_is_not_shown_is_not_seen(backend: str) -> None:
-    here = room(backend)
+def test_a_text_whose_place_is_not_shown_is_not_seen() -> None:
+    here = room()
     here.draw.text(12, 5, "far away", align="right")
-    before = room(backend).render()
+    before = room().render()
     assert np.array_equal(here.render(), before)
 
 
 def test_texts_that_change_leave_nothing_behind() -> None:
     """A text with a number in it is another one in each picture."""
-    here = room("raster", figure_pixels=[120, 120])
+    here = room(figure_pixels=[120, 120])
     for k in range(600):
         here.draw.text(5, 8, f"{0.1 * k:.1f} s", once=True)
         here.draw.title(f"step {k}")
         here.render()
-    easel = here._camera._ready()._easel
-    for masks in (easel.painter._masks, easel._masks):
+    painter = here._camera._ready()._painter
+    for masks in (painter.marks._masks, painter._masks):
         assert len(masks.rows) <= 258
         assert masks.levels.nbytes < 1 << 20
 
 
-def test_a_title_takes_the_place_of_name_and_time(backend: str) -> None:
-    here, titled = room(backend), room(backend, title="by hand")
+def test_a_title_takes_the_place_of_name_and_time() -> None:
+    here, titled = room(), room(title="by hand")
     plain = here.render()
     here.set_title("by hand")
     assert np.array_equal(here.render(), titled.render())
@@ -178,8 +179,8 @@ def test_a_title_takes_the_place_of_name_and_time(backend: str) -> None:
     assert np.array_equal(here.render(), plain)
 
 
-def test_what_is_not_drawn_changes_no_pixel(backend: str) -> None:
-    here, other = room(backend), room(backend)
+def test_what_is_not_drawn_changes_no_pixel() -> None:
+    here, other = room(), room()
     here.draw.points([[1, 1]], once=True)
     here.draw.path([])
     here.render()
@@ -202,42 +203,35 @@ def everything(draw: Drawing) -> None:
     draw.text(3, 0.5, "a robot's plan", size=11)
 
 
-def test_both_renderers_draw_them_alike() -> None:
-    frames = []
-    for backend in ("matplotlib", "raster"):
-        here = room(backend)
-        everything(here.draw)
-        frames.append(here.render())
-    bare = room("raster").render()
-    assert similarity(*frames) > LEAST
-    assert np.abs(frames[0].astype(int) - frames[1]).mean() < 0.6
-    assert similarity(frames[0], bare) < 0.95  # there is something to compare
+def test_figures_show_them_as_frames_do() -> None:
+    here = room()
+    everything(here.draw)
+    frame, figure = (of_world(here, how) for how in WAYS)
+    assert similarity(frame, figure) > LEAST
+    assert np.abs(figure.astype(int) - frame).mean() < 0.6
+    assert similarity(frame, room().render()) < 0.95  # there is something to compare
 
 
 @pytest.mark.parametrize("limits", [(4.0, 4.0, 9.0, 9.0), (-20.0, -20.0, 30.0, 30.0)])
 def test_they_are_where_they_were_in_another_part_of_the_world(limits: tuple[float, float, float, float]) -> None:
-    frames = []
-    for backend in ("matplotlib", "raster"):
-        here = room(backend)
-        everything(here.draw)
-        here._camera.show_part(limits)
-        frames.append(here.render())
+    here = room()
+    everything(here.draw)
+    here._camera.show_part(limits)
+    assert similarity(*(of_world(here, how) for how in WAYS)) > LEAST
+
+
+def test_they_follow_a_viewpoint() -> None:
+    here = room(viewpoint="robot_0")
+    everything(here.draw)
+    here.step([1.0, 0.5])
+    frames = [of_world(here, how) for how in WAYS]
+    for frame in frames:
+        assert shows(colour(here, frame, 7.5, 2.0), (255, 201, 102))  # orange, 0.6 of it
     assert similarity(*frames) > LEAST
 
 
-def test_both_follow_a_viewpoint() -> None:
-    frames = []
-    for backend in ("matplotlib", "raster"):
-        here = room(backend, viewpoint="robot_0")
-        everything(here.draw)
-        here.step([1.0, 0.5])
-        frames.append(here.render())
-        assert shows(colour(here, frames[-1], 7.5, 2.0), (255, 201, 102))  # orange, 0.6 of it
-    assert similarity(*frames) > LEAST
-
-
-def test_figures_of_both_hold_them_as_vectors(backend: str, tmp_path: Path) -> None:
-    here = room(backend)
+def test_figures_hold_them_as_vectors(tmp_path: Path) -> None:
+    here = room()
     here.draw.path([[1, 1], [2, 2], [3, 1]], color="#12ab34", once=True)
     here.draw.points([[7, 7], [8, 7]], color="#56cd78")
     here.draw.text(5, 8, "a robot's plan")
@@ -248,20 +242,18 @@ def test_figures_of_both_hold_them_as_vectors(backend: str, tmp_path: Path) -> N
 
 def test_one_renderer_draws_other_marks_over_other_worlds() -> None:
     from irsim_gym.engine import compile
-    from irsim_gym.render import make_renderer
     from irsim_gym.scenario import load_scenario
 
     simulation = compile(load_scenario(ROOM), 3)
     simulation.reset(seed=0)
     drawing = Drawing()
     drawing.polygon([[6, 6], [9, 6], [9, 9]], fill="red")
-    for backend in BACKENDS:
-        renderer = make_renderer(backend, simulation.scenario, simulation.model, simulation.state, simulation.sensors)
-        plain = renderer.frame(0)
-        renderer.lay_over(drawing.overlay(), world=1)
-        first, second, third = renderer.frames([0, 1, 2])
-        assert np.array_equal(first, plain)
-        assert np.array_equal(third, plain)
-        assert (second != plain).any(axis=2).sum() > 2000
-        renderer.lay_over(replace(drawing.overlay(), marks=()), world=1)
-        assert np.array_equal(renderer.frame(1), plain)
+    renderer = Renderer(simulation.scenario, simulation.model, simulation.state, simulation.sensors)
+    plain = renderer.frame(0)
+    renderer.lay_over(drawing.overlay(), world=1)
+    first, second, third = renderer.frames([0, 1, 2])
+    assert np.array_equal(first, plain)
+    assert np.array_equal(third, plain)
+    assert (second != plain).any(axis=2).sum() > 2000
+    renderer.lay_over(replace(drawing.overlay(), marks=()), world=1)
+    assert np.array_equal(renderer.frame(1), plain)

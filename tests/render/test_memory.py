@@ -78,8 +78,7 @@ def test_renderers_leave_nothing_behind() -> None:
     for k in range(100):
         renderer = world.renderer(size=(60, 60))
         renderer.frame()
-        assert renderer._stage is not None
-        gone += [weakref.ref(renderer._stage), weakref.ref(renderer._stage._figure), weakref.ref(renderer)]
+        gone += [weakref.ref(renderer._painter), weakref.ref(renderer)]
         if k % 2:
             renderer.close()
     del renderer

@@ -14,14 +14,13 @@ import pytest
 from matplotlib.figure import Figure
 
 import irsim_gym
-from irsim_gym.render import BACKENDS
 
 WORLD = {"plot": {"figure_pixels": [80, 60]}}
 SCENARIO = {"world": WORLD, "robot": {"kinematics": {"name": "diff"}, "state": [1, 5, 0], "goal": [9, 5, 0]}}
 
 
-def drawn(backend: str, *, closes: bool) -> weakref.ref:
-    env = irsim_gym.make(SCENARIO, render_mode="rgb_array", render_backend=backend)
+def drawn(*, closes: bool) -> weakref.ref:
+    env = irsim_gym.make(SCENARIO, render_mode="rgb_array")
     env.reset(seed=0)
     assert env.render().any()
     if closes:
@@ -35,15 +34,14 @@ def resident() -> float:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_a_hundred_environments_leave_nothing(backend: str) -> None:
+def test_a_hundred_environments_leave_nothing() -> None:
     figures, threads = plt.get_fignums(), threading.enumerate()
     for _ in range(10):
-        drawn(backend, closes=True)
+        drawn(closes=True)
     gc.collect()
     before = resident() if sys.platform == "linux" else 0.0
     known = sum(issubclass(type(thing), Figure) for thing in gc.get_objects())
-    left = [drawn(backend, closes=k % 2 == 0) for k in range(90)]
+    left = [drawn(closes=k % 2 == 0) for k in range(90)]
     gc.collect()
     assert [one for one in left if one() is not None] == []
     assert sum(issubclass(type(thing), Figure) for thing in gc.get_objects()) <= known

@@ -10,7 +10,7 @@ import pytest
 
 from irsim_gym.engine import Simulation
 from irsim_gym.engine import compile as compile_scenario
-from irsim_gym.render import BACKENDS, Renderer, make_renderer
+from irsim_gym.render import Renderer
 from irsim_gym.scenario import load_scenario
 
 
@@ -68,16 +68,15 @@ FULL: dict[str, Any] = {
 }
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_who_has_drawn_much_draws_as_one_who_is_new(backend: str) -> None:
+def test_who_has_drawn_much_draws_as_one_who_is_new() -> None:
     scenario = load_scenario(FULL, warn=False)
     simulation = compile_scenario(scenario, 3)
     parts = scenario, simulation.model, simulation.state, simulation.sensors
     simulation.reset(0)
-    old = make_renderer(backend, *parts, explored=simulation.explored)
+    old = Renderer(*parts, explored=simulation.explored)
 
     def compare(world: int, status: str = "", limits: tuple[float, float, float, float] | None = None) -> None:
-        new = make_renderer(backend, *parts, explored=simulation.explored, trails=old.trails)
+        new = Renderer(*parts, explored=simulation.explored, trails=old.trails)
         new.look_at(limits)
         assert np.array_equal(old.frame(world, status), new.frame(world, status))
 
@@ -110,14 +109,13 @@ def test_texts_are_whole_after_a_small_figure_was_saved(tmp_path: Path) -> None:
     assert not np.array_equal(old.frame(0, "my status"), old.frame(0, "status of mine"))  # it is seen
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_one_may_look_anywhere_and_as_closely_as_one_likes(backend: str) -> None:
+def test_one_may_look_anywhere_and_as_closely_as_one_likes() -> None:
     scenario = load_scenario(FULL, warn=False)
     simulation = compile_scenario(scenario)
     simulation.reset(0)
     simulation.step()
     parts = scenario, simulation.model, simulation.state, simulation.sensors
-    renderer = make_renderer(backend, *parts, explored=simulation.explored)
+    renderer = Renderer(*parts, explored=simulation.explored)
     for limits in ((100.0, 100.0, 101.0, 101.0), (-1e9, -1e9, -1e9 + 1.0, -1e9 + 1.0), (-3.0, -3.0, 0.0, 0.0)):
         renderer.look_at(limits)
         shown = renderer.layout

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pixels import WAYS, of_world
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.live import load
@@ -15,7 +16,7 @@ POINT = 100.0 / 72.0
 """A point of a picture of 600 x 600 pixels [pixel]."""
 
 
-def greenness(backend: str, y: float = 5.0, **plot: Any) -> tuple[Floats, Floats, Any]:
+def greenness(how: str, y: float = 5.0, **plot: Any) -> tuple[Floats, Floats, Any]:
     """Return how green the row and a column of pixels are that a robot came along, and the layout."""
     robot = {
         "kinematics": {"name": "omni"},
@@ -25,10 +26,10 @@ def greenness(backend: str, y: float = 5.0, **plot: Any) -> tuple[Floats, Floats
         "plot": {"show_trajectory": True, "show_arrow": False, "obj_alpha": 0, **plot},
     }
     plain = {"plot": {"figure_pixels": [600, 600], "no_axis": True}}
-    with load({"world": plain, "robot": robot}, render_backend=backend) as world:
+    with load({"world": plain, "robot": robot}) as world:
         for _ in range(STEPS):
             world.step([1.0, 0.0])
-        frame, layout = world.render().astype(float), world._camera._ready().layout
+        frame, layout = of_world(world, how).astype(float), world._camera._ready().layout
     column, row = layout.column_row(4.53, y)
     start, end = layout.column_row(1.0, y)[0], layout.column_row(8.0, y)[0]
     green = frame[..., 1] - frame[..., 0]
@@ -42,19 +43,19 @@ def starts(row: Floats) -> Any:
     return np.flatnonzero(inside[1:] & ~inside[:-1])
 
 
-@pytest.mark.parametrize("backend", ["matplotlib", "raster"])
+@pytest.mark.parametrize("how", WAYS)
 @pytest.mark.parametrize(("style", "period", "dashes"), [("--", 3.7 + 1.6, 1), ("-.", 6.4 + 1.6 + 1.0 + 1.6, 2)])
-def test_the_dashes_of_a_thin_path_are_those_of_its_style(backend: str, style: str, period: float, dashes: int) -> None:
+def test_the_dashes_of_a_thin_path_are_those_of_its_style(how: str, style: str, period: float, dashes: int) -> None:
     """matplotlib's pattern in widths of the line, which is 1.9 points wide, once along the whole path."""
-    row, _, _ = greenness(backend, traj_style=style)
+    row, _, _ = greenness(how, traj_style=style)
     found = starts(row)
     spacing = period * 1.9 * POINT
     assert len(found) == pytest.approx(dashes * len(row) / spacing, abs=1)
     assert found[dashes:] - found[:-dashes] == pytest.approx(spacing, abs=1.5)
 
 
-@pytest.mark.parametrize("backend", ["matplotlib", "raster"])
+@pytest.mark.parametrize("how", WAYS)
 @pytest.mark.parametrize("width", [0.1, 0.4, 1.0])
-def test_a_width_is_metres_of_the_world(backend: str, width: float) -> None:
-    _, column, layout = greenness(backend, traj_width=width, traj_alpha=1.0)
+def test_a_width_is_metres_of_the_world(how: str, width: float) -> None:
+    _, column, layout = greenness(how, traj_width=width, traj_alpha=1.0)
     assert (column / 255.0).sum() == pytest.approx(width * layout.scale, abs=0.7)

@@ -1,8 +1,8 @@
-"""Each drawing option changes the right pixels and no others, in both renderers, and its picture is the committed one.
+"""Each drawing option changes the right pixels and no others, and its picture is the committed one; figures likewise.
 
 ``references/*.png`` were looked at when they were committed. A picture agrees with its reference when no more than 1 %
 of its pixels differ by more than 48 levels and the mean difference is at most 2 levels: other versions of matplotlib
-and FreeType, and the other renderer, smooth edges and letters a little differently. matplotlib draws the references.
+and FreeType, and matplotlib, which draws figures, smooth edges and letters a little differently. References are frames.
 After a change on purpose write them anew, and look at them::
 
     RENEW_REFERENCES=1 make test ARGS=tests/render/test_plot_keys.py
@@ -21,11 +21,11 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
+from pixels import WAYS, of_world
 from plot_cases import BOX, CASES, GOAL, RADIUS, START, TOLERANCE, Case, Moment
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.live import load
-from irsim_gym.render.backends import BACKENDS
 from irsim_gym.render.layout import Layout
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
 
@@ -71,7 +71,7 @@ class Picture:
         return Moment(x, y, self.poses)
 
 
-def drawn(options: Mapping[str, Any], steps: int, backend: str) -> Picture:
+def drawn(options: Mapping[str, Any], steps: int, how: str) -> Picture:
     data = copy.deepcopy(WORLD)
     for key, value in options.items():
         *sections, last = key.split(".")
@@ -79,30 +79,30 @@ def drawn(options: Mapping[str, Any], steps: int, backend: str) -> Picture:
         for section in sections:
             place = place.setdefault(section, {})
         place[last] = value
-    with load(data, render_backend=backend) as world:
+    with load(data) as world:
         poses = [world.simulation.state.pose[0, 0].copy()]
         for _ in range(steps):
             world.step(COMMAND)
             poses.append(world.simulation.state.pose[0, 0].copy())
-        pixels = world.render()
+        pixels = of_world(world, how)
         return Picture(pixels, world._camera._ready().layout, np.array(poses))
 
 
 @cache
-def picture(key: str, backend: str) -> tuple[Picture, Picture]:
+def picture(key: str, how: str) -> tuple[Picture, Picture]:
     """Return the pictures of a case, before and after."""
     case = next(case for case in CASES if case.label == key)
-    return drawn(case.given, case.steps, backend), drawn({**case.given, **case.change}, case.steps, backend)
+    return drawn(case.given, case.steps, how), drawn({**case.given, **case.change}, case.steps, how)
 
 
 cases = pytest.mark.parametrize("case", CASES, ids=lambda case: case.label)
-backends = pytest.mark.parametrize("backend", BACKENDS)
+hows = pytest.mark.parametrize("how", WAYS)
 
 
 @cases
-@backends
-def test_the_right_pixels_change(case: Case, backend: str) -> None:
-    before, after = picture(case.label, backend)
+@hows
+def test_the_right_pixels_change(case: Case, how: str) -> None:
+    before, after = picture(case.label, how)
     if before.pixels.shape != after.pixels.shape:
         return
     changed = np.abs(after.pixels.astype(int) - before.pixels).max(axis=2) > CHANGED
@@ -113,19 +113,19 @@ def test_the_right_pixels_change(case: Case, backend: str) -> None:
 
 
 @pytest.mark.parametrize("case", [case for case in CASES if case.shows], ids=lambda case: case.label)
-@backends
-def test_points_have_the_colours_that_are_asked_for(case: Case, backend: str) -> None:
-    after = picture(case.label, backend)[1]
+@hows
+def test_points_have_the_colours_that_are_asked_for(case: Case, how: str) -> None:
+    after = picture(case.label, how)[1]
     for point, colour in case.shows.items():
         column, row = after.layout.column_row(*point)
         assert np.allclose(after.pixels[int(row), int(column)], colour, atol=3), point
 
 
 @cases
-@backends
-def test_pictures_are_the_committed_ones(case: Case, backend: str) -> None:
-    pixels, file = picture(case.label, backend)[1].pixels, FOLDER / f"{case.label}.png"
-    if os.environ.get("RENEW_REFERENCES") and backend == "matplotlib":
+@hows
+def test_pictures_are_the_committed_ones(case: Case, how: str) -> None:
+    pixels, file = picture(case.label, how)[1].pixels, FOLDER / f"{case.label}.png"
+    if os.environ.get("RENEW_REFERENCES") and how == "frame":
         Image.fromarray(pixels).save(file, optimize=True)
     with Image.open(file) as reference:
         off = np.abs(np.asarray(reference.convert("RGB")).astype(int) - pixels)

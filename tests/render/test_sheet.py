@@ -11,16 +11,8 @@ from PIL import Image
 
 from irsim_gym.render.layout import lay_out
 from irsim_gym.render.replay import Recording
-from irsim_gym.render.sheet import (
-    WIDEST,
-    Moments,
-    contact_sheet,
-    draw_strobe,
-    save_sheet,
-    save_strobe,
-    spaced,
-    strobe,
-)
+from irsim_gym.render.sheet import WIDEST, Moments, contact_sheet, save_sheet, spaced
+from irsim_gym.render.strobe import draw_strobe, save_strobe, strobe
 
 
 def numbered(count: int, wanted: int) -> tuple[list[int], int]:

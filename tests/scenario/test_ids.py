@@ -115,7 +115,7 @@ def test_commands_take_ids(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Captu
     assert command(monkeypatch, "check", *names) == 0
     said = capsys.readouterr().out
     assert all(f"{name}: fine" in said for name in names)
-    assert command(monkeypatch, "draw", "irsim_gym/empty_goal-v0", "--backend", "raster") == 0
+    assert command(monkeypatch, "draw", "irsim_gym/empty_goal-v0") == 0
     assert capsys.readouterr().out.split() == ["empty_goal.png"]
     assert Path("empty_goal.png").is_file()
 

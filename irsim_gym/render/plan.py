@@ -1,4 +1,4 @@
-"""What the raster renderer draws, and in which order: the styles of a scenario as records, made once."""
+"""What frames show, and in which order: the styles of a scenario as records, made once."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import numpy as np
 from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.raster import records
 from irsim_gym.raster.areas import paint_disc, paint_line, paint_polygon
-from irsim_gym.render import theme
+from irsim_gym.render import theme, vocabulary
 from irsim_gym.render.colours import CLEAR, Colour, colour, shade
 from irsim_gym.render.letters import Masks
+from irsim_gym.render.primitives import Figure, Ink
+from irsim_gym.render.scene import BodyView, Form, GoalView
 from irsim_gym.render.styles import GROUND, TOP, BodyStyle, ScanStyle, body_style, field_of_view, is_omni, scan_style
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import ACKERMANN, WorldModel
@@ -20,13 +22,12 @@ from irsim_gym.world.model import ACKERMANN, WorldModel
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
 
-SHADOWS = ((2.2, 0.05), (1.2, 0.07))
 LINE_STYLES = {"solid": 0, "dashed": 1, "dashdot": 2, "dotted": 3}
 FORMS = {"circle": records.CIRCLE, "rectangle": records.RECTANGLE, "linestring": records.CURVE}
-FLAG = (6.5, 10.5)
 WHITE = np.array([255.0, 1.0])
-RAISED, FOGS, GHOSTS, SCANS, FIELDS, GOALS, PATHS, MOVING, HEADINGS, HITS, IMPACTS, LABELS = range(12)
-"""What covers what within a layer."""
+RANKS = {name: number for number, name in enumerate(vocabulary.RANKS)}
+DRAWN_BY_KIND = ("shadows", "fixed", "bodies", "headings", "fields", "ghosts")
+"""Ranks of a body's shapes that have kernels of their own; all others are drawn as the vocabulary describes them."""
 
 Key = tuple[float, int, int, float]
 
@@ -44,6 +45,7 @@ class Plan:
         angles: Directions of all beams [rad].
         has_speeds: Some sensor measures radial velocities.
         flagged: Which bodies' goals are shown.
+        corners: Corners of shapes, see ``records.Prints``.
     """
 
     def __init__(
@@ -62,6 +64,7 @@ class Plan:
     ) -> None:
         self._model, self._masks, self._point, self._images = model, masks, point, images
         self._bodies = scenario.bodies
+        self.corners: Floats = np.zeros((0, 6))
         self._styles = [body_style(body, learner=b in learners) for b, body in enumerate(scenario.bodies)]
         self.groups = [group for group in sensors if {"ranges", "angles"} <= group.arrays.keys()]
         self.has_speeds = any("radial_velocity" in group.arrays for group in self.groups)
@@ -70,7 +73,7 @@ class Plan:
         self.flagged: Flags = np.array([style.show_goal for style in self._styles], np.bool_)
         live = [*self._scan_items(), *self._body_items(), *self._goal_items(), *self._past_items(followed)]
         if fog:
-            live.append(((GROUND, FOGS, 0, 0.0), self._item(records.FOG, colours=[colour(theme.FOG, 1.0)])))
+            live.append(((GROUND, RANKS["fog"], 0, 0.0), self._item(records.FOG, colours=[colour(theme.FOG, 1.0)])))
         floor = min([lowest, *(key[0] for key, _ in live)])
         fixed = [b for b in self._ordered() if not model.movable[b]]
         live += [row for b in fixed if self._styles[b].order > floor for row in self._fixed_items(b)]
@@ -120,14 +123,14 @@ class Plan:
         style = self._styles[body]
         look: dict[str, Any] = {"box": records.WALLS, "snapped": True}
         if body in self._images:
-            yield (style.order, RAISED, 3, 0.0), self._item(records.IMAGE, body, row=self._images[body], **look)
+            yield (style.order, RANKS["fixed"], 3, 0.0), self._item(records.IMAGE, body, row=self._images[body], **look)
             return
-        for number, (pixels, alpha) in enumerate(SHADOWS if style.filled else ()):
+        for number, (pixels, alpha) in enumerate(theme.SHADOWS if style.filled else ()):
             colours = [colour(theme.SHADOW, alpha), colour(theme.SHADOW, 0.4 * alpha)]
             shift = pixels * self._point
             item = self._item(records.SHADOW, body, colours=colours, width=1.5, x=shift, y=shift, **look)
-            yield (style.order, RAISED, number, 0.0), item
-        yield (style.order, RAISED, 2, 0.0), self._footprint(records.FOOTPRINT, body, style, **look)
+            yield (style.order, RANKS["fixed"], number, 0.0), item
+        yield (style.order, RANKS["fixed"], 2, 0.0), self._footprint(records.FOOTPRINT, body, style, **look)
 
     def _body_items(self) -> Iterator[tuple[Key, Any]]:
         """Yield footprints of what moves, and of all bodies headings, impacts, fields of view and labels."""
@@ -136,21 +139,25 @@ class Plan:
             style, wall = self._styles[body], records.WALLS
             if model.movable[body] and body in self._images:
                 item = self._item(records.IMAGE, body, row=self._images[body], box=wall)
-                yield (style.order, MOVING, 1, 0.0), item
+                yield (style.order, RANKS["bodies"], 1, 0.0), item
             elif model.movable[body]:
-                yield (style.order, MOVING, 0, 0.0), self._footprint(records.FOOTPRINT, body, style, box=wall)
+                yield (style.order, RANKS["bodies"], 0, 0.0), self._footprint(records.FOOTPRINT, body, style, box=wall)
             if style.show_arrow:
                 layer = style.order if style.arrow_order is None else style.arrow_order
-                yield (layer, HEADINGS, 0, float(model.movable[body])), self._heading(body, style)
+                yield (layer, RANKS["headings"], 0, float(model.movable[body])), self._heading(body, style)
             red = [CLEAR, colour(theme.IMPACT, 1.0), colour(theme.IMPACT, 0.25)]
             item = self._item(records.IMPACT, body, colours=red, width=1.8, other_width=5.0, box=wall)
-            yield (TOP, IMPACTS, 0, float(model.movable[body])), item
+            yield (TOP, RANKS["impacts"], 0, float(model.movable[body])), item
             field = field_of_view(self._bodies[body]) if style.show_field else None
             if field is not None:
                 colours = [colour(name, style.field_alpha) for name in (style.field_colour, style.field_edge_colour)]
                 item = self._item(records.FIELD, body, colours=colours, width=0.9, x=field[0], y=field[1])
-                yield (style.field_order, FIELDS, 0, float(body)), item
+                yield (style.field_order, RANKS["fields"], 0, float(body)), item
             yield from self._label(body, style)
+            for primitive in vocabulary.body(_empty_view(style), None, fixed=not model.movable[body]):
+                if isinstance(primitive, Figure) and primitive.rank not in DRAWN_BY_KIND:
+                    key = primitive.layer, RANKS[primitive.rank], 0, float(body)
+                    yield key, self._shape(body, records.AT_BODY, primitive)
 
     def _heading(self, body: int, style: BodyStyle) -> Any:
         is_car = self._model.drive[body] == ACKERMANN and body not in self._images
@@ -187,30 +194,62 @@ class Plan:
                 y=0.0 if offset is None else offset[1],
                 box=records.WHOLE,
             )
-            yield (style.label_order, LABELS, kind, float(self._model.movable[body])), item
+            yield (style.label_order, RANKS["labels"], kind, float(self._model.movable[body])), item
 
     def _goal_items(self) -> Iterator[tuple[Key, Any]]:
         shown = [body for body, style in enumerate(self._styles) if style.show_goal]
         if not shown:
             return
-        point = self._point
-        dot = _dot(self._masks, 2.25 * point)
-        flag = _flag(self._masks, point)
+        dot, flag = _dot(self._masks, vocabulary.WAYPOINT.dot * self._point), _flag(self._masks, self._point)
         for body in shown:
-            style = self._styles[body]
-            look = [colour(style.goal_colour, share * style.goal_alpha) for share in (0.14, 0.9, 0.30)]
-            arrow = dict(
-                zip(
-                    ("x", "other_width", "half", "foot"),
-                    theme.GOAL_ARROW * np.array([point, 1.0, point, point]),
-                    strict=True,
-                )
-            )
-            item = self._item(records.GOAL_CIRCLE, body, colours=look, width=1.1, box=records.PLOT, **arrow)
-            yield (style.goal_order, GOALS, 0, float(body)), item
-            look = [CLEAR, *(colour(style.goal_colour, share * style.goal_alpha) for share in (1.0, 0.45))]
-            item = self._item(records.GOAL_MARKS, body, colours=look, row=flag, every=dot, box=records.PLOT)
-            yield (style.goal_order, GOALS, 1, float(body)), item
+            near, far, reached = (_goal(self._styles[body], *how) for how in ((1.0, False), (2.0, False), (1.0, True)))
+            inks: dict[str, Colour] = {}
+            for number, primitive in enumerate(near):
+                key = primitive.layer, RANKS[primitive.rank], 0, float(body)
+                if primitive.shape.discs is not None:
+                    look = {"width": primitive.pen.width, "filled_radius": primitive.pen.filled_radius * self._point}
+                    colours = [ink_of(primitive.pen.fill), ink_of(primitive.pen.edge), ink_of(reached[number].pen.fill)]
+                    yield key, self._item(records.GOAL_CIRCLE, body, colours=colours, box=records.PLOT, **look)
+                elif primitive.rank in ("waypoints", "flags"):
+                    inks[primitive.rank] = ink_of(primitive.pen.fill)
+                else:
+                    yield key, self._shape(body, records.AT_GOAL, primitive, far[number].shape.chains)
+            look = {"row": flag, "every": dot, "box": records.PLOT}
+            item = self._item(records.GOAL_MARKS, body, colours=[CLEAR, inks["flags"], inks["waypoints"]], **look)
+            yield (near[0].layer, RANKS["flags"], 0, float(body)), item
+
+    def _shape(self, body: int, where: int, figure: Figure, farther: tuple[Floats, ...] | None = None) -> Any:
+        """Return the item of a shape at a body or at its goal.
+
+        Args:
+            body: The body.
+            where: ``records.AT_BODY`` or ``AT_GOAL``.
+            figure: The shape; one at a goal with a tolerance of 1 m.
+            farther: Its chains for a tolerance of 2 m.
+        """
+        shape, pen = figure.shape, figure.pen
+        count = len((shape.chains or shape.offsets)[0])
+        corners = np.zeros((count, 6))
+        if shape.chains:
+            per_metre = (farther or shape.chains)[0] - shape.chains[0]
+            corners[:, :2], corners[:, 2:4] = shape.chains[0] - per_metre, per_metre
+        if shape.offsets:
+            corners[:, 4:] = self._point * shape.offsets[0]
+        self.corners = np.vstack([self.corners, corners])
+        return self._item(
+            records.SHAPE,
+            body,
+            form=where,
+            row=len(self.corners) - count,
+            length=count,
+            turns=figure.turned or (figure.places is not None and figure.places.shape[1] > 2),
+            filled=pen.fill is not None,
+            colours=[ink_of(pen.fill), ink_of(pen.edge)],
+            width=pen.width if pen.edge is not None else 0.0,
+            style=LINE_STYLES[pen.line],
+            x=shape.least * self._point,
+            box=records.PLOT if vocabulary.RANKS[figure.rank].reach is None else records.WORLD,
+        )
 
     def _past_items(self, followed: Sequence[int]) -> Iterator[tuple[Key, Any]]:
         for row, body in enumerate(followed):
@@ -224,14 +263,17 @@ class Plan:
                     row=row,
                     length=style.trajectory_length,
                     style=LINE_STYLES[style.trajectory_style],
-                    width=1.9 if metres is None else metres / self._point,
+                    width=theme.PATH_WIDTH if metres is None else metres / self._point,
                     in_metres=metres is not None,
                 )
-                yield (style.trajectory_order, PATHS, 0, float(row)), item
+                yield (style.trajectory_order, RANKS["paths"], 0, float(row)), item
             if ghost is not None:
                 fields: dict[str, Any] = {"row": row, "every": style.ghost_every, "length": style.ghost_length}
                 fields["form"] = FORMS.get(style.ghost_shape or "", records.OWN)
-                yield (ghost.order, GHOSTS, 0, float(row)), self._footprint(records.GHOSTS, body, ghost, **fields)
+                yield (
+                    (ghost.order, RANKS["ghosts"], 0, float(row)),
+                    self._footprint(records.GHOSTS, body, ghost, **fields),
+                )
 
     def _scan_items(self) -> Iterator[tuple[Key, Any]]:
         beams, angles = list[Any](), list[Floats]()
@@ -243,10 +285,10 @@ class Plan:
                 angles.append(np.asarray(group.arrays["angles"], np.float64))
                 first += len(angles[-1])
                 if self._styles[body].show_sensor:
-                    yield (GROUND, SCANS, 0, float(len(beams))), self._scan(body, len(beams), style)
+                    yield (GROUND, RANKS["scans"], 0, float(len(beams))), self._scan(body, len(beams), style)
                     look = [colour(style.colour, min(3.0 * style.alpha, 1.0))]
                     item = self._item(records.HITS, body, colours=look, row=len(beams), every=dot, box=records.MARKS)
-                    yield (TOP, HITS, 0, float(len(beams))), item
+                    yield (TOP, RANKS["hits"], 0, float(len(beams))), item
                 beams.append(beam)
         if beams:
             self.scans, self.angles = np.concatenate(beams), np.concatenate(angles)
@@ -291,6 +333,24 @@ class Plan:
         return beam
 
 
+def ink_of(ink: Ink | None) -> Colour:
+    """Return a colour of the vocabulary; nothing is seen of None."""
+    return CLEAR if ink is None else shade(ink.colour, ink.brightness, ink.opacity)
+
+
+def _goal(style: BodyStyle, tolerance: float, arrived: bool) -> list[Figure]:
+    """Return the shapes of a goal at the origin with a tolerance [m], and with a later goal."""
+    view = GoalView(0.0, 0.0, 0.0, tolerance, np.zeros((1, 2)), arrived, "", style)
+    return [primitive for primitive in vocabulary.goal(view) if isinstance(primitive, Figure)]
+
+
+def _empty_view(style: BodyStyle) -> BodyView:
+    """Return a body without an outline at the origin."""
+    nothing, discs = np.zeros((0, 2)), np.zeros((0, 3))
+    form, pose = Form((), discs, solid=True, mark=nothing), (0.0, 0.0, 0.0)
+    return BodyView(-1, "", (), discs, True, nothing, (0.0, 0.0), style, form, pose)
+
+
 def _table(rows: Sequence[tuple[Key, Any]]) -> Any:
     """Return records in the order of their keys."""
     table = np.zeros(len(rows), records.ITEM)
@@ -303,22 +363,25 @@ def _dot(masks: Masks, radius: float) -> int:
     """Return the mask of a dot in the middle of a pixel."""
     return masks.drawn(
         radius + 0.5,
-        lambda picture, sheet, box, corner: paint_disc(picture, sheet, box, corner + 0.5, corner + 0.5, radius, WHITE),
+        lambda picture, sheet, box, corner: paint_disc(
+            records.Canvas(picture, sheet, box), corner + 0.5, corner + 0.5, radius, WHITE
+        ),
     )
 
 
 def _flag(masks: Masks, point: float) -> int:
     """Return the mask of a flag's pole; that of its pennant comes next."""
-    pole = np.array([[0.0, 0.0], [0.0, -10.0 * point]])
-    pennant = np.array([[0.0, -10.0], [6.25, -7.75], [0.0, -5.5]]) * point
+    pole, pennant = (np.array(part) * [point, -point] for part in (theme.FLAG_POLE, theme.FLAG_PENNANT))
     number = masks.drawn(
         10.0 * point,
         lambda picture, sheet, box, middle: paint_line(
-            picture, sheet, box, pole + middle, 0, 2, 1.3 * point, False, False, WHITE
+            records.Canvas(picture, sheet, box), pole + middle, 0, 2, 1.3 * point, False, False, WHITE
         ),
     )
     masks.drawn(
         10.0 * point,
-        lambda picture, sheet, box, middle: paint_polygon(picture, sheet, box, pennant + middle, 0, 3, False, WHITE),
+        lambda picture, sheet, box, middle: paint_polygon(
+            records.Canvas(picture, sheet, box), pennant + middle, 0, 3, False, WHITE
+        ),
     )
     return number

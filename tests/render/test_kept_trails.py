@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from irsim_gym.engine import Simulation, compile
-from irsim_gym.render import make_renderer
-from irsim_gym.render.raster_renderer import RasterRenderer
+from irsim_gym.render import Renderer
 from irsim_gym.scenario import load_scenario
 from irsim_gym.world.trails import Trails
 
@@ -22,13 +21,11 @@ DATA = {
 WORLDS = 2
 
 
-def renderers(simulation: Simulation) -> tuple[RasterRenderer, RasterRenderer, Trails]:
+def renderers(simulation: Simulation) -> tuple[Renderer, Renderer, Trails]:
     """Return a renderer that goes on, one that is to be closed before each frame, and the trails of both."""
     trails = Trails(np.arange(3), WORLDS)
     parts = simulation.scenario, simulation.model, simulation.state, simulation.sensors
-    keeps, forgets = (make_renderer("raster", *parts, trails=trails) for _ in range(2))
-    assert isinstance(keeps, RasterRenderer)
-    assert isinstance(forgets, RasterRenderer)
+    keeps, forgets = (Renderer(*parts, trails=trails) for _ in range(2))
     return keeps, forgets, trails
 
 
@@ -59,10 +56,10 @@ def test_what_is_kept_is_not_drawn_again(monkeypatch: pytest.MonkeyPatch) -> Non
         keeps.frame()
         simulation.step()
     first, drawn = keeps.frame(), list[int]()
-    easel = keeps._easel
-    assert easel is not None
-    assert len(easel.wakes.items) == 3
-    monkeypatch.setattr(easel.wakes, "keep", lambda world, *_: drawn.append(world))
+    painter = keeps._painter
+    assert painter is not None
+    assert len(painter.kept_trails.items) == 3
+    monkeypatch.setattr(painter.kept_trails, "keep", lambda world, *_: drawn.append(world))
     assert np.array_equal(keeps.frame(), first)
     assert drawn == []
     simulation.step()

@@ -13,10 +13,10 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.trails import Trails
 
 MOST_NUMBERS = 4096
-"""A wake of more numbers than that is drawn anew for each frame."""
+"""A trail of more numbers than that is drawn anew for each frame."""
 
 
-class Wakes:
+class KeptTrails:
     """Keeps the latest such picture of each world.
 
     Args:
@@ -32,8 +32,8 @@ class Wakes:
     """
 
     def __init__(self, live: Any, model: WorldModel, trails: Trails, room: int, end: int) -> None:
-        is_wake = (live["kind"] == records.GHOSTS) & (live["every"] > 1)
-        count = min(int(np.argmin(np.append(is_wake, False))), end)
+        is_kept = (live["kind"] == records.GHOSTS) & (live["every"] > 1)
+        count = min(int(np.argmin(np.append(is_kept, False))), end)
         self.items, self.others = live[:count], live[count:]
         self._model, self._trails, self._room = model, trails, room
         bodies = [int(body) for body in self.items["body"]]

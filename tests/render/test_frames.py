@@ -1,4 +1,4 @@
-"""The raster renderer: any size and view, odd states, threads, plain Python, and no matplotlib."""
+"""Frames: any size and view, odd states, threads, plain Python, and no matplotlib; figures show the same."""
 
 from __future__ import annotations
 
@@ -12,16 +12,18 @@ from typing import Any
 import numpy as np
 import pytest
 from hand_made import Body, World, box, disc, make_world, wall
+from pixels import of_renderer
 from skimage.metrics import structural_similarity
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.engine.shards import Shards
+from irsim_gym.render import Renderer
 from irsim_gym.render.colours import colour
-from irsim_gym.render.easel import Share
-from irsim_gym.render.raster_renderer import RasterRenderer
+from irsim_gym.render.frame_painter import Share
 from irsim_gym.scenario.colors import NAMES
-from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
+from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure, WorldPlot
 
+WHOLE = SavedFigure(bbox_inches="standard")
 EVERYTHING = ObjectPlot(show_text=True, show_goal_text=True, show_trail=True, trail_freq=1, show_fov=True)
 
 
@@ -40,8 +42,8 @@ def crowd(world: WorldPlot | None = None, n_worlds: int = 1) -> World:
     return make_world(bodies, plot=world, n_worlds=n_worlds)
 
 
-def raster(world: World, **options: Any) -> RasterRenderer:
-    return RasterRenderer(world.scenario, world.model, world.state, world.sensors, learners=[0], **options)
+def raster(world: World, **options: Any) -> Renderer:
+    return Renderer(world.scenario, world.model, world.state, world.sensors, learners=[0], **options)
 
 
 def similarity(one: Bytes, other: Bytes) -> float:
@@ -51,9 +53,9 @@ def similarity(one: Bytes, other: Bytes) -> float:
 
 @pytest.mark.parametrize("size", [(16, 16), (17, 41), (90, 400), (700, 60), (333, 222)])
 def test_every_size_is_drawn_as_matplotlib_draws_it(size: tuple[int, int]) -> None:
-    world = crowd()
-    expected, drawn = world.renderer(learners=[0], size=size).frame(), raster(world, size=size).frame()
-    assert similarity(expected, drawn) > 0.9
+    renderer = raster(crowd(WorldPlot(saved_figure=WHOLE)), size=size)
+    drawn = renderer.frame()
+    assert similarity(of_renderer(renderer), drawn) > 0.9
     assert drawn.flags.c_contiguous
     assert drawn.flags.owndata or drawn.base is not None
 
@@ -61,30 +63,26 @@ def test_every_size_is_drawn_as_matplotlib_draws_it(size: tuple[int, int]) -> No
 @pytest.mark.parametrize(
     "plot",
     [
-        WorldPlot(viewpoint=(2.0, 9.5)),
-        WorldPlot(no_axis=True),
-        WorldPlot(title="A title that is far too long for a picture of this size", tight=False),
-        WorldPlot(show_title=False),
+        WorldPlot(saved_figure=WHOLE, viewpoint=(2.0, 9.5)),
+        WorldPlot(saved_figure=WHOLE, no_axis=True),
+        WorldPlot(saved_figure=WHOLE, title="A title that is too long for a picture of this size", tight=False),
+        WorldPlot(saved_figure=WHOLE, show_title=False),
     ],
     ids=["viewpoint", "no axis", "title", "no title"],
 )
 def test_options_of_the_world_are_those_of_matplotlib(plot: WorldPlot) -> None:
-    world = crowd(plot)
-    expected, drawn = world.renderer(learners=[0], size=(400, 400)), raster(world, size=(400, 400))
+    renderer = raster(crowd(plot), size=(400, 400))
     for status in ("running", "collision", "left_world", "three of four"):
-        assert similarity(expected.frame(0, status), drawn.frame(0, status)) > 0.96
+        assert similarity(of_renderer(renderer, status), renderer.frame(0, status)) > 0.96
 
 
 def test_looking_closer_and_farther() -> None:
-    world = crowd()
-    expected, drawn = world.renderer(learners=[0]), raster(world)
-    whole = drawn.frame()
+    renderer = raster(crowd(WorldPlot(saved_figure=WHOLE)))
+    whole = renderer.frame()
     for limits in ((2.0, 3.0, 5.0, 6.0), (-20.0, -20.0, 30.0, 30.0), (40.0, 40.0, 41.0, 41.0), None):
-        expected.look_at(limits)
-        drawn.look_at(limits)
-        assert drawn.layout == expected.layout
-        assert similarity(expected.frame(), drawn.frame()) > 0.96
-    np.testing.assert_array_equal(drawn.frame(), whole)
+        renderer.look_at(limits)
+        assert similarity(of_renderer(renderer), renderer.frame()) > 0.96
+    np.testing.assert_array_equal(renderer.frame(), whole)
 
 
 @pytest.mark.parametrize("place", [(np.nan, 3.0), (np.inf, 3.0), (1e12, 3.0), (40.0, 3.0)])
@@ -155,7 +153,7 @@ def test_a_fixed_body_that_is_moved_is_drawn_at_its_new_place() -> None:
 
 
 def test_plain_python_draws_the_same_pixels() -> None:
-    tiny = "import test_raster_renderer as t; print(t.digest())"
+    tiny = "import test_frames as t; print(t.digest())"
     folder = Path(__file__).parent
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join([str(folder), *sys.path])}
     result = subprocess.run([sys.executable, "-c", tiny], env=environment, capture_output=True, text=True, check=False)
@@ -171,12 +169,12 @@ def test_matplotlib_is_not_loaded() -> None:
     script = """
 import sys
 from irsim_gym.engine import compile
-from irsim_gym.render import make_renderer
+from irsim_gym.render import Renderer
 from irsim_gym.scenario import load_scenario
 
 simulation = compile(load_scenario("empty_goal"), 1)
 simulation.reset(seed=0)
-renderer = make_renderer("raster", simulation.scenario, simulation.model, simulation.state, simulation.sensors)
+renderer = Renderer(simulation.scenario, simulation.model, simulation.state, simulation.sensors)
 print(renderer.frame().shape, sorted(name for name in sys.modules if name.startswith("matplotlib")))
 """
     result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)

@@ -12,11 +12,11 @@ from irsim_gym.raster.masks import paint_mask
 from irsim_gym.raster.sheets import paint
 from irsim_gym.raster.ways import add_way
 from irsim_gym.render import theme
+from irsim_gym.render.card import Head, whole_box
 from irsim_gym.render.colours import Colour, colour
 from irsim_gym.render.layout import Layout
 from irsim_gym.render.letters import Masks, Word
-from irsim_gym.render.raster_card import Head, whole_box
-from irsim_gym.render.raster_plan import LINE_STYLES
+from irsim_gym.render.plan import LINE_STYLES
 from irsim_gym.render.styles import faded
 from irsim_gym.world.marks import LineMark, Mark, Overlay, PointsMark, TextMark
 
@@ -106,7 +106,7 @@ class MarkPainter:
         """Add a line to a sheet."""
         room = np.empty((2 * len(places) + 4, 2))
         room[: len(places)] = places
-        add_way(sheet, box, room, len(places), width * self._point, closed, False, style, 0.0)
+        add_way(sheet, box, room, len(places), (width * self._point, style, 0.0), closed, False)
 
     def _write(self, picture: Bytes, layout: Layout, mark: TextMark) -> None:
         word = self._word(mark)

@@ -1,4 +1,4 @@
-"""What the raster renderer draws with: the plan, ready-made words, backdrops, and memory for each thread."""
+"""What frames are drawn with: the plan, ready-made words, backdrops, and memory for each thread."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from irsim_gym.raster.masks import paint_cells
 from irsim_gym.raster.play import draw_frames, draw_heads, draw_items
 from irsim_gym.raster.sheets import new_sheet
 from irsim_gym.render import theme
+from irsim_gym.render.card import Card, Head, plot_box, world_box
 from irsim_gym.render.colours import CLEAR, colour
+from irsim_gym.render.kept_trails import KeptTrails, rows_of
 from irsim_gym.render.layout import Layout
 from irsim_gym.render.letters import Masks
-from irsim_gym.render.raster_card import Card, Head, plot_box, world_box
-from irsim_gym.render.raster_images import Images
-from irsim_gym.render.raster_marks import MarkPainter, marks_by_layer
-from irsim_gym.render.raster_plan import FLAG, Plan
+from irsim_gym.render.mark_painter import MarkPainter, marks_by_layer
+from irsim_gym.render.plan import Plan
 from irsim_gym.render.reader import SceneReader
-from irsim_gym.render.wakes import Wakes, rows_of
+from irsim_gym.render.reduced_images import Images
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.marks import Overlay
 from irsim_gym.world.model import WorldModel
@@ -40,7 +40,7 @@ Share = Callable[[Callable[[Shard], None], Ints], None]
 """Runs a function on shares of given numbers, perhaps on several threads; ``Shards.run`` of the engine is one."""
 
 
-class Easel:
+class FramePainter:
     """Draws pictures of worlds; made with the first one.
 
     Args:
@@ -58,9 +58,9 @@ class Easel:
     Attributes:
         plan: What is drawn.
         point: Pixels in a point of type.
-        wakes: Pictures with the outlines that bodies left behind.
-        painter: Paints what somebody laid over the worlds.
-        covered: The highest layer of what is drawn once; what lies over worlds in a lower one needs another easel.
+        kept_trails: Pictures with the outlines that bodies left behind.
+        marks: Paints what somebody laid over the worlds.
+        covered: The highest layer of what is drawn once; what lies over worlds in a lower one needs another one.
     """
 
     def __init__(
@@ -111,10 +111,10 @@ class Easel:
         )
         self._disc_rows = rows_of(model.disc_start, model.disc_count, self._fixed, model.local_discs.shape[1])
         below = int(np.searchsorted(self.plan.layers, lowest, "right"))
-        self.wakes = Wakes(self.plan.live, model, reader.trails, self._room, below)
-        kept = self.plan.layers[: len(self.wakes.items)]
+        self.kept_trails = KeptTrails(self.plan.live, model, reader.trails, self._room, below)
+        kept = self.plan.layers[: len(self.kept_trails.items)]
         self.covered = max(self.plan.covered, kept.max(initial=-np.inf))
-        self.painter = MarkPainter(self.point, layout, shows_title=self._head is not None)
+        self.marks = MarkPainter(self.point, layout, shows_title=self._head is not None)
 
     def draw(
         self, worlds: Ints, statuses: Sequence[str], layouts: Sequence[Layout], overlays: Sequence[Overlay]
@@ -180,8 +180,8 @@ class Easel:
             while len(self._backdrops) >= self._room:
                 self._backdrops.pop(next(iter(self._backdrops)))
             self._backdrops[key] = backdrop
-        for world, (wake, picture) in job.new_wakes.items():
-            self.wakes.keep(world, wake, picture)
+        for world, (trail, picture) in job.new_trails.items():
+            self.kept_trails.keep(world, trail, picture)
 
     def look(self, layouts: Sequence[Layout]) -> records.Look:
         """Return where the worlds are on their pictures."""
@@ -196,7 +196,7 @@ class Easel:
             views=np.array([view for view, _ in places]),
             boxes=np.array([boxes for _, boxes in places]),
             bounds=self._model.bounds,
-            flag=np.array(FLAG) * self.point,
+            flag=np.array(theme.FLAG) * self.point,
             flagged=self.plan.flagged,
         )
 
@@ -207,8 +207,8 @@ class Easel:
         whole, rim = np.array([0, 0, layout.width, layout.height]), np.array([0, 0, 1, 1])
         return np.array([*inner, plot, whole, np.minimum(inner[0] + rim, whole[[2, 3, 2, 3]])], np.int64)
 
-    def tables(self, worlds: Ints) -> tuple[Any, ...]:
-        """Return what kernels read of the simulation, in the order of ``play.draw_items``."""
+    def source(self, worlds: Ints) -> records.Source:
+        """Return what kernels read of the simulation."""
         model, state, groups = self._model, self._state, self.plan.groups
         rows = [group.arrays["ranges"][worlds].reshape(len(worlds), -1) for group in groups]
         ranges = np.concatenate([np.zeros((len(worlds), 0), np.float32), *rows], axis=1, dtype=np.float32)
@@ -219,13 +219,15 @@ class Easel:
                 found = group.arrays["radial_velocity"][worlds].reshape(row.shape)
                 speeds[:, first : first + row.shape[1]] = found
             first += row.shape[1]
-        return (
+        return records.Source(
             self.plan.scans,
             records.Model(*(getattr(model, name) for name in records.Model._fields)),
             records.State(*(getattr(state, name) for name in records.State._fields)),
             records.Readings(self.plan.angles, ranges, speeds, self._explored),
             records.Past(*self._reader.trails.tables()),
-            records.Prints(self._masks.levels, self._masks.rows, self._images.pixels, self._images.rows),
+            records.Prints(
+                self._masks.levels, self._masks.rows, self._images.pixels, self._images.rows, self.plan.corners
+            ),
         )
 
     def words(self, worlds: Ints, statuses: Sequence[str], overlays: Sequence[Overlay]) -> tuple[Ints, Ints, Floats]:
@@ -261,49 +263,49 @@ class Easel:
 
 
 class _Job:
-    """One call of ``Easel.draw``: what differs from picture to picture."""
+    """One call of ``FramePainter.draw``: what differs from picture to picture."""
 
     def __init__(
         self,
-        easel: Easel,
+        painter: FramePainter,
         pictures: Bytes,
         worlds: Ints,
         statuses: Sequence[str],
         layouts: Sequence[Layout],
         overlays: Sequence[Overlay],
     ) -> None:
-        self._easel, self._pictures, self._worlds, self._layouts = easel, pictures, worlds, layouts
+        self._painter, self._pictures, self._worlds, self._layouts = painter, pictures, worlds, layouts
         self._overlays = overlays
         self.new_backdrops: dict[tuple[Layout, bytes], Bytes] = {}
-        self.new_wakes: dict[int, tuple[Any, Bytes]] = {}
-        desk = easel.desk(0)
-        self._cards = {layout: easel.card(layout, desk) for layout in dict.fromkeys(layouts)}
-        self._look = easel.look(layouts)
-        self._words = easel.words(worlds, statuses, overlays)
-        easel.painter.prepare(overlays)
-        self._tables = easel.tables(worlds)  # with the masks of new words
+        self.new_trails: dict[int, tuple[Any, Bytes]] = {}
+        desk = painter.desk(0)
+        self._cards = {layout: painter.card(layout, desk) for layout in dict.fromkeys(layouts)}
+        self._look = painter.look(layouts)
+        self._words = painter.words(worlds, statuses, overlays)
+        painter.marks.prepare(overlays)
+        self._source = painter.source(worlds)  # with the masks of new words
         outcomes = [theme.status_colour(status) if theme.ends_episode(status) else None for status in statuses]
         self._tints = np.array([CLEAR if name is None else colour(name, 0.07) for name in outcomes])
         self._edges = np.array([CLEAR if name is None else colour(name, 0.9) for name in outcomes])
 
     def draw(self, shard: Shard) -> None:
         """Draw a share of the pictures."""
-        easel, frames, pictures = self._easel, shard.worlds, self._pictures
-        desk = easel.desk(shard.slot)
-        wakes = self._lay_ground(frames, desk)
+        painter, frames, pictures = self._painter, shard.worlds, self._pictures
+        desk = painter.desk(shard.slot)
+        kept_trails = self._lay_ground(frames, desk)
         draw_frames(pictures, frames, self._tints, 0.0, self._look, desk)
-        self._draw_wakes(frames, wakes, desk)
+        self._draw_kept_trails(frames, kept_trails, desk)
         self._draw_live(frames, desk)
-        draw_frames(pictures, frames, self._edges, 2.2 * easel.point, self._look, desk)
-        draw_heads(pictures, frames, *self._words, self._tables[-1], self._look.boxes)
+        draw_frames(pictures, frames, self._edges, 2.2 * painter.point, self._look, desk)
+        draw_heads(pictures, frames, *self._words, self._source.prints, self._look.boxes)
         for f in frames.tolist():
             if (title := self._overlays[f].title) is not None:
-                easel.painter.write_title(pictures[f], title)
+                painter.marks.write_title(pictures[f], title)
 
     def _draw_live(self, frames: Ints, desk: records.Desk) -> None:
         """Draw what is drawn anew for each picture, and between its layers what somebody laid over the worlds."""
-        easel = self._easel
-        items, layers = easel.wakes.others, easel.plan.layers[len(easel.wakes.items) :]
+        painter = self._painter
+        items, layers = painter.kept_trails.others, painter.plan.layers[len(painter.kept_trails.items) :]
         is_plain = np.array([not self._overlays[f].marks for f in frames.tolist()])
         if is_plain.any():
             self._draw_items(items, frames[is_plain], desk)
@@ -312,47 +314,46 @@ class _Job:
             for layer, marks in marks_by_layer(self._overlays[f]):
                 end = int(np.searchsorted(layers, layer, "right"))
                 self._draw_items(items[first:end], frame, desk)
-                easel.painter.paint(self._pictures[f], desk.sheet, self._look.boxes[f, records.WORLD], layout, marks)
+                painter.marks.paint(self._pictures[f], desk.sheet, self._look.boxes[f, records.WORLD], layout, marks)
                 first = end
             self._draw_items(items[first:], frame, desk)
 
     def _draw_items(self, items: Any, frames: Ints, desk: records.Desk) -> None:
         """Draw rows of the plan on some pictures."""
-        scans, model, state, readings, past, prints = self._tables
-        draw_items(
-            self._pictures, frames, self._worlds, items, scans, model, state, readings, past, prints, self._look, desk
-        )
+        draw_items(self._pictures, frames, self._worlds, items, self._source, self._look, desk)
 
     def _lay_ground(self, frames: Ints, desk: records.Desk) -> dict[int, Any]:
         """Draw what never moves, or copy it from a picture with the same.
 
         Returns:
-            The keys of the pictures whose wakes are still to be drawn; None for a wake that is not to be kept.
+            The keys of the pictures whose trails are still to be drawn; None for one that is not to be kept.
         """
-        easel, missing, wakes = self._easel, {}, {}
+        painter, missing, kept_trails = self._painter, {}, {}
         for f in frames.tolist():
             layout, world = self._layouts[f], int(self._worlds[f])
-            key = easel.backdrop_key(world, layout)
-            wake = None if self._tints[f, 3] > 0.0 else easel.wakes.key(world, key)
-            known = None if wake is None else easel.wakes.known(world, wake)
+            key = painter.backdrop_key(world, layout)
+            trail = None if self._tints[f, 3] > 0.0 else painter.kept_trails.key(world, key)
+            known = None if trail is None else painter.kept_trails.known(world, trail)
             if known is None:
-                wakes[f] = wake
-                known = easel.known_backdrop(key)
+                kept_trails[f] = trail
+                known = painter.known_backdrop(key)
             if known is None:
                 missing[f], known = key, self._cards[layout]
             np.copyto(self._pictures[f], known)
         if missing:
             chosen = np.array(list(missing), np.int64)
-            self._draw_items(easel.plan.ground, chosen, desk)
+            self._draw_items(painter.plan.ground, chosen, desk)
             self.new_backdrops |= {key: self._pictures[f].copy() for f, key in missing.items()}
-        return wakes
+        return kept_trails
 
-    def _draw_wakes(self, frames: Ints, wakes: dict[int, Any], desk: records.Desk) -> None:
+    def _draw_kept_trails(self, frames: Ints, kept_trails: dict[int, Any], desk: records.Desk) -> None:
         """Draw what bodies left behind, where that is not known."""
-        if wakes and len(self._easel.wakes.items):
-            self._draw_items(self._easel.wakes.items, np.array(list(wakes), np.int64), desk)
-            found = {int(self._worlds[f]): (key, self._pictures[f]) for f, key in wakes.items() if key is not None}
-            self.new_wakes |= {world: (key, picture.copy()) for world, (key, picture) in found.items()}
+        if kept_trails and len(self._painter.kept_trails.items):
+            self._draw_items(self._painter.kept_trails.items, np.array(list(kept_trails), np.int64), desk)
+            found = {
+                int(self._worlds[f]): (key, self._pictures[f]) for f, key in kept_trails.items() if key is not None
+            }
+            self.new_trails |= {world: (key, picture.copy()) for world, (key, picture) in found.items()}
 
 
 def look_from(layout: Layout) -> Floats:
