@@ -10,6 +10,7 @@ from math import prod
 from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from irsim_gym.structs import Struct
 
@@ -30,7 +31,7 @@ class Column:
     """
 
     axes: tuple[str, ...]
-    dtype: type[Any]
+    dtype: DTypeLike
     unit: str
     meaning: str
 
@@ -47,7 +48,7 @@ class Column:
         return sizes[axis]
 
 
-def column(axes: str, dtype: type[Any], unit: str, meaning: str) -> Any:
+def column(axes: str, dtype: DTypeLike, unit: str, meaning: str) -> Any:
     """Declare an array field of an ``Arrays`` dataclass; ``axes`` is separated by spaces."""
     return dataclasses.field(metadata={"column": Column(tuple(axes.split()), dtype, unit, meaning)})
 
