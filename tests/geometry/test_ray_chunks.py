@@ -9,12 +9,21 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
+import irsim_gym as ig
 from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK, clear_depths, lay_beams, prepare_segments, rough_angle, span
 from irsim_gym.sensors.casting import cast_chunk
+from irsim_gym.sensors.tables import Eye
+from irsim_gym.world.group import Group
 from tests.geometry.ray_rooms import N_BEAMS, beams, random_room, steady, textbook
 from tests.geometry.shapes import closed
 
 FAR = 30.0
+
+
+def scanner() -> Group:
+    """Return a scanner with tables of its own."""
+    robot = {"kinematics": {"name": "diff"}, "sensors": [{"name": "lidar2d", "number": 4}]}
+    return ig.compile(ig.load_scenario({"robot": robot})).sensors[0]
 
 
 def cast(
@@ -33,18 +42,18 @@ def cast(
     density = (len(angles) - 1) / (angles[-1] - angles[0]) if narrow else 0.0
     kernels: Any = (cast_chunk, lay_beams, clear_depths)
     chunk, lay, clear = (kernel.py_func if plain else kernel for kernel in kernels)
-    rays, inverse = np.full(3 * len(laid), np.nan, np.float32), np.full(len(laid), np.nan, np.float32)
-    scratch = np.zeros(14 * CHUNK, np.float32), np.zeros(8 * CHUNK, np.int32)
-    beams_of_it = np.float32(angles[0]), np.float32(density), x, y, *scratch, rays, inverse
+    tables = scanner().tables
+    tables.first, tables.density, tables.beams_x, tables.beams_y = float(angles[0]), float(density), x[None], y[None]
+    tables.rays, tables.inverse = (np.full((1, n * len(laid)), np.nan, np.float32) for n in (3, 1))
+    rays, table = tables.rays[0], np.asarray(segments, np.float64).reshape(-1, 4)
     lay(x, y, rays)
     clear(rays)
-    table, near = np.asarray(segments, np.float64).reshape(-1, 4), np.zeros((3, CHUNK))
     rounds = np.asarray(discs, np.float64).reshape(-1, 3)
-    near[:, : len(rounds)] = rounds.T
-    limits, eye = np.full(CHUNK, np.inf), (0.0, 0.0, np.cos(heading), np.sin(heading), far)
+    tables.rounds.reshape(3, CHUNK)[:, : len(rounds)] = rounds.T
+    tables.limits[:] = np.inf
+    eye = Eye(0.0, 0.0, float(np.cos(heading)), float(np.sin(heading)))
     for k, rows in enumerate(np.array_split(table, max(-(-len(table) // CHUNK), 1))):
-        n_rounds = len(rounds) if k == 0 else 0
-        assert chunk(len(rows), n_rounds, rows.ravel(), limits, near.ravel(), *eye, *beams_of_it) == 0
+        assert chunk(len(rows), len(rounds) if k == 0 else 0, rows.ravel(), eye, far, 0, 0, tables) == 0
     found = rays.reshape(-1, 3, BLOCK)[:, 0].ravel()[: len(angles)]
     return np.divide(1.0, found, out=np.full(len(angles), np.inf), where=found > 0.0, dtype=np.float64)
 
