@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints, Record
 from irsim_gym.engine.cell_contact import find_cell_contacts, measure_cell_clearance
 from irsim_gym.engine.crowd import find_near_contacts, measure_near_clearance
 from irsim_gym.engine.pairs import note_contact
@@ -27,11 +25,6 @@ def find(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> No
     """Write ``state.collided``, ``state.hit`` and ``state.stopped``."""
     begin_contacts(shard.worlds, model, state)
     _find_pairs(movers, False, model, state, shard)
-    stop(model, state, shard)
-
-
-def stop(model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Write ``state.stopped``: who is held in place, those that never move included, as in IR-SIM."""
     stop_bodies(shard.worlds, model, state)
 
 
@@ -133,7 +126,7 @@ def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: WorldModel
 
 
 @kernel(inlined=True)
-def room_left(disc: Floats, room: Any) -> float:
+def room_left(disc: Floats, room: Record) -> float:
     """Return the distance [m] within which a disc (x, y, radius) surely meets nothing; not above 0 if none is known.
 
     Args:
@@ -146,7 +139,7 @@ def room_left(disc: Floats, room: Any) -> float:
 
 @kernel
 def stop_bodies(worlds: Ints, model: WorldModel, state: WorldState) -> None:
-    """Hold collided bodies in place as the collision mode says."""
+    """Write ``state.stopped``: who is held in place; it may never move, as in IR-SIM."""
     mode = model.collision_mode[0]
     for w in worlds:
         for b in range(state.collided.shape[1]):
@@ -187,8 +180,8 @@ def clearance(
 @kernel
 def fill(worlds: Ints, value: float, distance: Floats) -> None:
     """Write one number [m] into the rows ``(n_worlds, n_bodies)`` of some worlds."""
-    for i in range(worlds.shape[0]):
-        distance[worlds[i], :] = value
+    for w in worlds:
+        distance[w, :] = value
 
 
 @kernel
