@@ -10,6 +10,7 @@ from irsim_gym.geometry.ray_chunks import (
     AWAY,
     BLOCK,
     CHUNK,
+    Eye,
     clear_depths,
     lay_beams,
     list_kept,
@@ -22,7 +23,7 @@ from irsim_gym.geometry.ray_chunks import (
 )
 from irsim_gym.geometry.rays import inverse_depth_disc, inverse_depth_segment
 from irsim_gym.jit import kernel
-from irsim_gym.sensors.tables import Eye, ScanTables, beam_row, mount
+from irsim_gym.sensors.tables import ScanTables, beam_row, mount
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
@@ -58,7 +59,7 @@ def cast_discs(discs: Floats, eye: Eye, beams_x: Rays, beams_y: Rays, inverse: R
 @kernel
 def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, state: WorldState) -> None:
     """Write the ranges of all members in all given worlds."""
-    sides, limits, rounds, rays = tables.sides[slot], tables.limits[slot], tables.rounds[slot], tables.rays[slot]
+    ends, limits, discs, rays = tables.ends[slot], tables.limits[slot], tables.discs[slot], tables.rays[slot]
     laid = -1
     for w in worlds:
         reaches, rows, rings = model.reach[row_of(model.reach, w)], state.segments[w], state.discs[w]
@@ -80,9 +81,9 @@ def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, 
                     continue
                 for d in range(model.disc_start[b], model.disc_start[b] + n_discs[b]):
                     if n_rounds == CHUNK:
-                        n_sides = n_rounds = cast_chunk(n_sides, n_rounds, sides, eye, far, row, slot, tables)
-                    rounds[n_rounds], rounds[n_rounds + CHUNK] = rings[d, 0] - eye.x, rings[d, 1] - eye.y
-                    rounds[n_rounds + 2 * CHUNK] = rings[d, 2]
+                        n_sides = n_rounds = cast_chunk(n_sides, n_rounds, ends, eye, far, row, slot, tables)
+                    discs.x[n_rounds], discs.y[n_rounds] = rings[d, 0] - eye.x, rings[d, 1] - eye.y
+                    discs.radius[n_rounds] = rings[d, 2]
                     n_rounds += 1
                 start, end, limit = model.segment_start[b], model.segment_start[b] + n_segments[b], 0.0
                 if not model.solid[b] or (
@@ -91,18 +92,18 @@ def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, 
                     limit = np.inf
                 for s in range(start, end):
                     if n_sides == CHUNK:
-                        n_sides = n_rounds = cast_chunk(n_sides, n_rounds, sides, eye, far, row, slot, tables)
+                        n_sides = n_rounds = cast_chunk(n_sides, n_rounds, ends, eye, far, row, slot, tables)
                     for c in range(4):
-                        sides[4 * n_sides + c] = rows[s, c]
+                        ends[4 * n_sides + c] = rows[s, c]
                     limits[n_sides] = limit
                     n_sides += 1
-            cast_chunk(n_sides, n_rounds, sides, eye, far, row, slot, tables)
+            cast_chunk(n_sides, n_rounds, ends, eye, far, row, slot, tables)
             write_ranges(rays, tables.cast_min[k], far, tables.ranges[w, k])
 
 
 @kernel(inlined=True)
 def cast_chunk(
-    n_sides: int, n_rounds: int, sides: Floats, eye: Eye, far: float, row: int, slot: int, tables: ScanTables
+    n_sides: int, n_rounds: int, ends: Floats, eye: Eye, far: float, row: int, slot: int, tables: ScanTables
 ) -> int:
     """Cast against segments, which may be seen edge-on, and discs, which may hold the sensor; return 0, what is left.
 
@@ -110,39 +111,35 @@ def cast_chunk(
 
     Args:
         n_sides: Number of segments.
-        n_rounds: Number of discs, which are ``tables.rounds``.
-        sides: Ends of the segments, as ``tables.sides``.
+        n_rounds: Number of discs, which are ``tables.discs``.
+        ends: Ends of the segments, as ``tables.ends``.
         eye: The sensor.
         far: Its range [m].
         row: Its beams.
         slot: Whose scratch memory.
     """
-    x, y, cosine, sine = eye
     first, density = np.float32(tables.first), np.float32(tables.density)
-    rounds, rays, inverse = tables.rounds[slot], tables.rays[slot], tables.inverse[slot]
-    slopes, spans, bows, arcs = tables.slopes[slot], tables.spans[slot], tables.bows[slot], tables.arcs[slot]
+    discs, sides, rounds = tables.discs[slot], tables.sides[slot], tables.rounds[slot]
+    rays, inverse = tables.rays[slot], tables.inverse[slot]
     n_beams, whole_lanes = inverse.shape[0], (n_rounds + 7) // 8 * 8
     for j in range(n_rounds, whole_lanes):
-        rounds[j], rounds[j + 2 * CHUNK] = 1.0, 0.0
-    n_edges = prepare_segments(n_sides, x, y, cosine, sine, far, sides, tables.limits[slot], slopes, spans)
-    n_around = prepare_discs(whole_lanes, cosine, sine, rounds, bows, arcs)
-    span_segments(n_sides, n_beams, first, density, slopes, spans)
-    span_discs(n_rounds, n_beams, first, density, bows, arcs)
-    raise_by_segments(list_kept(n_sides, spans), slopes, spans, rays)
-    raise_by_discs(list_kept(n_rounds, arcs), bows, arcs, rays)
+        discs.x[j], discs.radius[j] = 1.0, 0.0
+    n_edges = prepare_segments(n_sides, eye, far, ends, tables.limits[slot], sides)
+    n_around = prepare_discs(whole_lanes, eye, discs, rounds)
+    span_segments(n_sides, n_beams, first, density, sides)
+    span_discs(n_rounds, n_beams, first, density, rounds)
+    raise_by_segments(list_kept(n_sides, sides), sides, rays)
+    raise_by_discs(list_kept(n_rounds, rounds), rounds, rays)
     if n_edges + n_around > 0:
         beams_x, beams_y = tables.beams_x[row], tables.beams_y[row]
         for i in range(inverse.shape[0]):
             inverse[i] = np.float32(0.0)
         for j in range(n_sides):
-            if spans[j] < 0:
-                ax, ay = slopes[j + 5 * CHUNK], slopes[j + 6 * CHUNK]
-                bx, by = slopes[j + 7 * CHUNK], slopes[j + 8 * CHUNK]
-                inverse_depth_segment(ax, ay, bx, by, beams_x, beams_y, inverse)
+            if sides.mark[j] < 0:
+                inverse_depth_segment(sides.ax[j], sides.ay[j], sides.bx[j], sides.by[j], beams_x, beams_y, inverse)
         for j in range(n_rounds):
-            if arcs[j] < 0:
-                radius = np.float32(rounds[j + 2 * CHUNK])
-                inverse_depth_disc(bows[j], bows[j + CHUNK], radius, beams_x, beams_y, inverse)
+            if rounds.mark[j] < 0:
+                inverse_depth_disc(rounds.x[j], rounds.y[j], np.float32(discs.radius[j]), beams_x, beams_y, inverse)
         for i in range(inverse.shape[0]):
             at = i // BLOCK * AWAY + i % BLOCK
             rays[at] = max(rays[at], inverse[i])

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays, Records
+from irsim_gym.geometry.ray_chunks import Eye
 from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
 from irsim_gym.sensors.casting import cast_discs, cast_segments
-from irsim_gym.sensors.tables import Eye, ScanTables, beam_row, mount_pose
+from irsim_gym.sensors.tables import ScanTables, beam_row, mount_pose
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState

@@ -28,8 +28,8 @@ def is_small(model: WorldModel) -> bool:
 @kernel
 def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, state: WorldState) -> None:
     """Write the ranges of all members in all given worlds, as ``cast_bodies`` does for any world."""
-    limits, rounds, rays = tables.limits[slot], tables.rounds[slot], tables.rays[slot]
-    discs, owners, areas = tables.discs[slot], tables.owners[slot], tables.areas[slot]
+    limits, discs, rays = tables.limits[slot], tables.discs[slot], tables.rays[slot]
+    seen, owners, areas = tables.seen[slot], tables.owners[slot], tables.areas[slot]
     laid, n_rings, n_areas = -1, 0, 0
     is_noted, is_shared = False, model.segment_count.shape[0] == 1 and model.disc_count.shape[0] == 1
     for w in worlds:
@@ -54,9 +54,9 @@ def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, st
                     limits[start : start + count], is_noted = np.inf, False
             n_rounds = 0
             for m in range(n_rings):
-                d = discs[m]
+                d = seen[m]
                 dx, dy, within = rings[d, 0] - eye.x, rings[d, 1] - eye.y, far + rings[d, 2]
-                rounds[n_rounds], rounds[n_rounds + CHUNK], rounds[n_rounds + 2 * CHUNK] = dx, dy, rings[d, 2]
+                discs.x[n_rounds], discs.y[n_rounds], discs.radius[n_rounds] = dx, dy, rings[d, 2]
                 n_rounds += (owners[m] != own) & (dx * dx + dy * dy <= within * within)
             if row != laid:
                 lay_beams(tables.beams_x[row], tables.beams_y[row], rays)
@@ -78,7 +78,7 @@ def count_present(present: Flags) -> int:
 @kernel
 def note_rows(w: int, slot: int, tables: ScanTables, model: WorldModel) -> tuple[int, int]:
     """Write from which sides segments are seen, and list discs and areas; return the numbers of both."""
-    limits, discs, owners, areas = tables.limits[slot], tables.discs[slot], tables.owners[slot], tables.areas[slot]
+    limits, seen, owners, areas = tables.limits[slot], tables.seen[slot], tables.owners[slot], tables.areas[slot]
     n_segments = model.segment_count[row_of(model.segment_count, w)]
     n_discs = model.disc_count[row_of(model.disc_count, w)]
     n_rings, n_areas = 0, 0
@@ -88,7 +88,7 @@ def note_rows(w: int, slot: int, tables: ScanTables, model: WorldModel) -> tuple
         if model.unobstructed[b] or not model.present[w, b]:
             continue
         for d in range(model.disc_start[b], model.disc_start[b] + n_discs[b]):
-            discs[n_rings], owners[n_rings] = d, b
+            seen[n_rings], owners[n_rings] = d, b
             n_rings += 1
         for s in range(model.segment_start[b], model.segment_start[b] + n_segments[b]):
             limits[s] = 0.0 if model.solid[b] else np.inf

@@ -10,12 +10,12 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Rays
 from irsim_gym.geometry.cell_rays import N_FLOATS, N_INTEGERS
 from irsim_gym.geometry.polygons import contains_point
-from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK
+from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK, DISCS, ROUNDS, SIDES, Eye
 from irsim_gym.sensors import hits, noise
 from irsim_gym.sensors.casting import cast_bodies, cast_discs, cast_segments
 from irsim_gym.sensors.cell_scan import scan_cells
 from irsim_gym.sensors.room_casting import cast_room, is_small
-from irsim_gym.sensors.tables import Eye, ScanTables
+from irsim_gym.sensors.tables import ScanTables
 from irsim_gym.world.arrays import aligned
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
@@ -82,17 +82,15 @@ def prepare(
         beams_y=np.tile(np.sin(directions).astype(np.float32), (n_rows, 1)),
         ranges=ranges,
         hit=np.full(ranges.shape if finds_hits else (0, 0, 0), -1, np.int64),
-        sides=np.zeros((n_slots, 4 * CHUNK)),
+        ends=np.zeros((n_slots, 4 * CHUNK)),
         limits=np.zeros((n_slots, CHUNK)),
-        rounds=np.zeros((n_slots, 3 * CHUNK)),
-        slopes=aligned((n_slots, 9 * CHUNK), np.float32),
-        spans=aligned((n_slots, 4 * CHUNK), np.int32),
-        bows=aligned((n_slots, 5 * CHUNK), np.float32),
-        arcs=aligned((n_slots, 4 * CHUNK), np.int32),
+        discs=aligned((n_slots,), DISCS),
+        sides=aligned((n_slots,), SIDES),
+        rounds=aligned((n_slots,), ROUNDS),
         rays=aligned((n_slots, 3 * padded), np.float32),
         inverse=np.zeros((n_slots, padded), np.float32),
         nearest=np.zeros((n_slots, padded if finds_hits else 0), np.float32),
-        discs=np.zeros((n_slots, CHUNK), np.int64),
+        seen=np.zeros((n_slots, CHUNK), np.int64),
         owners=np.zeros((n_slots, CHUNK), np.int64),
         areas=np.zeros((n_slots, CHUNK), np.int64),
         walk_floats=aligned((n_slots, N_FLOATS), np.float32),

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Labels, Rays, Spans
+from irsim_gym.arraytypes import Floats, Ints, Labels, Rays, Records
 from irsim_gym.geometry.angles import turned
+from irsim_gym.geometry.ray_chunks import Eye
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct
 
@@ -38,17 +38,15 @@ class ScanTables(Struct):
         beams_y: Sines of ``cast_angles``, as ``beams_x``.
         ranges: The readings [m], shape ``(n_worlds, n_members, n_beams)``.
         hit: Body that each beam hits, -1 for none; shaped as ``ranges``, empty unless velocities are reported.
-        sides: Ends of segments [m], one after the other: ax, ay, bx, by, shape ``(n_slots, 4 * CHUNK)``.
+        ends: Ends of segments [m], one after the other: ax, ay, bx, by, shape ``(n_slots, 4 * CHUNK)``.
         limits: From which sides segments are seen, see ``prepare_segments``, shape ``(n_slots, CHUNK)``.
-        rounds: Discs: x, y relative to the sensor and radius [m], shape ``(n_slots, 3 * CHUNK)``.
-        slopes: Coefficients of segments, see ``prepare_segments``, shape ``(n_slots, 9 * CHUNK)``.
-        spans: Beams that may meet segments, see ``span_segments``, shape ``(n_slots, 4 * CHUNK)``.
-        bows: Coefficients of discs, see ``prepare_discs``, shape ``(n_slots, 5 * CHUNK)``.
-        arcs: Beams that may meet discs, see ``span_discs``, shape ``(n_slots, 4 * CHUNK)``.
+        discs: Discs, ``DISCS``, shape ``(n_slots,)``.
+        sides: What beams need to know of the segments, ``SIDES``, shape ``(n_slots,)``.
+        rounds: What beams need to know of the discs, ``ROUNDS``, shape ``(n_slots,)``.
         rays: Inverse depths and directions, see ``lay_beams``, shape ``(n_slots, 3 * n_padded)``.
         inverse: Inverse depths [1/m], shape ``(n_slots, n_padded)``.
         nearest: Inverse depths of the nearest body [1/m], shape ``(n_slots, n_padded)``; empty as ``hit`` is.
-        discs: Discs that can be seen, shape ``(n_slots, CHUNK)``.
+        seen: Discs that can be seen, shape ``(n_slots, CHUNK)``.
         owners: Bodies of these discs, shape ``(n_slots, CHUNK)``.
         areas: Bodies with an inside, shape ``(n_slots, CHUNK)``.
         walk_floats: See ``geometry.cell_rays``, shape ``(n_slots, N_FLOATS)``.
@@ -70,37 +68,19 @@ class ScanTables(Struct):
     beams_y: Rays
     ranges: Rays
     hit: Ints
-    sides: Floats
+    ends: Floats
     limits: Floats
-    rounds: Floats
-    slopes: Rays
-    spans: Spans
-    bows: Rays
-    arcs: Spans
+    discs: Records
+    sides: Records
+    rounds: Records
     rays: Rays
     inverse: Rays
     nearest: Rays
-    discs: Ints
+    seen: Ints
     owners: Ints
     areas: Ints
     walk_floats: Rays
     walk_integers: Labels
-
-
-class Eye(NamedTuple):
-    """Where a sensor is, in the world frame.
-
-    Attributes:
-        x: Its place [m].
-        y: Its place [m].
-        cosine: Cosine of its heading.
-        sine: Sine of its heading.
-    """
-
-    x: float
-    y: float
-    cosine: float
-    sine: float
 
 
 @kernel(inlined=True)

@@ -53,7 +53,7 @@ def column(axes: str, dtype: DTypeLike, unit: str, meaning: str) -> Any:
     return dataclasses.field(metadata={"column": Column(tuple(axes.split()), dtype, unit, meaning)})
 
 
-def aligned(shape: tuple[int, ...], dtype: type[Any]) -> Any:
+def aligned(shape: tuple[int, ...], dtype: DTypeLike) -> Any:
     """Return zeros that begin at a cache line: vectors that lie across two of them cost half as much again."""
     n_bytes = int(np.prod(shape)) * np.dtype(dtype).itemsize
     room = np.zeros(n_bytes + CACHE_LINE, np.uint8)

@@ -10,14 +10,24 @@ import shapely
 from numpy.typing import NDArray
 
 import irsim_gym as ig
-from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK, clear_depths, lay_beams, prepare_segments, rough_angle, span
+from irsim_gym.geometry.ray_chunks import (
+    BLOCK,
+    CHUNK,
+    SIDES,
+    Eye,
+    clear_depths,
+    lay_beams,
+    prepare_segments,
+    rough_angle,
+    span,
+)
 from irsim_gym.sensors.casting import cast_chunk
-from irsim_gym.sensors.tables import Eye
 from irsim_gym.world.group import Group
 from tests.geometry.ray_rooms import N_BEAMS, beams, random_room, steady, textbook
 from tests.geometry.shapes import closed
 
 FAR = 30.0
+NUMBERS = [name for name in SIDES.names or () if SIDES[name].base == np.float32]
 
 
 def scanner() -> Group:
@@ -49,7 +59,8 @@ def cast(
     lay(x, y, rays)
     clear(rays)
     rounds = np.asarray(discs, np.float64).reshape(-1, 3)
-    tables.rounds.reshape(3, CHUNK)[:, : len(rounds)] = rounds.T
+    for name, values in zip(("x", "y", "radius"), rounds.T, strict=True):
+        tables.discs[name][0, : len(rounds)] = values
     tables.limits[:] = np.inf
     eye = Eye(0.0, 0.0, float(np.cos(heading)), float(np.sin(heading)))
     for k, rows in enumerate(np.array_split(table, max(-(-len(table) // CHUNK), 1))):
@@ -137,13 +148,13 @@ def test_what_is_out_of_range_or_shows_its_back_is_left_out() -> None:
         (9.0, 1.0, 5.0, 4.0),
         (-1.0, 3.0, 1.0, 3.0),
     ]
-    slopes, spans = np.zeros(9 * CHUNK, np.float32), np.zeros(4 * CHUNK, np.int32)
+    sides, eye = np.zeros(1, SIDES)[0], Eye(0.0, 0.0, 1.0, 0.0)
     table, limits = np.array(rows).ravel(), np.zeros(CHUNK)  # the body lies to the left of the way from a to b
-    assert prepare_segments(len(rows), 0.0, 0.0, 1.0, 0.0, 6.5, table, limits, slopes, spans) == 0
-    assert spans[: len(rows)].tolist() == [0, 1, 0, 0, 1]
+    assert prepare_segments(len(rows), eye, 6.5, table, limits, sides) == 0
+    assert sides.mark[: len(rows)].tolist() == [0, 1, 0, 0, 1]
     limits[:] = np.inf
-    assert prepare_segments(len(rows), 0.0, 0.0, 1.0, 0.0, 6.5, table, limits, slopes, spans) == 0
-    assert spans[: len(rows)].tolist() == [1, 1, 0, 1, 1]
+    assert prepare_segments(len(rows), eye, 6.5, table, limits, sides) == 0
+    assert sides.mark[: len(rows)].tolist() == [1, 1, 0, 1, 1]
 
 
 @pytest.mark.parametrize("count", [1, 7, 8, 9, 15, 16, 24, 64])
@@ -151,13 +162,15 @@ def test_any_number_of_segments_is_prepared(count: int) -> None:
     rng = np.random.default_rng(count)
     rows = rng.uniform(-5.0, 5.0, (CHUNK, 4))
     rows[count:] = np.nan
-    slopes, spans = np.full(9 * CHUNK, np.nan, np.float32), np.full(4 * CHUNK, 9, np.int32)
-    given = (1.0, 0.5, np.cos(0.3), np.sin(0.3), 4.0)
-    assert prepare_segments(count, *given, rows.ravel(), np.full(CHUNK, np.inf), slopes, spans) == 0
+    sides, eye = np.zeros(1, SIDES)[0], Eye(1.0, 0.5, float(np.cos(0.3)), float(np.sin(0.3)))
+    for name in NUMBERS:
+        sides[name][:] = np.nan
+    sides.mark[:] = 9
+    assert prepare_segments(count, eye, 4.0, rows.ravel(), np.full(CHUNK, np.inf), sides) == 0
     away = shapely.distance(shapely.linestrings(rows[:count].reshape(-1, 2, 2)), shapely.Point(1.0, 0.5))
-    assert spans[:count].tolist() == (away <= 4.0).astype(int).tolist()
-    assert np.isfinite(slopes.reshape(9, CHUNK)[:, :count]).all()
-    assert (spans[count:CHUNK] == 9).all()
+    assert sides.mark[:count].tolist() == (away <= 4.0).astype(int).tolist()
+    assert all(np.isfinite(sides[name][:count]).all() for name in NUMBERS)
+    assert (sides.mark[count:] == 9).all()
 
 
 def test_rough_angles_are_near_enough() -> None:
