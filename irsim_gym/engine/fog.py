@@ -104,9 +104,9 @@ def lay_fog(scenario: Scenario, sensors: Sequence[Group], model: WorldModel) -> 
         if body.role == "robot" and b not in scanning and body.fov is not None and body.fov_radius is not None
     ]
     bodies, widths, depths = zip(*watching, strict=True) if watching else ((), (), ())
-    explored = np.zeros((len(model.present), columns, rows), np.bool_)
+    (x, y), explored = world.offset, np.zeros((len(model.present), columns, rows), np.bool_)
     return Fog(
-        FogCells(*map(float, world.offset), world.width / columns, world.height / rows, explored),
+        FogCells(float(x), float(y), world.width / columns, world.height / rows, explored),
         [_scans(group, model) for group in sensors if group.kind.reading == "ranges" and "cast_angles" in group.arrays],
         Watchers(np.array(bodies, np.int64), np.array(widths, np.float64), np.array(depths, np.float64)),
     )

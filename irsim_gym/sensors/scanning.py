@@ -63,17 +63,17 @@ def prepare(
     padded, spread = -(-n_beams // BLOCK) * BLOCK, angles[-1] - angles[0]
     directions = np.concatenate([angles, np.zeros(padded - n_beams)])
     n_rows = n_worlds * n_members if first.noise else 1
-    range_min = np.array([option.range_min for option in group.options])
-    range_max = np.array([option.range_max for option in group.options])
-    ranges = np.tile(range_max.astype(np.float32)[None, :, None], (n_worlds, 1, n_beams))
+    names = "offset", "range_min", "range_max", "std", "angle_std"
+    given = {name: np.array([getattr(one, name) for one in group.options], np.float64) for name in names}
+    ranges = np.tile(given["range_max"].astype(np.float32)[None, :, None], (n_worlds, 1, n_beams))
     tables = group.tables = ScanTables(
         members=group.members,
-        offset=np.array([option.offset for option in group.options], np.float64),
-        range_min=range_min,
-        range_max=range_max,
-        cast_min=np.zeros(n_members) if first.noise or finds_hits else range_min,
-        range_std=np.array([option.std for option in group.options]),
-        angle_std=np.array([option.angle_std for option in group.options]),
+        offset=given["offset"],
+        range_min=given["range_min"],
+        range_max=given["range_max"],
+        cast_min=np.zeros(n_members) if first.noise or finds_hits else given["range_min"],
+        range_std=given["std"],
+        angle_std=given["angle_std"],
         first=float(angles[0]),
         density=0.0 if first.noise or spread == 0.0 else float((n_beams - 1) / spread),
         angles=angles,
