@@ -85,13 +85,13 @@ class Tables(Struct):
     pair: tuple
 
 @kernel
-def inner(table, row):
-    return table[row]
+def inner(tables, row):
+    first, records = tables.pair
+    return first[0, row], records[0].near[row]
 
 @kernel
 def outer(tables, row):
-    first, records = tables.pair
-    return inner(first[0], row), records[0].near[row]
+    return inner(tables, row)
 
 records = np.zeros(2, np.dtype((np.record, [("near", np.float64, (3,))])))
 tables = Tables((np.zeros((2, 3)), records))
