@@ -181,12 +181,15 @@ def test_a_kernel_on_disk_may_allocate(tmp_path: Path) -> None:
     """The least circle around a square with sides of 2 m: sqrt(2) = 1.414."""
     use = """
 import numpy as np
-from irsim_gym.engine.body_measures import measure_bodies
-one, none, corners = np.zeros(1, np.int64), np.zeros((1, 1), np.int64), [[-1, -1], [1, -1], [1, 1], [-1, 1]]
-sides = np.array([[[*corners[k - 1], *corners[k]] for k in range(4)]], float)
-radius, centroid = np.zeros((1, 1)), np.zeros((1, 1, 2))
-measure_bodies(one, one, np.ones(1, bool), one, none + 4, sides, one, none, np.zeros((1, 0, 3)), radius, centroid)
-assert abs(radius[0, 0] - 2**0.5) < 1e-9, radius
+from irsim_gym.engine.body_measures import measure
+from irsim_gym.world.model import WorldModel
+sizes = dict.fromkeys(("disc", "map_column", "map_row", "map_box", "waypoint"), 0)
+model = WorldModel.allocate({**sizes, "world": 1, "body": 1, "segment": 4})
+corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
+model.local_segments[0] = [[*corners[k - 1], *corners[k]] for k in range(4)]
+model.segment_count[:], model.solid[:], one = 4, True, np.zeros(1, np.int64)
+measure(one, one, model)
+assert abs(model.radius[0, 0] - 2**0.5) < 1e-9, model.radius
 """
     assert compilations(tmp_path, use) > 0
     assert compilations(tmp_path, use) == 0

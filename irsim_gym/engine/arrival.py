@@ -8,25 +8,9 @@ from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import wrap
 from irsim_gym.jit import kernel
 from irsim_gym.rng import uniform
-from irsim_gym.world.group import Shard
-from irsim_gym.world.model import LOOP, STATE, WANDER, WorldModel
+from irsim_gym.world.model import KEEP_GOAL, STATE, WANDER, WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
-
-
-def check(goal_bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Write ``goal_distance`` and ``arrived``; a goal that is not the last one gives way to the next."""
-    check_arrival(shard.worlds, goal_bodies, model, state)
-
-
-def measure(goal_bodies: Ints, state: WorldState, shard: Shard) -> None:
-    """Write ``goal_distance`` alone, as at the start, where nobody arrives yet."""
-    measure_distance(shard.worlds, goal_bodies, state)
-
-
-def renew(goal_bodies: Ints, loop_returns: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Give bodies that arrived and wander or loop their next goals."""
-    renew_goals(shard.worlds, goal_bodies, loop_returns, model, state)
 
 
 @kernel(inlined=True)
@@ -39,7 +23,7 @@ def goal_gap(pose: Floats, goal: Floats, with_heading: bool) -> float:
 
 @kernel
 def measure_distance(worlds: Ints, goal_bodies: Ints, state: WorldState) -> None:
-    """Write the distances to the goals."""
+    """Write ``goal_distance`` alone, as at the start, where nobody arrives yet."""
     for w in worlds:
         for b in goal_bodies:
             state.goal_distance[w, b] = goal_gap(state.pose[w, b], state.goal[w, b], False)
@@ -47,14 +31,16 @@ def measure_distance(worlds: Ints, goal_bodies: Ints, state: WorldState) -> None
 
 @kernel
 def check_arrival(worlds: Ints, goal_bodies: Ints, model: WorldModel, state: WorldState) -> None:
-    """Compare each body with its goal; arrival is strictly nearer than the threshold."""
+    """Write ``goal_distance`` and ``arrived``; a goal that is not the last one gives way to the next.
+
+    A body arrives when it is strictly nearer than the threshold.
+    """
     for w in worlds:
         for b in goal_bodies:
             with_heading = model.arrive_mode[b] == STATE
             near = goal_gap(state.pose[w, b], state.goal[w, b], with_heading)
-            state.arrived[w, b] = (
-                model.present[w, b] and near < model.goal_threshold[row_of(model.goal_threshold, w), b]
-            )
+            threshold = model.goal_threshold[row_of(model.goal_threshold, w), b]
+            state.arrived[w, b] = model.present[w, b] and near < threshold
             goes_on = state.arrived[w, b] and state.waypoint[w, b] + 1 < state.waypoint_end[w, b]
             if goes_on:
                 state.waypoint[w, b] += 1
@@ -74,22 +60,22 @@ def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Worl
     """
     for w in worlds:
         for b in goal_bodies:
-            if not state.arrived[w, b] or state.stopped[w, b]:
+            if not state.arrived[w, b] or state.stopped[w, b] or model.goal_renewal[b] == KEEP_GOAL:
                 continue
-            if model.goal_renewal[b] == WANDER:
-                for axis in range(3):
-                    model.waypoints[w, b, 0, axis] = uniform(
-                        state.random, w, model.wander_low[b, axis], model.wander_high[b, axis]
-                    )
-                state.waypoint_end[w, b] = 1
-            elif model.goal_renewal[b] == LOOP:
-                state.waypoint_end[w, b] = model.waypoint_count[w, b]
-            else:
-                continue
-            state.waypoint[w, b] = 0
-            for axis in range(3):
-                state.goal[w, b, axis] = model.waypoints[w, b, 0, axis]
+            begin_round(w, b, model, state)
             state.arrived[w, b] = False
         for b in loop_returns:
             if model.arrive_mode[b] != STATE and state.waypoint_end[w, b] > 1:
                 state.goal[w, b, 2] = np.nan
+
+
+@kernel(inlined=True)
+def begin_round(w: int, b: int, model: WorldModel, state: WorldState) -> None:
+    """Give a body the first of its goals; a wandering body draws it."""
+    wanders = model.goal_renewal[b] == WANDER
+    state.waypoint[w, b], state.waypoint_end[w, b] = 0, 1 if wanders else model.waypoint_count[w, b]
+    for axis in range(3):
+        if wanders:
+            low, high = model.wander_low[b, axis], model.wander_high[b, axis]
+            model.waypoints[w, b, 0, axis] = uniform(state.random, w, low, high)
+        state.goal[w, b, axis] = model.waypoints[w, b, 0, axis]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from irsim_gym.arraytypes import CellMap, Floats, Ints
+from irsim_gym.engine.pairs import note_contact
 from irsim_gym.geometry.cell_room import room_about
 from irsim_gym.geometry.cells import outline_cells_distance, outline_meets_cells
 from irsim_gym.jit import kernel
@@ -16,10 +17,8 @@ def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMap, model: WorldM
     """Note which bodies touch an occupied cell, for them and for the map's own body."""
     own = int(cells[0][4])
     for w in worlds:
-        n_segments, n_discs = (
-            model.segment_count[row_of(model.segment_count, w)],
-            model.disc_count[row_of(model.disc_count, w)],
-        )
+        n_segments = model.segment_count[row_of(model.segment_count, w)]
+        n_discs = model.disc_count[row_of(model.disc_count, w)]
         for b in bodies:
             if b == own or model.unobstructed[b] or not model.present[w, b] or not model.present[w, own]:
                 continue
@@ -35,9 +34,7 @@ def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMap, model: WorldM
                 n_discs[b],
                 model.solid[b],
             ):
-                state.collided[w, b], state.collided[w, own] = True, True
-                state.hit[w, b] = own if state.hit[w, b] < 0 else min(state.hit[w, b], own)
-                state.hit[w, own] = b if state.hit[w, own] < 0 else min(state.hit[w, own], b)
+                note_contact(w, b, own, state)
 
 
 @kernel
@@ -47,10 +44,8 @@ def measure_cell_clearance(
     """Lower the surface distances of bodies [m], shape ``(n_worlds, n_bodies)``, to that of the nearest cell."""
     own = int(cells[0][4])
     for w in worlds:
-        n_segments, n_discs = (
-            model.segment_count[row_of(model.segment_count, w)],
-            model.disc_count[row_of(model.disc_count, w)],
-        )
+        n_segments = model.segment_count[row_of(model.segment_count, w)]
+        n_discs = model.disc_count[row_of(model.disc_count, w)]
         for k in range(bodies.shape[0]):
             b = bodies[k]
             if b == own or not model.present[w, own]:

@@ -4,38 +4,25 @@ from __future__ import annotations
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.jit import kernel
-from irsim_gym.world.group import Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 
-def apply(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Write ``state.velocity``: the command within velocity and acceleration limits; zero for a stopped body."""
-    limit_velocity(shard.worlds, movers, model, state)
-
-
 @kernel
 def limit_velocity(worlds: Ints, movers: Ints, model: WorldModel, state: WorldState) -> None:
-    """Clip each component to [max(v_min, v - a dt), min(v_max, v + a dt)].
+    """Write ``state.velocity``: the command clipped to [max(v_min, v - a dt), min(v_max, v + a dt)] in each component.
 
-    The upper end wins where the interval is empty. A body that nobody commands stands still, whatever its limits.
+    The upper end wins where the interval is empty. Stopped bodies stand still, and so do those that nobody commands.
     """
     dt = model.step_time[0]
     for w in worlds:
-        slowest, fastest = (
-            model.velocity_min[row_of(model.velocity_min, w)],
-            model.velocity_max[row_of(model.velocity_max, w)],
-        )
+        slowest = model.velocity_min[row_of(model.velocity_min, w)]
+        fastest = model.velocity_max[row_of(model.velocity_max, w)]
         sharpest = model.acceleration_limit[row_of(model.acceleration_limit, w)]
         for b in movers:
-            asked, now, low, high, change = (
-                state.command[w, b],
-                state.velocity[w, b],
-                slowest[b],
-                fastest[b],
-                sharpest[b],
-            )
+            asked, now = state.command[w, b], state.velocity[w, b]
+            low, high, change = slowest[b], fastest[b], sharpest[b]
             is_asked = asked[0] != 0.0 or asked[1] != 0.0 or asked[2] != 0.0
             is_free = model.present[w, b] and not state.stopped[w, b] and (model.driven[b] or is_asked)
             for axis in range(3):

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints, Record
 from irsim_gym.engine.cell_contact import find_cell_contacts, measure_cell_clearance
 from irsim_gym.engine.crowd import find_near_contacts, measure_near_clearance
+from irsim_gym.engine.pairs import note_contact
 from irsim_gym.geometry.overlap import disc_meets_outline, disc_outline_distance, outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
@@ -17,20 +18,13 @@ from irsim_gym.world.state import WorldState
 NOBODY = -1
 
 SURE = 1e-6
-"""What is known of the room around a disc is taken for this much less [m]; rounding is far smaller."""
-
-OutlineTables = tuple[Flags, Flags, Flags, Floats, Ints, Ints, Floats, Ints, Ints, Floats]
+"""A disc's ``room`` counts as this much less [m]; rounding is far smaller."""
 
 
 def find(movers: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write ``state.collided``, ``state.hit`` and ``state.stopped``."""
     begin_contacts(shard.worlds, model, state)
-    _find_pairs(movers, model, state, shard, model.static_known[:0])
-    stop(model, state, shard)
-
-
-def stop(model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Write ``state.stopped``: who is held in place, those that never move included, as in IR-SIM."""
+    _find_pairs(movers, False, model, state, shard)
     stop_bodies(shard.worlds, model, state)
 
 
@@ -41,43 +35,18 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
     """
     worlds, may_recall = shard.worlds, bool(model.rigid[0]) and model.bucket_frame[3] == 0.0 and model.cells is None
     recall_contacts(worlds, bodies, may_recall, model, state)
-    _find_pairs(bodies, model, state, shard, model.static_known)
+    _find_pairs(bodies, True, model, state, shard)
     note_partners(worlds, model, state)
 
 
-def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard, known: Flags) -> None:
+def _find_pairs(bodies: Ints, is_static: bool, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write who touches whom: all pairs, or near ones through the buckets where there are any; then the map."""
-    outline = _outline(model, state)
     if model.bucket_frame[3] > 0.0:
-        buckets = (model.bucket_frame, state.bucket_first, state.bucket_next, state.nearby)
-        find_near_contacts(
-            shard.worlds, bodies, model.movable, *outline, state.pose, *buckets, state.collided, state.hit
-        )
+        find_near_contacts(shard.worlds, bodies, model, state)
     else:
-        clear = state.pose, state.room, known
-        find_contacts(shard.worlds, bodies, model.movable, *outline, *clear, state.collided, state.hit)
+        find_contacts(shard.worlds, bodies, is_static, model, state)
     if (cells := model.cells) is not None:
-        touch_cells(bodies, cells, model, state, shard)
-
-
-def touch_cells(bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Add the contacts of ``bodies`` with the obstacle map."""
-    find_cell_contacts(shard.worlds, bodies, cells, model, state)
-
-
-def _outline(model: WorldModel, state: WorldState) -> OutlineTables:
-    return (
-        model.present,
-        model.unobstructed,
-        model.solid,
-        model.reach,
-        model.segment_start,
-        model.segment_count,
-        state.segments,
-        model.disc_start,
-        model.disc_count,
-        state.discs,
-    )
+        find_cell_contacts(shard.worlds, bodies, cells, model, state)
 
 
 @kernel
@@ -103,7 +72,7 @@ def note_partners(worlds: Ints, model: WorldModel, state: WorldState) -> None:
         model.static_known[w] = True
         for b in range(state.hit.shape[1]):
             model.static_partner[w, b] = state.hit[w, b]
-            state.room[w, b, 2] = 0.0
+            state.room[w, b].gap = 0.0
 
 
 @kernel
@@ -116,85 +85,61 @@ def begin_contacts(worlds: Ints, model: WorldModel, state: WorldState) -> None:
 
 
 @kernel
-def find_contacts(
-    worlds: Ints,
-    bodies: Ints,
-    movable: Flags,
-    present: Flags,
-    unobstructed: Flags,
-    solid: Flags,
-    reach: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    segments: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    discs: Floats,
-    pose: Floats,
-    room: Floats,
-    known: Flags,
-    collided: Flags,
-    hit: Ints,
-) -> None:
-    """Test each of ``bodies`` against every other body; pairs of listed bodies that can move alike are met once.
+def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: WorldModel, state: WorldState) -> None:
+    """Test each of ``bodies`` against every other body.
 
-    Closed sets: touching counts. Bodies marked unobstructed touch nobody. Discs that ``room`` shows to be clear of
-    everything are not tested, and nobody in worlds that are ``known``, if that says anything.
+    Sets are closed: touching counts. Unobstructed bodies touch nobody. Skips discs whose ``room`` rules out contact.
+
+    Args:
+        worlds: The worlds to treat.
+        bodies: The bodies to test; a pair of them that both can move, or both cannot, is tested once.
+        is_static: Skip worlds whose static contacts are known.
     """
     for w in worlds:
-        if known.shape[0] > 0 and known[w]:
+        if is_static and model.static_known[w]:
             continue
-        reaches, rows, rounds, here, there = (
-            reach[row_of(reach, w)],
-            segments[w],
-            discs[w],
-            pose[w],
-            present[w],
-        )
-        n_segments, n_discs = (
-            segment_count[row_of(segment_count, w)],
-            disc_count[row_of(disc_count, w)],
-        )
+        here, there, segments, discs = state.pose[w], model.present[w], state.segments[w], state.discs[w]
+        reaches = model.reach[row_of(model.reach, w)]
+        n_segments = model.segment_count[row_of(model.segment_count, w)]
+        n_discs = model.disc_count[row_of(model.disc_count, w)]
         for b in bodies:
-            if unobstructed[b] or not there[b]:
+            if model.unobstructed[b] or not there[b]:
                 continue
-            x, y, own, moves, d = here[b, 0], here[b, 1], reaches[b], movable[b], disc_start[b]
+            x, y, own, moves, d = here[b, 0], here[b, 1], reaches[b], model.movable[b], model.disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
-            if is_disc and room[w, b, 2] > SURE and room_left(rounds[d], room[w, b]) > 0.0:
+            if is_disc and state.room[w, b].gap > SURE and room_left(discs[d], state.room[w, b]) > 0.0:
                 continue
             for q in range(there.shape[0]):
                 dx, dy, near = here[q, 0] - x, here[q, 1] - y, own + reaches[q]
-                if dx * dx + dy * dy > near * near * (1.0 + 1e-12) or q == b or unobstructed[q] or not there[q]:
+                if dx * dx + dy * dy > near * near * (1.0 + 1e-12) or q == b or model.unobstructed[q] or not there[q]:
                     continue
-                if (movable[q] == moves and q < b) or (movable[q] and not moves):
+                if (model.movable[q] == moves and q < b) or (model.movable[q] and not moves):
                     continue
-                other = segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q]
+                other = model.segment_start[q], n_segments[q], discs, model.disc_start[q], n_discs[q], model.solid[q]
                 if is_disc:
-                    meets = disc_meets_outline(rounds[d, 0], rounds[d, 1], rounds[d, 2], rows, *other)
+                    meets = disc_meets_outline(discs[d, 0], discs[d, 1], discs[d, 2], segments, *other)
                 else:
-                    whole = segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b]
-                    meets = outlines_overlap(rows, *whole, rows, *other)
+                    whole = model.segment_start[b], n_segments[b], discs, d, n_discs[b], model.solid[b]
+                    meets = outlines_overlap(segments, *whole, segments, *other)
                 if meets:
-                    collided[w, b], collided[w, q] = True, True
-                    hit[w, b] = q if hit[w, b] < 0 else min(hit[w, b], q)
-                    hit[w, q] = b if hit[w, q] < 0 else min(hit[w, q], b)
+                    note_contact(w, b, q, state)
 
 
 @kernel(inlined=True)
-def room_left(disc: Floats, room: Floats) -> float:
+def room_left(disc: Floats, room: Record) -> float:
     """Return the distance [m] within which a disc (x, y, radius) surely meets nothing; not above 0 if none is known.
 
     Args:
         disc: Where it is now.
-        room: Where it was, and up to where [m] nothing was from its edge, while the others stand still.
+        room: Its record in ``state.room``; the other bodies have not moved since.
     """
-    dx, dy = disc[0] - room[0], disc[1] - room[1]
-    return float(room[2] - SURE - np.sqrt(dx * dx + dy * dy))
+    dx, dy = disc[0] - room.x, disc[1] - room.y
+    return float(room.gap - SURE - np.sqrt(dx * dx + dy * dy))
 
 
 @kernel
 def stop_bodies(worlds: Ints, model: WorldModel, state: WorldState) -> None:
-    """Hold collided bodies in place as the collision mode says."""
+    """Write ``state.stopped``: who is held in place; it may never move, as in IR-SIM."""
     mode = model.collision_mode[0]
     for w in worlds:
         for b in range(state.collided.shape[1]):
@@ -224,12 +169,10 @@ def clearance(
 
     Where there are buckets they have to be up to date.
     """
-    outline = _outline(model, state)
     if model.bucket_frame[3] > 0.0:
-        buckets = (model.bucket_frame, state.bucket_first, state.bucket_next, state.nearby)
-        measure_near_clearance(shard.worlds, bodies, limit, *outline, state.pose, *buckets, distance)
+        measure_near_clearance(shard.worlds, bodies, limit, model, state, distance)
     else:
-        measure_clearance(shard.worlds, bodies, only_mover, limit, *outline, state.pose, state.room, distance)
+        measure_clearance(shard.worlds, bodies, only_mover, limit, model, state, distance)
     if (cells := model.cells) is not None:
         measure_cell_clearance(shard.worlds, bodies, cells, model, state, distance)
 
@@ -237,60 +180,39 @@ def clearance(
 @kernel
 def fill(worlds: Ints, value: float, distance: Floats) -> None:
     """Write one number [m] into the rows ``(n_worlds, n_bodies)`` of some worlds."""
-    for i in range(worlds.shape[0]):
-        distance[worlds[i], :] = value
+    for w in worlds:
+        distance[w, :] = value
 
 
 @kernel
 def measure_clearance(
-    worlds: Ints,
-    bodies: Ints,
-    only_mover: int,
-    limit: Floats,
-    present: Flags,
-    unobstructed: Flags,
-    solid: Flags,
-    reach: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    segments: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    discs: Floats,
-    pose: Floats,
-    room: Floats,
-    distance: Floats,
+    worlds: Ints, bodies: Ints, only_mover: int, limit: Floats, model: WorldModel, state: WorldState, distance: Floats
 ) -> None:
-    """Write exact surface distances, passing over bodies that cannot be the nearest.
+    """Write exact surface distances, skipping bodies that cannot be the nearest.
 
-    That of a disc that is the only body that moves is noted in ``room``: until it has moved as far it touches nothing.
+    If the only body that moves is a disc, its distance is kept in ``state.room``: it touches nothing until it has moved
+    that far.
     """
     for w in worlds:
-        reaches, rows, rounds, here, there = (
-            reach[row_of(reach, w)],
-            segments[w],
-            discs[w],
-            pose[w],
-            present[w],
-        )
-        n_segments, n_discs = (
-            segment_count[row_of(segment_count, w)],
-            disc_count[row_of(disc_count, w)],
-        )
+        here, there, segments, discs = state.pose[w], model.present[w], state.segments[w], state.discs[w]
+        reaches = model.reach[row_of(model.reach, w)]
+        n_segments = model.segment_count[row_of(model.segment_count, w)]
+        n_discs = model.disc_count[row_of(model.disc_count, w)]
         for k in range(bodies.shape[0]):
             b, best = bodies[k], limit[w, k]
-            x, y, own, d = here[b, 0], here[b, 1], reaches[b], disc_start[b]
+            x, y, own, d = here[b, 0], here[b, 1], reaches[b], model.disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
             for q in range(there.shape[0]):
                 dx, dy, near = here[q, 0] - x, here[q, 1] - y, best + own + reaches[q]
-                if dx * dx + dy * dy >= near * near or q == b or unobstructed[q] or not there[q]:
+                if dx * dx + dy * dy >= near * near or q == b or model.unobstructed[q] or not there[q]:
                     continue
-                other = segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q]
+                other = model.segment_start[q], n_segments[q], discs, model.disc_start[q], n_discs[q], model.solid[q]
                 if is_disc:
-                    best = disc_outline_distance(rounds[d, 0], rounds[d, 1], rounds[d, 2], rows, *other, best)
+                    best = disc_outline_distance(discs[d, 0], discs[d, 1], discs[d, 2], segments, *other, best)
                 else:
-                    whole = segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b]
-                    best = min(best, outline_distance(rows, *whole, rows, *other, best))
+                    whole = model.segment_start[b], n_segments[b], discs, d, n_discs[b], model.solid[b]
+                    best = min(best, outline_distance(segments, *whole, segments, *other, best))
             distance[w, k] = best
             if is_disc and b == only_mover:
-                room[w, b, 0], room[w, b, 1], room[w, b, 2] = rounds[d, 0], rounds[d, 1], best
+                room = state.room[w, b]
+                room.x, room.y, room.gap = discs[d, 0], discs[d, 1], best

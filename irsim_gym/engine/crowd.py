@@ -2,113 +2,82 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.engine.pairs import note_contact
 from irsim_gym.geometry.buckets import gather_nearby, square_of
 from irsim_gym.geometry.overlap import disc_outline_distance, outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
+from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
 
 ROUNDING = 1.0 + 1e-9
 
 
 @kernel
-def find_near_contacts(
-    worlds: Ints,
-    bodies: Ints,
-    movable: Flags,
-    present: Flags,
-    unobstructed: Flags,
-    solid: Flags,
-    reach: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    segments: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    discs: Floats,
-    pose: Floats,
-    frame: Floats,
-    bucket_first: Ints,
-    bucket_next: Ints,
-    nearby: Ints,
-    collided: Flags,
-    hit: Ints,
-) -> None:
+def find_near_contacts(worlds: Ints, bodies: Ints, model: WorldModel, state: WorldState) -> None:
     """Write the same flags as ``contact.find_contacts``, in time that grows with the bodies and not with their pairs.
 
-    Bodies in the buckets reach no farther than ``frame[5]``.
+    Bodies in the buckets reach no farther than ``model.bucket_frame[5]``.
     """
+    frame = model.bucket_frame
     for w in worlds:
-        found = nearby[w]
-        reaches, rows, rounds = reach[row_of(reach, w)], segments[w], discs[w]
-        n_segments, n_discs = segment_count[row_of(segment_count, w)], disc_count[row_of(disc_count, w)]
+        found, first, following = state.nearby[w], state.bucket_first[w], state.bucket_next[w]
+        here, there, segments, discs = state.pose[w], model.present[w], state.segments[w], state.discs[w]
+        reaches = model.reach[row_of(model.reach, w)]
+        n_segments = model.segment_count[row_of(model.segment_count, w)]
+        n_discs = model.disc_count[row_of(model.disc_count, w)]
         for b in bodies:
-            if unobstructed[b] or not present[w, b]:
+            if model.unobstructed[b] or not there[b]:
                 continue
-            x, y, within = pose[w, b, 0], pose[w, b, 1], reaches[b] * ROUNDING + frame[5]
-            for j in range(gather_nearby(x, y, within, frame, bucket_first[w], bucket_next[w], found)):
+            x, y, moves = here[b, 0], here[b, 1], model.movable[b]
+            within = reaches[b] * ROUNDING + frame[5]
+            for j in range(gather_nearby(x, y, within, frame, first, following, found)):
                 q = found[j]
-                if q == b or unobstructed[q] or not present[w, q]:
+                if q == b or model.unobstructed[q] or not there[q]:
                     continue
-                if (movable[q] == movable[b] and q < b) or (movable[q] and not movable[b]):
+                if (model.movable[q] == moves and q < b) or (model.movable[q] and not moves):
                     continue
-                dx, dy = pose[w, q, 0] - x, pose[w, q, 1] - y
-                near = reaches[b] + reaches[q]
+                dx, dy, near = here[q, 0] - x, here[q, 1] - y, reaches[b] + reaches[q]
                 if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
                     continue
-                if outlines_overlap(
-                    rows, segment_start[b], n_segments[b], rounds, disc_start[b], n_discs[b], solid[b],
-                    rows, segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q],
-                ):  # fmt: skip
-                    collided[w, b], collided[w, q] = True, True
-                    hit[w, b] = q if hit[w, b] < 0 else min(hit[w, b], q)
-                    hit[w, q] = b if hit[w, q] < 0 else min(hit[w, q], b)
+                whole = model.segment_start[b], n_segments[b], discs, model.disc_start[b], n_discs[b], model.solid[b]
+                other = model.segment_start[q], n_segments[q], discs, model.disc_start[q], n_discs[q], model.solid[q]
+                if outlines_overlap(segments, *whole, segments, *other):
+                    note_contact(w, b, q, state)
 
 
 @kernel
 def measure_near_clearance(
-    worlds: Ints,
-    bodies: Ints,
-    limit: Floats,
-    present: Flags,
-    unobstructed: Flags,
-    solid: Flags,
-    reach: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    segments: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    discs: Floats,
-    pose: Floats,
-    frame: Floats,
-    bucket_first: Ints,
-    bucket_next: Ints,
-    nearby: Ints,
-    distance: Floats,
+    worlds: Ints, bodies: Ints, limit: Floats, model: WorldModel, state: WorldState, distance: Floats
 ) -> None:
     """Write the same distances as ``contact.measure_clearance``: the search grows until nobody nearer can be left."""
+    frame = model.bucket_frame
     for w in worlds:
-        found, first, following = nearby[w], bucket_first[w], bucket_next[w]
-        reaches, rows, rounds, here, there = reach[row_of(reach, w)], segments[w], discs[w], pose[w], present[w]
-        n_segments, n_discs = segment_count[row_of(segment_count, w)], disc_count[row_of(disc_count, w)]
+        found, first, following = state.nearby[w], state.bucket_first[w], state.bucket_next[w]
+        here, there, segments, discs = state.pose[w], model.present[w], state.segments[w], state.discs[w]
+        reaches = model.reach[row_of(model.reach, w)]
+        n_segments = model.segment_count[row_of(model.segment_count, w)]
+        n_discs = model.disc_count[row_of(model.disc_count, w)]
         for k in range(bodies.shape[0]):
             b, best = bodies[k], limit[w, k]
-            x, y, own, d = here[b, 0], here[b, 1], reaches[b], disc_start[b]
+            x, y, own, d = here[b, 0], here[b, 1], reaches[b], model.disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
             within, is_open = own + frame[5] + frame[2], True
             while is_open:
                 for j in range(gather_nearby(x, y, within, frame, first, following, found)):
                     q = found[j]
                     dx, dy, near = here[q, 0] - x, here[q, 1] - y, best + own + reaches[q]
-                    if dx * dx + dy * dy >= near * near or q == b or unobstructed[q] or not there[q]:
+                    if dx * dx + dy * dy >= near * near or q == b or model.unobstructed[q] or not there[q]:
                         continue
-                    other = segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q]
+                    other = (
+                        model.segment_start[q], n_segments[q], discs, model.disc_start[q], n_discs[q], model.solid[q]
+                    )  # fmt: skip
                     if is_disc:
-                        best = disc_outline_distance(rounds[d, 0], rounds[d, 1], rounds[d, 2], rows, *other, best)
+                        best = disc_outline_distance(discs[d, 0], discs[d, 1], discs[d, 2], segments, *other, best)
                     else:
-                        whole = segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b]
-                        best = min(best, outline_distance(rows, *whole, rows, *other, best))
+                        whole = model.segment_start[b], n_segments[b], discs, d, n_discs[b], model.solid[b]
+                        best = min(best, outline_distance(segments, *whole, segments, *other, best))
                 is_open = best + own + frame[5] > within and not holds_all(x, y, within, frame)
                 within *= 2.0
             distance[w, k] = best

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import CellMap, Flags, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
 from irsim_gym.scenario.spec import Scenario
+from irsim_gym.structs import Struct
 from irsim_gym.world.group import Shard
 from irsim_gym.world.model import KEEP_GOAL, UNOBSTRUCTED, WorldModel
 from irsim_gym.world.rows import row_of
@@ -19,21 +20,19 @@ from irsim_gym.world.state import WorldState
 CELL_PER_REACH = 0.5
 
 
-@dataclass
-class ReachabilityCheck:
+@dataclass(repr=False)
+class ReachabilityCheck(Struct):
     """Agents whose ways are checked when a level is drawn, and the grid for it.
 
     Attributes:
         agents: Bodies, shape ``(n,)``.
         blocks: Scratch, shape ``(n_slots, body)``.
         tables: The grid and its memory, see ``paths.regions``.
-        rigid: No outline is drawn anew for each level.
     """
 
     agents: Ints
     blocks: Flags
     tables: WayTables
-    rigid: bool
 
 
 def reachability_check(
@@ -59,7 +58,6 @@ def reachability_check(
         agents=np.array(guarded, np.int64),
         blocks=np.zeros((n_slots, len(model.role)), np.bool_),
         tables=way_tables(grid, n_slots, len(model.role)),
-        rigid=bool(model.rigid[0]),
     )
 
 
@@ -67,59 +65,44 @@ def check(ways: ReachabilityCheck, model: WorldModel, state: WorldState, shard: 
     """Set ``failed`` to body + 1 in worlds where an agent has no way from its start through its goals."""
     if not len(ways.agents):
         return
-    check_ways(
-        shard.worlds,
-        ways.agents,
-        model,
-        (model.segment_start, model.segment_count, model.disc_start, model.disc_count),
-        (state.pose, state.segments, state.discs),
-        ways.blocks[shard.slot],
-        of_slot(ways.tables, shard.slot),
-        ways.rigid,
-        model.cells,
-        failed,
-    )
+    check_ways(shard.worlds, shard.slot, ways, of_slot(ways.tables, shard.slot), model.cells, model, state, failed)
 
 
 @kernel
 def check_ways(
     worlds: Ints,
-    agents: Ints,
+    slot: int,
+    ways: ReachabilityCheck,
+    tables: WayTables,
+    cells: CellMap | None,
     model: WorldModel,
-    tables: tuple[Ints, Ints, Ints, Ints],
-    scene: tuple[Floats, Floats, Floats],
-    blocks: Flags,
-    grid: WayTables,
-    rigid: bool,
-    map_cells: CellMap | None,
+    state: WorldState,
     failed: Ints,
 ) -> None:
     """Look for a way past all bodies that stand, from the start to the first goal and from each goal to the next."""
-    segment_start, segment_count, disc_start, disc_count = tables
-    pose, segments, discs = scene
+    blocks = ways.blocks[slot]
     for w in worlds:
-        for own in agents:
+        for own in ways.agents:
             if failed[w] > 0 or model.goal_renewal[own] != KEEP_GOAL:
                 continue
             for b in range(blocks.shape[0]):
                 blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b]
             outlines = (
-                segments[w],
-                segment_start,
-                segment_count[row_of(segment_count, w)],
-                discs[w],
-                disc_start,
-                disc_count[row_of(disc_count, w)],
+                state.segments[w],
+                model.segment_start,
+                model.segment_count[row_of(model.segment_count, w)],
+                state.discs[w],
+                model.disc_start,
+                model.disc_count[row_of(model.disc_count, w)],
                 model.solid,
                 blocks,
-                map_cells,
+                cells,
             )
-            x, y = pose[w, own, 0], pose[w, own, 1]
+            pose, radius = state.pose[w], model.reach[row_of(model.reach, w), own]
+            x, y = pose[own, 0], pose[own, 1]
             for g in range(model.waypoint_count[w, own]):
                 goal_x, goal_y = model.waypoints[w, own, g, 0], model.waypoints[w, own, g, 1]
-                if not way_exists(
-                    outlines, pose[w], rigid, model.reach[row_of(model.reach, w), own], x, y, goal_x, goal_y, grid
-                ):
+                if not way_exists(outlines, pose, model.rigid[0], radius, x, y, goal_x, goal_y, tables):
                     failed[w] = own + 1
                     break
                 x, y = goal_x, goal_y

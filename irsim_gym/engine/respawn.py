@@ -8,6 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.engine import arrival, body_buckets, contact, outlines, path_checks
+from irsim_gym.engine.arrival import begin_round
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.restart import forget_bodies
 from irsim_gym.engine.step import sense
@@ -16,7 +17,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.queries import has_free_path, standing_bodies
 from irsim_gym.rng import uniform
 from irsim_gym.world.group import Group, Shard
-from irsim_gym.world.model import KEEP_GOAL, WANDER, WorldModel
+from irsim_gym.world.model import KEEP_GOAL, WorldModel
 from irsim_gym.world.state import WorldState
 
 TRIES = 10
@@ -79,7 +80,7 @@ def respawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, bo
     begun[:, bodies] = chosen[shard.worlds]
     state.twist[shard.worlds] = np.where(begun[:, :, None], state.twist[shard.worlds], twist)
     body_buckets.refresh(bodies, model, state, shard)
-    arrival.measure(parts.goal_bodies, state, shard)
+    arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
     sense(parts, model, state, shard)
 
 
@@ -198,12 +199,4 @@ def begin_bodies(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, s
             for axis in range(3):
                 state.velocity[w, b, axis] = model.initial_velocity[b, axis]
             if model.has_goal[b]:
-                state.waypoint[w, b], state.waypoint_end[w, b] = 0, model.waypoint_count[w, b]
-                if model.goal_renewal[b] == WANDER:
-                    state.waypoint_end[w, b] = 1
-                    for axis in range(3):
-                        model.waypoints[w, b, 0, axis] = uniform(
-                            state.random, w, model.wander_low[b, axis], model.wander_high[b, axis]
-                        )
-                for axis in range(3):
-                    state.goal[w, b, axis] = model.waypoints[w, b, 0, axis]
+                begin_round(w, b, model, state)

@@ -8,14 +8,15 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints, Words
 from irsim_gym.engine import arrival, body_buckets, body_measures, contact, fog, outlines, path_checks
+from irsim_gym.engine.arrival import begin_round
 from irsim_gym.engine.fused import Fused
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
 from irsim_gym.jit import kernel
-from irsim_gym.rng import integer, uniform
+from irsim_gym.rng import integer
 from irsim_gym.world.group import Shard
-from irsim_gym.world.model import STATE, WANDER, WorldModel
+from irsim_gym.world.model import STATE, WorldModel
 from irsim_gym.world.state import WorldState
 
 LEVEL_TRIES = 100
@@ -50,8 +51,8 @@ def check_drawn(parts: Parts, state: WorldState, worlds: Ints) -> None:
 @kernel
 def refuse_failed(worlds: Ints, failed: Ints) -> None:
     """Fail if something failed in one of the worlds, ``(n,)``, so that what follows is not done."""
-    for i in range(worlds.shape[0]):
-        if failed[worlds[i]] > 0:
+    for w in worlds:
+        if failed[w] > 0:
             raise RuntimeError("a level could not be drawn")
 
 
@@ -82,8 +83,8 @@ def start(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> N
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)
     contact.find_static(parts.fixed, model, state, shard)
-    contact.stop(model, state, shard)
-    arrival.measure(parts.goal_bodies, state, shard)
+    contact.stop_bodies(shard.worlds, model, state)
+    arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
     sense(parts, model, state, shard)
 
 
@@ -121,8 +122,8 @@ def note_streams(worlds: Ints, streams: Words, random: Words, model: WorldModel)
 @kernel
 def copy_words(worlds: Ints, model: WorldModel, state: WorldState) -> None:
     """Copy the numbers of some worlds, shape ``(n_worlds,)``."""
-    for i in range(worlds.shape[0]):
-        model.level_random[worlds[i]] = state.random[worlds[i]]
+    for w in worlds:
+        model.level_random[w] = state.random[w]
 
 
 def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -182,18 +183,11 @@ def write_first_goals(
             for axis in range(3):
                 model.start[w, b, axis] = state.pose[w, b, axis]
         for b in goal_bodies:
-            state.waypoint[w, b], state.waypoint_end[w, b] = 0, model.waypoint_count[w, b]
-            if not model.present[w, b]:
+            if model.present[w, b]:
+                begin_round(w, b, model, state)
+            else:
+                state.waypoint[w, b], state.waypoint_end[w, b] = 0, model.waypoint_count[w, b]
                 state.goal[w, b, :] = np.nan
-                continue
-            if model.goal_renewal[b] == WANDER:
-                state.waypoint_end[w, b] = 1
-                for axis in range(3):
-                    model.waypoints[w, b, 0, axis] = uniform(
-                        state.random, w, model.wander_low[b, axis], model.wander_high[b, axis]
-                    )
-            for axis in range(3):
-                state.goal[w, b, axis] = model.waypoints[w, b, 0, axis]
         for b in loop_returns:
             state.waypoint_end[w, b] = 1
             for axis in range(3 if model.arrive_mode[b] == STATE else 2):

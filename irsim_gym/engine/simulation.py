@@ -85,7 +85,7 @@ class Simulation:
     @property
     def explored(self) -> Flags | None:
         """What the robots have seen, shape ``(n_worlds, columns, rows)``; None unless the file asks (``fog_map``)."""
-        return None if self.parts.fog is None else self.parts.fog.explored
+        return None if self.parts.fog is None else self.parts.fog.cells.explored
 
     @property
     def sensors(self) -> list[Group]:

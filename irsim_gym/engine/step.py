@@ -48,13 +48,13 @@ def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, or
     """Advance the shard's worlds by one step_time. This order is the specification."""
     for group in parts.group_behaviors:
         decide(group, model, state, shard)
-    arrival.renew(parts.goal_bodies, parts.loop_returns, model, state, shard)
+    arrival.renew_goals(shard.worlds, parts.goal_bodies, parts.loop_returns, model, state)
     for turn in parts.turns:
         for group in turn.behaviors if orders is None else orders.others(turn.behaviors):
             decide(group, model, state, shard)
         if orders is not None:
             orders.give(state, shard)
-        command_limits.apply(turn.movers, model, state, shard)
+        command_limits.limit_velocity(shard.worlds, turn.movers, model, state)
         for group in turn.kinematics:
             group.kind.move(group, model, state, shard)
         outlines.place(turn.movers, model, state, shard)
@@ -65,7 +65,7 @@ def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, or
         outlines.place(parts.everyone, model, state, shard)
         body_buckets.refresh(parts.everyone, model, state, shard)
     contact.find(parts.movers, model, state, shard)
-    arrival.check(parts.goal_bodies, model, state, shard)
+    arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)
     sense(parts, model, state, shard)
     if parts.fog is not None:
         fog.reveal(parts.fog, model, state, shard)
@@ -78,7 +78,7 @@ def refresh(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) ->
     body_buckets.refresh(parts.everyone, model, state, shard)
     contact.find_static(parts.fixed, model, state, shard)
     contact.find(parts.movers, model, state, shard)
-    arrival.check(parts.goal_bodies, model, state, shard)
+    arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)
     sense(parts, model, state, shard)
 
 
@@ -91,6 +91,6 @@ def sense(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> N
 @kernel
 def tick(worlds: Ints, model: WorldModel, state: WorldState) -> None:
     """Count the step; the time is a multiple of the step time, so it gathers no rounding."""
-    for i in range(worlds.shape[0]):
-        state.step[worlds[i]] += 1
-        state.time[worlds[i]] = state.step[worlds[i]] * model.step_time[0]
+    for w in worlds:
+        state.step[w] += 1
+        state.time[w] = state.step[w] * model.step_time[0]

@@ -2,8 +2,8 @@
 
 What ``geometry/rays.py`` does for one primitive is split here: first all primitives of a chunk are looked at in lanes
 (which of them can be seen, the coefficients of their inverse depth, which beams may meet them), then each one that is
-kept is cast against the beams of its span alone. All tables are flat with a stride of ``CHUNK``: constant offsets into
-one array let the compiler see that its parts do not overlap.
+kept is cast against the beams of its span alone. The tables of a chunk are the fields of one record: constant offsets
+from one address let the compiler see that they do not overlap.
 
 On the line through a and b the inverse depth of a beam with unit direction d is n.d with n = (by - ay, ax - bx) / (a x
 b); with m = a + b, the place on the segment, from -1 at a to 1 at b, is (q.d) / (n.d) with q = (-my, mx) / (a x b). So
@@ -12,9 +12,11 @@ a beam meets the segment where abs(q.d) <= n.d: two dot products, an absolute va
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Rays, Spans
+from irsim_gym.arraytypes import Floats, Rays, Record
 from irsim_gym.geometry.rays import EDGE_ON
 from irsim_gym.jit import kernel
 
@@ -27,9 +29,7 @@ BLOCK = 64
 LANES = 8
 """Numbers in float64 that are worked on at once."""
 
-ROW = np.uint64(CHUNK)
 ONE, TWO, THREE, FOUR = np.uint64(1), np.uint64(2), np.uint64(3), np.uint64(4)
-FIVE, SIX, SEVEN, EIGHT = np.uint64(5), np.uint64(6), np.uint64(7), np.uint64(8)
 """Unsigned, so that an index needs no test for negative numbers, which would keep the loop from running in lanes."""
 
 RUN = 16
@@ -50,64 +50,82 @@ HALF_TURN, TURN = 3.1415, 6.2831853
 """A little less than pi [rad], beyond which a direction is taken for one at the other end; and a full turn."""
 
 
+def _columns(dtype: type[np.generic], *names: str) -> list[tuple[str, type[np.generic], tuple[int]]]:
+    return [(name, dtype, (CHUNK,)) for name in names]
+
+
+_SPANS = _columns(np.int32, "mark", "begin", "runs", "kept")
+
+SIDES = np.dtype(
+    (
+        np.record,
+        [
+            *_columns(np.float32, "normal_x", "normal_y", "place_x", "place_y", "slack"),
+            *_columns(np.float32, "ax", "ay", "bx", "by"),
+            *_SPANS,
+        ],
+    )
+)
+"""What beams need to know of segments, in the sensor frame: n, q and slack [1/m], and both ends [m].
+
+``mark`` is 1 for those that are kept, -1 for those that need the care of ``rays``, else 0; ``begin`` the first of the
+beams that may meet one, ``runs`` in how many runs these lie. ``kept`` lists the numbers of those that are kept."""
+
+ROUNDS = np.dtype((np.record, [*_columns(np.float32, "x", "y", "radius2", "scale", "half"), *_SPANS]))
+"""What beams need to know of discs, in the sensor frame: centre [m], squared radius [m2], 1 / (c.c - r^2) [1/m2] and
+the rough half of the angle of sight [rad]. The rest is as in ``SIDES``."""
+
+DISCS = np.dtype((np.record, _columns(np.float64, "x", "y", "radius")))
+"""Discs: centres relative to the sensor, in the directions of the world frame, and radii [m]."""
+
+
+class Eye(NamedTuple):
+    """Where a sensor is, in the world frame.
+
+    Attributes:
+        x: Its place [m].
+        y: Its place [m].
+        cosine: Cosine of its heading.
+        sine: Sine of its heading.
+    """
+
+    x: float
+    y: float
+    cosine: float
+    sine: float
+
+
 @kernel(inlined=True)
-def prepare_segments(
-    count: int,
-    x: float,
-    y: float,
-    cosine: float,
-    sine: float,
-    far: float,
-    rows: Floats,
-    limits: Floats,
-    slopes: Rays,
-    spans: Spans,
-) -> int:
+def prepare_segments(count: int, eye: Eye, far: float, rows: Floats, limits: Floats, sides: Record) -> int:
     """Write what the beams need to know of segments, and which of them are kept: those in range that show their front.
 
     Args:
         count: Number of segments, at most CHUNK.
-        x: Place of the sensor [m].
-        y: Place of the sensor [m].
-        cosine: Of the sensor's heading.
-        sine: Of the sensor's heading.
+        eye: The sensor.
         far: Range of the sensor [m].
         rows: Ends in the world frame [m], one segment after the other: ax, ay, bx, by, shape ``(4 * n,)``.
         limits: The largest a x b [m2] with which each shows its front: 0, or inf where both sides are seen, -inf for
             what is not seen at all, shape ``(n,)``.
-        slopes: Written, in the sensor frame: n, q [1/m], slack [1/m] and both ends [m], shape ``(9 * CHUNK,)``.
-        spans: Written: 1 for segments that are kept, else 0, in the first CHUNK; shape ``(4 * CHUNK,)``.
+        sides: Written, except for spans, see ``SIDES``.
 
     Returns:
         More than 0 if some would be kept but are seen edge-on, so that they need the care of ``inverse_depth_segment``;
         these are marked by -1.
     """
-    n_edges, whole = 0, count // LANES * LANES
-    for part in range(2):
+    whole = count // LANES * LANES
+    n_edges = prepare_lanes(0, whole, eye, far, rows, limits, sides)
+    if whole < count:
         # What is left after the whole lanes is done together with rows of before: one by one it would take longer.
-        k = 0 if part == 0 else max(count - LANES, 0)
-        n = whole if part == 0 else count - k
-        if part == 0 or whole < count:
-            n_edges += prepare_lanes(n, x, y, cosine, sine, far, rows[4 * k :], limits[k:], slopes[k:], spans[k:])
+        n_edges += prepare_lanes(max(count - LANES, 0), count, eye, far, rows, limits, sides)
     return n_edges
 
 
 @kernel(inlined=True)
-def prepare_lanes(
-    count: int,
-    x: float,
-    y: float,
-    cosine: float,
-    sine: float,
-    far: float,
-    rows: Floats,
-    limits: Floats,
-    slopes: Rays,
-    spans: Spans,
-) -> int:
-    """Do the work of ``prepare_segments``."""
+def prepare_lanes(begin: int, end: int, eye: Eye, far: float, rows: Floats, limits: Floats, sides: Record) -> int:
+    """Do the work of ``prepare_segments`` for some of the segments."""
+    x, y, cosine, sine = eye
     n_edges = np.int64(0)
-    for j in range(np.uint64(count)):
+    for j in range(np.uint64(begin), np.uint64(end)):
         at = FOUR * j
         gx, gy, hx, hy = rows[at] - x, rows[at + ONE] - y, rows[at + TWO] - x, rows[at + THREE] - y
         ax, ay = cosine * gx + sine * gy, cosine * gy - sine * gx
@@ -124,45 +142,42 @@ def prepare_lanes(
         share = 1.0 / cross
         normal_x, normal_y = (by - ay) * share, (ax - bx) * share
         place_x, place_y = -(ay + by) * share, (ax + bx) * share
-        slopes[j], slopes[j + ROW] = np.float32(normal_x), np.float32(normal_y)
-        slopes[j + ROW * TWO], slopes[j + ROW * THREE] = np.float32(place_x), np.float32(place_y)
+        sides.normal_x[j], sides.normal_y[j] = np.float32(normal_x), np.float32(normal_y)
+        sides.place_x[j], sides.place_y[j] = np.float32(place_x), np.float32(place_y)
         spread = np.abs(normal_x) + np.abs(normal_y) + np.abs(place_x) + np.abs(place_y)
-        slopes[j + ROW * FOUR] = np.float32(SLACK * spread)
-        slopes[j + ROW * FIVE], slopes[j + ROW * SIX] = np.float32(ax), np.float32(ay)
-        slopes[j + ROW * SEVEN], slopes[j + ROW * EIGHT] = np.float32(bx), np.float32(by)
+        sides.slack[j] = np.float32(SLACK * spread)
+        sides.ax[j], sides.ay[j] = np.float32(ax), np.float32(ay)
+        sides.bx[j], sides.by[j] = np.float32(bx), np.float32(by)
         edge = wanted & (not clear)
-        spans[j] = np.int32(wanted) - np.int32(2) * np.int32(edge)
+        sides.mark[j] = np.int32(wanted) - np.int32(2) * np.int32(edge)
         n_edges += np.int64(edge)
     return int(n_edges)
 
 
 @kernel(inlined=True)
-def prepare_discs(count: int, cosine: float, sine: float, near: Floats, slopes: Rays, spans: Spans) -> int:
+def prepare_discs(count: int, eye: Eye, discs: Record, rounds: Record) -> int:
     """Write what the beams need to know of discs.
 
     Args:
         count: Number of discs, at most CHUNK.
-        cosine: Of the sensor's heading.
-        sine: Of the sensor's heading.
-        near: Centres relative to the sensor, in the world frame, and radii [m]: x, y, r, shape ``(3 * CHUNK,)``.
-        slopes: Written, in the sensor frame: centre [m], squared radius [m2], 1 / (c.c - r^2) [1/m2] and the rough
-            half of the angle of sight [rad], shape ``(5 * CHUNK,)``.
-        spans: Written: 1 in the first CHUNK; shape ``(4 * CHUNK,)``.
+        eye: The sensor.
+        discs: The discs, see ``DISCS``.
+        rounds: Written, except for spans, see ``ROUNDS``.
 
     Returns:
         How many hold the sensor, so that ``inverse_depth_disc`` has to cast them; these are marked by -1.
     """
-    n_around = np.int64(0)
+    n_around, cosine, sine = np.int64(0), eye.cosine, eye.sine
     for j in range(count):
-        x, y, r = near[j], near[j + CHUNK], near[j + 2 * CHUNK]
+        x, y, r = discs.x[j], discs.y[j], discs.radius[j]
         distance2, r2 = x * x + y * y, r * r
         power = distance2 - r2
-        slopes[j], slopes[j + CHUNK] = np.float32(cosine * x + sine * y), np.float32(cosine * y - sine * x)
-        slopes[j + 2 * CHUNK], slopes[j + 3 * CHUNK] = np.float32(r2), np.float32(1.0 / power)
+        rounds.x[j], rounds.y[j] = np.float32(cosine * x + sine * y), np.float32(cosine * y - sine * x)
+        rounds.radius2[j], rounds.scale[j] = np.float32(r2), np.float32(1.0 / power)
         sine2 = r2 / distance2
-        slopes[j + 4 * CHUNK] = np.float32(np.sqrt(sine2) * (1.0 + 0.5708 * sine2))
+        rounds.half[j] = np.float32(np.sqrt(sine2) * (1.0 + 0.5708 * sine2))
         around = power <= 1e-30
-        spans[j] = np.int32(1) - np.int32(2) * np.int32(around)
+        rounds.mark[j] = np.int32(1) - np.int32(2) * np.int32(around)
         n_around += np.int64(around)
     return int(n_around)
 
@@ -178,7 +193,7 @@ def rough_angle(x: np.float32, y: np.float32) -> np.float32:
 
 
 @kernel(contract=True, inlined=True)
-def span_segments(count: int, n_beams: int, first: np.float32, density: np.float32, slopes: Rays, spans: Spans) -> None:
+def span_segments(count: int, n_beams: int, first: np.float32, density: np.float32, sides: Record) -> None:
     """Write for each segment the first of the beams that may meet it, and in how many runs they lie.
 
     Args:
@@ -186,26 +201,22 @@ def span_segments(count: int, n_beams: int, first: np.float32, density: np.float
         n_beams: Number of beams, a multiple of BLOCK.
         first: Direction of the first beam [rad].
         density: Beams per rad; 0 where the beams are not evenly spread, so that all are cast.
-        slopes: From ``prepare_segments``.
-        spans: Written: first beams in the second CHUNK, numbers of runs in the third; lanes are filled up, so what
-            follows the last segment means nothing.
+        sides: From ``prepare_segments``; lanes are filled up, so what follows the last segment means nothing.
     """
     for j in range((count + RUN - 1) // RUN * RUN):
-        ax, ay, bx, by = slopes[j + 5 * CHUNK], slopes[j + 6 * CHUNK], slopes[j + 7 * CHUNK], slopes[j + 8 * CHUNK]
+        ax, ay, bx, by = sides.ax[j], sides.ay[j], sides.bx[j], sides.by[j]
         a, b = rough_angle(ax, ay), rough_angle(bx, by)
         turns_left = ax * by - ay * bx > np.float32(0.0)
         low, high = (a if turns_left else b), (b if turns_left else a)
-        begin, runs = span(low, high, n_beams, first, density)
-        spans[j + CHUNK], spans[j + 2 * CHUNK] = begin, runs
+        sides.begin[j], sides.runs[j] = span(low, high, n_beams, first, density)
 
 
 @kernel(contract=True, inlined=True)
-def span_discs(count: int, n_beams: int, first: np.float32, density: np.float32, slopes: Rays, spans: Spans) -> None:
+def span_discs(count: int, n_beams: int, first: np.float32, density: np.float32, rounds: Record) -> None:
     """Write for each disc the first of the beams that may meet it, and in how many runs they lie."""
     for j in range((count + RUN - 1) // RUN * RUN):
-        middle, half = rough_angle(slopes[j], slopes[j + CHUNK]), slopes[j + 4 * CHUNK]
-        begin, runs = span(middle - half, middle + half, n_beams, first, density)
-        spans[j + CHUNK], spans[j + 2 * CHUNK] = begin, runs
+        middle, half = rough_angle(rounds.x[j], rounds.y[j]), rounds.half[j]
+        rounds.begin[j], rounds.runs[j] = span(middle - half, middle + half, n_beams, first, density)
 
 
 @kernel(contract=True, inlined=True)
@@ -232,12 +243,12 @@ def span(
 
 
 @kernel(inlined=True)
-def list_kept(count: int, spans: Spans) -> int:
-    """Write the numbers of the primitives marked by 1 one after the other, in the last CHUNK; return how many."""
+def list_kept(count: int, chunk: Record) -> int:
+    """Write the numbers of the primitives of a chunk that are marked by 1 into ``kept``; return how many."""
     n = np.uint64(0)
     for j in range(np.uint64(count)):
-        spans[n + ROW * THREE] = j
-        n += np.uint64(spans[j] > 0)
+        chunk.kept[n] = j
+        n += np.uint64(chunk.mark[j] > 0)
     return int(n)
 
 
@@ -268,15 +279,15 @@ def clear_depths(rays: Rays) -> None:
 
 
 @kernel(contract=True, inlined=True)
-def raise_by_segments(n: int, slopes: Rays, spans: Spans, rays: Rays) -> None:
+def raise_by_segments(n: int, sides: Record, rays: Rays) -> None:
     """Raise the inverse depths in ``rays`` [1/m] where beams meet the listed segments, from either side."""
     zero, n_beams = np.float32(0.0), np.uint64(rays.shape[0] // 3)
     for m in range(np.uint64(n)):
-        s = np.uint64(spans[m + ROW * THREE])
-        normal_x, normal_y = slopes[s], slopes[s + ROW]
-        place_x, place_y = slopes[s + ROW * TWO], slopes[s + ROW * THREE]
-        slack, p = slopes[s + ROW * FOUR], np.uint64(spans[s + ROW])
-        for _ in range(spans[s + ROW * TWO]):
+        s = np.uint64(sides.kept[m])
+        normal_x, normal_y = sides.normal_x[s], sides.normal_y[s]
+        place_x, place_y = sides.place_x[s], sides.place_y[s]
+        slack, p = sides.slack[s], np.uint64(sides.begin[s])
+        for _ in range(sides.runs[s]):
             at = p + TWO * AHEAD * (p // AHEAD)
             for i in range(LENGTH):
                 x, y = rays[at + AHEAD + i], rays[at + ASIDE + i]
@@ -289,14 +300,14 @@ def raise_by_segments(n: int, slopes: Rays, spans: Spans, rays: Rays) -> None:
 
 
 @kernel(contract=True, inlined=True)
-def raise_by_discs(n: int, slopes: Rays, spans: Spans, rays: Rays) -> None:
+def raise_by_discs(n: int, rounds: Record, rays: Rays) -> None:
     """Raise the inverse depths in ``rays`` [1/m] where beams meet the listed discs, seen from outside."""
     zero, n_beams = np.float32(0.0), np.uint64(rays.shape[0] // 3)
     for m in range(np.uint64(n)):
-        s = np.uint64(spans[m + ROW * THREE])
-        cx, cy, radius2, scale = slopes[s], slopes[s + ROW], slopes[s + ROW * TWO], slopes[s + ROW * THREE]
-        p = np.uint64(spans[s + ROW])
-        for _ in range(spans[s + ROW * TWO]):
+        s = np.uint64(rounds.kept[m])
+        cx, cy, radius2, scale = rounds.x[s], rounds.y[s], rounds.radius2[s], rounds.scale[s]
+        p = np.uint64(rounds.begin[s])
+        for _ in range(rounds.runs[s]):
             at = p + TWO * AHEAD * (p // AHEAD)
             for i in range(LENGTH):
                 x, y = rays[at + AHEAD + i], rays[at + ASIDE + i]

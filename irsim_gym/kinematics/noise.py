@@ -3,17 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
+from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 Variances = tuple[tuple[float, float, float], ...]
+
+
+@dataclass(repr=False)
+class MotionNoise(Struct):
+    """The motion noise of a group in which a member has any.
+
+    Attributes:
+        variance: Of each component: constant, per square of the first and of the second component, shape
+            ``(n_bodies, 3, 3)``. Nothing is drawn for a row of zeros.
+        executed: The velocities that the members execute in this step, shape ``(n_worlds, n_bodies, 3)``.
+    """
+
+    variance: Floats
+    executed: Floats
 
 
 def growing(alpha: Sequence[float]) -> Variances:
@@ -42,12 +58,11 @@ def prepare(group: Group, model: WorldModel) -> None:
     if not any(options.noise for options in group.options):
         return
     n_bodies = len(model.movable)
-    group.arrays["variance"] = np.zeros((n_bodies, 3, 3))
-    group.arrays["executed"] = np.zeros((len(model.present), n_bodies, 3))
+    group.tables = MotionNoise(np.zeros((n_bodies, 3, 3)), np.zeros((len(model.present), n_bodies, 3)))
     for b, options in zip(group.members, group.options, strict=True):
         if options.noise:
             rows = options.variances
-            group.arrays["variance"][b, : len(rows)] = rows
+            group.tables.variance[b, : len(rows)] = rows
 
 
 def executed(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> Floats:
@@ -55,33 +70,24 @@ def executed(group: Group, model: WorldModel, state: WorldState, shard: Shard) -
 
     Without noise they are ``state.velocity`` itself, which stays as commanded in any case.
     """
-    if "variance" not in group.arrays:
+    noise: MotionNoise | None = group.tables
+    if noise is None:
         return state.velocity
-    found: Floats = group.arrays["executed"]
-    add_noise(shard.worlds, group.members, group.arrays["variance"], model, state, found)
-    return found
+    add_noise(shard.worlds, group.members, noise, model, state)
+    return noise.executed
 
 
 @kernel
-def add_noise(
-    worlds: Ints, members: Ints, variance: Floats, model: WorldModel, state: WorldState, executed: Floats
-) -> None:
-    """Write velocities with normal deviations, drawn from each world's stream: member by member, in component order.
-
-    Args:
-        worlds: Worlds that are treated.
-        members: Bodies that are treated.
-        variance: Of each component: constant, per square of the first and of the second component,
-            shape ``(n_bodies, 3, 3)``. Nothing is drawn for a row of zeros.
-        executed: Written, shape ``(n_worlds, n_bodies, 3)``.
-    """
+def add_noise(worlds: Ints, members: Ints, noise: MotionNoise, model: WorldModel, state: WorldState) -> None:
+    """Write velocities with normal deviations, drawn from each world's stream: member by member, in component order."""
     for w in worlds:
         for b in members:
             first, second = state.velocity[w, b, 0], state.velocity[w, b, 1]
             is_free = model.present[w, b] and not state.stopped[w, b]
             for axis in range(3):
-                base, by_first, by_second = variance[b, axis, 0], variance[b, axis, 1], variance[b, axis, 2]
-                executed[w, b, axis] = state.velocity[w, b, axis]
+                variance = noise.variance[b, axis]
+                base, by_first, by_second = variance[0], variance[1], variance[2]
+                noise.executed[w, b, axis] = state.velocity[w, b, axis]
                 if is_free and base + by_first + by_second > 0.0:
                     deviation = np.sqrt(base + by_first * first * first + by_second * second * second)
-                    executed[w, b, axis] += normal(state.random, w, 0.0, deviation)
+                    noise.executed[w, b, axis] += normal(state.random, w, 0.0, deviation)

@@ -131,7 +131,7 @@ def _begin(new: Simulation, added: Ints) -> None:
     restart.begin_moment(parts, model, state, shard)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)
-    arrival.measure(parts.goal_bodies, state, shard)
+    arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
 
 
 def _look(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:

@@ -2,55 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Ints, Labels, Rays
+from irsim_gym.arraytypes import CellMap, Ints
 from irsim_gym.geometry.cell_rays import cast_cells
 from irsim_gym.jit import kernel
-from irsim_gym.sensors.casting import mount_pose
+from irsim_gym.sensors.tables import ScanTables, beam_row, mount_pose
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 
 @kernel
 def scan_cells(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    beams_x: Rays,
-    beams_y: Rays,
-    cells: CellMap,
-    model: WorldModel,
-    state: WorldState,
-    floats: Rays,
-    integers: Labels,
-    ranges: Rays,
+    worlds: Ints, slot: int, tables: ScanTables, cells: CellMap, model: WorldModel, state: WorldState
 ) -> None:
-    """Shorten the ranges of all members in all given worlds to the nearest occupied cell, not below range_min.
-
-    Args:
-        worlds: The worlds to treat.
-        members: Body of each sensor, shape ``(n_members,)``.
-        params: Records of the sensors' options.
-        beams_x: Unit directions in the sensor frame, shape ``(n_rows, n_padded)``: one row for all, or one for each
-            world and member.
-        beams_y: As ``beams_x``.
-        cells: The map.
-        floats: Scratch, see ``cell_rays``.
-        integers: Scratch, see ``cell_rays``.
-        ranges: Changed [m], shape ``(n_worlds, n_members, n_beams)``.
-    """
-    own = int(cells[0][4])
+    """Shorten the ranges of all members in all given worlds to the nearest occupied cell, not below ``cast_min``."""
+    own, floats, integers = int(cells[0][4]), tables.walk_floats[slot], tables.walk_integers[slot]
     for w in worlds:
         if not model.present[w, own]:
             continue
-        for k in range(members.shape[0]):
-            x, y, heading = mount_pose(state.pose[w, members[k]], params[k].offset)
-            turned = w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
-            row = ranges[w, k]
-            cast_cells(cells, x, y, heading, beams_x[turned], beams_y[turned], floats, integers, row)
-            shortest = np.float32(params[k].range_min)
-            for j in range(row.shape[0]):
-                row[j] = row[j] if row[j] > shortest else shortest
+        for k in range(tables.members.shape[0]):
+            x, y, heading = mount_pose(state.pose[w, tables.members[k]], tables.offset[k])
+            row, ranges = beam_row(w, k, tables), tables.ranges[w, k]
+            cast_cells(cells, x, y, heading, tables.beams_x[row], tables.beams_y[row], floats, integers, ranges)
+            shortest = np.float32(tables.cast_min[k])
+            for j in range(ranges.shape[0]):
+                ranges[j] = ranges[j] if ranges[j] > shortest else shortest

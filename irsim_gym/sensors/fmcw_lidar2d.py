@@ -86,25 +86,15 @@ class FmcwLidar2D:
     @staticmethod
     def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: int) -> None:
         """Allocate what ``scanning.prepare`` says, and ``radial_velocity`` [m/s], shaped as ``ranges``."""
-        scanning.prepare(group, outlines, model, n_slots)
-        hits.prepare(group, n_slots)
+        scanning.prepare(group, outlines, model, n_slots, finds_hits=True)
         group.arrays["radial_velocity"] = np.zeros(group.arrays["ranges"].shape)
 
     @staticmethod
     def sense(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' ranges and radial velocities."""
         scanning.scan(group, model, state, shard)
-        table = group.arrays
-        hits.write_radial_velocity(
-            shard.worlds,
-            group.members,
-            group.params,
-            table["cast_angles"],
-            state,
-            table["ranges"],
-            table["hit"],
-            table["radial_velocity"],
-        )
+        velocity = group.arrays["radial_velocity"]
+        hits.write_radial_velocity(shard.worlds, group.params, group.tables, state, velocity)
 
     @staticmethod
     def report(group: Group, member: int, world: int) -> dict[str, Any]:

@@ -85,9 +85,9 @@ class Lidar2D:
 
         These are ``velocity`` [m/s] in the world frame, shape ``(n_worlds, n_members, 2, n_beams)``.
         """
-        scanning.prepare(group, outlines, model, n_slots)
-        if group.options[0].has_velocity:
-            hits.prepare(group, n_slots)
+        has_velocity = group.options[0].has_velocity
+        scanning.prepare(group, outlines, model, n_slots, finds_hits=has_velocity)
+        if has_velocity:
             n_worlds, n_members, n_beams = group.arrays["ranges"].shape
             group.arrays["velocity"] = np.zeros((n_worlds, n_members, 2, n_beams))
 
@@ -96,7 +96,7 @@ class Lidar2D:
         """Write the members' ranges, and velocities where asked for."""
         scanning.scan(group, model, state, shard)
         if group.options[0].has_velocity:
-            hits.write_velocity(shard.worlds, state.twist, group.arrays["hit"], group.arrays["velocity"])
+            hits.write_velocity(shard.worlds, group.tables, state, group.arrays["velocity"])
 
     @staticmethod
     def report(group: Group, member: int, world: int) -> dict[str, Any]:

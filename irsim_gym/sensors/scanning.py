@@ -10,11 +10,12 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Rays
 from irsim_gym.geometry.cell_rays import N_FLOATS, N_INTEGERS
 from irsim_gym.geometry.polygons import contains_point
-from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK
+from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK, DISCS, ROUNDS, SIDES, Eye
 from irsim_gym.sensors import hits, noise
 from irsim_gym.sensors.casting import cast_bodies, cast_discs, cast_segments
 from irsim_gym.sensors.cell_scan import scan_cells
 from irsim_gym.sensors.room_casting import cast_room, is_small
+from irsim_gym.sensors.tables import ScanTables
 from irsim_gym.world.arrays import aligned
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
@@ -41,13 +42,13 @@ def beam_angles(options: Any) -> Floats:
     return np.linspace(-half, half, options.number) if options.number > 1 else np.zeros(1)
 
 
-def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: int) -> None:
-    """Allocate the readings and tables of a group of range sensors.
+def prepare(
+    group: Group, outlines: list[Outline], model: WorldModel, n_slots: int, *, finds_hits: bool = False
+) -> None:
+    """Allocate the tables of a group of range sensors, and its readings by name.
 
-    ``ranges`` [m] has shape ``(n_worlds, n_members, n_beams)``, ``angles`` [rad] the nominal directions in the sensor
-    frame ``(n_beams,)``. ``cast_angles`` ``(n_rows, n_beams)`` and the unit vectors ``beams_x``, ``beams_y`` ``(n_rows,
-    n_padded)`` are the directions in which beams are cast: one row for all, or with noise one for each world and
-    member, ``w * n_members + k``. ``cast_params`` are the members' options as the casting sees them.
+    These are ``ranges`` [m], shape ``(n_worlds, n_members, n_beams)``, ``angles`` [rad], shape ``(n_beams,)``,
+    ``cast_angles`` [rad], shape ``(n_rows, n_beams)``, and with ``finds_hits`` also ``hit``, see ``ScanTables``.
 
     Args:
         group: The members.
@@ -55,36 +56,50 @@ def prepare(group: Group, outlines: list[Outline], model: WorldModel, n_slots: i
             each beam, shape ``(n_members, n_beams)``, 0 where the sensor stands outside.
         model: The constants, allocated.
         n_slots: Number of shards, each with a scratch row of its own.
+        finds_hits: Find out which body each beam hits.
     """
-    angles = beam_angles(group.options[0])
-    padded = -(-len(angles) // BLOCK) * BLOCK
-    n_worlds, n_members = len(model.present), len(group.members)
-    is_noisy, spread = group.options[0].noise, angles[-1] - angles[0]
-    n_rows = n_worlds * n_members if is_noisy else 1
-    directions = np.concatenate([angles, np.zeros(padded - len(angles))])
-    far = np.array([option.range_max for option in group.options], np.float32)
-    group.arrays = {
-        "angles": angles,
-        "cast_angles": np.tile(angles, (n_rows, 1)),
-        "beams_x": np.tile(np.cos(directions).astype(np.float32), (n_rows, 1)),
-        "beams_y": np.tile(np.sin(directions).astype(np.float32), (n_rows, 1)),
-        "cast_params": group.params,
-        "fan": np.array([angles[0], 0.0 if is_noisy or spread == 0.0 else (len(angles) - 1) / spread]),
-        "near": np.zeros((n_slots, 8 * CHUNK)),
-        "slopes": aligned((n_slots, 14 * CHUNK), np.float32),
-        "spans": aligned((n_slots, 8 * CHUNK), np.int32),
-        "rays": aligned((n_slots, 3 * padded), np.float32),
-        "inverse": np.zeros((n_slots, padded), np.float32),
-        "listed": np.zeros((n_slots, 3 * CHUNK), np.int64),
-        "ranges": np.tile(far[None, :, None], (n_worlds, 1, len(angles))),
-        "footprint": np.zeros((n_members, len(angles)), np.float32),
-    }
-    group.arrays["walk_floats"] = aligned((n_slots, N_FLOATS), np.float32)
-    group.arrays["walk_integers"] = aligned((n_slots, N_INTEGERS), np.int32)
-    if is_noisy:
-        noise.prepare(group)
-    for k, outline in enumerate(outlines):
-        group.arrays["footprint"][k] = own_extent(group, k, outline)
+    first, angles = group.options[0], beam_angles(group.options[0])
+    n_worlds, n_members, n_beams = len(model.present), len(group.members), len(angles)
+    padded, spread = -(-n_beams // BLOCK) * BLOCK, angles[-1] - angles[0]
+    directions = np.concatenate([angles, np.zeros(padded - n_beams)])
+    n_rows = n_worlds * n_members if first.noise else 1
+    names = "offset", "range_min", "range_max", "std", "angle_std"
+    given = {name: np.array([getattr(one, name) for one in group.options], np.float64) for name in names}
+    ranges = np.tile(given["range_max"].astype(np.float32)[None, :, None], (n_worlds, 1, n_beams))
+    tables = group.tables = ScanTables(
+        members=group.members,
+        offset=given["offset"],
+        range_min=given["range_min"],
+        range_max=given["range_max"],
+        cast_min=np.zeros(n_members) if first.noise or finds_hits else given["range_min"],
+        range_std=given["std"],
+        angle_std=given["angle_std"],
+        first=float(angles[0]),
+        density=0.0 if first.noise or spread == 0.0 else float((n_beams - 1) / spread),
+        angles=angles,
+        cast_angles=np.tile(angles, (n_rows, 1)),
+        beams_x=np.tile(np.cos(directions).astype(np.float32), (n_rows, 1)),
+        beams_y=np.tile(np.sin(directions).astype(np.float32), (n_rows, 1)),
+        ranges=ranges,
+        hit=np.full(ranges.shape if finds_hits else (0, 0, 0), -1, np.int64),
+        ends=np.zeros((n_slots, 4 * CHUNK)),
+        limits=np.zeros((n_slots, CHUNK)),
+        discs=aligned((n_slots,), DISCS),
+        sides=aligned((n_slots,), SIDES),
+        rounds=aligned((n_slots,), ROUNDS),
+        rays=aligned((n_slots, 3 * padded), np.float32),
+        inverse=np.zeros((n_slots, padded), np.float32),
+        nearest=np.zeros((n_slots, padded if finds_hits else 0), np.float32),
+        seen=np.zeros((n_slots, CHUNK), np.int64),
+        owners=np.zeros((n_slots, CHUNK), np.int64),
+        areas=np.zeros((n_slots, CHUNK), np.int64),
+        walk_floats=aligned((n_slots, N_FLOATS), np.float32),
+        walk_integers=aligned((n_slots, N_INTEGERS), np.int32),
+    )
+    footprint = np.array([own_extent(group, k, outline) for k, outline in enumerate(outlines)])
+    group.arrays = {"angles": angles, "cast_angles": tables.cast_angles, "ranges": ranges, "footprint": footprint}
+    if finds_hits:
+        group.arrays["hit"] = tables.hit
 
 
 def own_extent(group: Group, k: int, outline: Outline) -> Rays:
@@ -92,16 +107,17 @@ def own_extent(group: Group, k: int, outline: Outline) -> Rays:
 
     What most outlines do not have is not compiled for them: discs, or segments.
     """
-    x, y, turn = group.options[k].offset
-    beams_x, beams_y = group.arrays["beams_x"][0], group.arrays["beams_y"][0]
+    x, y, turn = map(float, group.options[k].offset)
+    eye = Eye(x, y, float(np.cos(turn)), float(np.sin(turn)))
+    beams_x, beams_y = group.tables.beams_x[0], group.tables.beams_y[0]
     inverse = np.zeros_like(beams_x)
     if inside(outline, x, y):
         if len(outline.segments):
-            cast_segments(x, y, np.cos(turn), np.sin(turn), outline.segments, beams_x, beams_y, inverse)
+            cast_segments(outline.segments, eye, beams_x, beams_y, inverse)
         if len(outline.discs):
-            cast_discs(x, y, np.cos(turn), np.sin(turn), outline.discs, beams_x, beams_y, inverse)
+            cast_discs(outline.discs, eye, beams_x, beams_y, inverse)
     extent: Rays = np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0.0)
-    return extent[: len(group.arrays["angles"])]
+    return extent[: len(group.tables.angles)]
 
 
 def inside(outline: Outline, x: float, y: float) -> bool:
@@ -113,69 +129,20 @@ def inside(outline: Outline, x: float, y: float) -> bool:
 
 
 def scan(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Write the members' ranges, and what is hit where that is asked for (``hits.prepare``)."""
-    table, is_noisy = group.arrays, group.options[0].noise
+    """Write the members' ranges, and which body each beam hits where ``prepare`` was asked for it."""
+    worlds, slot, tables = shard.worlds, shard.slot, group.tables
+    is_noisy, finds_hits = group.options[0].noise, "hit" in group.arrays
     if is_noisy:
-        noise.turn_beams(group, state, shard)
-    cast(group, model, state, shard)
-    if (cells := model.cells) is not None:
-        members, params = group.members, table["cast_params"]
-        scan_cells(
-            shard.worlds,
-            members,
-            params,
-            table["beams_x"],
-            table["beams_y"],
-            cells,
-            model,
-            state,
-            table["walk_floats"][shard.slot],
-            table["walk_integers"][shard.slot],
-            table["ranges"],
-        )
-    if "hit" in table:
-        hits.find(group, model, state, shard)
-    if is_noisy:
-        noise.blur_ranges(group, state, shard)
-    elif "hit" in table:
-        hits.clip(group, shard)
-
-
-def cast(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Write what the members' beams meet of bodies."""
-    table, slot = group.arrays, shard.slot
+        noise.draw_directions(worlds, tables, state)
     if is_small(model):
-        cast_room(
-            shard.worlds,
-            group.members,
-            table["cast_params"],
-            table["fan"],
-            table["beams_x"],
-            table["beams_y"],
-            model,
-            state,
-            table["near"][slot],
-            table["slopes"][slot],
-            table["spans"][slot],
-            table["rays"][slot],
-            table["inverse"][slot],
-            table["listed"][slot],
-            table["ranges"],
-        )
+        cast_room(worlds, slot, tables, model, state)
     else:
-        cast_bodies(
-            shard.worlds,
-            group.members,
-            table["cast_params"],
-            table["fan"],
-            table["beams_x"],
-            table["beams_y"],
-            model,
-            state,
-            table["near"][slot],
-            table["slopes"][slot],
-            table["spans"][slot],
-            table["rays"][slot],
-            table["inverse"][slot],
-            table["ranges"],
-        )
+        cast_bodies(worlds, slot, tables, model, state)
+    if (cells := model.cells) is not None:
+        scan_cells(worlds, slot, tables, cells, model, state)
+    if finds_hits:
+        hits.find_hits(worlds, slot, tables, model, state)
+    if is_noisy:
+        noise.add_range_noise(worlds, tables, state)
+    elif finds_hits:
+        hits.raise_ranges(worlds, tables)

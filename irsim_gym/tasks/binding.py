@@ -39,7 +39,7 @@ def bind(family: Registry, options: Sequence[Any], simulation: Simulation, task:
     for column, item in enumerate(options):
         term = Term(family.name_of(type(item)), item, agents, task.max_steps, int(sizes.max()), sizes, column)
         term.components = words
-        term.bodies = Group(type(item), [item] * len(agents), agents, np.zeros(0), {}, parts.names, context)
+        term.bodies = Group(type(item), [item] * len(agents), agents, np.zeros(0), names=parts.names, context=context)
         if isinstance(item, HasArrays):
             term.arrays = item.arrays(simulation, agents)
         if is_foreign(type(item)):

@@ -10,6 +10,7 @@ from math import prod
 from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from irsim_gym.structs import Struct
 
@@ -32,7 +33,7 @@ class Column:
     """
 
     axes: tuple[str, ...]
-    dtype: type[Any]
+    dtype: DTypeLike
     unit: str
     meaning: str
 
@@ -49,12 +50,12 @@ class Column:
         return sizes[axis]
 
 
-def column(axes: str, dtype: type[Any], unit: str, meaning: str) -> Any:
+def column(axes: str, dtype: DTypeLike, unit: str, meaning: str) -> Any:
     """Declare an array field of an ``Arrays`` dataclass; ``axes`` is separated by spaces."""
     return dataclasses.field(metadata={"column": Column(tuple(axes.split()), dtype, unit, meaning)})
 
 
-def aligned(shape: tuple[int, ...], dtype: type[Any]) -> Any:
+def aligned(shape: tuple[int, ...], dtype: DTypeLike) -> Any:
     """Return zeros that begin at a cache line: vectors that lie across two of them cost half as much again."""
     n_bytes = int(np.prod(shape)) * np.dtype(dtype).itemsize
     room = np.zeros(n_bytes + CACHE_LINE, np.uint8)

@@ -36,6 +36,7 @@ class Group:
         members: Body of each member, shape ``(n_members,)``.
         params: Records of the members' numeric options, shape ``(n_members,)``.
         arrays: The kind's own arrays: readings, tables, scratch.
+        tables: What the kind's kernels take as structs, as ``prepare`` makes it.
         names: Names of all bodies, for kinds that tell them; may be empty.
         context: Specifications and sensors of all bodies, for kinds that show them; may be None.
         guide: The members that a behaviour drives through velocities (``engine.guide``); None without any.
@@ -46,6 +47,7 @@ class Group:
     members: Ints
     params: Any = None
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+    tables: Any = None
     names: tuple[str, ...] = ()
     context: WorldContext | None = None
     guide: Any = None
@@ -63,7 +65,7 @@ class Group:
         params = self.params[chosen]
         members = self.members[chosen]
         guide = None if self.guide is None else self.guide.among(members)
-        return Group(self.kind, options, members, params, self.arrays, self.names, self.context, guide)
+        return Group(self.kind, options, members, params, self.arrays, self.tables, self.names, self.context, guide)
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.arraytypes import Flags, Floats, Ints, Records, Words
 from irsim_gym.world.arrays import Arrays, column
+
+ROOM = np.dtype((np.record, [("x", np.float64), ("y", np.float64), ("gap", np.float64)]))
+"""Where a disc was, and how far from its edge nothing was [m]; ``gap`` is 0 where that is unknown."""
 
 
 @dataclass(repr=False)
@@ -38,9 +41,7 @@ class WorldState(Arrays):
     collided: Flags = column("world body", np.bool_, "", "touches another body")
     stopped: Flags = column("world body", np.bool_, "", "held in place by a collision")
     hit: Ints = column("world body", np.int64, "", "the body it touches (lowest id), -1 for none")
-    room: Floats = column(
-        "world body 3", np.float64, "m", "where a disc was, and how far around it nothing was; 0 where nobody knows"
-    )
+    room: Records = column("world body", ROOM, "m", "free space around a disc, see ROOM")
     bucket: Ints = column("world body", np.int64, "", "the bucket that the body is in, -1 for none")
     bucket_first: Ints = column("world bucket", np.int64, "", "first body of each bucket, -1 for none")
     bucket_next: Ints = column("world body", np.int64, "", "next body of the same bucket, -1 for none")

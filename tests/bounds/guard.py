@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym import jit
+from irsim_gym.structs import Struct
 
 
 class Guarded(np.ndarray):
@@ -37,9 +38,22 @@ def _check(array: Guarded, key: Any) -> None:
             raise IndexError(f"index {index} counts from the end of axis {axis} with size {array.shape[axis]}")
 
 
+class Fields:
+    """What a kernel sees of a struct: its fields, guarded."""
+
+    def __init__(self, struct: Struct) -> None:
+        self._struct = struct
+
+    def __getattr__(self, name: str) -> Any:
+        value = self.__dict__[name] = _guarded(getattr(self._struct, name))
+        return value
+
+
 def _guarded(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return value.view(Guarded)
+    if isinstance(value, Struct):
+        return Fields(value)
     if isinstance(value, tuple):
         inside = map(_guarded, value)
         return value._make(inside) if hasattr(value, "_make") else tuple(inside)

@@ -75,20 +75,26 @@ def test_random_scenarios_stay_within_their_arrays(sort: str, number: int) -> No
 PROBE = """
 import guard
 guard.install()
+from dataclasses import dataclass
 import numpy as np
 from irsim_gym.jit import kernel
+from irsim_gym.structs import Struct
+
+@dataclass
+class Tables(Struct):
+    pair: tuple
 
 @kernel
-def inner(table, row):
-    return table[row]
+def inner(tables, row):
+    first, records = tables.pair
+    return first[0, row], records[0].near[row]
 
 @kernel
 def outer(tables, row):
-    first, records = tables
-    return inner(first[0], row), records[0].near[row]
+    return inner(tables, row)
 
 records = np.zeros(2, np.dtype((np.record, [("near", np.float64, (3,))])))
-tables = np.zeros((2, 3)), records
+tables = Tables((np.zeros((2, 3)), records))
 print(outer(tables, 2))
 outer(tables, {row})
 """

@@ -5,17 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.engine.command_limits import limit_velocity
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
 
 
 def limited(worlds: list[int], fastest: list[list[float]], sharpest: list[list[float]], asked: float) -> np.ndarray:
     """Return the velocities of one body in three worlds, from rest, after a step of 0.1 s."""
-    most, change = np.array(fastest)[:, None], np.array(sharpest)[:, None]
-    present, stopped = np.ones((3, 1), np.bool_), np.zeros((3, 1), np.bool_)
-    velocity, command = np.zeros((3, 1, 3)), np.full((3, 1, 3), asked)
-    movers, driven = np.zeros(1, np.int64), np.ones(1, np.bool_)
-    limits = -most, most, change
-    limit_velocity(np.array(worlds), movers, np.array([0.1]), driven, *limits, present, stopped, command, velocity)
-    return velocity[:, 0]
+    sizes = dict.fromkeys(("segment", "disc", "map_column", "map_row", "map_box", "bucket", "waypoint"), 0)
+    sizes |= {"world": 3, "body": 1}
+    limits = frozenset({"velocity_min", "velocity_max", "acceleration_limit"}) if len(fastest) > 1 else frozenset()
+    model, state = WorldModel.allocate(sizes, per_world=limits), WorldState.allocate(sizes)
+    model.velocity_min[:, 0], model.velocity_max[:, 0] = -np.array(fastest), fastest
+    model.acceleration_limit[:, 0], model.step_time[0] = sharpest, 0.1
+    model.present[:], model.driven[:], state.command[:] = True, True, asked
+    limit_velocity(np.array(worlds), np.zeros(1, np.int64), model, state)
+    return state.velocity[:, 0]
 
 
 def test_each_world_has_limits_of_its_own() -> None:

@@ -9,12 +9,31 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
-from irsim_gym.geometry.ray_chunks import BLOCK, CHUNK, clear_depths, lay_beams, prepare_segments, rough_angle, span
+import irsim_gym as ig
+from irsim_gym.geometry.ray_chunks import (
+    BLOCK,
+    CHUNK,
+    SIDES,
+    Eye,
+    clear_depths,
+    lay_beams,
+    prepare_segments,
+    rough_angle,
+    span,
+)
 from irsim_gym.sensors.casting import cast_chunk
+from irsim_gym.world.group import Group
 from tests.geometry.ray_rooms import N_BEAMS, beams, random_room, steady, textbook
 from tests.geometry.shapes import closed
 
 FAR = 30.0
+NUMBERS = [name for name in SIDES.names or () if SIDES[name].base == np.float32]
+
+
+def scanner() -> Group:
+    """Return a scanner with tables of its own."""
+    robot = {"kinematics": {"name": "diff"}, "sensors": [{"name": "lidar2d", "number": 4}]}
+    return ig.compile(ig.load_scenario({"robot": robot})).sensors[0]
 
 
 def cast(
@@ -33,18 +52,19 @@ def cast(
     density = (len(angles) - 1) / (angles[-1] - angles[0]) if narrow else 0.0
     kernels: Any = (cast_chunk, lay_beams, clear_depths)
     chunk, lay, clear = (kernel.py_func if plain else kernel for kernel in kernels)
-    rays, inverse = np.full(3 * len(laid), np.nan, np.float32), np.full(len(laid), np.nan, np.float32)
-    scratch = np.zeros(14 * CHUNK, np.float32), np.zeros(8 * CHUNK, np.int32)
-    beams_of_it = np.float32(angles[0]), np.float32(density), x, y, *scratch, rays, inverse
+    tables = scanner().tables
+    tables.first, tables.density, tables.beams_x, tables.beams_y = float(angles[0]), float(density), x[None], y[None]
+    tables.rays, tables.inverse = (np.full((1, n * len(laid)), np.nan, np.float32) for n in (3, 1))
+    rays, table = tables.rays[0], np.asarray(segments, np.float64).reshape(-1, 4)
     lay(x, y, rays)
     clear(rays)
-    table, near = np.asarray(segments, np.float64).reshape(-1, 4), np.zeros((3, CHUNK))
     rounds = np.asarray(discs, np.float64).reshape(-1, 3)
-    near[:, : len(rounds)] = rounds.T
-    limits, eye = np.full(CHUNK, np.inf), (0.0, 0.0, np.cos(heading), np.sin(heading), far)
+    for name, values in zip(("x", "y", "radius"), rounds.T, strict=True):
+        tables.discs[name][0, : len(rounds)] = values
+    tables.limits[:] = np.inf
+    eye = Eye(0.0, 0.0, float(np.cos(heading)), float(np.sin(heading)))
     for k, rows in enumerate(np.array_split(table, max(-(-len(table) // CHUNK), 1))):
-        n_rounds = len(rounds) if k == 0 else 0
-        assert chunk(len(rows), n_rounds, rows.ravel(), limits, near.ravel(), *eye, *beams_of_it) == 0
+        assert chunk(len(rows), len(rounds) if k == 0 else 0, rows.ravel(), eye, far, 0, 0, tables) == 0
     found = rays.reshape(-1, 3, BLOCK)[:, 0].ravel()[: len(angles)]
     return np.divide(1.0, found, out=np.full(len(angles), np.inf), where=found > 0.0, dtype=np.float64)
 
@@ -128,13 +148,13 @@ def test_what_is_out_of_range_or_shows_its_back_is_left_out() -> None:
         (9.0, 1.0, 5.0, 4.0),
         (-1.0, 3.0, 1.0, 3.0),
     ]
-    slopes, spans = np.zeros(9 * CHUNK, np.float32), np.zeros(4 * CHUNK, np.int32)
+    sides, eye = np.zeros(1, SIDES)[0], Eye(0.0, 0.0, 1.0, 0.0)
     table, limits = np.array(rows).ravel(), np.zeros(CHUNK)  # the body lies to the left of the way from a to b
-    assert prepare_segments(len(rows), 0.0, 0.0, 1.0, 0.0, 6.5, table, limits, slopes, spans) == 0
-    assert spans[: len(rows)].tolist() == [0, 1, 0, 0, 1]
+    assert prepare_segments(len(rows), eye, 6.5, table, limits, sides) == 0
+    assert sides.mark[: len(rows)].tolist() == [0, 1, 0, 0, 1]
     limits[:] = np.inf
-    assert prepare_segments(len(rows), 0.0, 0.0, 1.0, 0.0, 6.5, table, limits, slopes, spans) == 0
-    assert spans[: len(rows)].tolist() == [1, 1, 0, 1, 1]
+    assert prepare_segments(len(rows), eye, 6.5, table, limits, sides) == 0
+    assert sides.mark[: len(rows)].tolist() == [1, 1, 0, 1, 1]
 
 
 @pytest.mark.parametrize("count", [1, 7, 8, 9, 15, 16, 24, 64])
@@ -142,13 +162,15 @@ def test_any_number_of_segments_is_prepared(count: int) -> None:
     rng = np.random.default_rng(count)
     rows = rng.uniform(-5.0, 5.0, (CHUNK, 4))
     rows[count:] = np.nan
-    slopes, spans = np.full(9 * CHUNK, np.nan, np.float32), np.full(4 * CHUNK, 9, np.int32)
-    given = (1.0, 0.5, np.cos(0.3), np.sin(0.3), 4.0)
-    assert prepare_segments(count, *given, rows.ravel(), np.full(CHUNK, np.inf), slopes, spans) == 0
+    sides, eye = np.zeros(1, SIDES)[0], Eye(1.0, 0.5, float(np.cos(0.3)), float(np.sin(0.3)))
+    for name in NUMBERS:
+        sides[name][:] = np.nan
+    sides.mark[:] = 9
+    assert prepare_segments(count, eye, 4.0, rows.ravel(), np.full(CHUNK, np.inf), sides) == 0
     away = shapely.distance(shapely.linestrings(rows[:count].reshape(-1, 2, 2)), shapely.Point(1.0, 0.5))
-    assert spans[:count].tolist() == (away <= 4.0).astype(int).tolist()
-    assert np.isfinite(slopes.reshape(9, CHUNK)[:, :count]).all()
-    assert (spans[count:CHUNK] == 9).all()
+    assert sides.mark[:count].tolist() == (away <= 4.0).astype(int).tolist()
+    assert all(np.isfinite(sides[name][:count]).all() for name in NUMBERS)
+    assert (sides.mark[count:] == 9).all()
 
 
 def test_rough_angles_are_near_enough() -> None:

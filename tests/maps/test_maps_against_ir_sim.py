@@ -85,9 +85,9 @@ def test_what_is_explored(tmp_path: Path, resolution: float | None) -> None:
         assert np.sum(expected & ~here.explored[0]) <= 2
         # At the end of a beam rounding decides in IR-SIM whether the wall counts; here it does.
         for i, j in np.argwhere(here.explored[0] & ~expected):
-            left, low, width, height = here.parts.fog.frame
-            x, y = left + (i + 0.5) * width, low + (j + 0.5) * height
-            assert occupied.distance(shapely.Point(x, y)) < 0.5 * np.hypot(width, height) + 1e-3
+            cells = here.parts.fog.cells
+            x, y = cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height
+            assert occupied.distance(shapely.Point(x, y)) < 0.5 * np.hypot(cells.width, cells.height) + 1e-3
     assert 0.05 < here.explored.mean() < 0.9
     here.reset(seed=0)
     assert not here.explored.any()

@@ -1,0 +1,14 @@
+"""What all searches for contacts write."""
+
+from __future__ import annotations
+
+from irsim_gym.jit import kernel
+from irsim_gym.world.state import WorldState
+
+
+@kernel(inlined=True)
+def note_contact(w: int, b: int, q: int, state: WorldState) -> None:
+    """Note that bodies b and q touch; ``state.hit`` holds the lowest number that a body touches."""
+    state.collided[w, b], state.collided[w, q] = True, True
+    state.hit[w, b] = q if state.hit[w, b] < 0 else min(state.hit[w, b], q)
+    state.hit[w, q] = b if state.hit[w, q] < 0 else min(state.hit[w, q], b)
