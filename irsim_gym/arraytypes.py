@@ -14,4 +14,6 @@ Bytes = NDArray[np.uint8]
 Labels = NDArray[np.int32]
 Words = NDArray[np.uint64]
 Pixels = NDArray[np.uint32]
+Record = np.record
+Records = NDArray[np.record]
 CellMap = tuple[Floats, Bytes, Ints, Rays]
