@@ -55,9 +55,9 @@ class RvoTables(Struct):
 
 
 @kernel
-def rough_cones(mode: int, ego: Ego, rounds: Records, n_rounds: int, cones: Records) -> None:
+def rough_cones(mode: int, ego: Ego, rounds: Records, cones: Records) -> None:
     """Write the cones of discs without angles; arguments as for ``disc_cones``. Hybrid ones need angles."""
-    for k in range(n_rounds):
+    for k in range(rounds.shape[0]):
         disc, cone = rounds[k], cones[k]
         dx, dy, sum_r = disc.x - ego.x, disc.y - ego.y, ego.radius + disc.radius
         distance = np.sqrt(dy * dy + dx * dx)

@@ -13,6 +13,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Records
 from irsim_gym.behaviors.orca_lines import DISC_LANES
+from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.geometry.buckets import square_of
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct, record_type
@@ -169,15 +170,14 @@ def sort_members(model: WorldModel, state: WorldState, w: int, crowd: Crowd) -> 
 
 
 @kernel
-def find_nearest(m: int, x: float, y: float, place: int, reach: float, crowd: Crowd) -> int:
+def find_nearest(ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> int:
     """Write the nearest members that a member sees, nearest first; return how many there are.
 
     The circle in which it looks for them grows until it holds enough of them.
 
     Args:
-        m: The member that looks; it does not see itself.
-        x: Where it is [m].
-        y: Where it is [m].
+        ego: The member that looks.
+        m: Its number; it does not see itself.
         place: Its square.
         reach: Members this far away or farther are left out [m].
         crowd: ``nearest`` is written.
@@ -185,20 +185,19 @@ def find_nearest(m: int, x: float, y: float, place: int, reach: float, crowd: Cr
     ring, n_found, squares, most = 1, 0, crowd.squares, crowd.nearest.shape[0]
     while True:
         within = reach if ring >= max(squares.columns, squares.rows) else min(reach, ring * squares.first_ring)
-        n_found = gather(m, x, y, place, within, ring, crowd)
+        n_found = gather(ego, m, place, within, ring, crowd)
         if n_found >= most or within >= reach:
             return keep_nearest(n_found, crowd)
         ring *= 2
 
 
 @kernel
-def gather(m: int, x: float, y: float, place: int, within: float, ring: int, crowd: Crowd) -> int:
+def gather(ego: Ego, m: int, place: int, within: float, ring: int, crowd: Crowd) -> int:
     """Write the members in a ring of squares that are nearer than ``within``, in any order; return their number.
 
     Args:
-        m: The member that looks; it does not see itself.
-        x: Where it is [m].
-        y: Where it is [m].
+        ego: The member that looks.
+        m: Its number; it does not see itself.
         place: Its square.
         within: Members this far away or farther are left out [m].
         ring: How many squares to each side are looked at.
@@ -216,7 +215,7 @@ def gather(m: int, x: float, y: float, place: int, within: float, ring: int, cro
     left, right = max(column - ring, 0), min(column + ring, columns - 1)
     for other_row in range(max(row - ring, 0), min(row + ring, rows - 1) + 1):
         for q in range(starts[other_row * columns + left], starts[other_row * columns + right + 1]):
-            dx, dy = crowd.x[q] - x, crowd.y[q] - y
+            dx, dy = crowd.x[q] - ego.x, crowd.y[q] - ego.y
             distance2 = dx * dx + dy * dy
             gap2[count], found[count] = distance2, q
             count += int(distance2 < limit2) & int(q != m)  # without a branch that nobody can foresee

@@ -39,7 +39,7 @@ def add_map(
         sides[s, 1], sides[s, 3] = sides[s, 3], sides[s, 1]
         distance2 = point_segment_distance2(x, y, sides[s, 0], sides[s, 1], sides[s, 2], sides[s, 3])
         if distance2 < within * within:
-            n_seen = put_in_order(s, distance2, order, gap2, n_seen, order.shape[0])
+            n_seen = put_in_order(s, distance2, order, gap2, n_seen)
     for i in range(n_seen):
         count = add_edge(see_edge(sides, order[i], 1, order[i], True, x, y), ego, horizon, planes, count)
     return count

@@ -64,11 +64,11 @@ class Obstacles(Struct):
 
 
 @kernel
-def put_in_order(item: int, key: float, items: Ints, keys: Floats, count: int, most: int) -> int:
-    """Insert an item into a list sorted by key, then number, of at most so many items; return its new length."""
-    if count < most:
+def put_in_order(item: int, key: float, items: Ints, keys: Floats, count: int) -> int:
+    """Insert an item into a list sorted by key, then number, of which ``items`` holds the first; return its length."""
+    if count < items.shape[0]:
         count += 1
-    elif most == 0 or key > keys[count - 1] or (key == keys[count - 1] and item > items[count - 1]):
+    elif count == 0 or key > keys[count - 1] or (key == keys[count - 1] and item > items[count - 1]):
         return count
     k = count - 1
     while k > 0 and (keys[k - 1] > key or (keys[k - 1] == key and items[k - 1] > item)):
@@ -102,7 +102,7 @@ def find_walls(model: WorldModel, state: WorldState, w: int, b: int, within: flo
     few = n_found <= FEW_WALLS or model.bucket_frame[3] == 0.0
     if not few:
         n_found = find_around(model, state, w, b, within, obstacles.nearby)
-    count, most, limit2 = 0, parts.shape[0], within * within
+    count, limit2 = 0, within * within
     for i in range(n_found):
         q = obstacles.walls[i] if few else obstacles.nearby[i]
         dx, dy, far = pose[q, 0] - x, pose[q, 1] - y, within + model.reach[row_of(model.reach, w), q]
@@ -113,12 +113,12 @@ def find_walls(model: WorldModel, state: WorldState, w: int, b: int, within: flo
             distance2 = point_segment_distance2(x, y, segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3])
             if distance2 < limit2:
                 obstacles.owners[s] = q
-                count = put_in_order(s, distance2, parts, gap2, count, most)
+                count = put_in_order(s, distance2, parts, gap2, count)
         for d in range(first, first + model.disc_count[n_discs, q]):
             dx, dy = discs[d, 0] - x, discs[d, 1] - y
             gap = max(np.sqrt(dx * dx + dy * dy) - discs[d, 2], 0.0)
             if gap < within:
                 row = segments.shape[0] + d
                 obstacles.owners[row] = q
-                count = put_in_order(row, gap * gap, parts, gap2, count, most)
+                count = put_in_order(row, gap * gap, parts, gap2, count)
     return count

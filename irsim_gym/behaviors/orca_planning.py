@@ -115,7 +115,7 @@ def plan_velocity(
     b = tables.crowd.body[m]
     pose, planned, radius = state.pose[w, b], state.plan[w, b], model.radius[row_of(model.radius, w), b]
     ego = Ego(pose[0], pose[1], planned[0], planned[1], radius + options.safe_radius)
-    n_near = find_nearest(m, ego.x, ego.y, place, options.neighborDist, tables.crowd)
+    n_near = find_nearest(ego, m, place, options.neighborDist, tables.crowd)
     speed = speed_cap(model, w, b, options.maxSpeed)
     n_hard = add_obstacles(model, state, w, b, ego, options.timeHorizonObst, speed, tables)
     add_members(ego, m, n_near, n_hard, options, model.step_time[0], tables)

@@ -141,7 +141,7 @@ def is_joined(segments: Floats, one: int, other: int) -> bool:
 @kernel
 def add_edge(edge: Edge, ego: Ego, horizon: float, planes: Records, count: int) -> int:
     """Append the half-plane of velocities that avoid an edge, if one is needed; return how many those are now."""
-    if not edge.is_seen or is_covered(planes, count, edge, ego.radius, horizon):
+    if not edge.is_seen or is_covered(planes[:count], edge, ego.radius, horizon):
         return count
     return count + int(wall_plane(edge, ego, horizon, planes[count]))
 
@@ -247,10 +247,9 @@ def round_plane(x: float, y: float, dx: float, dy: float, horizon: float, grown:
 
 
 @kernel
-def is_covered(planes: Records, count: int, edge: Edge, radius: float, horizon: float) -> bool:
+def is_covered(planes: Records, edge: Edge, radius: float, horizon: float) -> bool:
     """Return whether one of the half-planes forbids all velocities that an edge would forbid."""
-    for i in range(count):
-        plane = planes[i]
+    for plane in planes:
         least = horizon * plane.least - radius + ROUNDING
         if plane.nx * edge.ax + plane.ny * edge.ay <= least and plane.nx * edge.bx + plane.ny * edge.by <= least:
             return True

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
+from irsim_gym.arraytypes import Floats, Ints, Records
 from irsim_gym.behaviors.free_samples import ROWS, SPAN, RvoTables, nearest_free, rough_cones
 from irsim_gym.behaviors.rvo_penalty import least_penalty
 from irsim_gym.behaviors.steering import Turning, clear_command, to_command, wanted_velocity
@@ -112,7 +112,8 @@ def decide_rvo(
             pose, twist, radius = state.pose[w, b], state.twist[w, b], model.radius[row_of(model.radius, w), b]
             ego = Ego(pose[0], pose[1], twist[0], twist[1], radius + MARGIN)
             wanted = wanted_velocity(model, state, w, b)
-            vx, vy = choose_velocity(ego, wanted, options, n_rounds, n_sides, tables)
+            rounds, sides = tables.seen.rounds[:n_rounds], tables.seen.sides[:n_sides]
+            vx, vy = choose_velocity(ego, wanted, options, rounds, sides, tables)
             command = state.command[w, b]
             to_command(model.drive[b], pose[2], vx, vy, TURNING, command)
             alone, stands = n_rounds == 0 and n_sides == 0, command[0] == 0.0 and command[1] == 0.0
@@ -124,20 +125,20 @@ def decide_rvo(
 
 @kernel
 def choose_velocity(
-    ego: Ego, wanted: tuple[float, float], options: Any, n_rounds: int, n_sides: int, tables: RvoTables
+    ego: Ego, wanted: tuple[float, float], options: Any, rounds: Records, sides: Floats, tables: RvoTables
 ) -> tuple[float, float]:
     """Return the best of the sampled velocities [m/s]: outside of all cones, or with the least penalty."""
-    mode, rounds, cones = options.mode, tables.seen.rounds, tables.cones
+    mode, cones = options.mode, tables.cones
     along_x = lay_samples(ego.vx, options["acce"], options.vxmax, wanted[0])
     along_y = lay_samples(ego.vy, options["acce"], options.vymax, wanted[1])
-    n_cones = side_cones(ego, tables.seen.sides, n_sides, cones, n_rounds)
-    rough_cones(mode, ego, rounds, n_rounds, cones)
+    n_cones = side_cones(ego, sides, cones, rounds.shape[0])
+    rough_cones(mode, ego, rounds, cones)
     best = nearest_free(mode, ego, n_cones, along_x, along_y, tables)
     if best >= 0:
         i, j = best // along_y.n, best % along_y.n
         return along_x.first + i * along_x.step, along_y.first + j * along_y.step
     write_samples(along_x, tables.samples[0], tables.order[0])
     write_samples(along_y, tables.samples[1], tables.order[1])
-    disc_cones(mode, ego, rounds, n_rounds, cones)
-    best = least_penalty(ego, options.factor, n_rounds, n_sides, along_x, along_y, tables)
+    disc_cones(mode, ego, rounds, cones)
+    best = least_penalty(ego, options.factor, rounds, sides, along_x, along_y, tables)
     return tables.samples[0, best // along_y.n], tables.samples[1, best % along_y.n]

@@ -19,17 +19,17 @@ NEVER = 1e6
 
 @kernel
 def least_penalty(
-    ego: Ego, factor: float, n_rounds: int, n_sides: int, along_x: Axis, along_y: Axis, tables: RvoTables
+    ego: Ego, factor: float, rounds: Records, sides: Floats, along_x: Axis, along_y: Axis, tables: RvoTables
 ) -> int:
     """Return the sample with the least ``factor / time to the first collision + distance from the wanted velocity``.
 
     The penalty is that of van den Berg et al. (2008). Samples are looked at from the wanted velocity
     outwards, as ``tables.order`` has them; of several that are equally good the first counts.
     """
-    rounds, sides, samples, order = tables.seen.rounds, tables.seen.sides, tables.samples, tables.order
+    samples, order = tables.samples, tables.order
     best, best_cost, least = 0, np.inf, 0.0
-    for k in range(n_rounds):
-        if rounds[k].touch_way == 0.0:  # touches already: every sample costs the same for it
+    for disc in rounds:
+        if disc.touch_way == 0.0:  # touches already: every sample costs the same for it
             least = factor * (1.0 / NO_TIME)
     for a in range(along_x.n):
         i = order[0, a]
@@ -43,7 +43,7 @@ def least_penalty(
                 break
             time = 0.0
             if least == 0.0:
-                time = time_to_collision(ego, samples[0, i], samples[1, j], rounds, n_rounds, sides, n_sides)
+                time = time_to_collision(ego, samples[0, i], samples[1, j], rounds, sides)
             cost = factor * (1.0 / (NO_TIME if time == 0.0 else time)) + distance
             place = i * along_y.n + j
             if cost < best_cost or (cost == best_cost and place < best):
@@ -52,26 +52,24 @@ def least_penalty(
 
 
 @kernel
-def time_to_collision(
-    ego: Ego, vx: float, vy: float, rounds: Records, n_rounds: int, sides: Floats, n_sides: int
-) -> float:
+def time_to_collision(ego: Ego, vx: float, vy: float, rounds: Records, sides: Floats) -> float:
     """Return when a body with the velocity (vx, vy) [m/s] runs into what it sees [s].
 
     A reciprocal body moves as if it took twice the change: relative to a disc it has the velocity 2 v - v_now - u.
     """
     time = np.inf
-    for k in range(n_rounds):
-        disc = rounds[k]
+    for disc in rounds:
         tx, ty = 2.0 * vx - ego.vx - disc.vx, 2.0 * vy - ego.vy - disc.vy
         time = min(time, disc.touch_way / (np.sqrt(tx * tx + ty * ty) + 1e-7))
-    for k in range(n_sides):
-        time = min(time, time_to_side(ego.x, ego.y, ego.radius, vx, vy, sides[k]))
+    for side in sides:
+        time = min(time, time_to_side(ego, vx, vy, side))
     return time
 
 
 @kernel
-def time_to_side(x: float, y: float, r: float, vx: float, vy: float, side: Floats) -> float:
-    """Return when a disc that moves straight on meets a segment [s]: its line, up to r beyond its ends."""
+def time_to_side(ego: Ego, vx: float, vy: float, side: Floats) -> float:
+    """Return when a body with the velocity (vx, vy) meets a segment [s]: its line, up to its radius beyond its ends."""
+    x, y, r = ego.x, ego.y, ego.radius
     along_x, along_y = side[2] - side[0], side[3] - side[1]
     length = np.sqrt(along_x * along_x + along_y * along_y)
     if length < 1e-12:

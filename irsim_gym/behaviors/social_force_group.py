@@ -6,7 +6,7 @@ The forces within a party are those of Moussaid et al. (2010), as in IR-SIM: coh
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -19,6 +19,7 @@ from irsim_gym.behaviors.surroundings import MARGIN
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
@@ -87,7 +88,6 @@ class SocialForceGroup:
         Raises:
             IrsimGymError: A party names a member that the group does not have.
         """
-        group.tables = [SocialTables.reserve(group, model, together=True) for _ in range(n_slots)]
         party = np.full(len(group.members), -1)
         for number, listed in enumerate(group.options[0].social_groups):
             if listed and max(listed) >= len(party):
@@ -96,37 +96,48 @@ class SocialForceGroup:
                     f"counted from 0"
                 )
             party[list(listed)] = number
-        group.arrays["party"] = party
+        group.tables = [
+            PartyTables(group.arrays["decides"], party, SocialTables.reserve(group, model, together=True))
+            for _ in range(n_slots)
+        ]
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the commands of the members that decide."""
-        decides, party, tables = group.arrays["decides"], group.arrays["party"], group.tables[shard.slot]
-        decide_social_group(shard.worlds, group.members, group.params, decides, party, model, state, tables)
+        decide_social_group(shard.worlds, group.members, group.params, model, state, group.tables[shard.slot])
+
+
+@dataclass
+class PartyTables(Struct):
+    """What the members of a group need to decide. Memory of one shard.
+
+    Attributes:
+        decides: Members whose commands are written, shape ``(n_members,)``.
+        party: The number of the party that each member walks in, -1 for none, shape ``(n_members,)``.
+        forces: What the forces need.
+    """
+
+    decides: Flags
+    party: Ints
+    forces: SocialTables
 
 
 @kernel
 def decide_social_group(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    decides: Flags,
-    party: Ints,
-    model: WorldModel,
-    state: WorldState,
-    tables: SocialTables,
+    worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: PartyTables
 ) -> None:
     """Write the commands of the members; those without a goal stay, but give way."""
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
-            if not decides[k]:
+            if not tables.decides[k]:
                 continue
             clear_command(state, w, b)
             if model.present[w, b]:
                 wanted = wanted_velocity(model, state, w, b) if model.has_goal[b] else (0.0, 0.0)
-                extra = force_of_party(model, state, w, k, members, party, params[k])
-                follow(model, state, w, b, planned_velocity(model, state, w, b, params[k], wanted, extra, tables))
+                extra = force_of_party(model, state, w, k, members, tables.party, params[k])
+                velocity = planned_velocity(model, state, w, b, params[k], wanted, extra, tables.forces)
+                follow(model, state, w, b, velocity)
 
 
 @kernel

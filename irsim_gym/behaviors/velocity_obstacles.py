@@ -46,9 +46,9 @@ class Axis(NamedTuple):
 
 
 @kernel
-def disc_cones(mode: int, ego: Ego, rounds: Records, n_rounds: int, cones: Records) -> None:
+def disc_cones(mode: int, ego: Ego, rounds: Records, cones: Records) -> None:
     """Write the cone and the way to a touch of each disc; arguments as below."""
-    for k in range(n_rounds):
+    for k in range(rounds.shape[0]):
         disc_cone(mode, ego, rounds[k], cones[k])
 
 
@@ -90,13 +90,13 @@ def disc_cone(mode: int, ego: Ego, disc: Record, cone: Record) -> None:
 
 
 @kernel
-def side_cones(ego: Ego, sides: Floats, n_sides: int, cones: Records, n_cones: int) -> int:
+def side_cones(ego: Ego, sides: Floats, cones: Records, n_cones: int) -> int:
     """Append one cone for each standing segment: the directions in which the body's disc runs into it.
 
     Returns:
         How many cones there are now; segments that are a point have none.
     """
-    for k in range(n_sides):
+    for k in range(sides.shape[0]):
         ax, ay, bx, by = sides[k, 0] - ego.x, sides[k, 1] - ego.y, sides[k, 2] - ego.x, sides[k, 3] - ego.y
         dx, dy = sides[k, 2] - sides[k, 0], sides[k, 3] - sides[k, 1]
         if dx * dx + dy * dy < 1e-12:

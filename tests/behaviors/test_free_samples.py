@@ -33,14 +33,14 @@ def both(
     exact = np.zeros(n_rounds + len(sides), CONE)
     along_x = lay_samples(ego.vx, change, limit, float(wanted[0]))
     along_y = lay_samples(ego.vy, change, limit, float(wanted[1]))
-    disc_cones(mode, ego, discs, n_rounds, exact)
-    n_cones = side_cones(ego, sides, len(sides), exact, n_rounds)
+    disc_cones(mode, ego, discs, exact)
+    n_cones = side_cones(ego, sides, exact, n_rounds)
     expected = every_sample(exact[:n_cones], along_x, along_y)
     no_ints = np.zeros(0, np.int64)
     seen, cones = Surroundings(no_ints, no_ints, discs, sides), np.zeros_like(exact)
     tables = RvoTables(seen, cones, np.zeros(len(cones), SPAN), np.zeros(1, ROWS), np.zeros((2, 0)), no_ints[None])
-    side_cones(ego, sides, len(sides), cones, n_rounds)
-    rough_cones(mode, ego, discs, n_rounds, cones)
+    side_cones(ego, sides, cones, n_rounds)
+    rough_cones(mode, ego, discs, cones)
     return nearest_free(mode, ego, n_cones, along_x, along_y, tables), expected
 
 

@@ -32,7 +32,7 @@ def found_by(crowd: Crowd, m: int, x: float, y: float, reach: float) -> list[int
     """Return the bodies that a member sees, nearest first."""
     squares = crowd.squares
     place = int(np.searchsorted(crowd.starts[1 : squares.columns * squares.rows + 1], m, side="right"))
-    return list(crowd.body[crowd.nearest[: find_nearest(m, x, y, place, reach, crowd)]])
+    return list(crowd.body[crowd.nearest[: find_nearest(Ego(x, y, 0.0, 0.0, 0.0), m, place, reach, crowd)]])
 
 
 @pytest.mark.parametrize(

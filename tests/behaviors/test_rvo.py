@@ -17,7 +17,7 @@ from beside_ir_sim import SAME, count_ties, crowd, decisions, ours, silent, thei
 
 from irsim_gym import compile, load_scenario
 from irsim_gym.behaviors.rvo_penalty import NEVER, time_to_side
-from irsim_gym.behaviors.surroundings import map_walls, most_map_walls
+from irsim_gym.behaviors.surroundings import Ego, map_walls, most_map_walls
 from irsim_gym.behaviors.velocity_obstacles import lay_samples, order_samples
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.structs import Struct
@@ -170,8 +170,8 @@ def test_when_a_disc_meets_a_wall(place: list[float], velocity: list[float], exp
     """A disc of 0.5 m, and a wall from (2, -2) to (2, 2)."""
     for wall in ([2.0, -2.0, 2.0, 2.0], [2.0, 2.0, 2.0, -2.0]):
         x, y, vx, vy = (float(value) for value in [*place, *velocity])
-        assert time_to_side(x, y, 0.5, vx, vy, np.array(wall)) == pytest.approx(expected)
-    assert time_to_side(0.0, 0.0, 0.5, 1.0, 0.0, np.array([2.0, 0.0, 2.0, 0.0])) == NEVER
+        assert time_to_side(Ego(x, y, 0.0, 0.0, 0.5), vx, vy, np.array(wall)) == pytest.approx(expected)
+    assert time_to_side(Ego(0.0, 0.0, 0.0, 0.0, 0.5), 1.0, 0.0, np.array([2.0, 0.0, 2.0, 0.0])) == NEVER
 
 
 def test_samples_are_visited_outwards() -> None:
