@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Record
 from irsim_gym.behaviors.orca_neighbors import put_in_order
 from irsim_gym.behaviors.orca_walls import is_covered, see_edge, wall_plane
 from irsim_gym.behaviors.surroundings import map_walls
@@ -20,7 +20,7 @@ def add_map(
     within: float,
     pose: Floats,
     velocity: Floats,
-    frame: Floats,
+    frame: Record,
     squares: Bytes,
     sides: Floats,
     gap2: Floats,
@@ -39,7 +39,7 @@ def add_map(
         within: Walls this far away or farther are left out [m].
         pose: x, y, heading of the body [m, m, rad], shape ``(3,)``.
         velocity: Its velocity [m/s], shape ``(2,)``.
-        frame: ``model.map_frame``.
+        frame: ``model.map_frame[0]``.
         squares: ``model.map_squares``.
         sides: Scratch, shape ``(most, 4)``.
         gap2: Scratch, shape ``(most,)``.

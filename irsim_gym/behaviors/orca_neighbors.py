@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Flags, Floats, Ints, Record
 from irsim_gym.geometry.buckets import find_nearby
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
@@ -35,7 +35,7 @@ def find_walls(
     within: float,
     walls: Ints,
     is_wall: Flags,
-    frame: Floats,
+    frame: Record,
     first: Ints,
     following: Ints,
     present: Flags,
@@ -62,7 +62,7 @@ def find_walls(
         within: Sides this far away or farther are left out [m].
         walls: Bodies that never move, shape ``(n_walls,)``.
         is_wall: The same as flags, shape ``(body,)``.
-        frame: ``model.bucket_frame``.
+        frame: ``model.bucket_frame[0]``.
         first: First body of each bucket, shape ``(bucket,)``.
         following: Next body of the same bucket, shape ``(body,)``.
         present: Who exists, shape ``(body,)``.
@@ -80,9 +80,9 @@ def find_walls(
         owners: Written: the body of each segment and disc that was found, shape ``(segment + disc,)``.
     """
     n_found = walls.shape[0]
-    few = n_found <= FEW_WALLS or frame[3] == 0.0
+    few = n_found <= FEW_WALLS or frame.columns == 0
     if not few:
-        n_found = find_nearby(x, y, within + frame[5], frame, first, following, found)
+        n_found = find_nearby(x, y, within + frame.reach, frame, first, following, found)
     count, most, limit2 = 0, parts.shape[0], within * within
     for i in range(n_found):
         q = walls[i] if few else found[i]

@@ -109,7 +109,7 @@ def plan_velocities(
     options, dt, most = params[0], model.step_time[0], crowd.nearest.shape[0]
     columns, rows, first_ring, reach = int(squares[3]), int(squares[4]), squares[5], options.neighborDist
     places, moves, body, _, starts, found, gap2, nearest, nearest_gap, lanes = crowd
-    planes, spare, has_obstacles = scratch.planes, scratch.spare, walls.shape[0] > 0 or scene.map_frame[4] >= 0.0
+    planes, spare, has_obstacles = scratch.planes, scratch.spare, walls.shape[0] > 0 or scene.map_frame[0].body >= 0
     for w in worlds:
         radii, pose, planned = scene.radius[row_of(scene.radius, w)], scene.pose[w], state.plan[w]
         limits = model.velocity_max[row_of(model.velocity_max, w)]
@@ -214,9 +214,9 @@ def add_obstacles(
     within = horizon * speed + own
     if walls.shape[0] > 0:
         count = add_walls(w, walls, is_wall, within, own, horizon, pose, velocity, scene, scratch)
-    if scene.map_frame[4] >= 0.0:
+    if scene.map_frame[0].body >= 0:
         count = add_map(
-            own, horizon, min(within, SIGHT), pose, velocity, scene.map_frame, scene.map_squares,
+            own, horizon, min(within, SIGHT), pose, velocity, scene.map_frame[0], scene.map_squares,
             scratch.sides, scratch.sides_gap, scratch.sides_order, scratch.edge, scratch.planes, count,
         )  # fmt: skip
     return count
@@ -242,7 +242,7 @@ def add_walls(
     x, y, planes, edge, segments = pose[0], pose[1], scratch.planes, scratch.edge, scene.segments[w]
     n_segments = scene.segment_count[row_of(scene.segment_count, w)]
     n_parts = find_walls(
-        x, y, within, walls, is_wall, scene.bucket_frame, scene.bucket_first[w], scene.bucket_next[w],
+        x, y, within, walls, is_wall, scene.bucket_frame[0], scene.bucket_first[w], scene.bucket_next[w],
         scene.present[w], scene.pose[w], scene.reach[row_of(scene.reach, w)],
         scene.segment_start, n_segments, segments,
         scene.disc_start, scene.disc_count[row_of(scene.disc_count, w)], scene.discs[w],

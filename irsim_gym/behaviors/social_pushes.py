@@ -87,7 +87,7 @@ def planned_velocity(
     if lines.shape[0] > 0:
         fx, fy = push_of_lines(scene, w, b, options, among, lines)
         walls_x, walls_y = walls_x + fx, walls_y + fy
-    if scene.map_frame[4] >= 0.0:
+    if scene.map_frame[0].body >= 0:
         fx, fy = push_of_map(scene, w, b, options, sides, nearest)
         walls_x, walls_y = walls_x + fx, walls_y + fy
     ax = options.force_factor_desired * pull_x + options.force_factor_social * others_x
@@ -128,7 +128,7 @@ def push_of_bodies(
     The first is seen up to ``neighbor_threshold`` from centre to centroid; the second pushes once for each body, from
     the nearest point of its outline.
     """
-    pose, twist, frame, sight = scene.pose[w], scene.twist[w], scene.bucket_frame, options.neighbor_threshold
+    pose, twist, frame, sight = scene.pose[w], scene.twist[w], scene.bucket_frame[0], options.neighbor_threshold
     role, present = scene.role, scene.present[w]
     n_segments, n_discs = (
         scene.segment_count[row_of(scene.segment_count, w)],
@@ -141,7 +141,7 @@ def push_of_bodies(
     reach = FADED * options.sigma_obstacle + r
     most = max(sight, reach)
     others_x, others_y, walls_x, walls_y = 0.0, 0.0, 0.0, 0.0
-    for k in range(find_nearby(x, y, most + frame[5], frame, scene.bucket_first[w], scene.bucket_next[w], nearby)):
+    for k in range(find_nearby(x, y, most + frame.reach, frame, scene.bucket_first[w], scene.bucket_next[w], nearby)):
         q = nearby[k]
         dx, dy, far = pose[q, 0] - x, pose[q, 1] - y, most + reaches[q]
         roles = ALL_ROLES if among[q] else options.target_roles
@@ -228,12 +228,12 @@ def push_of_map(scene: Scene, w: int, b: int, options: Any, sides: Floats, neare
     that push the same way, such as the two of a corner and the steps of a slanted wall: of all pushes to one of the
     four sides the strongest holds.
     """
-    if not is_map_seen(options.target_roles, scene.map_frame, scene.role, scene.present[w]):
+    if not is_map_seen(options.target_roles, scene.map_frame[0], scene.role, scene.present[w]):
         return 0.0, 0.0
     x, y = scene.pose[w, b, 0], scene.pose[w, b, 1]
     r = scene.radius[row_of(scene.radius, w), b] + MARGIN
     reach = FADED * options.sigma_obstacle + r
-    n_sides = map_walls(x, y, reach, scene.map_frame, scene.map_squares, sides, 0)
+    n_sides = map_walls(x, y, reach, scene.map_frame[0], scene.map_squares, sides, 0)
     for way in range(4):
         nearest[way, 0] = reach * reach
     for k in range(n_sides):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Record, Records
 from irsim_gym.geometry.buckets import find_nearby
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.jit import kernel
@@ -45,9 +45,9 @@ class Scene(NamedTuple):
     segment_count: Ints
     disc_start: Ints
     disc_count: Ints
-    map_frame: Floats
+    map_frame: Records
     map_squares: Bytes
-    bucket_frame: Floats
+    bucket_frame: Records
     bucket_first: Ints
     bucket_next: Ints
     segments: Floats
@@ -72,11 +72,11 @@ def wall_bodies(model: WorldModel) -> Ints:
 
 def most_map_walls(model: WorldModel, threshold: float) -> int:
     """Return an upper bound of the number of map walls within ``threshold`` [m] of a point."""
-    if model.map_frame[4] < 0:
+    if (chart := model.cells) is None:
         return 0
     cells = [
         min(float(count), 2.0 * threshold / side + 2.0)
-        for count, side in zip(model.map_squares.shape[1:], model.map_frame[2:4], strict=True)
+        for count, side in zip(chart.room.shape, (chart.width, chart.height), strict=True)
     ]
     return int(2.0 * (cells[0] + 1.0) * (cells[1] + 1.0)) + 1
 
@@ -90,9 +90,9 @@ def is_seen(b: int, q: int, target_roles: int, role: Ints, present: Flags) -> bo
 
 
 @kernel
-def is_map_seen(target_roles: int, frame: Floats, role: Ints, present: Flags) -> bool:
+def is_map_seen(target_roles: int, frame: Record, role: Ints, present: Flags) -> bool:
     """Return whether there is an occupancy map to pay heed to; its body has no outline to look at."""
-    chart = int(frame[4])
+    chart = frame.body
     if chart < 0 or not present[chart]:
         return False
     return bool(target_roles == ALL_ROLES or role[chart] == target_roles - 1)
@@ -146,7 +146,7 @@ def look_around(
         rounds: Written: x, y, vx, vy, radius with MARGIN [m, m/s], shape ``(n, 5)`` or wider.
         sides: Written: x0, y0, x1, y1 [m], shape ``(n, 4)``.
     """
-    pose, frame, role, present = scene.pose[w], scene.bucket_frame, scene.role, scene.present[w]
+    pose, frame, role, present = scene.pose[w], scene.bucket_frame[0], scene.role, scene.present[w]
     n_segments, n_discs = (
         scene.segment_count[row_of(scene.segment_count, w)],
         scene.disc_count[row_of(scene.disc_count, w)],
@@ -154,7 +154,7 @@ def look_around(
     centroid, radius = scene.centroid[row_of(scene.centroid, w)], scene.radius[row_of(scene.radius, w)]
     reach, segments, discs = scene.reach[row_of(scene.reach, w)], scene.segments[w], scene.discs[w]
     x, y = pose[b, 0], pose[b, 1]
-    n_nearby = find_nearby(x, y, sight + frame[5], frame, scene.bucket_first[w], scene.bucket_next[w], nearby)
+    n_nearby = find_nearby(x, y, sight + frame.reach, frame, scene.bucket_first[w], scene.bucket_next[w], nearby)
     n_rounds, n_sides = 0, 0
     for k in range(n_nearby):
         q = nearby[k]
@@ -177,8 +177,8 @@ def look_around(
     for q in lines:
         if is_seen(b, q, target_roles, role, present):
             n_sides = copy_sides(segments, scene.segment_start[q], n_segments[q], sides, n_sides)
-    if is_map_seen(target_roles, scene.map_frame, role, present):
-        n_sides = map_walls(x, y, sight, scene.map_frame, scene.map_squares, sides, n_sides)
+    if is_map_seen(target_roles, scene.map_frame[0], role, present):
+        n_sides = map_walls(x, y, sight, scene.map_frame[0], scene.map_squares, sides, n_sides)
     return n_rounds, n_sides
 
 
@@ -204,7 +204,7 @@ def copy_sides(segments: Floats, start: int, count: int, sides: Floats, n_sides:
 
 
 @kernel
-def map_walls(x: float, y: float, threshold: float, frame: Floats, squares: Bytes, sides: Floats, n_sides: int) -> int:
+def map_walls(x: float, y: float, threshold: float, frame: Record, squares: Bytes, sides: Floats, n_sides: int) -> int:
     """Append the borders between occupied and free cells near a point to ``sides``; return how many those are now.
 
     Borders in a line are one segment, with the free cells to its left. What lies outside of the map is free. Those for
@@ -214,14 +214,14 @@ def map_walls(x: float, y: float, threshold: float, frame: Floats, squares: Byte
         x: The point [m].
         y: The point [m].
         threshold: Borders of cells that are nearer than this [m].
-        frame: ``model.map_frame``.
+        frame: ``model.map_frame[0]``.
         squares: ``model.map_squares``.
         sides: Written, x0, y0, x1, y1 [m], shape ``(n, 4)``.
         n_sides: Number of rows in use.
     """
     for axis in range(2):
-        low, across = (frame[1], frame[0]) if axis == 0 else (frame[0], frame[1])
-        pitch, width = (frame[3], frame[2]) if axis == 0 else (frame[2], frame[3])
+        low, across = (frame.y, frame.x) if axis == 0 else (frame.x, frame.y)
+        pitch, width = (frame.height, frame.width) if axis == 0 else (frame.width, frame.height)
         height, place = (y, x) if axis == 0 else (x, y)
         lines, cells = squares.shape[2 - axis], squares.shape[1 + axis]
         first = int(max(np.ceil((height - threshold - low) / pitch), 0.0))

@@ -14,7 +14,7 @@ from irsim_gym.world.state import WorldState
 @kernel
 def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState) -> None:
     """Note which bodies touch an occupied cell, for them and for the map's own body."""
-    own = int(cells[0][4])
+    own = cells.body
     for w in worlds:
         n_segments, n_discs = (
             model.segment_count[row_of(model.segment_count, w)],
@@ -45,7 +45,7 @@ def measure_cell_clearance(
     worlds: Ints, bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState, distance: Floats
 ) -> None:
     """Lower the surface distances of bodies [m], shape ``(n_worlds, n_bodies)``, to that of the nearest cell."""
-    own = int(cells[0][4])
+    own = cells.body
     for w in worlds:
         n_segments, n_discs = (
             model.segment_count[row_of(model.segment_count, w)],

@@ -39,7 +39,10 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
 
     Where they stand as they stood in the level before, what was found then is taken.
     """
-    worlds, may_recall = shard.worlds, bool(model.rigid[0]) and model.bucket_frame[3] == 0.0 and model.cells is None
+    worlds, may_recall = (
+        shard.worlds,
+        bool(model.rigid[0]) and not model.bucket_frame[0].columns and model.cells is None,
+    )
     recall_contacts(worlds, bodies, may_recall, model, state)
     _find_pairs(bodies, model, state, shard, model.static_known)
     note_partners(worlds, model, state)
@@ -48,7 +51,7 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
 def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard, known: Flags) -> None:
     """Write who touches whom: all pairs, or near ones through the buckets where there are any; then the map."""
     outline = _outline(model, state)
-    if model.bucket_frame[3] > 0.0:
+    if model.bucket_frame[0].columns:
         buckets = (model.bucket_frame, state.bucket_first, state.bucket_next, state.nearby)
         find_near_contacts(
             shard.worlds, bodies, model.movable, *outline, state.pose, *buckets, state.collided, state.hit
@@ -225,7 +228,7 @@ def clearance(
     Where there are buckets they have to be up to date.
     """
     outline = _outline(model, state)
-    if model.bucket_frame[3] > 0.0:
+    if model.bucket_frame[0].columns:
         buckets = (model.bucket_frame, state.bucket_first, state.bucket_next, state.nearby)
         measure_near_clearance(shard.worlds, bodies, limit, *outline, state.pose, *buckets, distance)
     else:

@@ -49,7 +49,7 @@ def cast_cells(
     """Shorten ``ranges`` to the nearest occupied cell; from within one, to where the beam leaves what is occupied.
 
     Args:
-        cells: The map, see ``cells``.
+        cells: The map.
         x: The sensor's position [m].
         y: The sensor's position [m].
         heading: The sensor's heading [rad].
@@ -59,21 +59,21 @@ def cast_cells(
         integers: Scratch, shape ``(N_INTEGERS,)``.
         ranges: Changed: ranges [m], shape ``(n_beams,)``; what lies farther is not looked for.
     """
-    frame, squares, boxes, _ = cells
+    squares, boxes = cells.squares, cells.boxes
     if boxes.shape[0] == 0:
         return
     columns, rows = squares.shape[1], squares.shape[2]
     cosine, sine = np.cos(heading), np.sin(heading)
-    across, up = (x - frame[0]) / frame[2], (y - frame[1]) / frame[3]
+    across, up = (x - cells.x) / cells.width, (y - cells.y) / cells.height
     if not (0.0 <= across < columns and 0.0 <= up < rows) or squares[0, int(across), int(up)] == 0:
         for k in range(ranges.shape[0]):
-            east = (cosine * beams_x[k] - sine * beams_y[k]) / frame[2]
-            north = (sine * beams_x[k] + cosine * beams_y[k]) / frame[3]
+            east = (cosine * beams_x[k] - sine * beams_y[k]) / cells.width
+            north = (sine * beams_x[k] + cosine * beams_y[k]) / cells.height
             ranges[k] = np.float32(walk(squares, across, up, east, north, np.float64(ranges[k])))
         return
     turn = (
-        np.float32(cosine / frame[2]), np.float32(sine / frame[2]),
-        np.float32(cosine / frame[3]), np.float32(sine / frame[3]),
+        np.float32(cosine / cells.width), np.float32(sine / cells.width),
+        np.float32(cosine / cells.height), np.float32(sine / cells.height),
     )  # fmt: skip
     occupied = np.int32(boxes[0, 0] * rows + boxes[0, 2])
     every = squares.reshape(-1)
@@ -110,7 +110,7 @@ def begin_block(
         turn: Cosine and sine of the sensor's heading over the width of a cell, and over its height [1/m].
         across: The sensor's place [cells].
         up: The sensor's place [cells].
-        squares: See ``cells``.
+        squares: See ``CellMap``.
         floats: The block, changed.
         integers: The block, changed.
     """
@@ -198,7 +198,7 @@ def walk(squares: Bytes, x: float, y: float, east: float, north: float, far: flo
     """Return the time at which a point meets an occupied cell, or leaves those that it begins in; at most ``far``.
 
     Args:
-        squares: See ``cells``.
+        squares: See ``CellMap``.
         x: Position [cells].
         y: Position [cells].
         east: Velocity [cells per unit of time].

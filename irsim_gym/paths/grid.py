@@ -141,11 +141,11 @@ def block_around_cells(
     """Block the cells whose centres lie within ``radius`` [m] of an occupied cell of the map."""
     if cells is None:
         return
-    frame, _, boxes, _ = cells
-    x, y = frame[0] - origin_x, frame[1] - origin_y
+    boxes = cells.boxes
+    x, y = cells.x - origin_x, cells.y - origin_y
     for k in range(boxes.shape[0]):
-        left, right = x + boxes[k, 0] * frame[2], x + boxes[k, 1] * frame[2]
-        low, high = y + boxes[k, 2] * frame[3], y + boxes[k, 3] * frame[3]
+        left, right = x + boxes[k, 0] * cells.width, x + boxes[k, 1] * cells.width
+        low, high = y + boxes[k, 2] * cells.height, y + boxes[k, 3] * cells.height
         block_box(left, low, right, high, radius, cell, blocked)
 
 

@@ -63,12 +63,12 @@ def mark_touched(
         if solid[b] and segment_count[b] > 0:
             touch_inside(segments, segment_start[b], segment_count[b], origin_x, origin_y, cell_x, cell_y, touched)
     if cells is not None:
-        frame, _, boxes, _ = cells
+        boxes = cells.boxes
         for k in range(boxes.shape[0]):
-            left = (frame[0] + boxes[k, 0] * frame[2] - origin_x) / cell_x
-            right = (frame[0] + boxes[k, 1] * frame[2] - origin_x) / cell_x
-            low = (frame[1] + boxes[k, 2] * frame[3] - origin_y) / cell_y
-            high = (frame[1] + boxes[k, 3] * frame[3] - origin_y) / cell_y
+            left = (cells.x + boxes[k, 0] * cells.width - origin_x) / cell_x
+            right = (cells.x + boxes[k, 1] * cells.width - origin_x) / cell_x
+            low = (cells.y + boxes[k, 2] * cells.height - origin_y) / cell_y
+            high = (cells.y + boxes[k, 3] * cells.height - origin_y) / cell_y
             touch_box(left, right, low, high, touched)
 
 

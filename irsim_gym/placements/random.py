@@ -133,7 +133,7 @@ class RandomPlacement:
             both = (of_slot([table[f"{name}_{part}"] for part in WAY_TABLES], slot) for name in ("coarse", "fine"))
             grids = model.rigid, table["blocks"][slot], *both
         near: Any = None
-        if model.bucket_frame[3] > 0.0:
+        if model.bucket_frame[0].columns:
             lists = state.bucket, state.bucket_first, state.bucket_next, state.nearby
             near = model.bucket_frame, model.bucketed, *lists
         draw_members(
@@ -223,7 +223,7 @@ def sort_placed(w: int, present: Flags, placed: Flags, pose: Floats, near: Any) 
 def put_placed(w: int, b: int, pose: Floats, near: Any) -> None:
     """Put body b of world w into its bucket."""
     frame, bucketed, bucket, first, following, _ = near
-    put(b, bucket_of(pose[w, b, 0], pose[w, b, 1], bucketed[b], frame), bucket[w], first[w], following[w])
+    put(b, bucket_of(pose[w, b, 0], pose[w, b, 1], bucketed[b], frame[0]), bucket[w], first[w], following[w])
 
 
 @kernel
@@ -250,8 +250,9 @@ def draw_start(
         if near is None:
             peers, n_peers, others, n_others = members, members.shape[0], everyone, everyone.shape[0]
         else:
-            frame, _, _, first, following, found = near
-            radius = max(options.min_distance, reach[row_of(reach, w), b] + options.clearance + frame[5])
+            frames, _, _, first, following, found = near
+            frame = frames[0]
+            radius = max(options.min_distance, reach[row_of(reach, w), b] + options.clearance + frame.reach)
             n_others = gather_nearby(pose[w, b, 0], pose[w, b, 1], radius, frame, first[w], following[w], found[w])
             peers, n_peers, others = found[w], n_others, found[w]
         if not is_spaced(pose[w], peers, n_peers, is_member, b, options.min_distance, shapes[0][w], placed[w]):

@@ -42,7 +42,7 @@ def scan_cells(
         integers: Scratch, see ``cell_rays``.
         ranges: Changed [m], shape ``(n_worlds, n_members, n_beams)``.
     """
-    own = int(cells[0][4])
+    own = cells.body
     for w in worlds:
         if not model.present[w, own]:
             continue

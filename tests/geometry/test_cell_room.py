@@ -13,7 +13,7 @@ from tests.geometry.shapes import disc
 @pytest.mark.parametrize("share", [0.003, 0.05, 0.5])
 def test_rooms_are_distances_of_the_centres(share: float) -> None:
     occupied = np.random.default_rng(8).random((40, 23)) < share
-    room = cell_map(occupied, -1.0, 3.0, 0.3, 0.2)[3]
+    room = cell_map(occupied, -1.0, 3.0, 0.3, 0.2).room
     i, j = np.meshgrid(np.arange(40), np.arange(23), indexing="ij")
     centres = shapely.points(-1.0 + 0.3 * (i + 0.5), 3.0 + 0.2 * (j + 0.5))
     true = shapely.distance(centres, area(occupied, -1.0, 3.0, 0.3, 0.2))
@@ -49,9 +49,9 @@ def test_the_nearest_cell_to_a_point_is_that_of_the_plain_search(share: float) -
     for x, y in np.random.default_rng(12).uniform([-1, 0], [12, 9], (300, 2)):
         true = shapely.distance(occupied, shapely.Point(x, y)) if share > 0.0 else np.inf
         for reach in (0.05, 0.5, 3.0, 20.0):
-            found = nearest_to_point2(*cells[:2], x, y, reach)
+            found = nearest_to_point2(cells, x, y, reach)
             if true <= reach:
-                assert found == nearest_cell2(*cells[:2], x, y, x, y, reach, 0.0)
+                assert found == nearest_cell2(cells, x, y, x, y, reach, 0.0)
                 assert found == pytest.approx(true * true, abs=1e-12)
             else:
                 assert found == np.inf

@@ -19,7 +19,7 @@ QUADRANTS = [(1, 1), (-1, 1), (1, -1), (-1, -1)]
 
 def test_free_squares_are_the_largest() -> None:
     occupied = np.random.default_rng(1).random((9, 7)) < 0.15
-    squares = cell_map(occupied)[1]
+    squares = cell_map(occupied).squares
     padded = np.pad(occupied, 300)
     for quadrant, (right, up) in enumerate(QUADRANTS):
         for i in range(9):
