@@ -54,3 +54,25 @@ class CellMap(NamedTuple):
     squares: Bytes
     boxes: Ints
     room: Rays
+
+
+class BodyOutline(NamedTuple):
+    """The outline of a body: rows of a table of segments and rows of a table of discs.
+
+    Attributes:
+        segments: x0, y0, x1, y1 [m], shape ``(segment, 4)``.
+        first_segment: The first row of the body.
+        n_segments: Number of its rows.
+        discs: x, y, radius [m], shape ``(disc, 3)``.
+        first_disc: The first row of the body.
+        n_discs: Number of its rows.
+        solid: The segments bound an area (closed chains, inside by the even-odd rule); else they are curves.
+    """
+
+    segments: Floats
+    first_segment: int
+    n_segments: int
+    discs: Floats
+    first_disc: int
+    n_discs: int
+    solid: bool

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Ints
 from irsim_gym.behaviors.steering import to_command
 from irsim_gym.behaviors.surroundings import (
     ALL_ROLES,
@@ -150,7 +150,7 @@ def push_of_bodies(
         look = ROUND if among[q] else look_of(n_segments[q], n_discs[q], scene.solid[q], scene.movable[q])
         if look == STANDING:
             s, n, d, m = scene.segment_start[q], n_segments[q], scene.disc_start[q], n_discs[q]
-            distance = point_outline_distance(x, y, segments, s, n, discs, d, m, scene.solid[q])
+            distance = point_outline_distance(x, y, BodyOutline(segments, s, n, discs, d, m, scene.solid[q]))
             if distance <= reach:
                 cx, cy = nearest_point(x, y, segments[s : s + n], discs[d : d + m])
                 fx, fy = push_of_wall(x - cx, y - cy, r, options.sigma_obstacle)

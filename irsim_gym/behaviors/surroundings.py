@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Record, Records
+from irsim_gym.arraytypes import BodyOutline, Bytes, Flags, Floats, Ints, Record, Records
 from irsim_gym.geometry.buckets import find_nearby
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.jit import kernel
@@ -164,7 +164,7 @@ def look_around(
         look = look_of(n_segments[q], n_discs[q], scene.solid[q], scene.movable[q])
         if look == STANDING:
             s, n, d, m = scene.segment_start[q], n_segments[q], scene.disc_start[q], n_discs[q]
-            if point_outline_distance(x, y, segments, s, n, discs, d, m, scene.solid[q]) < sight:
+            if point_outline_distance(x, y, BodyOutline(segments, s, n, discs, d, m, scene.solid[q])) < sight:
                 n_sides = copy_sides(segments, s, n, sides, n_sides)
                 n_rounds = copy_discs(discs, d, m, rounds, n_rounds)
         if look == ROUND:

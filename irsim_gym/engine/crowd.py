@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Record, Records
+from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Ints, Record, Records
 from irsim_gym.geometry.buckets import gather_nearby, square_of
 from irsim_gym.geometry.overlap import disc_outline_distance, outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
@@ -57,10 +57,9 @@ def find_near_contacts(
                 near = reaches[b] + reaches[q]
                 if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
                     continue
-                if outlines_overlap(
-                    rows, segment_start[b], n_segments[b], rounds, disc_start[b], n_discs[b], solid[b],
-                    rows, segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q],
-                ):  # fmt: skip
+                whole = BodyOutline(rows, segment_start[b], n_segments[b], rounds, disc_start[b], n_discs[b], solid[b])
+                other = BodyOutline(rows, segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q])
+                if outlines_overlap(whole, other):
                     collided[w, b], collided[w, q] = True, True
                     hit[w, b] = q if hit[w, b] < 0 else min(hit[w, b], q)
                     hit[w, q] = b if hit[w, q] < 0 else min(hit[w, q], b)
@@ -105,12 +104,14 @@ def measure_near_clearance(
                     dx, dy, near = here[q, 0] - x, here[q, 1] - y, best + own + reaches[q]
                     if dx * dx + dy * dy >= near * near or q == b or unobstructed[q] or not there[q]:
                         continue
-                    other = segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q]
+                    other = BodyOutline(
+                        rows, segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q]
+                    )
                     if is_disc:
-                        best = disc_outline_distance(rounds[d, 0], rounds[d, 1], rounds[d, 2], rows, *other, best)
+                        best = disc_outline_distance(rounds[d, 0], rounds[d, 1], rounds[d, 2], other, best)
                     else:
-                        whole = segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b]
-                        best = min(best, outline_distance(rows, *whole, rows, *other, best))
+                        whole = BodyOutline(rows, segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b])
+                        best = min(best, outline_distance(whole, other, best))
                 is_open = best + own + frame.reach > within and not holds_all(x, y, within, frame)
                 within *= 2.0
             distance[w, k] = best

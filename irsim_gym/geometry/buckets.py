@@ -25,7 +25,7 @@ def square_of(value: float, low: float, side: float, count: int) -> int:
 @kernel
 def bucket_of(x: float, y: float, is_small: bool, frame: Record) -> int:
     """Return the bucket for a body with its origin at a point [m]: the last one if it is too large for the squares."""
-    columns, rows = frame.columns, frame.rows
+    columns, rows = int(frame.columns), int(frame.rows)
     if not is_small:
         return columns * rows
     return square_of(y, frame.y, frame.side, rows) * columns + square_of(x, frame.x, frame.side, columns)

@@ -21,6 +21,8 @@ from irsim_gym.jit import kernel
 STEEP = 1e30
 """Cells per metre of a beam that does not move along an axis, inverted."""
 
+Pose = tuple[float, float, float]
+
 LANES = 32
 """Beams of a block."""
 EAST, NORTH, SLOW_X, SLOW_Y = 0, LANES, 2 * LANES, 3 * LANES
@@ -36,23 +38,13 @@ EDGE = np.float32(1.0 - 2.0**-24)
 
 @kernel
 def cast_cells(
-    cells: CellMap,
-    x: float,
-    y: float,
-    heading: float,
-    beams_x: Rays,
-    beams_y: Rays,
-    floats: Rays,
-    integers: Labels,
-    ranges: Rays,
+    cells: CellMap, pose: Pose, beams_x: Rays, beams_y: Rays, floats: Rays, integers: Labels, ranges: Rays
 ) -> None:
     """Shorten ``ranges`` to the nearest occupied cell; from within one, to where the beam leaves what is occupied.
 
     Args:
         cells: The map.
-        x: The sensor's position [m].
-        y: The sensor's position [m].
-        heading: The sensor's heading [rad].
+        pose: The sensor's x, y, heading [m, m, rad].
         beams_x: Unit directions in the sensor frame, at least as many as ranges.
         beams_y: As ``beams_x``.
         floats: Scratch, shape ``(N_FLOATS,)``.
@@ -63,6 +55,7 @@ def cast_cells(
     if boxes.shape[0] == 0:
         return
     columns, rows = squares.shape[1], squares.shape[2]
+    x, y, heading = pose
     cosine, sine = np.cos(heading), np.sin(heading)
     across, up = (x - cells.x) / cells.width, (y - cells.y) / cells.height
     if not (0.0 <= across < columns and 0.0 <= up < rows) or squares[0, int(across), int(up)] == 0:
@@ -96,14 +89,7 @@ def take_beams(begin: int, beams_x: Rays, beams_y: Rays, ranges: Rays, floats: R
 
 
 @kernel(contract=True)
-def begin_block(
-    turn: Any,
-    across: float,
-    up: float,
-    squares: Bytes,
-    floats: Rays,
-    integers: Labels,
-) -> None:
+def begin_block(turn: Any, across: float, up: float, squares: Bytes, floats: Rays, integers: Labels) -> None:
     """Turn the beams of a block into the map [cells/m], and put them into the cell of their sensor.
 
     Args:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import BodyOutline, Bytes, CellMap, Flags, Ints
 from irsim_gym.geometry.cell_room import nearest_to_point2, room_about
-from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import point_segment_distance2, side
 from irsim_gym.jit import kernel
 
@@ -253,43 +253,31 @@ def nearest_cell_point(cells: CellMap | None, x: float, y: float, limit: float) 
 
 
 @kernel
-def outline_meets_cells(
-    cells: CellMap | None, segments: Floats, s: int, n: int, discs: Floats, d: int, m: int, solid: bool
-) -> bool:
-    """Return whether an outline touches an occupied cell, or holds one.
-
-    Args:
-        cells: The map, or None.
-        segments: Segment table [m], shape ``(segment, 4)``.
-        s: First row of the outline's segments.
-        n: Number of them.
-        discs: Disc table [m], shape ``(disc, 3)``.
-        d: First row of the outline's discs.
-        m: Number of them.
-        solid: The segments bound an area.
-    """
+def outline_meets_cells(cells: CellMap | None, outline: BodyOutline) -> bool:
+    """Return whether an outline touches an occupied cell, or holds one."""
     if cells is None:
         return False
-    for k in range(d, d + m):
-        if capsule_meets_cells(cells, discs[k, 0], discs[k, 1], discs[k, 0], discs[k, 1], discs[k, 2]):
+    segments, discs = outline.segments, outline.discs
+    for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
+        if capsule_meets_cells(cells, discs[d, 0], discs[d, 1], discs[d, 0], discs[d, 1], discs[d, 2]):
             return True
-    for k in range(s, s + n):
-        if capsule_meets_cells(cells, segments[k, 0], segments[k, 1], segments[k, 2], segments[k, 3], 0.0):
+    for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
+        if capsule_meets_cells(cells, segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3], 0.0):
             return True
-    return solid and n > 0 and holds_cell(cells, segments, s, n)
+    return outline.solid and outline.n_segments > 0 and holds_cell(cells, outline)
 
 
 @kernel
-def holds_cell(cells: CellMap, segments: Floats, s: int, n: int) -> bool:
+def holds_cell(cells: CellMap, outline: BodyOutline) -> bool:
     """Return whether an area whose boundary touches no occupied cell holds one.
 
     Occupied cells that touch each other are then on one side, so one point of each run in a column is enough.
     """
-    squares = cells.squares
+    squares, segments = cells.squares, outline.segments
     left, low, right, high = np.inf, np.inf, -np.inf, -np.inf
-    for k in range(s, s + n):
-        left, right = min(left, segments[k, 0]), max(right, segments[k, 0])
-        low, high = min(low, segments[k, 1]), max(high, segments[k, 1])
+    for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
+        left, right = min(left, segments[s, 0]), max(right, segments[s, 0])
+        low, high = min(low, segments[s, 1]), max(high, segments[s, 1])
     first_i, last_i = cell_range(left, right, cells.x, cells.width, squares.shape[1])
     first_j, last_j = cell_range(low, high, cells.y, cells.height, squares.shape[2])
     if last_i < first_i or last_j < first_j or box_is_free(squares, first_i, first_j, last_i, last_j):
@@ -300,7 +288,7 @@ def holds_cell(cells: CellMap, segments: Floats, s: int, n: int) -> bool:
             if squares[0, i, j] > 0:
                 j += int(squares[0, i, j])
                 continue
-            if contains_point(segments, s, n, cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height):
+            if holds_point(outline, cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height):
                 return True
             while j <= last_j and squares[0, i, j] == 0:
                 j += 1
@@ -308,51 +296,33 @@ def holds_cell(cells: CellMap, segments: Floats, s: int, n: int) -> bool:
 
 
 @kernel
-def outline_cells_distance(
-    cells: CellMap | None, segments: Floats, s: int, n: int, discs: Floats, d: int, m: int, solid: bool, limit: float
-) -> float:
-    """Return the distance [m] of an outline from the nearest occupied cell: 0 if they touch, at most ``limit``.
-
-    Arguments as in ``outline_meets_cells``; ``limit`` [m] may be inf.
-    """
+def outline_cells_distance(cells: CellMap | None, outline: BodyOutline, limit: float) -> float:
+    """Return the distance [m] of an outline from the nearest occupied cell: 0 if they touch, at most ``limit``."""
     if cells is None:
         return limit
-    if solid and n > 0 and holds_cell(cells, segments, s, n):
+    if outline.solid and outline.n_segments > 0 and holds_cell(cells, outline):
         return 0.0
-    best = limit
-    for k in range(d, d + m):
-        x, y, radius = discs[k, 0], discs[k, 1], discs[k, 2]
+    best, segments, discs = limit, outline.segments, outline.discs
+    for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
+        x, y, radius = discs[d, 0], discs[d, 1], discs[d, 2]
         near = segment_cells_distance(cells, x, y, x, y, best + radius)
         if near < best + radius:
             best = min(best, max(near - radius, 0.0))
-    for k in range(s, s + n):
-        ax, ay, bx, by = segments[k, 0], segments[k, 1], segments[k, 2], segments[k, 3]
+    for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
+        ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
         best = segment_cells_distance(cells, ax, ay, bx, by, best)
     return best
 
 
 @kernel
-def outline_near_cells(
-    cells: CellMap | None,
-    segments: Floats,
-    s: int,
-    n: int,
-    discs: Floats,
-    d: int,
-    m: int,
-    solid: bool,
-    clearance: float,
-) -> bool:
-    """Return whether an outline touches an occupied cell, or comes closer than ``clearance`` [m] to one.
-
-    Arguments as in ``outline_meets_cells``.
-    """
+def outline_near_cells(cells: CellMap | None, outline: BodyOutline, clearance: float) -> bool:
+    """Return whether an outline touches an occupied cell, or comes closer than ``clearance`` [m] to one."""
     if cells is None:
         return False
-    for k in range(d, d + m):
-        _, most = room_about(cells, discs[k, 0], discs[k, 1])
-        if most < discs[k, 2] + clearance:
+    for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
+        _, most = room_about(cells, outline.discs[d, 0], outline.discs[d, 1])
+        if most < outline.discs[d, 2] + clearance:
             return True
     if clearance <= 0.0:
-        return bool(outline_meets_cells(cells, segments, s, n, discs, d, m, solid))
-    return bool(outline_cells_distance(cells, segments, s, n, discs, d, m, solid, clearance) < clearance)
+        return bool(outline_meets_cells(cells, outline))
+    return bool(outline_cells_distance(cells, outline, clearance) < clearance)

@@ -39,6 +39,7 @@ class Group:
         members: Body of each member, shape ``(n_members,)``.
         params: Records of the members' numeric options, shape ``(n_members,)``.
         arrays: The kind's own arrays: readings, tables, scratch.
+        tables: What the kind's kernels take as structs, as ``prepare`` makes it.
         names: Names of all bodies, for kinds that tell them; may be empty.
         company: What else there is to tell of all bodies, for kinds that do; may be None.
     """
@@ -48,6 +49,7 @@ class Group:
     members: Ints
     params: Any = None
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+    tables: Any = None
     names: tuple[str, ...] = ()
     company: Company | None = None
 
@@ -61,8 +63,8 @@ class Group:
     def select(self, chosen: Ints) -> Group:
         """Return a group of some of the members, by their numbers in this one; it shares the arrays."""
         options = [self.options[k] for k in chosen]
-        params = self.params[chosen]
-        return Group(self.kind, options, self.members[chosen], params, self.arrays, self.names, self.company)
+        members, params = self.members[chosen], self.params[chosen]
+        return Group(self.kind, options, members, params, self.arrays, self.tables, self.names, self.company)
 
 
 def records(options: Sequence[Any]) -> Any:

@@ -93,5 +93,6 @@ class WorldModel(Arrays):
     @property
     def cells(self) -> CellMap | None:
         """The occupancy map; None without one."""
-        found = CellMap(*self.map_frame.item(), self.map_squares, self.map_boxes, self.map_room)
-        return found if found.body >= 0 else None
+        x, y, width, height, body = self.map_frame.item()
+        arrays = self.map_squares, self.map_boxes, self.map_room
+        return CellMap(x, y, width, height, body, *arrays) if body >= 0 else None

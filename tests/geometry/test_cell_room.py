@@ -23,8 +23,9 @@ def test_rooms_are_distances_of_the_centres(share: float) -> None:
 def test_rooms_end_where_nobody_looks_farther() -> None:
     occupied = np.zeros((300, 2), np.bool_)
     occupied[0] = True
-    frame, *_, room = cells = cell_map(occupied, 0.0, 0.0, 0.5, 1.0)
-    assert farthest(frame) == 63.5 * 0.5
+    cells = cell_map(occupied, 0.0, 0.0, 0.5, 1.0)
+    room = cells.room
+    assert farthest(cells) == 63.5 * 0.5
     assert room[:, 0].tolist() == [min(max(0.5 * k - 0.25, 0.0), 31.75) for k in range(300)]
     assert room_about(cells, 120.0, 1.0) == (pytest.approx(31.75 - np.hypot(0.25, 0.5), abs=1e-4), np.inf)
     assert room_about(cells, -0.1, 1.0) == (0.0, np.inf)
@@ -40,7 +41,7 @@ def test_bounds_hold_and_decide_as_shapely_does(seed: int) -> None:
         assert most == np.inf or most - least <= np.hypot(0.3, 0.2) + 4 * DOUBT
         for limit in (0.1, 0.3, 0.7):
             assert cells_are_closer(cells, x, y, limit) == (true < limit)
-            assert outline_near_cells(cells, *disc(x, y, 0.2).arguments, limit) == (true < 0.2 + limit)
+            assert outline_near_cells(cells, disc(x, y, 0.2).outline, limit) == (true < 0.2 + limit)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.01, 0.1, 0.5])
