@@ -48,8 +48,8 @@ def way_tables(grid: Grid, n_slots: int, n_bodies: int) -> WayTables:
 
 def of_slot(tables: WayTables, slot: int) -> WayTables:
     """Return one slot's share of the tables."""
-    grid, *memory = tables
-    return WayTables(grid, *(one[slot] for one in memory))
+    grid, blocked, runs, labels, known = tables
+    return WayTables(grid, blocked[slot], runs[slot], labels[slot], known[slot])
 
 
 @kernel

@@ -95,7 +95,8 @@ class CirclePlacement:
         angles = np.zeros(len(model.role))
         angles[group.members] = 2.0 * np.pi * np.arange(len(group.members)) / len(group.members)
         everyone = np.arange(len(model.role))
-        group.tables = CircleTables(*map(float, (*center, radius, options.jitter)), options.turn, angles, everyone)
+        x, y, jitter = float(center[0]), float(center[1]), float(options.jitter)
+        group.tables = CircleTables(x, y, float(radius), jitter, options.turn, angles, everyone)
         return _beyond_the_edge(center, radius + options.jitter, model) if options.is_random else None
 
     @staticmethod

@@ -141,13 +141,13 @@ class RandomPlacement:
             has_room = all(_has_room(len(group.members), *ends) for ends in ((low, high), (goal_low, goal_high)))
             min_distance = WISHED_DISTANCE if has_room else 0.0
         everyone = np.arange(len(model.role))
-        distances = map(float, (min_distance, options.clearance, options.min_goal_distance))
-        tables, way_grids = DrawTables(*bounds, *distances, np.isin(everyone, group.members), everyone), None
+        spacing, clearance, away = float(min_distance), float(options.clearance), float(options.min_goal_distance)
+        is_member, way_grids = np.isin(everyone, group.members), None
         if options.reachable:
             reach = float(np.min(model.reach[:, group.members]))
             grids = (way_tables(Grid.over(area, share * reach), n_slots, len(everyone)) for share in (COARSE, FINE))
             way_grids = WayGrids(np.zeros((n_slots, len(everyone)), np.bool_), *grids)
-        group.tables = tables, way_grids
+        group.tables = DrawTables(*bounds, spacing, clearance, away, is_member, everyone), way_grids
         return None
 
     @staticmethod
