@@ -99,7 +99,7 @@ def find_walls(model: WorldModel, state: WorldState, w: int, b: int, within: flo
     )
     n_segments, n_discs = row_of(model.segment_count, w), row_of(model.disc_count, w)
     parts, gap2, n_found = obstacles.parts, obstacles.parts_gap, obstacles.walls.shape[0]
-    few = n_found <= FEW_WALLS or model.bucket_frame[3] == 0.0
+    few = n_found <= FEW_WALLS or model.bucket_frame[0].columns == 0
     if not few:
         n_found = find_around(model, state, w, b, within, obstacles.nearby)
     count, limit2 = 0, within * within

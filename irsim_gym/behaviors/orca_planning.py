@@ -160,7 +160,7 @@ def add_obstacles(
     if obstacles.walls.shape[0] > 0:
         n_parts = find_walls(model, state, w, b, within, obstacles)
         count = add_walls(model, state, w, ego, horizon, n_parts, tables)
-    if model.map_frame[4] >= 0.0:
+    if model.map_frame[0].body >= 0:
         count = add_map(model, ego, horizon, min(within, SIGHT), obstacles, planes, count)
     return count
 

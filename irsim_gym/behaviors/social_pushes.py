@@ -11,7 +11,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Records
+from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Ints, Records
 from irsim_gym.behaviors.steering import Turning, to_command
 from irsim_gym.behaviors.surroundings import (
     ALL_ROLES,
@@ -19,7 +19,6 @@ from irsim_gym.behaviors.surroundings import (
     ROUND,
     STANDING,
     centroid_of,
-    distance_to_outline,
     find_around,
     is_far,
     is_map_seen,
@@ -29,11 +28,13 @@ from irsim_gym.behaviors.surroundings import (
     most_map_walls,
     wall_bodies,
 )
+from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.geometry.segments import side
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct, record_type
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
@@ -161,9 +162,10 @@ def push_of_bodies(
             continue
         look = ROUND if among[q] else look_of(model, w, q)
         if look == STANDING:
-            distance = distance_to_outline(model, state, w, q, x, y)
+            outline = outline_of(model, state, w, q)
+            distance = point_outline_distance(x, y, outline)
             if distance <= reach:
-                cx, cy = nearest_point(model, state, w, q, x, y)
+                cx, cy = nearest_point(x, y, outline)
                 fx, fy = push_of_wall(x - cx, y - cy, r, options.sigma_obstacle)
                 if distance == 0.0:
                     fx, fy = -fx, -fy
@@ -272,17 +274,16 @@ def push_of_map(
 
 
 @kernel
-def nearest_point(model: WorldModel, state: WorldState, w: int, q: int, x: float, y: float) -> tuple[float, float]:
-    """Return the point of a body's boundary that is nearest to the point (x, y) [m]."""
+def nearest_point(x: float, y: float, outline: BodyOutline) -> tuple[float, float]:
+    """Return the point of an outline that is nearest to the point (x, y) [m]."""
     best, best_x, best_y = np.inf, x, y
-    s, d = model.segment_start[q], model.disc_start[q]
-    for i in range(s, s + model.segment_count[row_of(model.segment_count, w), q]):
-        cx, cy = foot_on(x, y, state.segments[w, i])
+    for i in range(outline.first_segment, outline.first_segment + outline.n_segments):
+        cx, cy = foot_on(x, y, outline.segments[i])
         distance = np.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
         if distance < best:
             best, best_x, best_y = distance, cx, cy
-    for i in range(d, d + model.disc_count[row_of(model.disc_count, w), q]):
-        disc = state.discs[w, i]
+    for i in range(outline.first_disc, outline.first_disc + outline.n_discs):
+        disc = outline.discs[i]
         dx, dy, radius = x - disc[0], y - disc[1], disc[2]
         off = np.sqrt(dx * dx + dy * dy)
         if off > 0.0 and np.abs(off - radius) < best:

@@ -13,6 +13,7 @@ from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct, record_type
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
@@ -80,11 +81,11 @@ def wall_bodies(model: WorldModel) -> Ints:
 
 def most_map_walls(model: WorldModel, threshold: float) -> int:
     """Return an upper bound of the number of map walls within ``threshold`` [m] of a point."""
-    if model.map_frame[4] < 0:
+    if (chart := model.cells) is None:
         return 0
     cells = [
         min(float(count), 2.0 * threshold / side + 2.0)
-        for count, side in zip(model.map_squares.shape[1:], model.map_frame[2:4], strict=True)
+        for count, side in zip(chart.room.shape, (chart.width, chart.height), strict=True)
     ]
     return int(2.0 * (cells[0] + 1.0) * (cells[1] + 1.0)) + 1
 
@@ -100,7 +101,7 @@ def is_seen(model: WorldModel, w: int, b: int, q: int, target_roles: int) -> boo
 @kernel
 def is_map_seen(model: WorldModel, w: int, target_roles: int) -> bool:
     """Return whether there is an occupancy map to pay heed to; its body has no outline to look at."""
-    chart = int(model.map_frame[4])
+    chart = model.map_frame[0].body
     return chart >= 0 and is_seen(model, w, -1, chart, target_roles)
 
 
@@ -139,8 +140,8 @@ def find_around(model: WorldModel, state: WorldState, w: int, b: int, radius: fl
         radius: Radius of the circle [m].
         nearby: Written, shape ``(body,)``.
     """
-    x, y, frame = state.pose[w, b, 0], state.pose[w, b, 1], model.bucket_frame
-    return find_nearby(x, y, radius + frame[5], frame, state.bucket_first[w], state.bucket_next[w], nearby)
+    x, y, frame = state.pose[w, b, 0], state.pose[w, b, 1], model.bucket_frame[0]
+    return find_nearby(x, y, radius + frame.reach, frame, state.bucket_first[w], state.bucket_next[w], nearby)
 
 
 @kernel
@@ -149,17 +150,6 @@ def is_far(model: WorldModel, state: WorldState, w: int, b: int, q: int, radius:
     dx, dy = state.pose[w, q, 0] - state.pose[w, b, 0], state.pose[w, q, 1] - state.pose[w, b, 1]
     far = radius + model.reach[row_of(model.reach, w), q]
     return bool(dx * dx + dy * dy > far * far * SLACK)
-
-
-@kernel
-def distance_to_outline(model: WorldModel, state: WorldState, w: int, q: int, x: float, y: float) -> float:
-    """Return the distance [m] of a point from the outline of a body."""
-    n_segments = model.segment_count[row_of(model.segment_count, w), q]
-    n_discs = model.disc_count[row_of(model.disc_count, w), q]
-    return point_outline_distance(
-        x, y, state.segments[w], model.segment_start[q], n_segments,
-        state.discs[w], model.disc_start[q], n_discs, model.solid[q],
-    )  # fmt: skip
 
 
 @kernel
@@ -187,7 +177,7 @@ def look_around(
         if is_far(model, state, w, b, q, sight) or not is_seen(model, w, b, q, target_roles):
             continue
         look = look_of(model, w, q)
-        if look == STANDING and distance_to_outline(model, state, w, q, x, y) < sight:
+        if look == STANDING and point_outline_distance(x, y, outline_of(model, state, w, q)) < sight:
             n_sides = copy_sides(model, state, w, q, seen.sides, n_sides)
             n_rounds = copy_discs(model, state, w, q, rounds, n_rounds)
         if look == ROUND:
@@ -246,10 +236,10 @@ def map_walls(model: WorldModel, x: float, y: float, threshold: float, sides: Fl
         sides: Written, x0, y0, x1, y1 [m], shape ``(n, 4)``.
         n_sides: Number of rows in use.
     """
-    frame, squares = model.map_frame, model.map_squares
+    frame, squares = model.map_frame[0], model.map_squares
     for axis in range(2):
-        low, across = (frame[1], frame[0]) if axis == 0 else (frame[0], frame[1])
-        pitch, width = (frame[3], frame[2]) if axis == 0 else (frame[2], frame[3])
+        low, across = (frame.y, frame.x) if axis == 0 else (frame.x, frame.y)
+        pitch, width = (frame.height, frame.width) if axis == 0 else (frame.width, frame.height)
         height, place = (y, x) if axis == 0 else (x, y)
         lines, cells = squares.shape[2 - axis], squares.shape[1 + axis]
         first = int(max(np.ceil((height - threshold - low) / pitch), 0.0))

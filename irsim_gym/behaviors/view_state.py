@@ -184,7 +184,7 @@ class StateView:
     @property
     def shape(self) -> str:
         """Name of its shape; ``map`` for the obstacle map."""
-        is_map = int(self._model.map_frame[4]) == self.id
+        is_map = int(self._model.map_frame[0].body) == self.id
         return "map" if is_map else families.FOOTPRINTS.name_of(type(self.spec.shape))
 
     @property

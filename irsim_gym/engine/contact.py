@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import BodyOutline, CellMap, Flags, Floats, Ints
 from irsim_gym.engine.cell_contact import find_cell_contacts, measure_cell_clearance
 from irsim_gym.engine.crowd import find_near_contacts, measure_near_clearance
 from irsim_gym.geometry.overlap import disc_meets_outline, disc_outline_distance, outline_distance, outlines_overlap
@@ -39,7 +39,8 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
 
     Where they stand as they stood in the level before, what was found then is taken.
     """
-    worlds, may_recall = shard.worlds, bool(model.rigid[0]) and model.bucket_frame[3] == 0.0 and model.cells is None
+    worlds, is_rigid, has_buckets = shard.worlds, bool(model.rigid[0]), model.bucket_frame[0].columns > 0
+    may_recall = is_rigid and not has_buckets and model.cells is None
     recall_contacts(worlds, bodies, may_recall, model, state)
     _find_pairs(bodies, model, state, shard, model.static_known)
     note_partners(worlds, model, state)
@@ -48,7 +49,7 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
 def _find_pairs(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard, known: Flags) -> None:
     """Write who touches whom: all pairs, or near ones through the buckets where there are any; then the map."""
     outline = _outline(model, state)
-    if model.bucket_frame[3] > 0.0:
+    if model.bucket_frame[0].columns:
         buckets = (model.bucket_frame, state.bucket_first, state.bucket_next, state.nearby)
         find_near_contacts(
             shard.worlds, bodies, model.movable, *outline, state.pose, *buckets, state.collided, state.hit
@@ -168,12 +169,12 @@ def find_contacts(
                     continue
                 if (movable[q] == moves and q < b) or (movable[q] and not moves):
                     continue
-                other = segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q]
+                other = BodyOutline(rows, segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q])
                 if is_disc:
-                    meets = disc_meets_outline(rounds[d, 0], rounds[d, 1], rounds[d, 2], rows, *other)
+                    meets = disc_meets_outline(rounds[d, 0], rounds[d, 1], rounds[d, 2], other)
                 else:
-                    whole = segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b]
-                    meets = outlines_overlap(rows, *whole, rows, *other)
+                    whole = BodyOutline(rows, segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b])
+                    meets = outlines_overlap(whole, other)
                 if meets:
                     collided[w, b], collided[w, q] = True, True
                     hit[w, b] = q if hit[w, b] < 0 else min(hit[w, b], q)
@@ -225,7 +226,7 @@ def clearance(
     Where there are buckets they have to be up to date.
     """
     outline = _outline(model, state)
-    if model.bucket_frame[3] > 0.0:
+    if model.bucket_frame[0].columns:
         buckets = (model.bucket_frame, state.bucket_first, state.bucket_next, state.nearby)
         measure_near_clearance(shard.worlds, bodies, limit, *outline, state.pose, *buckets, distance)
     else:
@@ -285,12 +286,12 @@ def measure_clearance(
                 dx, dy, near = here[q, 0] - x, here[q, 1] - y, best + own + reaches[q]
                 if dx * dx + dy * dy >= near * near or q == b or unobstructed[q] or not there[q]:
                     continue
-                other = segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q]
+                other = BodyOutline(rows, segment_start[q], n_segments[q], rounds, disc_start[q], n_discs[q], solid[q])
                 if is_disc:
-                    best = disc_outline_distance(rounds[d, 0], rounds[d, 1], rounds[d, 2], rows, *other, best)
+                    best = disc_outline_distance(rounds[d, 0], rounds[d, 1], rounds[d, 2], other, best)
                 else:
-                    whole = segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b]
-                    best = min(best, outline_distance(rows, *whole, rows, *other, best))
+                    whole = BodyOutline(rows, segment_start[b], n_segments[b], rounds, d, n_discs[b], solid[b])
+                    best = min(best, outline_distance(whole, other, best))
             distance[w, k] = best
             if is_disc and b == only_mover:
                 room[w, b, 0], room[w, b, 1], room[w, b, 2] = rounds[d, 0], rounds[d, 1], best

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import CellMap, Flags, Ints
 from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
 from irsim_gym.scenario.spec import Scenario
@@ -27,13 +28,11 @@ class Ways:
         agents: Bodies, shape ``(n,)``.
         blocks: Scratch, shape ``(n_slots, body)``.
         tables: The grid and its memory, see ``paths.regions``.
-        rigid: No outline is drawn anew for each level.
     """
 
     agents: Ints
     blocks: Flags
     tables: WayTables
-    rigid: bool
 
 
 def guard_ways(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n_slots: int) -> Ways:
@@ -57,7 +56,6 @@ def guard_ways(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n
         agents=np.array(guarded, np.int64),
         blocks=np.zeros((n_slots, len(model.role)), np.bool_),
         tables=way_tables(grid, n_slots, len(model.role)),
-        rigid=bool(model.rigid[0]),
     )
 
 
@@ -65,18 +63,8 @@ def check(ways: Ways, model: WorldModel, state: WorldState, shard: Shard, failed
     """Set ``failed`` to body + 1 in worlds where an agent has no way from its start through its goals."""
     if not len(ways.agents):
         return
-    check_ways(
-        shard.worlds,
-        ways.agents,
-        model,
-        (model.segment_start, model.segment_count, model.disc_start, model.disc_count),
-        (state.pose, state.segments, state.discs),
-        ways.blocks[shard.slot],
-        of_slot(ways.tables, shard.slot),
-        ways.rigid,
-        model.cells,
-        failed,
-    )
+    tables = of_slot(ways.tables, shard.slot)
+    check_ways(shard.worlds, ways.agents, model, state, model.cells, ways.blocks[shard.slot], tables, failed)
 
 
 @kernel
@@ -84,40 +72,24 @@ def check_ways(
     worlds: Ints,
     agents: Ints,
     model: WorldModel,
-    tables: tuple[Ints, Ints, Ints, Ints],
-    scene: tuple[Floats, Floats, Floats],
+    state: WorldState,
+    cells: CellMap | None,
     blocks: Flags,
-    grid: WayTables,
-    rigid: bool,
-    map_cells: CellMap | None,
+    tables: WayTables,
     failed: Ints,
 ) -> None:
     """Look for a way past all bodies that stand, from the start to the first goal and from each goal to the next."""
-    segment_start, segment_count, disc_start, disc_count = tables
-    pose, segments, discs = scene
     for w in worlds:
         for own in agents:
             if failed[w] > 0 or model.goal_renewal[own] != KEEP_GOAL:
                 continue
             for b in range(blocks.shape[0]):
                 blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b]
-            outlines = (
-                segments[w],
-                segment_start,
-                segment_count[row_of(segment_count, w)],
-                discs[w],
-                disc_start,
-                disc_count[row_of(disc_count, w)],
-                model.solid,
-                blocks,
-                map_cells,
-            )
-            x, y = pose[w, own, 0], pose[w, own, 1]
+            obstacles, radius = Obstacles(model, state, w, blocks, cells), model.reach[row_of(model.reach, w), own]
+            here = (state.pose[w, own, 0], state.pose[w, own, 1])
             for g in range(model.waypoint_count[w, own]):
-                goal_x, goal_y = model.waypoints[w, own, g, 0], model.waypoints[w, own, g, 1]
-                if not way_exists(
-                    outlines, pose[w], rigid, model.reach[row_of(model.reach, w), own], x, y, goal_x, goal_y, grid
-                ):
+                goal = (model.waypoints[w, own, g, 0], model.waypoints[w, own, g, 1])
+                if not way_exists(obstacles, radius, here, goal, tables):
                     failed[w] = own + 1
                     break
-                x, y = goal_x, goal_y
+                here = goal

@@ -18,6 +18,8 @@ from irsim_gym.arraytypes import Floats, Rays, Spans
 from irsim_gym.geometry.rays import EDGE_ON
 from irsim_gym.jit import kernel
 
+Eye = tuple[float, float, float, float]
+
 CHUNK = 64
 """Primitives that are looked at together."""
 
@@ -51,26 +53,12 @@ HALF_TURN, TURN = 3.1415, 6.2831853
 
 
 @kernel(inlined=True)
-def prepare_segments(
-    count: int,
-    x: float,
-    y: float,
-    cosine: float,
-    sine: float,
-    far: float,
-    rows: Floats,
-    limits: Floats,
-    slopes: Rays,
-    spans: Spans,
-) -> int:
+def prepare_segments(count: int, eye: Eye, far: float, rows: Floats, limits: Floats, slopes: Rays, spans: Spans) -> int:
     """Write what the beams need to know of segments, and which of them are kept: those in range that show their front.
 
     Args:
         count: Number of segments, at most CHUNK.
-        x: Place of the sensor [m].
-        y: Place of the sensor [m].
-        cosine: Of the sensor's heading.
-        sine: Of the sensor's heading.
+        eye: The sensor's place [m], and cosine and sine of its heading.
         far: Range of the sensor [m].
         rows: Ends in the world frame [m], one segment after the other: ax, ay, bx, by, shape ``(4 * n,)``.
         limits: The largest a x b [m2] with which each shows its front: 0, or inf where both sides are seen, -inf for
@@ -88,25 +76,14 @@ def prepare_segments(
         k = 0 if part == 0 else max(count - LANES, 0)
         n = whole if part == 0 else count - k
         if part == 0 or whole < count:
-            n_edges += prepare_lanes(n, x, y, cosine, sine, far, rows[4 * k :], limits[k:], slopes[k:], spans[k:])
+            n_edges += prepare_lanes(n, eye, far, rows[4 * k :], limits[k:], slopes[k:], spans[k:])
     return n_edges
 
 
 @kernel(inlined=True)
-def prepare_lanes(
-    count: int,
-    x: float,
-    y: float,
-    cosine: float,
-    sine: float,
-    far: float,
-    rows: Floats,
-    limits: Floats,
-    slopes: Rays,
-    spans: Spans,
-) -> int:
+def prepare_lanes(count: int, eye: Eye, far: float, rows: Floats, limits: Floats, slopes: Rays, spans: Spans) -> int:
     """Do the work of ``prepare_segments``."""
-    n_edges = np.int64(0)
+    n_edges, (x, y, cosine, sine) = np.int64(0), eye
     for j in range(np.uint64(count)):
         at = FOUR * j
         gx, gy, hx, hy = rows[at] - x, rows[at + ONE] - y, rows[at + TWO] - x, rows[at + THREE] - y

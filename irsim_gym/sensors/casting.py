@@ -189,7 +189,7 @@ def cast_chunk(
     whole_lanes = (n_rounds + 7) // 8 * 8
     for j in range(n_rounds, whole_lanes):
         rounds[j], rounds[j + 2 * CHUNK] = 1.0, 0.0
-    n_edges = prepare_segments(n_sides, x, y, cosine, sine, far, sides, limits, slopes, spans)
+    n_edges = prepare_segments(n_sides, (x, y, cosine, sine), far, sides, limits, slopes, spans)
     n_around = prepare_discs(whole_lanes, cosine, sine, rounds, bows, arcs)
     span_segments(n_sides, n_beams, first, density, slopes, spans)
     span_discs(n_rounds, n_beams, first, density, bows, arcs)

@@ -42,15 +42,15 @@ def scan_cells(
         integers: Scratch, see ``cell_rays``.
         ranges: Changed [m], shape ``(n_worlds, n_members, n_beams)``.
     """
-    own = int(cells[0][4])
+    own = cells.body
     for w in worlds:
         if not model.present[w, own]:
             continue
         for k in range(members.shape[0]):
-            x, y, heading = mount_pose(state.pose[w, members[k]], params[k].offset)
+            pose = mount_pose(state.pose[w, members[k]], params[k].offset)
             turned = w * members.shape[0] + k if beams_x.shape[0] > 1 else 0
             row = ranges[w, k]
-            cast_cells(cells, x, y, heading, beams_x[turned], beams_y[turned], floats, integers, row)
+            cast_cells(cells, pose, beams_x[turned], beams_y[turned], floats, integers, row)
             shortest = np.float32(params[k].range_min)
             for j in range(row.shape[0]):
                 row[j] = row[j] if row[j] > shortest else shortest

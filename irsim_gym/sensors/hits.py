@@ -106,7 +106,7 @@ def find_hits(
                     bx, by = state.segments[w, s, 2] - x, state.segments[w, s, 3] - y
                     cast_segment(ax, ay, bx, by, cosine, sine, along_x, along_y, inverse)
                 note_nearer(b, inverse, nearest, hit[w, k])
-            settle(np.float32(far), int(model.map_frame[4]), ranges[w, k], nearest, hit[w, k])
+            settle(np.float32(far), model.map_frame[0].body, ranges[w, k], nearest, hit[w, k])
 
 
 @kernel

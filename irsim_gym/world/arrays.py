@@ -30,7 +30,7 @@ class Column:
     """
 
     axes: tuple[str, ...]
-    dtype: type[Any]
+    dtype: np.dtype[Any] | type[Any]
     unit: str
     meaning: str
 
@@ -47,7 +47,7 @@ class Column:
         return sizes[axis]
 
 
-def column(axes: str, dtype: type[Any], unit: str, meaning: str) -> Any:
+def column(axes: str, dtype: np.dtype[Any] | type[Any], unit: str, meaning: str) -> Any:
     """Declare an array field of an ``Arrays`` dataclass; ``axes`` is separated by spaces."""
     return dataclasses.field(metadata={"column": Column(tuple(axes.split()), dtype, unit, meaning)})
 

@@ -130,10 +130,10 @@ def test_what_is_out_of_range_or_shows_its_back_is_left_out() -> None:
     ]
     slopes, spans = np.zeros(9 * CHUNK, np.float32), np.zeros(4 * CHUNK, np.int32)
     table, limits = np.array(rows).ravel(), np.zeros(CHUNK)  # the body lies to the left of the way from a to b
-    assert prepare_segments(len(rows), 0.0, 0.0, 1.0, 0.0, 6.5, table, limits, slopes, spans) == 0
+    assert prepare_segments(len(rows), (0.0, 0.0, 1.0, 0.0), 6.5, table, limits, slopes, spans) == 0
     assert spans[: len(rows)].tolist() == [0, 1, 0, 0, 1]
     limits[:] = np.inf
-    assert prepare_segments(len(rows), 0.0, 0.0, 1.0, 0.0, 6.5, table, limits, slopes, spans) == 0
+    assert prepare_segments(len(rows), (0.0, 0.0, 1.0, 0.0), 6.5, table, limits, slopes, spans) == 0
     assert spans[: len(rows)].tolist() == [1, 1, 0, 1, 1]
 
 
@@ -143,7 +143,7 @@ def test_any_number_of_segments_is_prepared(count: int) -> None:
     rows = rng.uniform(-5.0, 5.0, (CHUNK, 4))
     rows[count:] = np.nan
     slopes, spans = np.full(9 * CHUNK, np.nan, np.float32), np.full(4 * CHUNK, 9, np.int32)
-    given = (1.0, 0.5, np.cos(0.3), np.sin(0.3), 4.0)
+    given = (1.0, 0.5, np.cos(0.3), np.sin(0.3)), 4.0
     assert prepare_segments(count, *given, rows.ravel(), np.full(CHUNK, np.inf), slopes, spans) == 0
     away = shapely.distance(shapely.linestrings(rows[:count].reshape(-1, 2, 2)), shapely.Point(1.0, 0.5))
     assert spans[:count].tolist() == (away <= 4.0).astype(int).tolist()

@@ -249,7 +249,7 @@ def keep_cell(cells: CellMap | None, x: float, y: float, distance: Floats, found
     if cells is None:
         return
     gap, px, py = nearest_cell_point(cells, x, y, distance[distance.shape[0] - 1])
-    keep(gap, px - x, py - y, int(cells[0][4]), distance, found)
+    keep(gap, px - x, py - y, cells.body, distance, found)
 
 
 @kernel

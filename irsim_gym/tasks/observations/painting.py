@@ -181,8 +181,7 @@ def add_rectangle(sheet: Rays, box: Ints, view: View, left: float, low: float, r
 def add_cells(sheet: Rays, box: Ints, view: View, cells: CellMap | None) -> None:
     """Add the occupied cells of a map to a sheet."""
     if cells is not None:
-        frame, _, boxes, _ = cells
-        x, y, width, height = frame[0], frame[1], frame[2], frame[3]
+        x, y, width, height, boxes = cells.x, cells.y, cells.width, cells.height, cells.boxes
         seen = CORNER * (max(view[5], box[2] - view[5], view[6], box[3] - view[6]) + LINE) / view[4]
         for k in range(boxes.shape[0]):
             left, right = x + width * boxes[k, 0], x + width * boxes[k, 1]

@@ -12,8 +12,10 @@ from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
-from irsim_gym.paths.grid import Grid, mark_blocked
-from irsim_gym.paths.spread import PARENT, clear_field, offer_gates, spread
+from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.geodesic import search_ways
+from irsim_gym.paths.grid import Grid, Search
+from irsim_gym.paths.spread import PARENT
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
@@ -60,9 +62,7 @@ class Route:
             "onward": np.full(shape, -1, np.int32),
             "length": np.full(shape, np.inf, np.float32),
             "target": np.full((simulation.n_worlds, n_agents, 2), np.nan),
-            "blocked": np.stack([grid.blocked() for _ in range(slots)]),
-            "field": np.stack([grid.field() for _ in range(slots)]),
-            "queue": np.stack([grid.queue() for _ in range(slots)]),
+            **{name: np.stack([part] * slots) for name, part in grid.search()._asdict().items()},
             "blocks": np.zeros((slots, len(simulation.scenario.bodies)), np.bool_),
         }
 
@@ -145,22 +145,9 @@ def find_ways(
             target[w, a, 0], target[w, a, 1] = goal_x, goal_y
             for b in range(blocks.shape[0]):
                 blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != own
-            outlines = (
-                state.segments[w],
-                model.segment_start,
-                model.segment_count[row_of(model.segment_count, w)],
-                state.discs[w],
-                model.disc_start,
-                model.disc_count[row_of(model.disc_count, w)],
-                model.solid,
-                blocks,
-                cells,
-            )
-            radius = model.reach[row_of(model.reach, w), own]
-            mark_blocked(*outlines, radius, grid[0], grid[1], grid[2], blocked)
-            clear_field(field, queue)
-            offer_gates(*outlines, radius, goal_x, goal_y, grid[0], grid[1], grid[2], blocked, field, queue)
-            spread(blocked, grid[2], -1, -1, field, queue)
+            obstacles, radius = Obstacles(model, state, w, blocks, cells), model.reach[row_of(model.reach, w), own]
+            place = Grid(grid[0], grid[1], grid[2], field.shape[1], field.shape[0])
+            search_ways(obstacles, radius, (goal_x, goal_y), place, Search(blocked, field, queue))
             known = field.reshape(-1)
             for k in range(known.shape[0]):
                 length[w, a, k] = np.float32(known[k])

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import distance_field, field_at
-from irsim_gym.paths.grid import Grid
+from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
@@ -27,8 +28,7 @@ def field_arrays(simulation: Simulation, n_agents: int, cell: float) -> dict[str
     return {
         "grid": np.array([grid.origin_x, grid.origin_y, grid.cell]),
         "field": np.full(shape, np.inf),
-        "blocked": np.stack([grid.blocked() for _ in range(slots)]),
-        "queue": np.stack([grid.queue() for _ in range(slots)]),
+        **{name: np.stack([part] * slots) for name, part in grid.search()._asdict().items() if name != "field"},
         "blocks": np.zeros((slots, n_bodies), np.bool_),
     }
 
@@ -90,6 +90,7 @@ def draw_fields(
 
     Where the field knows no way from the agent the straight distance takes its place.
     """
+    place = Grid(grid[0], grid[1], grid[2], field.shape[3], field.shape[2])
     for w in worlds:
         for a in range(agents.shape[0]):
             own = agents[a]
@@ -104,27 +105,9 @@ def draw_fields(
             target[w, a, 0], target[w, a, 1] = goal_x, goal_y
             for b in range(blocks.shape[0]):
                 blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != own
-            distance_field(
-                state.segments[w],
-                model.segment_start,
-                model.segment_count[row_of(model.segment_count, w)],
-                state.discs[w],
-                model.disc_start,
-                model.disc_count[row_of(model.disc_count, w)],
-                model.solid,
-                blocks,
-                cells,
-                model.reach[row_of(model.reach, w), own],
-                goal_x,
-                goal_y,
-                grid[0],
-                grid[1],
-                grid[2],
-                blocked,
-                field[w, a],
-                queue,
-            )
-            here = field_at(field[w, a], grid[0], grid[1], grid[2], x, y)
+            obstacles, radius = Obstacles(model, state, w, blocks, cells), model.reach[row_of(model.reach, w), own]
+            distance_field(obstacles, radius, (goal_x, goal_y), place, Search(blocked, field[w, a], queue))
+            here = field_at(field[w, a], place, x, y)
             dx, dy = goal_x - x, goal_y - y
             potential[w, a] = here if here < np.inf else np.sqrt(dx * dx + dy * dy)
 
@@ -143,12 +126,13 @@ def pay_gain(
     out: Floats,
 ) -> None:
     """Write the weighted loss of distance over the diagonal of ``bounds``; nothing where the field knows no way."""
+    place = Grid(grid[0], grid[1], grid[2], field.shape[3], field.shape[2])
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     rate = weight / np.sqrt(width * width + height * height)
     for w in worlds:
         for a in range(agents.shape[0]):
             b = agents[a]
-            here = field_at(field[w, a], grid[0], grid[1], grid[2], state.pose[w, b, 0], state.pose[w, b, 1])
+            here = field_at(field[w, a], place, state.pose[w, b, 0], state.pose[w, b, 1])
             here = here if here < np.inf else potential[w, a]
             out[w, a, column] = rate * (potential[w, a] - here)
             potential[w, a] = here
