@@ -1,6 +1,8 @@
-"""Short names for array types, by what they hold."""
+"""Short names for array types by what they hold, and the records that kernels of several parts read."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,4 +18,61 @@ Words = NDArray[np.uint64]
 Pixels = NDArray[np.uint32]
 Record = np.record
 Records = NDArray[np.record]
-CellMap = tuple[Floats, Bytes, Ints, Rays]
+
+MAP_FRAME = np.dtype((np.record, "f8, f8, f8, f8, i8"))
+MAP_FRAME.names = "x", "y", "width", "height", "body"
+"""Where an occupancy map lies: its lower left corner, width and height of a cell [m]; its body, -1 without a map."""
+
+BUCKET_FRAME = np.dtype((np.record, "f8, f8, f8, i8, i8, f8"))
+BUCKET_FRAME.names = "x", "y", "side", "columns", "rows", "reach"
+"""Where the squares of ``geometry.buckets`` lie: lower left corner and side [m], numbers of columns and rows (0 without
+buckets), and the greatest reach of the bodies in them [m]."""
+
+
+class CellMap(NamedTuple):
+    """An occupancy map: equal rectangles, of which some are occupied. What lies outside of it is free.
+
+    Attributes:
+        x: Left end [m].
+        y: Lower end [m].
+        width: Width of a cell [m].
+        height: Height of a cell [m].
+        body: The map's body.
+        squares: Side of the largest free square that has the cell in column i (from the left) and row j (from the
+            bottom) in its corner and grows into a quadrant: 0 to the upper right, 1 to the upper left, 2 to the lower
+            right, 3 to the lower left; 0 where the cell is occupied, at most 255. Shape ``(4, columns, rows)``.
+        boxes: Boxes that cover the occupied cells: first column, end column, first row, end row, shape ``(n, 4)``.
+        room: Distance of each cell's centre from the nearest occupied cell [m], see ``geometry.cell_room``, shape
+            ``(columns, rows)``.
+    """
+
+    x: float
+    y: float
+    width: float
+    height: float
+    body: int
+    squares: Bytes
+    boxes: Ints
+    room: Rays
+
+
+class BodyOutline(NamedTuple):
+    """The outline of a body: rows of a table of segments and rows of a table of discs.
+
+    Attributes:
+        segments: x0, y0, x1, y1 [m], shape ``(segment, 4)``.
+        first_segment: The first row of the body.
+        n_segments: Number of its rows.
+        discs: x, y, radius [m], shape ``(disc, 3)``.
+        first_disc: The first row of the body.
+        n_discs: Number of its rows.
+        solid: The segments bound an area (closed chains, inside by the even-odd rule); else they are curves.
+    """
+
+    segments: Floats
+    first_segment: int
+    n_segments: int
+    discs: Floats
+    first_disc: int
+    n_discs: int
+    solid: bool

@@ -14,6 +14,7 @@ import struct
 from array import array
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba import extending, types
 from numba.core.typing import templates, typeof
@@ -159,3 +160,19 @@ def words_of(kind: Any, value: Any) -> Words:
     if kind == types.none:
         return [("q", 0)]
     raise NotPackableError(f"a value of type {kind}")
+
+
+def record_type(numbers: str, lanes: int | None = None, **others: type) -> np.dtype[np.record]:
+    """Return the type of records, which kernels read and write by name: ``discs[k].x``.
+
+    A record with rows of numbers in place of arrays of its own for each: the compiler sees that rows do not overlap,
+    and need not test it before it makes a loop over them run in vector instructions.
+
+    Args:
+        numbers: Names of its numbers, separated by spaces.
+        lanes: Each of them is a row of so many numbers.
+        **others: Types of further fields by name.
+    """
+    number = np.dtype(np.float64) if lanes is None else np.dtype((np.float64, lanes))
+    made: Any = np.dtype((np.record, [*((name, number) for name in numbers.split()), *others.items()]))
+    return made  # type: ignore[no-any-return]

@@ -8,7 +8,8 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Ints
+from irsim_gym.behaviors.steering import clear_command, goal_offset
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import crossed_bounds, kind, option
@@ -56,35 +57,11 @@ class Dash:
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' commands; all members of a group have one drive."""
-        KERNELS[int(model.drive[group.members[0]])](
-            shard.worlds,
-            group.members,
-            group.params,
-            model.step_time,
-            model.goal_threshold,
-            model.velocity_max,
-            model.acceleration_limit,
-            state.pose,
-            state.goal,
-            model.has_goal,
-            state.command,
-        )
+        KERNELS[int(model.drive[group.members[0]])](shard.worlds, group.members, group.params, model, state)
 
 
 @kernel
-def dash_differential(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    step_time: Floats,
-    goal_threshold: Floats,
-    velocity_max: Floats,
-    acceleration_limit: Floats,
-    pose: Floats,
-    goal: Floats,
-    has_goal: Flags,
-    command: Floats,
-) -> None:
+def dash_differential(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
     """Write a differential drive's command: v = v_max cos(e), a turn towards the goal at full or braking rate.
 
     ``e`` is the goal's bearing; behind the robot the speed is negative. With a limited angular acceleration the
@@ -93,133 +70,63 @@ def dash_differential(
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
-            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
-            dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[row_of(goal_threshold, w), b]:
+            clear_command(state, w, b)
+            dx, dy = goal_offset(state, w, b)
+            near = model.goal_threshold[row_of(model.goal_threshold, w), b]
+            if not model.has_goal[b] or np.sqrt(dx * dx + dy * dy) < near:
                 continue
-            fastest = velocity_max[row_of(velocity_max, w), b]
-            error = wrap_below(np.arctan2(dy, dx) - pose[w, b, 2])
-            command[w, b, 0] = fastest[0] * np.cos(error)
+            fastest = model.velocity_max[row_of(model.velocity_max, w), b]
+            error = wrap_below(np.arctan2(dy, dx) - state.pose[w, b, 2])
+            state.command[w, b, 0] = fastest[0] * np.cos(error)
             if np.abs(error) >= params[k].angle_tolerance:
-                command[w, b, 1] = turn_rate(
-                    error,
-                    params[k].angle_tolerance,
-                    np.abs(fastest[1]),
-                    acceleration_limit[row_of(acceleration_limit, w), b, 1],
-                    step_time[0],
-                )
+                state.command[w, b, 1] = turn_rate(model, w, b, 1, error, params[k].angle_tolerance)
 
 
 @kernel
-def dash_omni(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    step_time: Floats,
-    goal_threshold: Floats,
-    velocity_max: Floats,
-    acceleration_limit: Floats,
-    pose: Floats,
-    goal: Floats,
-    has_goal: Flags,
-    command: Floats,
-) -> None:
-    """Write an omnidirectional drive's command in the body frame: each component at its share of its own limit.
+def dash_omni(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
+    """Write an omnidirectional drive's command: each component at its share of its own limit.
 
     With unequal limits the way is not straight. There is no slowing down.
     """
     for w in worlds:
         for b in members:
-            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
-            dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[row_of(goal_threshold, w), b]:
+            clear_command(state, w, b)
+            dx, dy = goal_offset(state, w, b)
+            near = model.goal_threshold[row_of(model.goal_threshold, w), b]
+            if not model.has_goal[b] or np.sqrt(dx * dx + dy * dy) <= near:
                 continue
-            fastest = velocity_max[row_of(velocity_max, w), b]
-            error = wrap_below(np.arctan2(dy, dx) - pose[w, b, 2])
-            command[w, b, 0], command[w, b, 1] = fastest[0] * np.cos(error), fastest[1] * np.sin(error)
+            fastest = model.velocity_max[row_of(model.velocity_max, w), b]
+            angle = np.arctan2(dy, dx)
+            if model.drive[b] == OMNI_BODY:
+                angle = wrap_below(angle - state.pose[w, b, 2])
+            state.command[w, b, 0], state.command[w, b, 1] = fastest[0] * np.cos(angle), fastest[1] * np.sin(angle)
 
 
 @kernel
-def dash_omni_world(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    step_time: Floats,
-    goal_threshold: Floats,
-    velocity_max: Floats,
-    acceleration_limit: Floats,
-    pose: Floats,
-    goal: Floats,
-    has_goal: Flags,
-    command: Floats,
-) -> None:
-    """Write an omnidirectional drive's command in the world frame, as ``dash_omni`` does at heading 0."""
-    for w in worlds:
-        for b in members:
-            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
-            dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) <= goal_threshold[row_of(goal_threshold, w), b]:
-                continue
-            fastest = velocity_max[row_of(velocity_max, w), b]
-            direction = np.arctan2(dy, dx)
-            command[w, b, 0], command[w, b, 1] = fastest[0] * np.cos(direction), fastest[1] * np.sin(direction)
-
-
-@kernel
-def dash_omni_angular(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    step_time: Floats,
-    goal_threshold: Floats,
-    velocity_max: Floats,
-    acceleration_limit: Floats,
-    pose: Floats,
-    goal: Floats,
-    has_goal: Flags,
-    command: Floats,
-) -> None:
+def dash_omni_angular(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
     """Write the command of an omnidirectional drive that turns: towards the goal, and there to the goal's heading."""
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
-            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
-            if not has_goal[b]:
+            clear_command(state, w, b)
+            if not model.has_goal[b]:
                 continue
-            dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            fastest = velocity_max[row_of(velocity_max, w), b]
-            target = goal[w, b, 2]
-            if np.sqrt(dx * dx + dy * dy) > goal_threshold[row_of(goal_threshold, w), b]:
+            dx, dy = goal_offset(state, w, b)
+            fastest = model.velocity_max[row_of(model.velocity_max, w), b]
+            target = state.goal[w, b, 2]
+            if np.sqrt(dx * dx + dy * dy) > model.goal_threshold[row_of(model.goal_threshold, w), b]:
                 target = np.arctan2(dy, dx)
-                error = wrap_below(target - pose[w, b, 2])
-                command[w, b, 0], command[w, b, 1] = fastest[0] * np.cos(error), fastest[1] * np.sin(error)
+                error = wrap_below(target - state.pose[w, b, 2])
+                state.command[w, b, 0], state.command[w, b, 1] = fastest[0] * np.cos(error), fastest[1] * np.sin(error)
             if np.isnan(target):
                 continue
-            error = wrap_below(target - pose[w, b, 2])
+            error = wrap_below(target - state.pose[w, b, 2])
             if np.abs(error) > params[k].angle_tolerance:
-                command[w, b, 2] = turn_rate(
-                    error,
-                    params[k].angle_tolerance,
-                    np.abs(fastest[2]),
-                    acceleration_limit[row_of(acceleration_limit, w), b, 2],
-                    step_time[0],
-                )
+                state.command[w, b, 2] = turn_rate(model, w, b, 2, error, params[k].angle_tolerance)
 
 
 @kernel
-def dash_ackermann(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    step_time: Floats,
-    goal_threshold: Floats,
-    velocity_max: Floats,
-    acceleration_limit: Floats,
-    pose: Floats,
-    goal: Floats,
-    has_goal: Flags,
-    command: Floats,
-) -> None:
+def dash_ackermann(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
     """Write a car's command: full speed, and the goal's bearing as steering angle (or as yaw rate per second).
 
     It never slows down or reverses, so it circles around a goal that is nearer than it can turn.
@@ -227,32 +134,46 @@ def dash_ackermann(
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
-            command[w, b, 0], command[w, b, 1], command[w, b, 2] = 0.0, 0.0, 0.0
-            dx, dy = goal[w, b, 0] - pose[w, b, 0], goal[w, b, 1] - pose[w, b, 1]
-            if not has_goal[b] or np.sqrt(dx * dx + dy * dy) < goal_threshold[row_of(goal_threshold, w), b]:
+            clear_command(state, w, b)
+            dx, dy = goal_offset(state, w, b)
+            near = model.goal_threshold[row_of(model.goal_threshold, w), b]
+            if not model.has_goal[b] or np.sqrt(dx * dx + dy * dy) < near:
                 continue
-            fastest = velocity_max[row_of(velocity_max, w), b]
-            error = wrap_below(np.arctan2(dy, dx) - pose[w, b, 2])
-            command[w, b, 0] = fastest[0]
+            fastest = model.velocity_max[row_of(model.velocity_max, w), b]
+            error = wrap_below(np.arctan2(dy, dx) - state.pose[w, b, 2])
+            state.command[w, b, 0] = fastest[0]
             if np.abs(error) >= params[k].angle_tolerance:
-                command[w, b, 1] = min(max(error, -fastest[1]), fastest[1])
+                state.command[w, b, 1] = min(max(error, -fastest[1]), fastest[1])
 
 
 @kernel
-def turn_rate(error: float, tolerance: float, fastest: float, acceleration: float, dt: float) -> float:
-    """Return the turn rate towards a bearing ``error`` [rad]: full speed, or what can be braked in time [rad/s]."""
-    rate = fastest
+def turn_rate(model: WorldModel, w: int, b: int, turn: int, error: float, tolerance: float) -> float:
+    """Return the turn rate towards a bearing ``error`` [rad]: full speed, or what can be braked in time [rad/s].
+
+    With the acceleration a and steps of length dt, a body that turns at the rate r covers r^2 / (2 a) + r dt until it
+    stands; the rate is the root of this for the angle that is left.
+
+    Args:
+        model: What the body can do.
+        w: The world.
+        b: The body.
+        turn: Which of its velocities is the turn rate.
+        error: The bearing [rad].
+        tolerance: Bearings up to this need no turn [rad].
+    """
+    rate = float(np.abs(model.velocity_max[row_of(model.velocity_max, w), b, turn]))
+    acceleration = model.acceleration_limit[row_of(model.acceleration_limit, w), b, turn]
     if np.isfinite(acceleration) and acceleration > 0.0:
-        braking = acceleration * dt
+        braking = acceleration * model.step_time[0]
         reach = np.sqrt(braking * braking + 2.0 * acceleration * (np.abs(error) - tolerance)) - braking
-        rate = min(fastest, reach)
+        rate = min(rate, reach)
     return rate if error > 0.0 else -rate
 
 
 KERNELS: Mapping[int, Callable[..., None]] = MappingProxyType(
     {
         DIFFERENTIAL: dash_differential,
-        OMNI_WORLD: dash_omni_world,
+        OMNI_WORLD: dash_omni,
         OMNI_BODY: dash_omni,
         OMNI_ANGULAR: dash_omni_angular,
         ACKERMANN: dash_ackermann,

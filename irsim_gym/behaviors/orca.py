@@ -8,11 +8,12 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.behaviors import renewal
-from irsim_gym.behaviors.orca_crowd import Crowd, lay_squares, reserve
+from irsim_gym.behaviors.orca_crowd import Crowd, lay_squares
 from irsim_gym.behaviors.orca_map import SIGHT
-from irsim_gym.behaviors.orca_planning import Scratch, command_plans, plan_velocities
-from irsim_gym.behaviors.orca_walls import EDGE
-from irsim_gym.behaviors.surroundings import most_map_walls, scene_of
+from irsim_gym.behaviors.orca_neighbors import Obstacles
+from irsim_gym.behaviors.orca_planning import OrcaTables, command_plans, plan_velocities
+from irsim_gym.behaviors.surroundings import most_map_walls
+from irsim_gym.geometry.linear_program import HALF_PLANE
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
@@ -51,56 +52,29 @@ class OrcaGroup:
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
         """Mark who is avoided, and make scratch memory."""
         n_bodies, n_parts = len(model.role), model.local_segments.shape[1] + model.local_discs.shape[1]
-        is_member = np.zeros(n_bodies, np.bool_)
+        is_member, plans = np.zeros(n_bodies, np.bool_), np.zeros(n_bodies, np.bool_)
         is_member[group.members] = True
-        is_wall = ~model.movable & (is_member | ~model.unobstructed)
-        n_sides = most_map_walls(model, SIGHT)
-        most = min(group.options[0].maxNeighbors, len(group.members))
-        seen, decides = is_member & model.movable, np.zeros(n_bodies, np.bool_)
         deciding = group.members[group.arrays["decides"]]
-        decides[deciding] = True
-        concerned = np.flatnonzero(seen | decides)
-        squares = lay_squares(model.bounds, len(concerned), group.options[0].neighborDist, most)
-        group.arrays |= {
-            "concerned": concerned,
-            "squares": squares,
-            "seen": seen,
-            "plans": decides,
-            "is_wall": is_wall,
-            "walls": np.flatnonzero(is_wall),
-            "deciding": deciding,
-            "nearby": np.zeros((n_slots, n_bodies), np.int64),
-            "parts": np.zeros((n_slots, n_parts), np.int64),
-            "parts_gap": np.zeros((n_slots, n_parts)),
-            "owners": np.zeros((n_slots, n_parts), np.int64),
-            "sides": np.zeros((n_slots, n_sides, 4)),
-            "sides_gap": np.zeros((n_slots, n_sides)),
-            "sides_order": np.zeros((n_slots, n_sides), np.int64),
-            "edge": np.zeros((n_slots, EDGE)),
-            "planes": np.zeros((n_slots, n_parts + n_sides + most, 3)),
-            "spare": np.zeros((n_slots, n_parts + n_sides + most, 3)),
-            **reserve(n_slots, len(concerned), most, int(squares[3] * squares[4])),
-        }
+        plans[deciding] = True
+        is_wall, seen = ~model.movable & (is_member | ~model.unobstructed), is_member & model.movable
+        members, n_sides = np.flatnonzero(seen | plans), most_map_walls(model, SIGHT)
+        most = min(group.options[0].maxNeighbors, len(group.members))
+        squares = lay_squares(model.bounds, len(members), group.options[0].neighborDist, most)
+        group.tables = [
+            OrcaTables(
+                deciding=deciding,
+                crowd=Crowd.reserve(members, squares, seen, plans, most),
+                obstacles=Obstacles.reserve(is_wall, n_parts, n_sides),
+                planes=np.zeros(n_parts + n_sides + most, HALF_PLANE),
+                spare=np.zeros(n_parts + n_sides + most, HALF_PLANE),
+            )
+            for _ in range(n_slots)
+        ]
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' commands and ``state.plan``; all see each other as they were before."""
-        arrays, slot = group.arrays, shard.slot
-        if not len(arrays["deciding"]):
-            return
-        plan_velocities(
-            shard.worlds,
-            arrays["concerned"],
-            arrays["squares"],
-            group.params,
-            model,
-            state,
-            arrays["seen"],
-            arrays["plans"],
-            arrays["walls"],
-            arrays["is_wall"],
-            scene_of(model, state),
-            Crowd(*(arrays[name][slot] for name in Crowd._fields)),
-            Scratch(*(arrays[name][slot] for name in Scratch._fields)),
-        )
-        command_plans(shard.worlds, arrays["deciding"], model, state)
+        tables = group.tables[shard.slot]
+        if len(tables.deciding):
+            plan_velocities(shard.worlds, group.params, model, state, tables)
+            command_plans(shard.worlds, model, state, tables)

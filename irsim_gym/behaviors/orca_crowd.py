@@ -6,14 +6,20 @@ ever missed. A search looks at a ring of squares about its own, and at wider one
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.behaviors.orca_lines import LANE_ROWS, LANES
+from irsim_gym.arraytypes import Flags, Floats, Ints, Records
+from irsim_gym.behaviors.orca_lines import DISC_LANES
+from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.geometry.buckets import square_of
 from irsim_gym.jit import kernel
+from irsim_gym.structs import Struct, record_type
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
 
 FEW = 32
 """So few members are looked through one by one."""
@@ -22,24 +28,59 @@ ROUNDING = 1.0 + 1e-9
 """By this much a square is wider than what a ring of squares promises to hold."""
 
 
-class Crowd(NamedTuple):
-    """Memory of one shard for the members of one world.
+MOVE = record_type("vx vy radius")
+"""How a member moves [m/s], and its radius [m]."""
+
+
+class Squares(NamedTuple):
+    """The squares that members are sorted by.
 
     Attributes:
-        places: x, y of each member that is there, square by square; infinite for one that nobody sees [m].
-        moves: vx, vy, radius of the same ones [m/s, m].
-        body: Which body each of them is.
+        x: Lower left corner [m].
+        y: Lower left corner [m].
+        side: Side of a square [m].
+        columns: Number of squares along x.
+        rows: Number of squares along y.
+        first_ring: Distance up to which the first ring of squares about a member's holds all others [m].
+    """
+
+    x: float
+    y: float
+    side: float
+    columns: int
+    rows: int
+    first_ring: float
+
+
+@dataclass
+class Crowd(Struct):
+    """The members of a group, and memory of one shard for those of one world.
+
+    Attributes:
+        members: Bodies that see or are seen, shape ``(n_members,)``.
+        squares: The squares that they are sorted by.
+        seen: Who can be seen, shape ``(body,)``.
+        plans: Who plans, shape ``(body,)``.
+        x: Abscissa of each member that is there, square by square; infinite for one that nobody sees [m].
+        y: Its ordinate [m].
+        moves: How it moves, records of type ``MOVE``.
+        body: Which body it is.
         square: Square of each member of the group, -1 for one that is absent.
         starts: First of the members in each square.
         found: Members that a search found.
         gap2: Their squared distances [m2].
         nearest: The nearest of them, nearest first.
         nearest_gap: Their squared distances [m2].
-        lanes: What ``disc_planes`` reads and writes.
+        lanes: What ``disc_planes`` reads and writes, shape ``(1,)``.
     """
 
-    places: Floats
-    moves: Floats
+    members: Ints
+    squares: Squares
+    seen: Flags
+    plans: Flags
+    x: Floats
+    y: Floats
+    moves: Records
     body: Ints
     square: Ints
     starts: Ints
@@ -47,10 +88,32 @@ class Crowd(NamedTuple):
     gap2: Floats
     nearest: Ints
     nearest_gap: Floats
-    lanes: Floats
+    lanes: Records
+
+    @classmethod
+    def reserve(cls, members: Ints, squares: Squares, seen: Flags, plans: Flags, most: int) -> Self:
+        """Return memory for a group whose members see ``most`` others; arguments as the attributes."""
+        n_members = len(members)
+        return cls(
+            members=members,
+            squares=squares,
+            seen=seen,
+            plans=plans,
+            x=np.zeros(n_members),
+            y=np.zeros(n_members),
+            moves=np.zeros(n_members, MOVE),
+            body=np.zeros(n_members, np.int64),
+            square=np.zeros(n_members, np.int64),
+            starts=np.zeros(squares.columns * squares.rows + 2, np.int64),
+            found=np.zeros(n_members, np.int64),
+            gap2=np.zeros(n_members),
+            nearest=np.zeros(most, np.int64),
+            nearest_gap=np.zeros(most),
+            lanes=np.zeros(1, DISC_LANES),
+        )
 
 
-def lay_squares(bounds: Floats, n_members: int, reach: float, most: int) -> Floats:
+def lay_squares(bounds: Floats, n_members: int, reach: float, most: int) -> Squares:
     """Return the squares for a search of so many members within some distance.
 
     Args:
@@ -58,79 +121,39 @@ def lay_squares(bounds: Floats, n_members: int, reach: float, most: int) -> Floa
         n_members: How many members there are.
         reach: How far they see [m].
         most: How many others they see.
-
-    Returns:
-        x, y, side [m], columns, rows, and the distance up to which the first ring of squares holds all [m].
     """
     x0, y0, x1, y1 = bounds.tolist()
     width, height = x1 - x0, y1 - y0
     side = min(reach, np.sqrt(0.5 * (most + 1.0) * width * height / max(n_members, 1)))
     if n_members < FEW or most == 0 or side == 0.0:
-        return np.array([x0, y0, max(width, height), 1.0, 1.0, reach])
+        return Squares(x0, y0, max(width, height), 1, 1, reach)
     columns = min(max(1, int(width / side)), n_members)
     rows = min(max(1, int(height / side)), max(1, n_members // columns))
     side = max(side, width / columns, height / rows) * ROUNDING
-    return np.array([x0, y0, side, columns, rows, side / ROUNDING])
-
-
-def reserve(n_slots: int, n_members: int, most: int, n_squares: int) -> dict[str, Any]:
-    """Return the arrays of ``Crowd`` for each slot."""
-    return {
-        "places": np.zeros((n_slots, 2, n_members)),
-        "moves": np.zeros((n_slots, n_members, 3)),
-        "body": np.zeros((n_slots, n_members), np.int64),
-        "square": np.zeros((n_slots, n_members), np.int64),
-        "starts": np.zeros((n_slots, n_squares + 2), np.int64),
-        "found": np.zeros((n_slots, n_members), np.int64),
-        "gap2": np.zeros((n_slots, n_members)),
-        "nearest": np.zeros((n_slots, most), np.int64),
-        "nearest_gap": np.zeros((n_slots, most)),
-        "lanes": np.zeros((n_slots, LANE_ROWS * LANES)),
-    }
+    return Squares(x0, y0, side, columns, rows, side / ROUNDING)
 
 
 @kernel
-def sort_members(
-    members: Ints,
-    squares: Floats,
-    seen: Flags,
-    plans: Flags,
-    present: Flags,
-    radii: Floats,
-    pose: Floats,
-    plan: Floats,
-    twist: Floats,
-    crowd: Crowd,
-) -> None:
+def sort_members(model: WorldModel, state: WorldState, w: int, crowd: Crowd) -> None:
     """Write where the members of one world are, square by square, and how they move.
 
     Members that plan do as they planned, the others as they move.
-
-    Args:
-        members: Bodies that see or are seen, shape ``(n_members,)``.
-        squares: As ``lay_squares`` returns them.
-        seen: Who can be seen, shape ``(body,)``.
-        plans: Who plans, shape ``(body,)``.
-        present: Who exists, shape ``(body,)``.
-        radii: Radii [m], shape ``(body,)``.
-        pose: x, y, heading [m, m, rad], shape ``(body, 3)``.
-        plan: What was planned [m/s], shape ``(body, 2)``.
-        twist: Velocities [m/s], shape ``(body, 3)``.
-        crowd: Written.
     """
-    columns, rows, starts, square = int(squares[3]), int(squares[4]), crowd.starts, crowd.square
-    for place in range(columns * rows + 2):
+    members, squares, starts, square = crowd.members, crowd.squares, crowd.starts, crowd.square
+    pose, radius = state.pose[w], model.radius[row_of(model.radius, w)]
+    n_squares = squares.columns * squares.rows
+    for place in range(n_squares + 2):
         starts[place] = 0
     for k in range(members.shape[0]):
         b, place = members[k], -1
-        if present[b]:
+        if model.present[w, b]:
             place = 0
-            if columns * rows > 1:
-                column = square_of(pose[b, 0], squares[0], squares[2], columns)
-                place = square_of(pose[b, 1], squares[1], squares[2], rows) * columns + column
+            if n_squares > 1:
+                column = square_of(pose[b, 0], squares.x, squares.side, squares.columns)
+                place = square_of(pose[b, 1], squares.y, squares.side, squares.rows) * squares.columns + column
             starts[place + 2] += 1
         square[k] = place
-    for place in range(2, columns * rows + 2):
+    for place in range(2, n_squares + 2):
         starts[place] += starts[place - 1]
     for k in range(members.shape[0]):
         b, place = members[k], square[k]
@@ -139,64 +162,76 @@ def sort_members(
         m = starts[place + 1]
         starts[place + 1] += 1
         crowd.body[m] = b
-        crowd.places[0, m], crowd.places[1, m] = pose[b, 0] if seen[b] else np.inf, pose[b, 1]
-        vx, vy = (plan[b, 0], plan[b, 1]) if plans[b] else (twist[b, 0], twist[b, 1])
-        crowd.moves[m, 0], crowd.moves[m, 1], crowd.moves[m, 2] = vx, vy, radii[b]
+        crowd.x[m], crowd.y[m] = pose[b, 0] if crowd.seen[b] else np.inf, pose[b, 1]
+        move = crowd.moves[m]
+        move.vx, move.vy, move.radius = state.twist[w, b, 0], state.twist[w, b, 1], radius[b]
+        if crowd.plans[b]:
+            move.vx, move.vy = state.plan[w, b, 0], state.plan[w, b, 1]
 
 
 @kernel
-def gather(
-    own: int,
-    x: float,
-    y: float,
-    within: float,
-    ring: int,
-    column: int,
-    row: int,
-    columns: int,
-    rows: int,
-    starts: Ints,
-    places: Floats,
-    gap2: Floats,
-    found: Ints,
-) -> int:
+def find_nearest(ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> int:
+    """Write the nearest members that a member sees, nearest first; return how many there are.
+
+    The circle in which it looks for them grows until it holds enough of them.
+
+    Args:
+        ego: The member that looks.
+        m: Its number; it does not see itself.
+        place: Its square.
+        reach: Members this far away or farther are left out [m].
+        crowd: ``nearest`` is written.
+    """
+    ring, n_found, squares, most = 1, 0, crowd.squares, crowd.nearest.shape[0]
+    while True:
+        within = reach if ring >= max(squares.columns, squares.rows) else min(reach, ring * squares.first_ring)
+        n_found = gather(ego, m, place, within, ring, crowd)
+        if n_found >= most or within >= reach:
+            return keep_nearest(n_found, crowd)
+        ring *= 2
+
+
+@kernel
+def gather(ego: Ego, m: int, place: int, within: float, ring: int, crowd: Crowd) -> int:
     """Write the members in a ring of squares that are nearer than ``within``, in any order; return their number.
 
     Args:
-        own: The member that looks; it does not see itself.
-        x: Where it is [m].
-        y: Where it is [m].
+        ego: The member that looks.
+        m: Its number; it does not see itself.
+        place: Its square.
         within: Members this far away or farther are left out [m].
         ring: How many squares to each side are looked at.
-        column: The square of the member that looks.
-        row: Likewise.
-        columns: Number of squares.
-        rows: Likewise.
-        starts: First member of each square.
-        places: x, y of the members [m], shape ``(2, n_members)``.
-        gap2: Written: squared distances [m2], shape ``(n_members,)``.
-        found: Written: numbers of members, shape ``(n_members,)``.
+        crowd: ``found`` and ``gap2`` are written.
     """
-    limit2, count = within * within, 0
+    columns, rows, starts, gap2, found = (
+        crowd.squares.columns,
+        crowd.squares.rows,
+        crowd.starts,
+        crowd.gap2,
+        crowd.found,
+    )
+    row, limit2, count = place // columns, within * within, 0
+    column = place - row * columns
     left, right = max(column - ring, 0), min(column + ring, columns - 1)
     for other_row in range(max(row - ring, 0), min(row + ring, rows - 1) + 1):
-        for m in range(starts[other_row * columns + left], starts[other_row * columns + right + 1]):
-            dx, dy = places[0, m] - x, places[1, m] - y
+        for q in range(starts[other_row * columns + left], starts[other_row * columns + right + 1]):
+            dx, dy = crowd.x[q] - ego.x, crowd.y[q] - ego.y
             distance2 = dx * dx + dy * dy
-            gap2[count], found[count] = distance2, m
-            count += int(distance2 < limit2) & int(m != own)  # without a branch that nobody can foresee
+            gap2[count], found[count] = distance2, q
+            count += int(distance2 < limit2) & int(q != m)  # without a branch that nobody can foresee
     return count
 
 
 @kernel
-def keep_nearest(n_found: int, gap2: Floats, found: Ints, body: Ints, nearest_gap: Floats, nearest: Ints) -> int:
+def keep_nearest(n_found: int, crowd: Crowd) -> int:
     """Write the nearest of the members that were found, nearest first, then by body; return how many are kept.
 
     ``nearest`` has as many rows as are kept at most.
     """
+    body, nearest, nearest_gap = crowd.body, crowd.nearest, crowd.nearest_gap
     count, most = 0, nearest.shape[0]
     for i in range(n_found):
-        m, key, k = found[i], gap2[i], count - 1
+        m, key, k = crowd.found[i], crowd.gap2[i], count - 1
         if count < most:
             count, k = count + 1, count
         elif most == 0 or not comes_first(key, body[m], nearest_gap[k], body[nearest[k]]):

@@ -1,35 +1,44 @@
-"""Half-planes of velocities that avoid a disc (van den Berg, Guy, Lin, Manocha 2011, sections 4 and 5).
-
-A half-plane is a row (normal x, normal y, least): it permits the velocities v with normal . v >= least.
-"""
+"""Half-planes of velocities that avoid a disc (van den Berg, Guy, Lin, Manocha 2011, sections 4 and 5)."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Record
+from irsim_gym.behaviors.surroundings import Ego
+from irsim_gym.geometry.linear_program import set_plane
 from irsim_gym.jit import kernel
+from irsim_gym.structs import record_type
 
 LANES = 16
 """So many discs are treated in one go: a loop of fixed length without branches becomes vector instructions."""
 
-LANE_ROWS = 8
+DISC_LANES = record_type("x y vx vy radius nx ny least", LANES)
+"""LANES discs, as ``Other`` has them, and the half-planes of velocities that avoid them."""
+
+
+class Other(NamedTuple):
+    """A disc to be avoided.
+
+    Attributes:
+        x: Its centre, relative to that of the body that decides [m].
+        y: Its centre, relative to that of the body that decides [m].
+        vx: Its velocity [m/s].
+        vy: Its velocity [m/s].
+        radius: Sum of both radii [m].
+    """
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+    radius: float
 
 
 @kernel
-def disc_plane(
-    x: float,
-    y: float,
-    vx: float,
-    vy: float,
-    other_vx: float,
-    other_vy: float,
-    radius: float,
-    horizon: float,
-    share: float,
-    side: float,
-    plane: Floats,
-) -> None:
+def disc_plane(ego: Ego, other: Other, horizon: float, share: float, side: float, plane: Record) -> None:
     """Write the half-plane of velocities that avoid a disc within some time.
 
     The relative velocities that lead to a collision form a cone cut off by a disc: the velocity obstacle. ``u`` is the
@@ -37,19 +46,15 @@ def disc_plane(
     that it makes a share of this change: n . v >= n . v_now + share n . u.
 
     Args:
-        x: Where the other disc is, relative to the body [m].
-        y: Where the other disc is, relative to the body [m].
-        vx: The body's velocity [m/s].
-        vy: The body's velocity [m/s].
-        other_vx: The other's velocity [m/s].
-        other_vy: The other's velocity [m/s].
-        radius: Sum of both radii [m]. Discs that overlap already: see ``horizon``.
+        ego: The body that decides.
+        other: The disc. Where both overlap already: see ``horizon``.
         horizon: Collisions later than this are ignored [s]; for discs that overlap, the time to part them in.
         share: Part of the change that falls to the body: 0.5 among equals, 1 where the other does not give way.
         side: 1 or -1, the other sign for the other body: which way along x to part from the same place and velocity.
-        plane: Written, shape ``(3,)``.
+        plane: Written.
     """
-    wx, wy = vx - other_vx, vy - other_vy
+    x, y, radius = other.x, other.y, other.radius
+    wx, wy = ego.vx - other.vx, ego.vy - other.vy
     distance2 = x * x + y * y
     cut_x, cut_y = wx - x / horizon, wy - y / horizon
     ahead = cut_x * x + cut_y * y
@@ -68,7 +73,7 @@ def disc_plane(
         else:
             nx, ny = -(x * radius - y * leg) / distance2, -(x * leg + y * radius) / distance2
         change = -(wx * nx + wy * ny)
-    plane[0], plane[1], plane[2] = nx, ny, nx * vx + ny * vy + share * change
+    set_plane(plane, nx, ny, nx * ego.vx + ny * ego.vy + share * change)
 
 
 @kernel
@@ -83,24 +88,22 @@ def away(dx: float, dy: float, length: float, x: float, y: float) -> tuple[float
 
 
 @kernel
-def disc_planes(vx: float, vy: float, step_time: float, horizon: float, share: float, lanes: Floats) -> None:
+def disc_planes(ego: Ego, step_time: float, horizon: float, share: float, lanes: Record) -> None:
     """Write the half-planes of ``disc_plane`` for LANES discs side by side, bit for bit the same.
 
     Discs that overlap are parted in one step. Where a velocity is the very centre of the cut-off disc, which leaves no
     direction, the half-plane is NaN: that is left to ``disc_plane``.
 
     Args:
-        vx: The body's velocity [m/s].
-        vy: The body's velocity [m/s].
+        ego: The body that decides.
         step_time: Duration of a step [s].
         horizon: Collisions later than this are ignored [s].
         share: As in ``disc_plane``.
-        lanes: Rows of LANES numbers one after the other. Read: x, y, vx, vy of the others, relative in place, and the
-            sum of both radii; written: normal x, normal y, least. Shape ``(LANE_ROWS * LANES,)``.
+        lanes: The discs; their half-planes are written.
     """
     for j in range(LANES):
-        x, y, radius = lanes[j], lanes[LANES + j], lanes[4 * LANES + j]
-        wx, wy = vx - lanes[2 * LANES + j], vy - lanes[3 * LANES + j]
+        x, y, radius = lanes.x[j], lanes.y[j], lanes.radius[j]
+        wx, wy = ego.vx - lanes.vx[j], ego.vy - lanes.vy[j]
         distance2 = x * x + y * y
         overlap = distance2 <= radius * radius
         time = step_time if overlap else horizon
@@ -115,5 +118,5 @@ def disc_planes(vx: float, vy: float, step_time: float, horizon: float, share: f
         divisor = length if is_round else distance2
         nx, ny = (cut_x if is_round else leg_x) / divisor, (cut_y if is_round else leg_y) / divisor
         change = radius / time - length if is_round else -(wx * nx + wy * ny)
-        lanes[5 * LANES + j], lanes[6 * LANES + j] = nx, ny
-        lanes[7 * LANES + j] = nx * vx + ny * vy + share * change
+        lanes.nx[j], lanes.ny[j] = nx, ny
+        lanes.least[j] = nx * ego.vx + ny * ego.vy + share * change

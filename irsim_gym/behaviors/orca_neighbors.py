@@ -2,23 +2,73 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Self
+
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.geometry.buckets import find_nearby
+from irsim_gym.behaviors.surroundings import find_around
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
+from irsim_gym.structs import Struct
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
 
 FEW_WALLS = 64
 """So many bodies without motion are looked through one by one; more are looked up in the buckets."""
 
 
+@dataclass
+class Obstacles(Struct):
+    """What never moves. Memory of one shard.
+
+    Attributes:
+        walls: Bodies that never move and are avoided, shape ``(n_walls,)``.
+        is_wall: The same as flags, shape ``(body,)``.
+        nearby: Scratch for a search of bodies, shape ``(body,)``.
+        parts: Sides and discs in reach, nearest first: the row of a side in the table of segments, or that of a disc
+            behind all of that table. Shape ``(segment + disc,)``.
+        parts_gap: Their squared distances [m2].
+        owners: The body of each segment and disc that was found, shape ``(segment + disc,)``.
+        sides: x0, y0, x1, y1 of the walls of a map [m], shape ``(n_sides, 4)``.
+        sides_order: Those in reach, nearest first, shape ``(n_sides,)``.
+        sides_gap: Their squared distances [m2].
+    """
+
+    walls: Ints
+    is_wall: Flags
+    nearby: Ints
+    parts: Ints
+    parts_gap: Floats
+    owners: Ints
+    sides: Floats
+    sides_order: Ints
+    sides_gap: Floats
+
+    @classmethod
+    def reserve(cls, is_wall: Flags, n_parts: int, n_sides: int) -> Self:
+        """Return memory for so many sides and discs of bodies, and so many walls of a map."""
+        return cls(
+            walls=np.flatnonzero(is_wall),
+            is_wall=is_wall,
+            nearby=np.zeros(len(is_wall), np.int64),
+            parts=np.zeros(n_parts, np.int64),
+            parts_gap=np.zeros(n_parts),
+            owners=np.zeros(n_parts, np.int64),
+            sides=np.zeros((n_sides, 4)),
+            sides_order=np.zeros(n_sides, np.int64),
+            sides_gap=np.zeros(n_sides),
+        )
+
+
 @kernel
-def put_in_order(item: int, key: float, items: Ints, keys: Floats, count: int, most: int) -> int:
-    """Insert an item into a list sorted by key, then number, of at most so many items; return its new length."""
-    if count < most:
+def put_in_order(item: int, key: float, items: Ints, keys: Floats, count: int) -> int:
+    """Insert an item into a list sorted by key, then number, of which ``items`` holds the first; return its length."""
+    if count < items.shape[0]:
         count += 1
-    elif most == 0 or key > keys[count - 1] or (key == keys[count - 1] and item > items[count - 1]):
+    elif count == 0 or key > keys[count - 1] or (key == keys[count - 1] and item > items[count - 1]):
         return count
     k = count - 1
     while k > 0 and (keys[k - 1] > key or (keys[k - 1] == key and items[k - 1] > item)):
@@ -29,76 +79,46 @@ def put_in_order(item: int, key: float, items: Ints, keys: Floats, count: int, m
 
 
 @kernel
-def find_walls(
-    x: float,
-    y: float,
-    within: float,
-    walls: Ints,
-    is_wall: Flags,
-    frame: Floats,
-    first: Ints,
-    following: Ints,
-    present: Flags,
-    pose: Floats,
-    reach: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    segments: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    discs: Floats,
-    found: Ints,
-    gap2: Floats,
-    parts: Ints,
-    owners: Ints,
-) -> int:
+def find_walls(model: WorldModel, state: WorldState, w: int, b: int, within: float, obstacles: Obstacles) -> int:
     """Write sides and discs of bodies that never move, nearest first, up to some distance; return their number.
 
-    A side is written as its row of the segment table, a disc as its row behind all of that table.
-
     Args:
-        x: Position of the body that looks [m].
-        y: Position of the body that looks [m].
+        model: What there is.
+        state: Where it is.
+        w: The world.
+        b: The body that looks.
         within: Sides this far away or farther are left out [m].
-        walls: Bodies that never move, shape ``(n_walls,)``.
-        is_wall: The same as flags, shape ``(body,)``.
-        frame: ``model.bucket_frame``.
-        first: First body of each bucket, shape ``(bucket,)``.
-        following: Next body of the same bucket, shape ``(body,)``.
-        present: Who exists, shape ``(body,)``.
-        pose: x, y, heading [m, m, rad], shape ``(body, 3)``.
-        reach: ``model.reach`` of the world [m], shape ``(body,)``.
-        segment_start: First row of each body's segments, shape ``(body,)``.
-        segment_count: Number of them, shape ``(body,)``.
-        segments: x0, y0, x1, y1 [m], shape ``(segment, 4)``.
-        disc_start: First row of each body's discs, shape ``(body,)``.
-        disc_count: Number of them, shape ``(body,)``.
-        discs: x, y, radius [m], shape ``(disc, 3)``.
-        found: Scratch, shape ``(body,)``.
-        gap2: Scratch, shape ``(segment + disc,)``.
-        parts: Written, shape ``(segment + disc,)``.
-        owners: Written: the body of each segment and disc that was found, shape ``(segment + disc,)``.
+        obstacles: ``parts`` and ``owners`` are written.
     """
-    n_found = walls.shape[0]
-    few = n_found <= FEW_WALLS or frame[3] == 0.0
+    x, y, pose, segments, discs = (
+        state.pose[w, b, 0],
+        state.pose[w, b, 1],
+        state.pose[w],
+        state.segments[w],
+        state.discs[w],
+    )
+    n_segments, n_discs = row_of(model.segment_count, w), row_of(model.disc_count, w)
+    parts, gap2, n_found = obstacles.parts, obstacles.parts_gap, obstacles.walls.shape[0]
+    few = n_found <= FEW_WALLS or model.bucket_frame[0].columns == 0
     if not few:
-        n_found = find_nearby(x, y, within + frame[5], frame, first, following, found)
-    count, most, limit2 = 0, parts.shape[0], within * within
+        n_found = find_around(model, state, w, b, within, obstacles.nearby)
+    count, limit2 = 0, within * within
     for i in range(n_found):
-        q = walls[i] if few else found[i]
-        dx, dy = pose[q, 0] - x, pose[q, 1] - y
-        if not is_wall[q] or not present[q] or np.sqrt(dx * dx + dy * dy) >= within + reach[q]:
+        q = obstacles.walls[i] if few else obstacles.nearby[i]
+        dx, dy, far = pose[q, 0] - x, pose[q, 1] - y, within + model.reach[row_of(model.reach, w), q]
+        if not obstacles.is_wall[q] or not model.present[w, q] or np.sqrt(dx * dx + dy * dy) >= far:
             continue
-        for s in range(segment_start[q], segment_start[q] + segment_count[q]):
+        start, first = model.segment_start[q], model.disc_start[q]
+        for s in range(start, start + model.segment_count[n_segments, q]):
             distance2 = point_segment_distance2(x, y, segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3])
             if distance2 < limit2:
-                owners[s] = q
-                count = put_in_order(s, distance2, parts, gap2, count, most)
-        for d in range(disc_start[q], disc_start[q] + disc_count[q]):
+                obstacles.owners[s] = q
+                count = put_in_order(s, distance2, parts, gap2, count)
+        for d in range(first, first + model.disc_count[n_discs, q]):
             dx, dy = discs[d, 0] - x, discs[d, 1] - y
             gap = max(np.sqrt(dx * dx + dy * dy) - discs[d, 2], 0.0)
             if gap < within:
                 row = segments.shape[0] + d
-                owners[row] = q
-                count = put_in_order(row, gap * gap, parts, gap2, count, most)
+                obstacles.owners[row] = q
+                count = put_in_order(row, gap * gap, parts, gap2, count)
     return count

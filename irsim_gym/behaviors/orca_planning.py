@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.behaviors.orca_crowd import Crowd, gather, keep_nearest, sort_members
-from irsim_gym.behaviors.orca_lines import LANES, away, disc_plane, disc_planes
+from irsim_gym.arraytypes import Ints, Records
+from irsim_gym.behaviors.orca_crowd import Crowd, find_nearest, sort_members
+from irsim_gym.behaviors.orca_lines import LANES, Other, away, disc_plane, disc_planes
 from irsim_gym.behaviors.orca_map import SIGHT, add_map
-from irsim_gym.behaviors.orca_neighbors import find_walls
-from irsim_gym.behaviors.orca_walls import is_covered, see_edge, wall_plane
-from irsim_gym.behaviors.steering import to_command
-from irsim_gym.behaviors.surroundings import Scene
-from irsim_gym.geometry.linear_program import choose
+from irsim_gym.behaviors.orca_neighbors import Obstacles, find_walls
+from irsim_gym.behaviors.orca_walls import add_edge, see_edge
+from irsim_gym.behaviors.steering import Turning, goal_offset, to_command
+from irsim_gym.behaviors.surroundings import Ego
+from irsim_gym.geometry.linear_program import choose, set_plane
 from irsim_gym.jit import kernel
+from irsim_gym.structs import Struct
 from irsim_gym.world.model import DIFFERENTIAL, WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
@@ -30,34 +32,56 @@ SLOW = 0.02
 """A differential body does not move for a lower speed [m/s]."""
 
 HALF, WHOLE = 0.5, 1.0
+"""Part of a change of velocity that falls to a body: among equals, and where the other does not give way."""
 
 HELD = 0.1
 """Whose plan is slower than this part of its greatest speed is held up by others."""
 
 
+@dataclass
+class OrcaTables(Struct):
+    """What the members of a group need to decide. Memory of one shard.
+
+    Attributes:
+        deciding: The members whose commands are written, shape ``(n_deciding,)``.
+        crowd: The members.
+        obstacles: What never moves.
+        planes: Half-planes of permitted velocities, records of type ``HALF_PLANE``: the hard ones first.
+        spare: Scratch, as many half-planes.
+    """
+
+    deciding: Ints
+    crowd: Crowd
+    obstacles: Obstacles
+    planes: Records
+    spare: Records
+
+
 @kernel
-def speed_cap(drive: int, fastest_x: float, fastest_y: float, most: float) -> float:
+def speed_cap(model: WorldModel, w: int, b: int, most: float) -> float:
     """Return the speed [m/s] that a drive can hold in every direction, no more than ``most`` (NaN: no bound)."""
-    speed = fastest_x if drive == DIFFERENTIAL else min(fastest_x, fastest_y)
+    fastest = model.velocity_max[row_of(model.velocity_max, w), b]
+    speed = fastest[0] if model.drive[b] == DIFFERENTIAL else min(fastest[0], fastest[1])
     return float(max(min(speed, most) if most == most else speed, 0.0))
 
 
 @kernel
-def preferred_velocity(
-    drive: int, fastest_x: float, fastest_y: float, speed: float, dx: float, dy: float
-) -> tuple[float, float]:
-    """Return the velocity [m/s] towards a goal at (dx, dy) [m].
+def preferred_velocity(model: WorldModel, state: WorldState, w: int, b: int, speed: float) -> tuple[float, float]:
+    """Return the velocity towards the goal [m/s], 0 without one.
 
     As in IR-SIM, an omnidirectional body stops near its goal and leans to the axis on which it is faster; a
     differential one always drives at full speed.
     """
-    if drive == DIFFERENTIAL:
+    if not model.has_goal[b]:
+        return 0.0, 0.0
+    dx, dy = goal_offset(state, w, b)
+    if model.drive[b] == DIFFERENTIAL:
         angle = np.arctan2(dy, dx)
         return speed * np.cos(angle), speed * np.sin(angle)
-    distance = np.sqrt(dx * dx + dy * dy)
+    distance, fastest = np.sqrt(dx * dx + dy * dy), model.velocity_max[row_of(model.velocity_max, w), b]
     if distance <= AT_GOAL:
         return 0.0, 0.0
-    vx, vy = fastest_x * dx / distance, fastest_y * dy / distance
+    vx, vy = fastest[0] * dx / distance, fastest[1] * dy / distance
     length = np.sqrt(vx * vx + vy * vy)
     if length < 1e-9:
         return 0.0, 0.0
@@ -65,226 +89,120 @@ def preferred_velocity(
 
 
 @kernel
-def is_held(vx: float, vy: float, speed: float) -> bool:
-    """Return whether a body with this plan [m/s] is on its way, but hardly moves."""
-    planned2 = vx * vx + vy * vy
+def is_held(ego: Ego, speed: float) -> bool:
+    """Return whether a body is on its way by its plan, but hardly moves."""
+    planned2 = ego.vx * ego.vx + ego.vy * ego.vy
     return bool(0.0 < planned2 < HELD * HELD * speed * speed)
 
 
-class Scratch(NamedTuple):
-    """Memory of one shard: for a search of bodies, the sides and discs in reach, those of a map, and half-planes."""
-
-    nearby: Ints
-    parts_gap: Floats
-    parts: Ints
-    owners: Ints
-    sides: Floats
-    sides_gap: Floats
-    sides_order: Ints
-    edge: Floats
-    planes: Floats
-    spare: Floats
-
-
 @kernel
-def plan_velocities(
-    worlds: Ints,
-    members: Ints,
-    squares: Floats,
-    params: Any,
-    model: WorldModel,
-    state: WorldState,
-    seen: Flags,
-    plans: Flags,
-    walls: Ints,
-    is_wall: Flags,
-    scene: Scene,
-    crowd: Crowd,
-    scratch: Scratch,
-) -> None:
-    """Write the velocities that the members choose, in the world frame, to the first two components of ``command``.
-
-    The circle in which a member looks for others grows until it holds enough of them.
-    """
-    options, dt, most = params[0], model.step_time[0], crowd.nearest.shape[0]
-    columns, rows, first_ring, reach = int(squares[3]), int(squares[4]), squares[5], options.neighborDist
-    places, moves, body, _, starts, found, gap2, nearest, nearest_gap, lanes = crowd
-    planes, spare, has_obstacles = scratch.planes, scratch.spare, walls.shape[0] > 0 or scene.map_frame[4] >= 0.0
+def plan_velocities(worlds: Ints, params: Any, model: WorldModel, state: WorldState, tables: OrcaTables) -> None:
+    """Write the velocities that the members choose, in the world frame, to the first two components of ``command``."""
+    crowd = tables.crowd
     for w in worlds:
-        radii, pose, planned = scene.radius[row_of(scene.radius, w)], scene.pose[w], state.plan[w]
-        limits = model.velocity_max[row_of(model.velocity_max, w)]
-        sort_members(members, squares, seen, plans, scene.present[w], radii, pose, planned, scene.twist[w], crowd)
-        for place in range(columns * rows):
-            row = place // columns
-            for m in range(starts[place], starts[place + 1]):
-                b = body[m]
-                if not plans[b]:
-                    continue
-                x, y, ring = pose[b, 0], pose[b, 1], 1
-                while True:
-                    within = reach if ring >= max(columns, rows) else min(reach, ring * first_ring)
-                    n_found = gather(
-                        m, x, y, within, ring, place - row * columns, row, columns, rows, starts, places, gap2, found
-                    )
-                    if n_found >= most or within >= reach:
-                        break
-                    ring *= 2
-                n_near = keep_nearest(n_found, gap2, found, body, nearest_gap, nearest)
-                own = radii[b] + options.safe_radius
-                speed, n_hard = speed_cap(model.drive[b], limits[b, 0], limits[b, 1], options.maxSpeed), 0
-                if has_obstacles:
-                    n_hard = add_obstacles(w, walls, is_wall, own, speed, options, pose[b], planned[b], scene, scratch)
-                add_members(
-                    m, n_near, n_hard, own, options.safe_radius, x, y, planned[b, 0], planned[b, 1], dt,
-                    options.timeHorizon, body, places, moves, nearest, lanes, planes,
-                )  # fmt: skip
-                wanted_x, wanted_y = 0.0, 0.0
-                if model.has_goal[b]:
-                    wanted_x, wanted_y = preferred_velocity(
-                        model.drive[b],
-                        limits[b, 0],
-                        limits[b, 1],
-                        speed,
-                        state.goal[w, b, 0] - x,
-                        state.goal[w, b, 1] - y,
-                    )
-                if options.sidestep and is_held(planned[b, 0], planned[b, 1], speed):
-                    wanted_x, wanted_y = wanted_y, -wanted_x
-                state.command[w, b, 0], state.command[w, b, 1] = choose(
-                    planes, n_hard, n_hard + n_near, speed, wanted_x, wanted_y, spare
-                )
+        sort_members(model, state, w, crowd)
+        for place in range(crowd.squares.columns * crowd.squares.rows):
+            for m in range(crowd.starts[place], crowd.starts[place + 1]):
+                if crowd.plans[crowd.body[m]]:
+                    plan_velocity(model, state, w, m, place, params[0], tables)
 
 
 @kernel
-def add_members(
-    m: int,
-    n_near: int,
-    n_hard: int,
-    own: float,
-    safe: float,
-    x: float,
-    y: float,
-    vx: float,
-    vy: float,
-    step_time: float,
-    horizon: float,
-    body: Ints,
-    places: Floats,
-    moves: Floats,
-    nearest: Ints,
-    lanes: Floats,
-    planes: Floats,
+def plan_velocity(
+    model: WorldModel, state: WorldState, w: int, m: int, place: int, options: Any, tables: OrcaTables
 ) -> None:
+    """Write the velocity that member m in square ``place`` chooses."""
+    b = tables.crowd.body[m]
+    pose, planned, radius = state.pose[w, b], state.plan[w, b], model.radius[row_of(model.radius, w), b]
+    ego = Ego(pose[0], pose[1], planned[0], planned[1], radius + options.safe_radius)
+    n_near = find_nearest(ego, m, place, options.neighborDist, tables.crowd)
+    speed = speed_cap(model, w, b, options.maxSpeed)
+    n_hard = add_obstacles(model, state, w, b, ego, options.timeHorizonObst, speed, tables)
+    add_members(ego, m, n_near, n_hard, options, model.step_time[0], tables)
+    wanted_x, wanted_y = preferred_velocity(model, state, w, b, speed)
+    if options.sidestep and is_held(ego, speed):
+        wanted_x, wanted_y = wanted_y, -wanted_x
+    state.command[w, b, 0], state.command[w, b, 1] = choose(
+        tables.planes, n_hard, n_hard + n_near, speed, wanted_x, wanted_y, tables.spare
+    )
+
+
+@kernel
+def add_members(ego: Ego, m: int, n_near: int, n_hard: int, options: Any, step_time: float, tables: OrcaTables) -> None:
     """Write the half-planes of the nearest members behind the hard ones. Who overlaps has one step to part."""
+    crowd, planes, lanes, horizon = tables.crowd, tables.planes, tables.crowd.lanes[0], options.timeHorizon
+    nearest, moves = crowd.nearest, crowd.moves
     for first in range(0, n_near, LANES):
         n_lanes = min(n_near - first, LANES)
         for j in range(n_lanes):
             q = nearest[first + j]
-            lanes[j], lanes[LANES + j] = places[0, q] - x, places[1, q] - y
-            lanes[2 * LANES + j], lanes[3 * LANES + j] = moves[q, 0], moves[q, 1]
-            lanes[4 * LANES + j] = own + moves[q, 2] + safe
-        disc_planes(vx, vy, step_time, horizon, HALF, lanes)
+            lanes.x[j], lanes.y[j] = crowd.x[q] - ego.x, crowd.y[q] - ego.y
+            lanes.vx[j], lanes.vy[j] = moves[q].vx, moves[q].vy
+            lanes.radius[j] = ego.radius + moves[q].radius + options.safe_radius
+        disc_planes(ego, step_time, horizon, HALF, lanes)
         for j in range(n_lanes):
-            k, nx = n_hard + first + j, lanes[5 * LANES + j]
-            planes[k, 0], planes[k, 1], planes[k, 2] = nx, lanes[6 * LANES + j], lanes[7 * LANES + j]
-            if np.isnan(nx):
-                dx, dy, both = lanes[j], lanes[LANES + j], lanes[4 * LANES + j]
-                disc_plane(
-                    dx, dy, vx, vy, lanes[2 * LANES + j], lanes[3 * LANES + j], both,
-                    step_time if dx * dx + dy * dy <= both * both else horizon, HALF,
-                    1.0 if body[m] < body[nearest[first + j]] else -1.0, planes[k],
-                )  # fmt: skip
+            plane = planes[n_hard + first + j]
+            set_plane(plane, lanes.nx[j], lanes.ny[j], lanes.least[j])
+            if np.isnan(plane.nx):
+                other = Other(lanes.x[j], lanes.y[j], lanes.vx[j], lanes.vy[j], lanes.radius[j])
+                overlap = other.x * other.x + other.y * other.y <= other.radius * other.radius
+                side = 1.0 if crowd.body[m] < crowd.body[nearest[first + j]] else -1.0
+                disc_plane(ego, other, step_time if overlap else horizon, HALF, side, plane)
 
 
 @kernel
 def add_obstacles(
-    w: int,
-    walls: Ints,
-    is_wall: Flags,
-    own: float,
-    speed: float,
-    options: Any,
-    pose: Floats,
-    velocity: Floats,
-    scene: Scene,
-    scratch: Scratch,
+    model: WorldModel, state: WorldState, w: int, b: int, ego: Ego, horizon: float, speed: float, tables: OrcaTables
 ) -> int:
     """Write the half-planes of what never moves and of the map; return their number."""
-    horizon, count = options.timeHorizonObst, 0
-    within = horizon * speed + own
-    if walls.shape[0] > 0:
-        count = add_walls(w, walls, is_wall, within, own, horizon, pose, velocity, scene, scratch)
-    if scene.map_frame[4] >= 0.0:
-        count = add_map(
-            own, horizon, min(within, SIGHT), pose, velocity, scene.map_frame, scene.map_squares,
-            scratch.sides, scratch.sides_gap, scratch.sides_order, scratch.edge, scratch.planes, count,
-        )  # fmt: skip
+    obstacles, planes, count = tables.obstacles, tables.planes, 0
+    within = horizon * speed + ego.radius
+    if obstacles.walls.shape[0] > 0:
+        n_parts = find_walls(model, state, w, b, within, obstacles)
+        count = add_walls(model, state, w, ego, horizon, n_parts, tables)
+    if model.map_frame[0].body >= 0:
+        count = add_map(model, ego, horizon, min(within, SIGHT), obstacles, planes, count)
     return count
 
 
 @kernel
 def add_walls(
-    w: int,
-    walls: Ints,
-    is_wall: Flags,
-    within: float,
-    radius: float,
-    horizon: float,
-    pose: Floats,
-    velocity: Floats,
-    scene: Scene,
-    scratch: Scratch,
+    model: WorldModel, state: WorldState, w: int, ego: Ego, horizon: float, n_parts: int, tables: OrcaTables
 ) -> int:
-    """Write the half-planes of what never moves and is nearer than ``within`` [m]; return their number.
+    """Write the half-planes of the sides and discs that were found, nearest first; return their number.
 
     A disc that is touched already need not be left at once, as a wall need not; only going nearer is forbidden.
     """
-    x, y, planes, edge, segments = pose[0], pose[1], scratch.planes, scratch.edge, scene.segments[w]
-    n_segments = scene.segment_count[row_of(scene.segment_count, w)]
-    n_parts = find_walls(
-        x, y, within, walls, is_wall, scene.bucket_frame, scene.bucket_first[w], scene.bucket_next[w],
-        scene.present[w], scene.pose[w], scene.reach[row_of(scene.reach, w)],
-        scene.segment_start, n_segments, segments,
-        scene.disc_start, scene.disc_count[row_of(scene.disc_count, w)], scene.discs[w],
-        scratch.nearby, scratch.parts_gap, scratch.parts, scratch.owners,
-    )  # fmt: skip
-    count = 0
+    planes, segments, count = tables.planes, state.segments[w], 0
     for i in range(n_parts):
-        s = scratch.parts[i]
-        q = scratch.owners[s]
-        if s >= segments.shape[0]:
-            disc = scene.discs[w, s - segments.shape[0]]
-            dx, dy, both = disc[0] - x, disc[1] - y, disc[2] + radius
-            gap2 = dx * dx + dy * dy
-            if gap2 <= both * both:
-                planes[count, 0], planes[count, 1] = away(-dx, -dy, np.sqrt(gap2), dx, dy)
-                planes[count, 2] = 0.0
-            else:
-                disc_plane(dx, dy, velocity[0], velocity[1], 0.0, 0.0, both, horizon, WHOLE, 1.0, planes[count])
-            count += 1
-        elif see_edge(segments, scene.segment_start[q], n_segments[q], s, scene.solid[q], x, y, edge):
-            covered = is_covered(planes, count, edge[0], edge[1], edge[2], edge[3], radius, horizon)
-            if not covered and wall_plane(edge, velocity[0], velocity[1], radius, horizon, planes[count]):
-                count += 1
+        s = tables.obstacles.parts[i]
+        q = tables.obstacles.owners[s]
+        if s < segments.shape[0]:
+            n_segments = model.segment_count[row_of(model.segment_count, w), q]
+            edge = see_edge(segments, model.segment_start[q], n_segments, s, model.solid[q], ego.x, ego.y)
+            count = add_edge(edge, ego, horizon, planes, count)
+            continue
+        disc = state.discs[w, s - segments.shape[0]]
+        dx, dy, both = disc[0] - ego.x, disc[1] - ego.y, disc[2] + ego.radius
+        gap2 = dx * dx + dy * dy
+        if gap2 <= both * both:
+            nx, ny = away(-dx, -dy, np.sqrt(gap2), dx, dy)
+            set_plane(planes[count], nx, ny, 0.0)
+        else:
+            disc_plane(ego, Other(dx, dy, 0.0, 0.0, both), horizon, WHOLE, 1.0, planes[count])
+        count += 1
     return count
 
 
 @kernel
-def command_plans(worlds: Ints, deciding: Ints, model: WorldModel, state: WorldState) -> None:
+def command_plans(worlds: Ints, model: WorldModel, state: WorldState, tables: OrcaTables) -> None:
     """Keep the chosen velocities as plans, and turn them into commands of the drives."""
     for w in worlds:
-        for b in deciding:
+        for b in tables.deciding:
             if not model.present[w, b]:
                 continue
-            state.plan[w, b, 0], state.plan[w, b, 1] = state.command[w, b, 0], state.command[w, b, 1]
-            to_command(
-                model.drive[b],
-                state.pose[w, b, 2],
-                state.plan[w, b, 0],
-                state.plan[w, b, 1],
-                model.step_time[0],
-                TOLERANCE,
-                SLOW,
-                model.velocity_max[row_of(model.velocity_max, w), b, 1],
-                state.command[w, b],
-            )
+            plan, command = state.plan[w, b], state.command[w, b]
+            plan[0], plan[1] = command[0], command[1]
+            limit = model.velocity_max[row_of(model.velocity_max, w), b, 1]
+            turning = Turning(model.step_time[0], TOLERANCE, SLOW, limit)
+            to_command(model.drive[b], state.pose[w, b, 2], plan[0], plan[1], turning, command)

@@ -8,20 +8,77 @@ disc, and all that lies behind it: a blunt cone with a left leg through a, a rig
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Floats, Record, Records
 from irsim_gym.behaviors.orca_lines import away
+from irsim_gym.behaviors.surroundings import Ego
+from irsim_gym.geometry.linear_program import set_plane
 from irsim_gym.jit import kernel
 
 ROUNDING = 1e-9
-EDGE = 10
-"""Numbers of an edge: a, b, and the directions of the edge before it, of itself and of the edge behind it."""
+
+
+class Edge(NamedTuple):
+    """An edge as a body sees it.
+
+    Attributes:
+        is_seen: Its front is turned to the body; if not, nothing else counts.
+        ax: Its beginning, relative to the body [m].
+        ay: Likewise.
+        bx: Its end [m].
+        by: Likewise.
+        before_x: Unit vector along the edge before it.
+        before_y: Likewise.
+        along_x: Unit vector along itself.
+        along_y: Likewise.
+        behind_x: Unit vector along the edge behind it.
+        behind_y: Likewise.
+    """
+
+    is_seen: bool
+    ax: float
+    ay: float
+    bx: float
+    by: float
+    before_x: float
+    before_y: float
+    along_x: float
+    along_y: float
+    behind_x: float
+    behind_y: float
+
+
+UNSEEN = Edge(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class Front(NamedTuple):
+    """What of an edge a blunt cone begins with.
+
+    Attributes:
+        ax: Where its left leg begins, relative to the body [m].
+        ay: Likewise.
+        bx: Where its right leg begins [m].
+        by: Likewise.
+        convex_a: The left leg is a tangent; if not, it runs along the edge.
+        convex_b: The right leg is a tangent; if not, it runs along the edge.
+        is_point: Both legs begin at one end of the edge.
+    """
+
+    ax: float
+    ay: float
+    bx: float
+    by: float
+    convex_a: bool
+    convex_b: bool
+    is_point: bool
 
 
 @kernel
-def see_edge(segments: Floats, start: int, count: int, s: int, solid: bool, x: float, y: float, edge: Floats) -> bool:
-    """Write segment s of an outline as it is seen from (x, y); return False where its front is not seen.
+def see_edge(segments: Floats, start: int, count: int, s: int, solid: bool, x: float, y: float) -> Edge:
+    """Return segment s of an outline as it is seen from (x, y).
 
     Args:
         segments: x0, y0, x1, y1 [m], shape ``(segment, 4)``.
@@ -31,13 +88,12 @@ def see_edge(segments: Floats, start: int, count: int, s: int, solid: bool, x: f
         solid: The outline bounds an area, and is seen from outside only.
         x: Position of the body [m].
         y: Position of the body [m].
-        edge: Written, shape ``(EDGE,)``.
     """
     ax, ay, bx, by = segments[s, 0] - x, segments[s, 1] - y, segments[s, 2] - x, segments[s, 3] - y
     dx, dy, length = direction(segments, s)
     height = dx * ay - dy * ax
     if length == 0.0 or height == 0.0 or (height < 0.0 and solid):
-        return False
+        return UNSEEN
     before, behind = neighbour(segments, start, count, s, -1), neighbour(segments, start, count, s, 1)
     ux, uy, _ = direction(segments, before)
     vx, vy, _ = direction(segments, behind)
@@ -46,12 +102,8 @@ def see_edge(segments: Floats, start: int, count: int, s: int, solid: bool, x: f
     if behind == s:
         vx, vy = -dx, -dy
     if height > 0.0:
-        edge[0], edge[1], edge[2], edge[3] = ax, ay, bx, by
-        edge[4], edge[5], edge[6], edge[7], edge[8], edge[9] = ux, uy, dx, dy, vx, vy
-    else:
-        edge[0], edge[1], edge[2], edge[3] = bx, by, ax, ay
-        edge[4], edge[5], edge[6], edge[7], edge[8], edge[9] = -vx, -vy, -dx, -dy, -ux, -uy
-    return True
+        return Edge(True, ax, ay, bx, by, ux, uy, dx, dy, vx, vy)
+    return Edge(True, bx, by, ax, ay, -vx, -vy, -dx, -dy, -ux, -uy)
 
 
 @kernel
@@ -87,69 +139,61 @@ def is_joined(segments: Floats, one: int, other: int) -> bool:
 
 
 @kernel
-def wall_plane(edge: Floats, vx: float, vy: float, radius: float, horizon: float, plane: Floats) -> bool:
+def add_edge(edge: Edge, ego: Ego, horizon: float, planes: Records, count: int) -> int:
+    """Append the half-plane of velocities that avoid an edge, if one is needed; return how many those are now."""
+    if not edge.is_seen or is_covered(planes[:count], edge, ego.radius, horizon):
+        return count
+    return count + int(wall_plane(edge, ego, horizon, planes[count]))
+
+
+@kernel
+def wall_plane(edge: Edge, ego: Ego, horizon: float, plane: Record) -> bool:
     """Write the half-plane of velocities that avoid an edge; return False where the edges beside it see to that.
 
     Args:
-        edge: The edge as ``see_edge`` writes it.
-        vx: The body's velocity [m/s].
-        vy: The body's velocity [m/s].
-        radius: The body's radius [m].
+        edge: The edge.
+        ego: The body.
         horizon: Collisions later than this are ignored [s].
-        plane: Written, shape ``(3,)``.
+        plane: Written.
     """
-    ax, ay, bx, by, dx, dy = edge[0], edge[1], edge[2], edge[3], edge[6], edge[7]
-    convex_a = edge[4] * dy - edge[5] * dx >= 0.0
-    convex_b = dx * edge[9] - dy * edge[8] >= 0.0
+    ax, ay, bx, by, dx, dy = edge.ax, edge.ay, edge.bx, edge.by, edge.along_x, edge.along_y
+    convex_a = edge.before_x * dy - edge.before_y * dx >= 0.0
+    convex_b = dx * edge.behind_y - dy * edge.behind_x >= 0.0
     before_a, past_b = ax * dx + ay * dy > 0.0, bx * dx + by * dy < 0.0
-    height = dx * ay - dy * ax
+    height, radius = dx * ay - dy * ax, ego.radius
     radius2, gap_a2, gap_b2 = radius * radius, ax * ax + ay * ay, bx * bx + by * by
-    plane[2] = 0.0
     if before_a and gap_a2 <= radius2:
-        gap = np.sqrt(gap_a2)
-        plane[0], plane[1] = away(-ax, -ay, gap, ax, ay)
+        nx, ny = away(-ax, -ay, np.sqrt(gap_a2), ax, ay)
+        set_plane(plane, nx, ny, 0.0)
         return bool(convex_a)
     if past_b and gap_b2 <= radius2:
-        gap = np.sqrt(gap_b2)
-        plane[0], plane[1] = away(-bx, -by, gap, bx, by)
-        return bool(convex_b and bx * edge[9] - by * edge[8] >= 0.0)
+        nx, ny = away(-bx, -by, np.sqrt(gap_b2), bx, by)
+        set_plane(plane, nx, ny, 0.0)
+        return bool(convex_b and bx * edge.behind_y - by * edge.behind_x >= 0.0)
     if height <= radius and not before_a and not past_b:
-        plane[0], plane[1] = dy, -dx
+        set_plane(plane, dy, -dx, 0.0)
         return True
     if height <= radius:
         if (before_a and not convex_a) or (past_b and not convex_b):
             return False
         x, y = (ax, ay) if before_a else (bx, by)
-        return cone_plane(edge, x, y, x, y, True, True, True, vx, vy, radius, horizon, plane)
-    return cone_plane(edge, ax, ay, bx, by, convex_a, convex_b, False, vx, vy, radius, horizon, plane)
+        return cone_plane(edge, Front(x, y, x, y, True, True, True), ego, horizon, plane)
+    return cone_plane(edge, Front(ax, ay, bx, by, convex_a, convex_b, False), ego, horizon, plane)
 
 
 @kernel
-def cone_plane(
-    edge: Floats,
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
-    convex_a: bool,
-    convex_b: bool,
-    is_point: bool,
-    vx: float,
-    vy: float,
-    radius: float,
-    horizon: float,
-    plane: Floats,
-) -> bool:
+def cone_plane(edge: Edge, front: Front, ego: Ego, horizon: float, plane: Record) -> bool:
     """Write the half-plane at the point of the blunt cone's border that is nearest to the velocity.
 
     Legs are tangents from the body's centre. At a reflex corner the leg runs along the edge, and one that would run
     into the edge beside it runs along that one; a velocity nearest to such a leg is left to that edge.
     """
-    dx, dy = edge[6], edge[7]
+    ax, ay, bx, by, convex_a, convex_b, is_point = front
+    dx, dy, radius = edge.along_x, edge.along_y, ego.radius
     left_x, left_y = tangent(ax, ay, radius, 1.0) if convex_a else (-dx, -dy)
     right_x, right_y = tangent(bx, by, radius, -1.0) if convex_b else (dx, dy)
-    back_x, back_y, on_x, on_y = -edge[4], -edge[5], edge[8], edge[9]
-    if is_point and ax == edge[2] and ay == edge[3]:
+    back_x, back_y, on_x, on_y = -edge.before_x, -edge.before_y, edge.behind_x, edge.behind_y
+    if is_point and ax == edge.bx and ay == edge.by:
         back_x, back_y = -dx, -dy
     elif is_point:
         on_x, on_y = dx, dy
@@ -160,8 +204,8 @@ def cone_plane(
     if right_foreign:
         right_x, right_y = on_x, on_y
     grown = radius / horizon
-    from_a_x, from_a_y = vx - ax / horizon, vy - ay / horizon
-    from_b_x, from_b_y = vx - bx / horizon, vy - by / horizon
+    from_a_x, from_a_y = ego.vx - ax / horizon, ego.vy - ay / horizon
+    from_b_x, from_b_y = ego.vx - bx / horizon, ego.vy - by / horizon
     up_left, up_right = from_a_x * left_x + from_a_y * left_y, from_b_x * right_x + from_b_y * right_y
     before_a = from_a_x * dx + from_a_y * dy < 0.0
     past_b = from_b_x * dx + from_b_y * dy > 0.0
@@ -182,7 +226,7 @@ def cone_plane(
         nx, ny, x, y, mine = -left_y, left_x, ax, ay, not left_foreign
     else:
         nx, ny, x, y, mine = right_y, -right_x, bx, by, not right_foreign
-    plane[0], plane[1], plane[2] = nx, ny, (nx * x + ny * y) / horizon + grown
+    set_plane(plane, nx, ny, (nx * x + ny * y) / horizon + grown)
     return bool(mine)
 
 
@@ -195,21 +239,18 @@ def tangent(x: float, y: float, radius: float, turn: float) -> tuple[float, floa
 
 
 @kernel
-def round_plane(x: float, y: float, dx: float, dy: float, horizon: float, grown: float, plane: Floats) -> bool:
+def round_plane(x: float, y: float, dx: float, dy: float, horizon: float, grown: float, plane: Record) -> bool:
     """Write the half-plane at the round end of a cone around (x, y) / horizon, in the direction (dx, dy) from it."""
     nx, ny = away(dx, dy, np.sqrt(dx * dx + dy * dy), x, y)
-    plane[0], plane[1], plane[2] = nx, ny, (nx * x + ny * y) / horizon + grown
+    set_plane(plane, nx, ny, (nx * x + ny * y) / horizon + grown)
     return True
 
 
 @kernel
-def is_covered(
-    planes: Floats, count: int, ax: float, ay: float, bx: float, by: float, radius: float, horizon: float
-) -> bool:
-    """Return whether one of the half-planes forbids all velocities that an edge from a to b would forbid."""
-    for i in range(count):
-        least = horizon * planes[i, 2] - radius + ROUNDING
-        nx, ny = planes[i, 0], planes[i, 1]
-        if nx * ax + ny * ay <= least and nx * bx + ny * by <= least:
+def is_covered(planes: Records, edge: Edge, radius: float, horizon: float) -> bool:
+    """Return whether one of the half-planes forbids all velocities that an edge would forbid."""
+    for plane in planes:
+        least = horizon * plane.least - radius + ROUNDING
+        if plane.nx * edge.ax + plane.ny * edge.ay <= least and plane.nx * edge.bx + plane.ny * edge.by <= least:
             return True
     return False

@@ -8,19 +8,12 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
-from irsim_gym.behaviors.free_samples import LANES, ROW_NUMBERS, nearest_free, rough_cones
-from irsim_gym.behaviors.steering import to_command, wanted_velocity
-from irsim_gym.behaviors.surroundings import MARGIN, Scene, look_around, most_map_walls, scene_of, wall_bodies
-from irsim_gym.behaviors.velocity_obstacles import (
-    CONE,
-    PITCH,
-    disc_cones,
-    lay_samples,
-    least_penalty,
-    side_cones,
-    write_samples,
-)
+from irsim_gym.arraytypes import Floats, Ints, Records
+from irsim_gym.behaviors.free_samples import ROWS, SPAN, RvoTables, nearest_free, rough_cones
+from irsim_gym.behaviors.rvo_penalty import least_penalty
+from irsim_gym.behaviors.steering import Turning, clear_command, to_command, wanted_velocity
+from irsim_gym.behaviors.surroundings import MARGIN, Ego, Surroundings, look_around, most_map_walls
+from irsim_gym.behaviors.velocity_obstacles import CONE, PITCH, disc_cones, lay_samples, side_cones, write_samples
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
@@ -28,8 +21,8 @@ from irsim_gym.world.model import DIFFERENTIAL, WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
-TURN_TIME, TURN_TOLERANCE, SLOW, TURN_LIMIT = 0.2, 0.1, 0.02, 1.5
-"""How a differential drive follows the chosen velocity [s, rad, m/s, rad/s]."""
+TURNING = Turning(0.2, 0.1, 0.02, 1.5)
+"""How a differential drive follows the chosen velocity."""
 
 
 @kind
@@ -78,38 +71,23 @@ class Rvo:
         n_rounds = len(model.role) + model.local_discs.shape[1]
         n_sides = model.local_segments.shape[1]
         n_sides += max(most_map_walls(model, options.neighbor_threshold) for options in group.options)
-        n_samples = _most_samples(group.params)
-        group.arrays["lines"] = wall_bodies(model)
-        group.arrays["nearby"] = np.zeros((n_slots, len(model.role)), np.int64)
-        group.arrays["rounds"] = np.zeros((n_slots, n_rounds, 6))
-        group.arrays["sides"] = np.zeros((n_slots, n_sides, 4))
-        group.arrays["cones"] = np.zeros((n_slots, n_rounds + n_sides, CONE))
-        group.arrays["samples"] = np.zeros((n_slots, 2, n_samples))
-        group.arrays["spans"] = np.zeros((n_slots, n_rounds + n_sides, 2 * LANES))
-        group.arrays["rows"] = np.zeros((n_slots, ROW_NUMBERS))
-        group.arrays["order"] = np.zeros((n_slots, 2, n_samples), np.int64)
+        n_cones, n_samples = n_rounds + n_sides, _most_samples(group.params)
+        group.tables = [
+            RvoTables(
+                seen=Surroundings.reserve(model, n_rounds, n_sides),
+                cones=np.zeros(n_cones, CONE),
+                spans=np.zeros(n_cones, SPAN),
+                rows=np.zeros(1, ROWS),
+                samples=np.zeros((2, n_samples)),
+                order=np.zeros((2, n_samples), np.int64),
+            )
+            for _ in range(n_slots)
+        ]
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' commands."""
-        slot, arrays = shard.slot, group.arrays
-        decide_rvo(
-            shard.worlds,
-            group.members,
-            group.params,
-            scene_of(model, state),
-            model,
-            state,
-            arrays["lines"],
-            arrays["nearby"][slot],
-            arrays["rounds"][slot],
-            arrays["sides"][slot],
-            arrays["cones"][slot],
-            arrays["samples"][slot],
-            arrays["order"][slot],
-            arrays["spans"][slot],
-            arrays["rows"][slot],
-        )
+        decide_rvo(shard.worlds, group.members, group.params, model, state, group.tables[shard.slot])
 
 
 def _most_samples(params: Any) -> int:
@@ -120,106 +98,47 @@ def _most_samples(params: Any) -> int:
 
 @kernel
 def decide_rvo(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    scene: Scene,
-    model: WorldModel,
-    state: WorldState,
-    lines: Ints,
-    nearby: Ints,
-    rounds: Floats,
-    sides: Floats,
-    cones: Floats,
-    samples: Floats,
-    order: Ints,
-    spans: Floats,
-    rows: Floats,
+    worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: RvoTables
 ) -> None:
     """Write the commands of bodies that avoid what they see."""
     for w in worlds:
         for k in range(members.shape[0]):
             b, options = members[k], params[k]
-            state.command[w, b, 0], state.command[w, b, 1], state.command[w, b, 2] = 0.0, 0.0, 0.0
-            if not model.has_goal[b] or not scene.present[w, b]:
+            clear_command(state, w, b)
+            if not model.has_goal[b] or not model.present[w, b]:
                 continue
-            n_rounds, n_sides = look_around(
-                scene, w, b, options.target_roles, options.neighbor_threshold, lines, nearby, rounds, sides
-            )
-            pose, fastest = scene.pose[w, b], model.velocity_max[row_of(model.velocity_max, w), b]
-            wanted_x, wanted_y = wanted_velocity(pose[0], pose[1], state.goal[w, b], model.drive[b], fastest)
-            vx, vy = choose_velocity(
-                pose[0],
-                pose[1],
-                scene.twist[w, b],
-                scene.radius[row_of(scene.radius, w), b] + MARGIN,
-                wanted_x,
-                wanted_y,
-                options,
-                rounds,
-                n_rounds,
-                sides,
-                n_sides,
-                cones,
-                samples,
-                order,
-                spans,
-                rows,
-            )
-            alone = n_rounds == 0 and n_sides == 0
-            steer(model.drive[b], pose[2], vx, vy, alone, wanted_x, wanted_y, state.command[w, b])
+            roles, sight = options.target_roles, options.neighbor_threshold
+            n_rounds, n_sides = look_around(model, state, w, b, roles, sight, tables.seen)
+            pose, twist, radius = state.pose[w, b], state.twist[w, b], model.radius[row_of(model.radius, w), b]
+            ego = Ego(pose[0], pose[1], twist[0], twist[1], radius + MARGIN)
+            wanted = wanted_velocity(model, state, w, b)
+            rounds, sides = tables.seen.rounds[:n_rounds], tables.seen.sides[:n_sides]
+            vx, vy = choose_velocity(ego, wanted, options, rounds, sides, tables)
+            command = state.command[w, b]
+            to_command(model.drive[b], pose[2], vx, vy, TURNING, command)
+            alone, stands = n_rounds == 0 and n_sides == 0, command[0] == 0.0 and command[1] == 0.0
+            if model.drive[b] == DIFFERENTIAL and alone and stands:
+                # Its goal is behind it, where no sampled velocity leads: it turns on the spot.
+                to_command(model.drive[b], pose[2], wanted[0], wanted[1], TURNING, command)
+                command[0] = 0.0
 
 
 @kernel
 def choose_velocity(
-    x: float,
-    y: float,
-    velocity: Floats,
-    r: float,
-    wanted_x: float,
-    wanted_y: float,
-    options: Any,
-    rounds: Floats,
-    n_rounds: int,
-    sides: Floats,
-    n_sides: int,
-    cones: Floats,
-    samples: Floats,
-    order: Ints,
-    spans: Floats,
-    rows: Floats,
+    ego: Ego, wanted: tuple[float, float], options: Any, rounds: Records, sides: Floats, tables: RvoTables
 ) -> tuple[float, float]:
     """Return the best of the sampled velocities [m/s]: outside of all cones, or with the least penalty."""
-    vx, vy = velocity[0], velocity[1]
-    first_x, step_x, n_x = lay_samples(vx, options["acce"], options.vxmax)
-    first_y, step_y, n_y = lay_samples(vy, options["acce"], options.vymax)
-    n_cones, mode = side_cones(x, y, r, sides, n_sides, cones, n_rounds), options.mode
-    rough_cones(mode, x, y, vx, vy, r, rounds, n_rounds, cones)
-    best = nearest_free(
-        mode, x, y, vx, vy, r, rounds, n_rounds, cones, n_cones, first_x, step_x, n_x, first_y, step_y, n_y,
-        wanted_x, wanted_y, spans, rows,
-    )  # fmt: skip
+    mode, cones = options.mode, tables.cones
+    along_x = lay_samples(ego.vx, options["acce"], options.vxmax, wanted[0])
+    along_y = lay_samples(ego.vy, options["acce"], options.vymax, wanted[1])
+    n_cones = side_cones(ego, sides, cones, rounds.shape[0])
+    rough_cones(mode, ego, rounds, cones)
+    best = nearest_free(mode, ego, n_cones, along_x, along_y, tables)
     if best >= 0:
-        return first_x + (best // n_y) * step_x, first_y + (best % n_y) * step_y
-    write_samples(first_x, step_x, n_x, wanted_x, samples[0], order[0])
-    write_samples(first_y, step_y, n_y, wanted_y, samples[1], order[1])
-    disc_cones(mode, x, y, vx, vy, r, rounds, n_rounds, cones)
-    best = least_penalty(
-        x, y, vx, vy, r, rounds, n_rounds, sides, n_sides, options.factor, samples, n_x, n_y, wanted_x, wanted_y, order
-    )
-    return samples[0, best // n_y], samples[1, best % n_y]
-
-
-@kernel
-def steer(
-    drive: int, heading: float, vx: float, vy: float, alone: bool, wanted_x: float, wanted_y: float, command: Floats
-) -> None:
-    """Write the command that follows the chosen velocity.
-
-    A differential drive that would stand although nothing is near has its goal behind it, where no sampled velocity
-    leads: it turns on the spot.
-    """
-    to_command(drive, heading, vx, vy, TURN_TIME, TURN_TOLERANCE, SLOW, TURN_LIMIT, command)
-    if drive == DIFFERENTIAL and alone and command[0] == 0.0 and command[1] == 0.0:
-        to_command(drive, heading, wanted_x, wanted_y, TURN_TIME, TURN_TOLERANCE, SLOW, TURN_LIMIT, command)
-        command[0] = 0.0
+        i, j = best // along_y.n, best % along_y.n
+        return along_x.first + i * along_x.step, along_y.first + j * along_y.step
+    write_samples(along_x, tables.samples[0], tables.order[0])
+    write_samples(along_y, tables.samples[1], tables.order[1])
+    disc_cones(mode, ego, rounds, cones)
+    best = least_penalty(ego, options.factor, rounds, sides, along_x, along_y, tables)
+    return tables.samples[0, best // along_y.n], tables.samples[1, best % along_y.n]

@@ -6,17 +6,13 @@ import math
 from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
-import numpy as np
-
-from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.behaviors.social_pushes import FADED, follow, planned_velocity
-from irsim_gym.behaviors.steering import wanted_velocity
-from irsim_gym.behaviors.surroundings import MARGIN, Scene, most_map_walls, scene_of, wall_bodies
+from irsim_gym.arraytypes import Ints
+from irsim_gym.behaviors.social_pushes import SocialTables, follow, planned_velocity
+from irsim_gym.behaviors.steering import clear_command, wanted_velocity
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
-from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 DESIRED = option(1.0, ge=0.0, meaning="Weight of the force towards the goal.")
@@ -31,6 +27,8 @@ RELAXATION = option(0.5, gt=0.0, unit="s", meaning="Time in which the desired ve
 NEIGHBORS = option(10.0, ge=0.0, unit="m", meaning="Bodies farther away than this are not seen.")
 SPEED = option(1.5, gt=0.0, unit="m/s", meaning="Desired and greatest speed.")
 SAFETY = option(0.0, ge=0.0, unit="m", meaning="Distance added around each body.")
+
+NO_FORCE = 0.0, 0.0
 
 
 @kind
@@ -70,88 +68,23 @@ class SocialForce:
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
         """Reserve scratch memory for what one body sees."""
-        reserve(group, model, n_slots)
+        group.tables = [SocialTables.reserve(group, model, together=False) for _ in range(n_slots)]
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' commands."""
-        slot, arrays = shard.slot, group.arrays
-        decide_social_force(
-            shard.worlds,
-            group.members,
-            group.params,
-            scene_of(model, state),
-            model,
-            state,
-            arrays["among"],
-            arrays["lines"],
-            arrays["nearby"][slot],
-            arrays["sides"][slot],
-            arrays["nearest"][slot],
-        )
-
-
-def reserve(group: Group, model: WorldModel, n_slots: int) -> None:
-    """Reserve what the forces need: scratch memory, and a list of bodies that walk together, empty so far."""
-    reach = FADED * max(options.sigma_obstacle for options in group.options) + float(model.reach.max()) + MARGIN
-    group.arrays["among"] = np.zeros(len(model.role), np.bool_)
-    group.arrays["lines"] = wall_bodies(model)
-    group.arrays["nearby"] = np.zeros((n_slots, len(model.role)), np.int64)
-    group.arrays["sides"] = np.zeros((n_slots, most_map_walls(model, reach), 4))
-    group.arrays["nearest"] = np.zeros((n_slots, 4, 3))
+        decide_social_force(shard.worlds, group.members, group.params, model, state, group.tables[shard.slot])
 
 
 @kernel
 def decide_social_force(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    scene: Scene,
-    model: WorldModel,
-    state: WorldState,
-    among: Flags,
-    lines: Ints,
-    nearby: Ints,
-    sides: Floats,
-    nearest: Floats,
+    worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: SocialTables
 ) -> None:
     """Write the commands of bodies that follow social forces; those without a goal stand."""
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
-            state.command[w, b, 0], state.command[w, b, 1], state.command[w, b, 2] = 0.0, 0.0, 0.0
-            if not model.has_goal[b] or not scene.present[w, b]:
-                continue
-            fastest = model.velocity_max[row_of(model.velocity_max, w), b]
-            wanted_x, wanted_y = wanted_velocity(
-                scene.pose[w, b, 0], scene.pose[w, b, 1], state.goal[w, b], model.drive[b], fastest
-            )
-            vx, vy = planned_velocity(
-                scene,
-                w,
-                b,
-                params[k],
-                among,
-                wanted_x,
-                wanted_y,
-                0.0,
-                0.0,
-                model.step_time[0],
-                False,
-                lines,
-                nearby,
-                sides,
-                nearest,
-            )
-            acceleration = model.acceleration_limit[row_of(model.acceleration_limit, w), b]
-            follow(
-                model.drive[b],
-                scene.pose[w, b, 2],
-                vx,
-                vy,
-                state.velocity[w, b],
-                fastest,
-                acceleration,
-                model.step_time[0],
-                state.command[w, b],
-            )
+            clear_command(state, w, b)
+            if model.has_goal[b] and model.present[w, b]:
+                wanted = wanted_velocity(model, state, w, b)
+                follow(model, state, w, b, planned_velocity(model, state, w, b, params[k], wanted, NO_FORCE, tables))

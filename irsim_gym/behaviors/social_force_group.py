@@ -6,20 +6,20 @@ The forces within a party are those of Moussaid et al. (2010), as in IR-SIM: coh
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.behaviors import renewal, social_force
-from irsim_gym.behaviors.social_force import reserve
-from irsim_gym.behaviors.social_pushes import follow, planned_velocity
-from irsim_gym.behaviors.steering import wanted_velocity
-from irsim_gym.behaviors.surroundings import MARGIN, Scene, scene_of
+from irsim_gym.behaviors.social_pushes import SocialTables, follow, planned_velocity
+from irsim_gym.behaviors.steering import clear_command, wanted_velocity
+from irsim_gym.behaviors.surroundings import MARGIN
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
@@ -88,8 +88,6 @@ class SocialForceGroup:
         Raises:
             IrsimGymError: A party names a member that the group does not have.
         """
-        reserve(group, model, n_slots)
-        group.arrays["among"][group.members] = True
         party = np.full(len(group.members), -1)
         for number, listed in enumerate(group.options[0].social_groups):
             if listed and max(listed) >= len(party):
@@ -98,109 +96,70 @@ class SocialForceGroup:
                     f"counted from 0"
                 )
             party[list(listed)] = number
-        group.arrays["party"] = party
+        group.tables = [
+            PartyTables(group.arrays["decides"], party, SocialTables.reserve(group, model, together=True))
+            for _ in range(n_slots)
+        ]
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the commands of the members that decide."""
-        slot, arrays = shard.slot, group.arrays
-        decide_social_group(
-            shard.worlds,
-            group.members,
-            group.params,
-            arrays["decides"],
-            arrays["party"],
-            scene_of(model, state),
-            model,
-            state,
-            arrays["among"],
-            arrays["lines"],
-            arrays["nearby"][slot],
-            arrays["sides"][slot],
-            arrays["nearest"][slot],
-        )
+        decide_social_group(shard.worlds, group.members, group.params, model, state, group.tables[shard.slot])
+
+
+@dataclass
+class PartyTables(Struct):
+    """What the members of a group need to decide. Memory of one shard.
+
+    Attributes:
+        decides: Members whose commands are written, shape ``(n_members,)``.
+        party: The number of the party that each member walks in, -1 for none, shape ``(n_members,)``.
+        forces: What the forces need.
+    """
+
+    decides: Flags
+    party: Ints
+    forces: SocialTables
 
 
 @kernel
 def decide_social_group(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    decides: Flags,
-    party: Ints,
-    scene: Scene,
-    model: WorldModel,
-    state: WorldState,
-    among: Flags,
-    lines: Ints,
-    nearby: Ints,
-    sides: Floats,
-    nearest: Floats,
+    worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: PartyTables
 ) -> None:
     """Write the commands of the members; those without a goal stay, but give way."""
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
-            if not decides[k]:
+            if not tables.decides[k]:
                 continue
-            state.command[w, b, 0], state.command[w, b, 1], state.command[w, b, 2] = 0.0, 0.0, 0.0
-            if not scene.present[w, b]:
-                continue
-            fastest, wanted_x, wanted_y = model.velocity_max[row_of(model.velocity_max, w), b], 0.0, 0.0
-            if model.has_goal[b]:
-                wanted_x, wanted_y = wanted_velocity(
-                    scene.pose[w, b, 0], scene.pose[w, b, 1], state.goal[w, b], model.drive[b], fastest
-                )
-            extra_x, extra_y = force_of_party(scene, w, k, members, party, params[k])
-            vx, vy = planned_velocity(
-                scene,
-                w,
-                b,
-                params[k],
-                among,
-                wanted_x,
-                wanted_y,
-                extra_x,
-                extra_y,
-                model.step_time[0],
-                True,
-                lines,
-                nearby,
-                sides,
-                nearest,
-            )
-            acceleration = model.acceleration_limit[row_of(model.acceleration_limit, w), b]
-            follow(
-                model.drive[b],
-                scene.pose[w, b, 2],
-                vx,
-                vy,
-                state.velocity[w, b],
-                fastest,
-                acceleration,
-                model.step_time[0],
-                state.command[w, b],
-            )
+            clear_command(state, w, b)
+            if model.present[w, b]:
+                wanted = wanted_velocity(model, state, w, b) if model.has_goal[b] else (0.0, 0.0)
+                extra = force_of_party(model, state, w, k, members, tables.party, params[k])
+                velocity = planned_velocity(model, state, w, b, params[k], wanted, extra, tables.forces)
+                follow(model, state, w, b, velocity)
 
 
 @kernel
-def force_of_party(scene: Scene, w: int, k: int, members: Ints, party: Ints, options: Any) -> tuple[float, float]:
+def force_of_party(
+    model: WorldModel, state: WorldState, w: int, k: int, members: Ints, party: Ints, options: Any
+) -> tuple[float, float]:
     """Return what keeps member k with the others of its party: coherence, repulsion and gaze [m/s2]."""
     if party[k] < 0:
         return 0.0, 0.0
-    b = members[k]
-    x, y, r = scene.pose[w, b, 0], scene.pose[w, b, 1], scene.radius[row_of(scene.radius, w), b] + MARGIN
+    b, pose, radius = members[k], state.pose[w], model.radius[row_of(model.radius, w)]
+    x, y, r = pose[b, 0], pose[b, 1], radius[b] + MARGIN
     count, sum_x, sum_y, push_x, push_y = 0, 0.0, 0.0, 0.0, 0.0
     for other in range(members.shape[0]):
         q = members[other]
-        if party[other] != party[k] or not scene.present[w, q]:
+        if party[other] != party[k] or not model.present[w, q]:
             continue
         count += 1
-        sum_x, sum_y = sum_x + scene.pose[w, q, 0], sum_y + scene.pose[w, q, 1]
-        dx, dy = x - scene.pose[w, q, 0], y - scene.pose[w, q, 1]
+        sum_x, sum_y = sum_x + pose[q, 0], sum_y + pose[q, 1]
+        dx, dy = x - pose[q, 0], y - pose[q, 1]
         near = options.group_repulsion_threshold
         if np.isnan(near):
-            near = r + (scene.radius[row_of(scene.radius, w), q] + MARGIN)
+            near = r + (radius[q] + MARGIN)
         if q != b and np.hypot(dx, dy) < near:
             push_x, push_y = push_x + dx, push_y + dy
     if count < 2:
@@ -208,7 +167,7 @@ def force_of_party(scene: Scene, w: int, k: int, members: Ints, party: Ints, opt
     mean_x, mean_y = sum_x / count, sum_y / count
     pull = (np.tanh(np.hypot(mean_x - x, mean_y - y) - (count - 1.0) / 2.0) + 1.0) / 2.0
     others_x, others_y = (count * mean_x - x) / (count - 1.0), (count * mean_y - y) / (count - 1.0)
-    vx, vy = scene.twist[w, b, 0], scene.twist[w, b, 1]
+    vx, vy = state.twist[w, b, 0], state.twist[w, b, 1]
     turn = head_turn(vx, vy, others_x - x, others_y - y, options.gaze_vision_angle * np.pi / 180.0)
     coherence, repulsion = options.force_factor_coherence, options.force_factor_group_repulsion
     gaze = options.force_factor_gaze

@@ -6,30 +6,37 @@ and Molnar (1995), with IR-SIM's constants and roundings.
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.behaviors.steering import to_command
+from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Ints, Records
+from irsim_gym.behaviors.steering import Turning, to_command
 from irsim_gym.behaviors.surroundings import (
     ALL_ROLES,
     MARGIN,
     ROUND,
-    SLACK,
     STANDING,
-    Scene,
     centroid_of,
+    find_around,
+    is_far,
     is_map_seen,
     is_seen,
     look_of,
     map_walls,
+    most_map_walls,
+    wall_bodies,
 )
-from irsim_gym.geometry.buckets import find_nearby
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.geometry.segments import side
 from irsim_gym.jit import kernel
+from irsim_gym.structs import Struct, record_type
+from irsim_gym.world.group import Group
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
 
 FADED = 5.0
 """Walls farther away than this many decay lengths do not push."""
@@ -41,61 +48,82 @@ TURN_TOLERANCE, SLOW = 0.02, 0.02
 """How a differential drive follows the planned velocity [rad, m/s]."""
 
 
+WALL_POINT = record_type("gap2 x y")
+"""The nearest point of the walls of a map that face one way: its squared distance [m2] and its place [m]."""
+
+
+@dataclass
+class SocialTables(Struct):
+    """What the forces on the members of a group need. Memory of one shard.
+
+    Attributes:
+        by_hypot: Round lengths as IR-SIM's group does, not as its single body.
+        among: The bodies that walk in the group, whatever their role, shape ``(body,)``.
+        lines: Bodies that are chains of segments, shape ``(n_lines,)``.
+        nearby: Scratch for a search of bodies, shape ``(body,)``.
+        sides: Scratch for the walls of a map: x0, y0, x1, y1 [m], shape ``(n, 4)``.
+        nearest: Scratch: records of type ``WALL_POINT`` for walls that face left, right, up and down, shape ``(4,)``.
+    """
+
+    by_hypot: bool
+    among: Flags
+    lines: Ints
+    nearby: Ints
+    sides: Floats
+    nearest: Records
+
+    @classmethod
+    def reserve(cls, group: Group, model: WorldModel, *, together: bool) -> Self:
+        """Return memory for one shard; ``together``: the members are one group."""
+        reach = FADED * max(options.sigma_obstacle for options in group.options) + float(model.reach.max()) + MARGIN
+        among = np.zeros(len(model.role), np.bool_)
+        among[group.members] = together
+        nearby, sides = np.zeros(len(model.role), np.int64), np.zeros((most_map_walls(model, reach), 4))
+        return cls(together, among, wall_bodies(model), nearby, sides, np.zeros(4, WALL_POINT))
+
+
 @kernel
 def planned_velocity(
-    scene: Scene,
+    model: WorldModel,
+    state: WorldState,
     w: int,
     b: int,
     options: Any,
-    among: Flags,
-    wanted_x: float,
-    wanted_y: float,
-    extra_x: float,
-    extra_y: float,
-    step_time: float,
-    by_hypot: bool,
-    lines: Ints,
-    nearby: Ints,
-    sides: Floats,
-    nearest: Floats,
+    wanted: tuple[float, float],
+    extra: tuple[float, float],
+    tables: SocialTables,
 ) -> tuple[float, float]:
     """Return the velocity that follows from all forces in one step [m/s], no faster than ``vmax``.
 
     Args:
-        scene: What there is.
+        model: What there is.
+        state: Where it is.
         w: The world.
         b: The body that is pushed.
         options: Its parameters.
-        among: The bodies that walk in its group, whatever their role, shape ``(body,)``.
-        wanted_x: Velocity towards the goal; its direction counts.
-        wanted_y: Velocity towards the goal; its direction counts.
-        extra_x: Another force [m/s2].
-        extra_y: Another force [m/s2].
-        step_time: Duration of the step [s].
-        by_hypot: Round lengths as IR-SIM's group does, not as its single body.
-        lines: Bodies that are chains of segments.
-        nearby: Scratch, shape ``(body,)``.
-        sides: Scratch, shape ``(n, 4)``.
-        nearest: Scratch, shape ``(4, 3)``.
+        wanted: Velocity towards the goal; its direction counts.
+        extra: Another force [m/s2].
+        tables: What the forces need.
     """
-    vx, vy = scene.twist[w, b, 0], scene.twist[w, b, 1]
-    size = length_of(wanted_x, wanted_y, by_hypot)
+    vx, vy = state.twist[w, b, 0], state.twist[w, b, 1]
+    wanted_x, wanted_y = wanted
+    size = length_of(wanted_x, wanted_y, tables.by_hypot)
     if size > 1e-9:
         wanted_x, wanted_y = options.vmax * wanted_x / size, options.vmax * wanted_y / size
     pull_x, pull_y = (wanted_x - vx) / options.relaxation_time, (wanted_y - vy) / options.relaxation_time
-    others_x, others_y, walls_x, walls_y = push_of_bodies(scene, w, b, options, among, by_hypot, nearby)
-    if lines.shape[0] > 0:
-        fx, fy = push_of_lines(scene, w, b, options, among, lines)
+    others_x, others_y, walls_x, walls_y = push_of_bodies(model, state, w, b, options, tables)
+    if tables.lines.shape[0] > 0:
+        fx, fy = push_of_lines(model, state, w, b, options, tables)
         walls_x, walls_y = walls_x + fx, walls_y + fy
-    if scene.map_frame[4] >= 0.0:
-        fx, fy = push_of_map(scene, w, b, options, sides, nearest)
+    if is_map_seen(model, w, options.target_roles):
+        fx, fy = push_of_map(model, state, w, b, options, tables)
         walls_x, walls_y = walls_x + fx, walls_y + fy
     ax = options.force_factor_desired * pull_x + options.force_factor_social * others_x
     ay = options.force_factor_desired * pull_y + options.force_factor_social * others_y
-    ax = ax + options.force_factor_obstacle * walls_x + extra_x
-    ay = ay + options.force_factor_obstacle * walls_y + extra_y
-    vx, vy = vx + step_time * ax, vy + step_time * ay
-    speed = length_of(vx, vy, by_hypot)
+    ax = ax + options.force_factor_obstacle * walls_x + extra[0]
+    ay = ay + options.force_factor_obstacle * walls_y + extra[1]
+    vx, vy = vx + model.step_time[0] * ax, vy + model.step_time[0] * ay
+    speed = length_of(vx, vy, tables.by_hypot)
     if speed > options.vmax:
         share = options.vmax / speed
         vx, vy = vx * share, vy * share
@@ -103,64 +131,50 @@ def planned_velocity(
 
 
 @kernel
-def follow(
-    drive: int,
-    heading: float,
-    vx: float,
-    vy: float,
-    velocity: Floats,
-    fastest: Floats,
-    acceleration: Floats,
-    step_time: float,
-    command: Floats,
-) -> None:
+def follow(model: WorldModel, state: WorldState, w: int, b: int, velocity: tuple[float, float]) -> None:
     """Write the command that follows a velocity within one step, as fast as a differential drive can turn."""
-    turn_limit = min(fastest[1], velocity[1] + acceleration[1] * step_time)
-    to_command(drive, heading, vx, vy, step_time, TURN_TOLERANCE, SLOW, turn_limit, command)
+    fastest = model.velocity_max[row_of(model.velocity_max, w), b, 1]
+    sharpest = model.acceleration_limit[row_of(model.acceleration_limit, w), b, 1]
+    limit = min(fastest, state.velocity[w, b, 1] + sharpest * model.step_time[0])
+    turning = Turning(model.step_time[0], TURN_TOLERANCE, SLOW, limit)
+    to_command(model.drive[b], state.pose[w, b, 2], velocity[0], velocity[1], turning, state.command[w, b])
 
 
 @kernel
 def push_of_bodies(
-    scene: Scene, w: int, b: int, options: Any, among: Flags, by_hypot: bool, nearby: Ints
+    model: WorldModel, state: WorldState, w: int, b: int, options: Any, tables: SocialTables
 ) -> tuple[float, float, float, float]:
     """Return the push of what moves or is a disc (x, y), and that of what stands and has sides (x, y).
 
     The first is seen up to ``neighbor_threshold`` from centre to centroid; the second pushes once for each body, from
     the nearest point of its outline.
     """
-    pose, twist, frame, sight = scene.pose[w], scene.twist[w], scene.bucket_frame, options.neighbor_threshold
-    role, present = scene.role, scene.present[w]
-    n_segments, n_discs = (
-        scene.segment_count[row_of(scene.segment_count, w)],
-        scene.disc_count[row_of(scene.disc_count, w)],
-    )
-    centroid, reaches = scene.centroid[row_of(scene.centroid, w)], scene.reach[row_of(scene.reach, w)]
-    segments, discs = scene.segments[w], scene.discs[w]
+    pose, twist, sight, among = state.pose[w], state.twist[w], options.neighbor_threshold, tables.among
     x, y, vx, vy = pose[b, 0], pose[b, 1], twist[b, 0], twist[b, 1]
-    r = scene.radius[row_of(scene.radius, w), b] + MARGIN
+    r = model.radius[row_of(model.radius, w), b] + MARGIN
     reach = FADED * options.sigma_obstacle + r
     most = max(sight, reach)
     others_x, others_y, walls_x, walls_y = 0.0, 0.0, 0.0, 0.0
-    for k in range(find_nearby(x, y, most + frame[5], frame, scene.bucket_first[w], scene.bucket_next[w], nearby)):
-        q = nearby[k]
-        dx, dy, far = pose[q, 0] - x, pose[q, 1] - y, most + reaches[q]
+    for k in range(find_around(model, state, w, b, most, tables.nearby)):
+        q = tables.nearby[k]
         roles = ALL_ROLES if among[q] else options.target_roles
-        if dx * dx + dy * dy > far * far * SLACK or not is_seen(b, q, roles, role, present):
+        if is_far(model, state, w, b, q, most) or not is_seen(model, w, b, q, roles):
             continue
-        look = ROUND if among[q] else look_of(n_segments[q], n_discs[q], scene.solid[q], scene.movable[q])
+        look = ROUND if among[q] else look_of(model, w, q)
         if look == STANDING:
-            s, n, d, m = scene.segment_start[q], n_segments[q], scene.disc_start[q], n_discs[q]
-            distance = point_outline_distance(x, y, segments, s, n, discs, d, m, scene.solid[q])
+            outline = outline_of(model, state, w, q)
+            distance = point_outline_distance(x, y, outline)
             if distance <= reach:
-                cx, cy = nearest_point(x, y, segments[s : s + n], discs[d : d + m])
+                cx, cy = nearest_point(x, y, outline)
                 fx, fy = push_of_wall(x - cx, y - cy, r, options.sigma_obstacle)
                 if distance == 0.0:
                     fx, fy = -fx, -fy
                 walls_x, walls_y = walls_x + fx, walls_y + fy
         if look == ROUND:
-            px, py = (pose[q, 0], pose[q, 1]) if among[q] else centroid_of(pose[q], centroid[q])
+            px, py = (pose[q, 0], pose[q, 1]) if among[q] else centroid_of(model, state, w, q)
             if (x - px) * (x - px) + (y - py) * (y - py) < sight * sight:
-                fx, fy = push_of_body(px - x, py - y, vx - twist[q, 0], vy - twist[q, 1], options, by_hypot)
+                ux, uy = vx - twist[q, 0], vy - twist[q, 1]
+                fx, fy = push_of_body(px - x, py - y, ux, uy, options, tables.by_hypot)
                 others_x, others_y = others_x + fx, others_y + fy
     return others_x, others_y, walls_x, walls_y
 
@@ -168,6 +182,10 @@ def push_of_bodies(
 @kernel
 def push_of_body(dx: float, dy: float, ux: float, uy: float, options: Any, by_hypot: bool) -> tuple[float, float]:
     """Return the push of another body at (dx, dy) [m] on one whose velocity relative to it is (ux, uy) [m/s].
+
+    After Moussaid et al. (2009): the interaction t points along lambda (v_i - v_j) + e_ij, whose length times gamma is
+    the range B. At the distance d and the angle theta between t and the way to the other, the push is
+    -exp(-d/B - (n' B theta)^2) along t, and -sign(theta) exp(-d/B - (n B theta)^2) along t's left normal.
 
     The sideways part changes its sign with the angle between the interaction and the way to the other, at full size.
     Where that angle is 0, as for two bodies at rest, rounding decides on which side a body is pushed.
@@ -192,7 +210,10 @@ def push_of_body(dx: float, dy: float, ux: float, uy: float, options: Any, by_hy
 
 @kernel
 def push_of_wall(dx: float, dy: float, r: float, sigma: float) -> tuple[float, float]:
-    """Return the push of a wall whose nearest point lies at (-dx, -dy) [m] from the centre of a disc of radius r."""
+    """Return the push of a wall whose nearest point lies at (-dx, -dy) [m] from the centre of a disc of radius r.
+
+    It fades with the gap between them as exp(-gap / sigma) (Helbing and Molnar 1995).
+    """
     distance = np.sqrt(dx * dx + dy * dy)
     if distance < TOUCHING:
         return 1.0, 0.0
@@ -201,19 +222,20 @@ def push_of_wall(dx: float, dy: float, r: float, sigma: float) -> tuple[float, f
 
 
 @kernel
-def push_of_lines(scene: Scene, w: int, b: int, options: Any, among: Flags, lines: Ints) -> tuple[float, float]:
+def push_of_lines(
+    model: WorldModel, state: WorldState, w: int, b: int, options: Any, tables: SocialTables
+) -> tuple[float, float]:
     """Return the push of all segments of linestrings: each pushes by itself."""
-    x, y = scene.pose[w, b, 0], scene.pose[w, b, 1]
-    r = scene.radius[row_of(scene.radius, w), b] + MARGIN
+    x, y = state.pose[w, b, 0], state.pose[w, b, 1]
+    r = model.radius[row_of(model.radius, w), b] + MARGIN
     reach = FADED * options.sigma_obstacle + r
     sum_x, sum_y = 0.0, 0.0
-    for q in lines:
-        seen = is_seen(b, q, options.target_roles, scene.role, scene.present[w])
-        if among[q] or not seen:
+    for q in tables.lines:
+        if tables.among[q] or not is_seen(model, w, b, q, options.target_roles):
             continue
-        s, n = scene.segment_start[q], scene.segment_count[row_of(scene.segment_count, w), q]
-        for i in range(s, s + n):
-            cx, cy = foot_on(x, y, scene.segments[w, i])
+        s = model.segment_start[q]
+        for i in range(s, s + model.segment_count[row_of(model.segment_count, w), q]):
+            cx, cy = foot_on(x, y, state.segments[w, i])
             if np.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy)) <= reach:
                 fx, fy = push_of_wall(x - cx, y - cy, r, options.sigma_obstacle)
                 sum_x, sum_y = sum_x + fx, sum_y + fy
@@ -221,60 +243,52 @@ def push_of_lines(scene: Scene, w: int, b: int, options: Any, among: Flags, line
 
 
 @kernel
-def push_of_map(scene: Scene, w: int, b: int, options: Any, sides: Floats, nearest: Floats) -> tuple[float, float]:
+def push_of_map(
+    model: WorldModel, state: WorldState, w: int, b: int, options: Any, tables: SocialTables
+) -> tuple[float, float]:
     """Return the push of an occupancy map: of the nearest wall that looks in each of its four directions.
 
     Each wall counts once, however fine the cells are, and the two walls of a corridor cancel in its middle. So do walls
     that push the same way, such as the two of a corner and the steps of a slanted wall: of all pushes to one of the
     four sides the strongest holds.
     """
-    if not is_map_seen(options.target_roles, scene.map_frame, scene.role, scene.present[w]):
-        return 0.0, 0.0
-    x, y = scene.pose[w, b, 0], scene.pose[w, b, 1]
-    r = scene.radius[row_of(scene.radius, w), b] + MARGIN
+    x, y, sides, nearest = state.pose[w, b, 0], state.pose[w, b, 1], tables.sides, tables.nearest
+    r = model.radius[row_of(model.radius, w), b] + MARGIN
     reach = FADED * options.sigma_obstacle + r
-    n_sides = map_walls(x, y, reach, scene.map_frame, scene.map_squares, sides, 0)
     for way in range(4):
-        nearest[way, 0] = reach * reach
-    for k in range(n_sides):
+        nearest[way].gap2 = reach * reach
+    for k in range(map_walls(model, x, y, reach, sides, 0)):
         ax, ay, bx, by = sides[k]
         if side(ax, ay, bx, by, x, y) < 0.0:
             continue
-        way = 2 * int(ax == bx) + int(bx < ax or by < ay)
         cx, cy = foot_on(x, y, sides[k])
-        distance2 = (x - cx) * (x - cx) + (y - cy) * (y - cy)
-        if distance2 < nearest[way, 0]:
-            nearest[way, 0], nearest[way, 1], nearest[way, 2] = distance2, cx, cy
+        gap2, point = (x - cx) * (x - cx) + (y - cy) * (y - cy), nearest[2 * int(ax == bx) + int(bx < ax or by < ay)]
+        if gap2 < point.gap2:
+            point.gap2, point.x, point.y = gap2, cx, cy
     left, right, down, up = 0.0, 0.0, 0.0, 0.0
     for way in range(4):
-        if nearest[way, 0] < reach * reach:
-            fx, fy = push_of_wall(x - nearest[way, 1], y - nearest[way, 2], r, options.sigma_obstacle)
+        if nearest[way].gap2 < reach * reach:
+            fx, fy = push_of_wall(x - nearest[way].x, y - nearest[way].y, r, options.sigma_obstacle)
             left, right, down, up = min(left, fx), max(right, fx), min(down, fy), max(up, fy)
     return left + right, down + up
 
 
 @kernel
-def nearest_point(x: float, y: float, segments: Floats, discs: Floats) -> tuple[float, float]:
-    """Return the point of a boundary that is nearest to a point [m].
-
-    Args:
-        x: The point [m].
-        y: The point [m].
-        segments: x0, y0, x1, y1 [m], shape ``(n_segments, 4)``.
-        discs: x, y, radius [m], shape ``(n_discs, 3)``.
-    """
+def nearest_point(x: float, y: float, outline: BodyOutline) -> tuple[float, float]:
+    """Return the point of an outline that is nearest to the point (x, y) [m]."""
     best, best_x, best_y = np.inf, x, y
-    for i in range(segments.shape[0]):
-        cx, cy = foot_on(x, y, segments[i])
+    for i in range(outline.first_segment, outline.first_segment + outline.n_segments):
+        cx, cy = foot_on(x, y, outline.segments[i])
         distance = np.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
         if distance < best:
             best, best_x, best_y = distance, cx, cy
-    for i in range(discs.shape[0]):
-        dx, dy, radius = x - discs[i, 0], y - discs[i, 1], discs[i, 2]
+    for i in range(outline.first_disc, outline.first_disc + outline.n_discs):
+        disc = outline.discs[i]
+        dx, dy, radius = x - disc[0], y - disc[1], disc[2]
         off = np.sqrt(dx * dx + dy * dy)
         if off > 0.0 and np.abs(off - radius) < best:
             best, share = np.abs(off - radius), radius / off
-            best_x, best_y = discs[i, 0] + share * dx, discs[i, 1] + share * dy
+            best_x, best_y = disc[0] + share * dx, disc[1] + share * dy
     return best_x, best_y
 
 

@@ -2,57 +2,77 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
-from irsim_gym.world.model import DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
+from irsim_gym.world.model import DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, WorldModel
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
 
 ARRIVED = 0.1
 """Nearer to the goal than this [m] no velocity is wanted."""
 
 
+class Turning(NamedTuple):
+    """How a differential drive follows a velocity.
+
+    Attributes:
+        time: Time in which it wants to face the velocity [s].
+        tolerance: It does not turn for less than this [rad].
+        slow: It stands still for velocities up to this [m/s].
+        limit: Its greatest turn rate [rad/s].
+    """
+
+    time: float
+    tolerance: float
+    slow: float
+    limit: float
+
+
 @kernel
-def wanted_velocity(x: float, y: float, goal: Floats, drive: int, fastest: Floats) -> tuple[float, float]:
+def goal_offset(state: WorldState, w: int, b: int) -> tuple[float, float]:
+    """Return where a body's goal is relative to the body, in the directions of the world's axes [m]."""
+    return state.goal[w, b, 0] - state.pose[w, b, 0], state.goal[w, b, 1] - state.pose[w, b, 1]
+
+
+@kernel
+def clear_command(state: WorldState, w: int, b: int) -> None:
+    """Write a command of zeros."""
+    state.command[w, b, 0], state.command[w, b, 1], state.command[w, b, 2] = 0.0, 0.0, 0.0
+
+
+@kernel
+def wanted_velocity(model: WorldModel, state: WorldState, w: int, b: int) -> tuple[float, float]:
     """Return the velocity straight to the goal [m/s], 0 where it is reached.
 
     An omnidirectional drive has a speed for each axis of the world.
     """
-    dx, dy = goal[0] - x, goal[1] - y
+    dx, dy = goal_offset(state, w, b)
     if np.sqrt(dx * dx + dy * dy) <= ARRIVED:
         return 0.0, 0.0
+    fastest = model.velocity_max[row_of(model.velocity_max, w), b]
     angle = (np.arctan2(dy, dx) + np.pi) % (2.0 * np.pi) - np.pi  # with IR-SIM's rounding, which settles ties
-    speed_y = fastest[0] if drive == DIFFERENTIAL else fastest[1]
+    speed_y = fastest[0] if model.drive[b] == DIFFERENTIAL else fastest[1]
     return fastest[0] * np.cos(angle), speed_y * np.sin(angle)
 
 
 @kernel
-def to_command(
-    drive: int,
-    heading: float,
-    vx: float,
-    vy: float,
-    guarantee_time: float,
-    tolerance: float,
-    slow: float,
-    turn_limit: float,
-    command: Floats,
-) -> None:
+def to_command(drive: int, heading: float, vx: float, vy: float, turning: Turning, command: Floats) -> None:
     """Write the command that makes a drive follow a velocity; zero for a drive that cannot (Ackermann, none).
 
     Omnidirectional drives execute the velocity as it is and do not turn. A differential drive turns towards its
-    direction within ``guarantee_time`` and drives forward with what of it lies ahead, as IR-SIM's does.
+    direction within ``turning.time`` and drives forward with what of it lies ahead, as IR-SIM's does.
 
     Args:
         drive: How the command reads, see ``world.model``.
         heading: Direction of the body's x axis [rad].
         vx: Velocity in the world frame [m/s].
         vy: Velocity in the world frame [m/s].
-        guarantee_time: Time in which a differential drive wants to face the velocity [s].
-        tolerance: It does not turn for less than this [rad].
-        slow: It stands still for velocities up to this [m/s].
-        turn_limit: Its greatest turn rate [rad/s].
+        turning: How a differential drive turns.
         command: Written, shape ``(3,)``; components that the drive does not have are 0.
     """
     command[0], command[1], command[2] = 0.0, 0.0, 0.0
@@ -63,9 +83,9 @@ def to_command(
         command[0], command[1] = cosine * vx + sine * vy, cosine * vy - sine * vx
     elif drive == DIFFERENTIAL:
         speed = np.sqrt(vx * vx + vy * vy)
-        if speed <= slow:
+        if speed <= turning.slow:
             return
         error = wrap_below(heading - np.arctan2(vy, vx))
         command[0] = max(speed * np.cos(error), 0.0)
-        if np.abs(error) >= tolerance:
-            command[1] = max(min(-error / guarantee_time, turn_limit), -turn_limit)
+        if np.abs(error) >= turning.tolerance:
+            command[1] = max(min(-error / turning.time, turning.limit), -turning.limit)

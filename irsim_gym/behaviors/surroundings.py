@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from operator import attrgetter
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, Floats, Ints, Record, Records
 from irsim_gym.geometry.buckets import find_nearby
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.jit import kernel
+from irsim_gym.structs import Struct, record_type
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
@@ -27,42 +29,49 @@ NOTHING, CHAIN, STANDING, ROUND = 0, 1, 2, 3
 ALL_ROLES = 0
 """``target_roles: all``; the role r alone is r + 1."""
 
+DISC = record_type("x y vx vy radius touch_way")
+"""A disc that is seen: centre [m], velocity [m/s], radius with MARGIN [m]; how far ahead a touch is [m]."""
 
-class Scene(NamedTuple):
-    """The arrays of all worlds that anyone reads who looks around: those of ``WorldModel``, then ``WorldState``'s.
 
-    Kernels take their rows out of it once for each body: passing all of it on costs as much as looking at ten others.
+class Ego(NamedTuple):
+    """The disc that looks around and decides.
+
+    Attributes:
+        x: Its centre [m].
+        y: Its centre [m].
+        vx: Its velocity [m/s].
+        vy: Its velocity [m/s].
+        radius: Its radius, with what is added to it [m].
     """
 
-    role: Ints
-    movable: Flags
-    solid: Flags
-    present: Flags
-    radius: Floats
-    centroid: Floats
-    reach: Floats
-    segment_start: Ints
-    segment_count: Ints
-    disc_start: Ints
-    disc_count: Ints
-    map_frame: Floats
-    map_squares: Bytes
-    bucket_frame: Floats
-    bucket_first: Ints
-    bucket_next: Ints
-    segments: Floats
-    discs: Floats
-    pose: Floats
-    twist: Floats
+    x: float
+    y: float
+    vx: float
+    vy: float
+    radius: float
 
 
-_OF_MODEL = attrgetter(*(name for name in Scene._fields if name in WorldModel.__dataclass_fields__))
-_OF_STATE = attrgetter(*(name for name in Scene._fields if name in WorldState.__dataclass_fields__))
+@dataclass
+class Surroundings(Struct):
+    """What one body sees: discs that move or stand, and walls. Memory of one shard.
 
+    Attributes:
+        lines: Bodies that are chains of segments, shape ``(n_lines,)``.
+        nearby: Scratch for a search of bodies, shape ``(body,)``.
+        rounds: Discs, records of type ``DISC``.
+        sides: x0, y0, x1, y1 of walls [m], shape ``(n, 4)``.
+    """
 
-def scene_of(model: WorldModel, state: WorldState) -> Scene:
-    """Return what anyone reads who looks around."""
-    return Scene(*_OF_MODEL(model), *_OF_STATE(state))
+    lines: Ints
+    nearby: Ints
+    rounds: Records
+    sides: Floats
+
+    @classmethod
+    def reserve(cls, model: WorldModel, n_rounds: int, n_sides: int) -> Self:
+        """Return memory for so many discs and walls."""
+        nearby, rounds = np.zeros(len(model.role), np.int64), np.zeros(n_rounds, DISC)
+        return cls(wall_bodies(model), nearby, rounds, np.zeros((n_sides, 4)))
 
 
 def wall_bodies(model: WorldModel) -> Ints:
@@ -72,45 +81,46 @@ def wall_bodies(model: WorldModel) -> Ints:
 
 def most_map_walls(model: WorldModel, threshold: float) -> int:
     """Return an upper bound of the number of map walls within ``threshold`` [m] of a point."""
-    if model.map_frame[4] < 0:
+    if (chart := model.cells) is None:
         return 0
     cells = [
         min(float(count), 2.0 * threshold / side + 2.0)
-        for count, side in zip(model.map_squares.shape[1:], model.map_frame[2:4], strict=True)
+        for count, side in zip(chart.room.shape, (chart.width, chart.height), strict=True)
     ]
     return int(2.0 * (cells[0] + 1.0) * (cells[1] + 1.0)) + 1
 
 
 @kernel
-def is_seen(b: int, q: int, target_roles: int, role: Ints, present: Flags) -> bool:
+def is_seen(model: WorldModel, w: int, b: int, q: int, target_roles: int) -> bool:
     """Return whether body b pays heed to body q: another one that is there and has the role, unobstructed or not."""
-    if q == b or not present[q]:
+    if q == b or not model.present[w, q]:
         return False
-    return bool(target_roles == ALL_ROLES or role[q] == target_roles - 1)
+    return bool(target_roles == ALL_ROLES or model.role[q] == target_roles - 1)
 
 
 @kernel
-def is_map_seen(target_roles: int, frame: Floats, role: Ints, present: Flags) -> bool:
+def is_map_seen(model: WorldModel, w: int, target_roles: int) -> bool:
     """Return whether there is an occupancy map to pay heed to; its body has no outline to look at."""
-    chart = int(frame[4])
-    if chart < 0 or not present[chart]:
-        return False
-    return bool(target_roles == ALL_ROLES or role[chart] == target_roles - 1)
+    chart = model.map_frame[0].body
+    return chart >= 0 and is_seen(model, w, -1, chart, target_roles)
 
 
 @kernel
-def look_of(n_segments: int, n_discs: int, solid: bool, movable: bool) -> int:
+def look_of(model: WorldModel, w: int, q: int) -> int:
     """Return how a body looks: one that never moves and is more than a disc shows its outline."""
+    n_segments = model.segment_count[row_of(model.segment_count, w), q]
+    n_discs = model.disc_count[row_of(model.disc_count, w), q]
     if n_segments + n_discs == 0:
         return NOTHING
-    if n_segments > 0 and not solid:
+    if n_segments > 0 and not model.solid[q]:
         return CHAIN
-    return STANDING if not movable and (n_segments > 0 or n_discs > 1) else ROUND
+    return STANDING if not model.movable[q] and (n_segments > 0 or n_discs > 1) else ROUND
 
 
 @kernel
-def centroid_of(pose: Floats, centroid: Floats) -> tuple[float, float]:
+def centroid_of(model: WorldModel, state: WorldState, w: int, q: int) -> tuple[float, float]:
     """Return the centre of a body's area in the world frame [m]."""
+    pose, centroid = state.pose[w, q], model.centroid[row_of(model.centroid, w), q]
     x, y = centroid[0], centroid[1]
     if x == 0.0 and y == 0.0:
         return pose[0], pose[1]
@@ -119,16 +129,32 @@ def centroid_of(pose: Floats, centroid: Floats) -> tuple[float, float]:
 
 
 @kernel
+def find_around(model: WorldModel, state: WorldState, w: int, b: int, radius: float, nearby: Ints) -> int:
+    """Write the bodies that may reach into a circle around a body, ascending; return how many there are.
+
+    Args:
+        model: What there is.
+        state: Where it is.
+        w: The world.
+        b: The body.
+        radius: Radius of the circle [m].
+        nearby: Written, shape ``(body,)``.
+    """
+    x, y, frame = state.pose[w, b, 0], state.pose[w, b, 1], model.bucket_frame[0]
+    return find_nearby(x, y, radius + frame.reach, frame, state.bucket_first[w], state.bucket_next[w], nearby)
+
+
+@kernel
+def is_far(model: WorldModel, state: WorldState, w: int, b: int, q: int, radius: float) -> bool:
+    """Return whether body q certainly does not reach into a circle around body b, given its radius [m]."""
+    dx, dy = state.pose[w, q, 0] - state.pose[w, b, 0], state.pose[w, q, 1] - state.pose[w, b, 1]
+    far = radius + model.reach[row_of(model.reach, w), q]
+    return bool(dx * dx + dy * dy > far * far * SLACK)
+
+
+@kernel
 def look_around(
-    scene: Scene,
-    w: int,
-    b: int,
-    target_roles: int,
-    sight: float,
-    lines: Ints,
-    nearby: Ints,
-    rounds: Floats,
-    sides: Floats,
+    model: WorldModel, state: WorldState, w: int, b: int, target_roles: int, sight: float, seen: Surroundings
 ) -> tuple[int, int]:
     """Write the discs and the segments that a body avoids; return how many of each.
 
@@ -136,92 +162,84 @@ def look_around(
     is its outline, seen when any of that is nearer. A chain of segments is always seen, the walls of a map when near.
 
     Args:
-        scene: What there is.
+        model: What there is.
+        state: Where it is.
         w: The world.
         b: The body that looks.
         target_roles: ALL_ROLES, or the role that it sees plus 1.
         sight: How far it sees [m].
-        lines: Bodies that are chains of segments.
-        nearby: Scratch, shape ``(body,)``.
-        rounds: Written: x, y, vx, vy, radius with MARGIN [m, m/s], shape ``(n, 5)`` or wider.
-        sides: Written: x0, y0, x1, y1 [m], shape ``(n, 4)``.
+        seen: ``rounds`` and ``sides`` are written.
     """
-    pose, frame, role, present = scene.pose[w], scene.bucket_frame, scene.role, scene.present[w]
-    n_segments, n_discs = (
-        scene.segment_count[row_of(scene.segment_count, w)],
-        scene.disc_count[row_of(scene.disc_count, w)],
-    )
-    centroid, radius = scene.centroid[row_of(scene.centroid, w)], scene.radius[row_of(scene.radius, w)]
-    reach, segments, discs = scene.reach[row_of(scene.reach, w)], scene.segments[w], scene.discs[w]
-    x, y = pose[b, 0], pose[b, 1]
-    n_nearby = find_nearby(x, y, sight + frame[5], frame, scene.bucket_first[w], scene.bucket_next[w], nearby)
+    x, y, rounds = state.pose[w, b, 0], state.pose[w, b, 1], seen.rounds
     n_rounds, n_sides = 0, 0
-    for k in range(n_nearby):
-        q = nearby[k]
-        dx, dy, far = pose[q, 0] - x, pose[q, 1] - y, sight + reach[q]
-        if dx * dx + dy * dy > far * far * SLACK or not is_seen(b, q, target_roles, role, present):
+    for k in range(find_around(model, state, w, b, sight, seen.nearby)):
+        q = seen.nearby[k]
+        if is_far(model, state, w, b, q, sight) or not is_seen(model, w, b, q, target_roles):
             continue
-        look = look_of(n_segments[q], n_discs[q], scene.solid[q], scene.movable[q])
-        if look == STANDING:
-            s, n, d, m = scene.segment_start[q], n_segments[q], scene.disc_start[q], n_discs[q]
-            if point_outline_distance(x, y, segments, s, n, discs, d, m, scene.solid[q]) < sight:
-                n_sides = copy_sides(segments, s, n, sides, n_sides)
-                n_rounds = copy_discs(discs, d, m, rounds, n_rounds)
+        look = look_of(model, w, q)
+        if look == STANDING and point_outline_distance(x, y, outline_of(model, state, w, q)) < sight:
+            n_sides = copy_sides(model, state, w, q, seen.sides, n_sides)
+            n_rounds = copy_discs(model, state, w, q, rounds, n_rounds)
         if look == ROUND:
-            cx, cy = centroid_of(pose[q], centroid[q])
+            cx, cy = centroid_of(model, state, w, q)
             if (x - cx) * (x - cx) + (y - cy) * (y - cy) < sight * sight:
-                rounds[n_rounds, 0], rounds[n_rounds, 1] = cx, cy
-                rounds[n_rounds, 2], rounds[n_rounds, 3] = scene.twist[w, q, 0], scene.twist[w, q, 1]
-                rounds[n_rounds, 4] = radius[q] + MARGIN
+                radius = model.radius[row_of(model.radius, w), q] + MARGIN
+                write_disc(rounds[n_rounds], cx, cy, state.twist[w, q, 0], state.twist[w, q, 1], radius)
                 n_rounds += 1
-    for q in lines:
-        if is_seen(b, q, target_roles, role, present):
-            n_sides = copy_sides(segments, scene.segment_start[q], n_segments[q], sides, n_sides)
-    if is_map_seen(target_roles, scene.map_frame, role, present):
-        n_sides = map_walls(x, y, sight, scene.map_frame, scene.map_squares, sides, n_sides)
+    for q in seen.lines:
+        if is_seen(model, w, b, q, target_roles):
+            n_sides = copy_sides(model, state, w, q, seen.sides, n_sides)
+    if is_map_seen(model, w, target_roles):
+        n_sides = map_walls(model, x, y, sight, seen.sides, n_sides)
     return n_rounds, n_sides
 
 
 @kernel
-def copy_discs(discs: Floats, start: int, count: int, rounds: Floats, n_rounds: int) -> int:
-    """Append discs that stand to ``rounds``; return how many those are now."""
-    for d in range(start, start + count):
-        rounds[n_rounds, 0], rounds[n_rounds, 1] = discs[d, 0], discs[d, 1]
-        rounds[n_rounds, 2], rounds[n_rounds, 3] = 0.0, 0.0
-        rounds[n_rounds, 4] = discs[d, 2] + MARGIN
+def write_disc(disc: Record, x: float, y: float, vx: float, vy: float, radius: float) -> None:
+    """Write a disc that is seen; arguments as the fields of ``DISC``."""
+    disc.x, disc.y, disc.vx, disc.vy, disc.radius = x, y, vx, vy, radius
+
+
+@kernel
+def copy_discs(model: WorldModel, state: WorldState, w: int, q: int, rounds: Records, n_rounds: int) -> int:
+    """Append the discs of a body that stands to ``rounds``; return how many those are now."""
+    start, discs = model.disc_start[q], state.discs[w]
+    for d in range(start, start + model.disc_count[row_of(model.disc_count, w), q]):
+        write_disc(rounds[n_rounds], discs[d, 0], discs[d, 1], 0.0, 0.0, discs[d, 2] + MARGIN)
         n_rounds += 1
     return n_rounds
 
 
 @kernel
-def copy_sides(segments: Floats, start: int, count: int, sides: Floats, n_sides: int) -> int:
-    """Append segments to ``sides``; return how many those are now."""
-    for s in range(start, start + count):
+def copy_sides(model: WorldModel, state: WorldState, w: int, q: int, sides: Floats, n_sides: int) -> int:
+    """Append the segments of a body to ``sides``; return how many those are now."""
+    start = model.segment_start[q]
+    for s in range(start, start + model.segment_count[row_of(model.segment_count, w), q]):
         for column in range(4):
-            sides[n_sides, column] = segments[s, column]
+            sides[n_sides, column] = state.segments[w, s, column]
         n_sides += 1
     return n_sides
 
 
 @kernel
-def map_walls(x: float, y: float, threshold: float, frame: Floats, squares: Bytes, sides: Floats, n_sides: int) -> int:
+def map_walls(model: WorldModel, x: float, y: float, threshold: float, sides: Floats, n_sides: int) -> int:
     """Append the borders between occupied and free cells near a point to ``sides``; return how many those are now.
 
     Borders in a line are one segment, with the free cells to its left. What lies outside of the map is free. Those for
     which ``sides`` has no more rows are left out.
 
     Args:
+        model: The map.
         x: The point [m].
         y: The point [m].
         threshold: Borders of cells that are nearer than this [m].
-        frame: ``model.map_frame``.
-        squares: ``model.map_squares``.
         sides: Written, x0, y0, x1, y1 [m], shape ``(n, 4)``.
         n_sides: Number of rows in use.
     """
+    frame, squares = model.map_frame[0], model.map_squares
     for axis in range(2):
-        low, across = (frame[1], frame[0]) if axis == 0 else (frame[0], frame[1])
-        pitch, width = (frame[3], frame[2]) if axis == 0 else (frame[2], frame[3])
+        low, across = (frame.y, frame.x) if axis == 0 else (frame.x, frame.y)
+        pitch, width = (frame.height, frame.width) if axis == 0 else (frame.width, frame.height)
         height, place = (y, x) if axis == 0 else (x, y)
         lines, cells = squares.shape[2 - axis], squares.shape[1 + axis]
         first = int(max(np.ceil((height - threshold - low) / pitch), 0.0))

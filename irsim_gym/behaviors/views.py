@@ -189,8 +189,8 @@ def others(group: Group, model: WorldModel, state: WorldState, world: int, unsee
     if role >= 0:
         seen &= model.role == role
     seen[unseen] = False
-    if model.map_frame[4] >= 0:
-        seen[int(model.map_frame[4])] = False
+    if (chart := model.cells) is not None:
+        seen[chart.body] = False
     return [BodyView(group, model, state, world, int(b)) for b in np.flatnonzero(seen)]
 
 

@@ -31,7 +31,7 @@ def lay_out(model: WorldModel, is_random: Flags) -> None:
     reach = model.reach.max(axis=0)
     model.bucketed[:] = ~is_random & (reach <= side)
     greatest = float(np.max(reach, where=model.bucketed, initial=0.0))
-    model.bucket_frame[:] = [x0, y0, side, columns, rows, greatest * ROUNDING + TINY]
+    model.bucket_frame[0] = x0, y0, side, columns, rows, greatest * ROUNDING + TINY
 
 
 def n_buckets(n_bodies: int) -> int:
@@ -41,13 +41,13 @@ def n_buckets(n_bodies: int) -> int:
 
 def empty(model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Take all bodies out of the buckets."""
-    if model.bucket_frame[3] > 0.0:
+    if model.bucket_frame[0].columns:
         empty_buckets(shard.worlds, state)
 
 
 def refresh(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Put bodies into the buckets where they are now."""
-    if model.bucket_frame[3] > 0.0:
+    if model.bucket_frame[0].columns:
         sort_bodies(shard.worlds, bodies, model, state)
 
 
@@ -64,7 +64,7 @@ def sort_bodies(worlds: Ints, bodies: Ints, model: WorldModel, state: WorldState
     for w in worlds:
         for b in bodies:
             place = (
-                bucket_of(state.pose[w, b, 0], state.pose[w, b, 1], model.bucketed[b], model.bucket_frame)
+                bucket_of(state.pose[w, b, 0], state.pose[w, b, 1], model.bucketed[b], model.bucket_frame[0])
                 if model.present[w, b]
                 else -1
             )

@@ -8,6 +8,7 @@ from irsim_gym.geometry.cell_room import room_about
 from irsim_gym.geometry.cells import outline_cells_distance, outline_meets_cells
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
@@ -15,25 +16,14 @@ from irsim_gym.world.state import WorldState
 @kernel
 def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState) -> None:
     """Note which bodies touch an occupied cell, for them and for the map's own body."""
-    own = int(cells[0][4])
+    own = cells.body
     for w in worlds:
-        n_segments = model.segment_count[row_of(model.segment_count, w)]
-        n_discs = model.disc_count[row_of(model.disc_count, w)]
         for b in bodies:
             if b == own or model.unobstructed[b] or not model.present[w, b] or not model.present[w, own]:
                 continue
             if room_about(cells, state.pose[w, b, 0], state.pose[w, b, 1])[0] > model.reach[row_of(model.reach, w), b]:
                 continue
-            if outline_meets_cells(
-                cells,
-                state.segments[w],
-                model.segment_start[b],
-                n_segments[b],
-                state.discs[w],
-                model.disc_start[b],
-                n_discs[b],
-                model.solid[b],
-            ):
+            if outline_meets_cells(cells, outline_of(model, state, w, b)):
                 note_contact(w, b, own, state)
 
 
@@ -42,24 +32,12 @@ def measure_cell_clearance(
     worlds: Ints, bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState, distance: Floats
 ) -> None:
     """Lower the surface distances of bodies [m], shape ``(n_worlds, n_bodies)``, to that of the nearest cell."""
-    own = int(cells[0][4])
+    own = cells.body
     for w in worlds:
-        n_segments = model.segment_count[row_of(model.segment_count, w)]
-        n_discs = model.disc_count[row_of(model.disc_count, w)]
         for k in range(bodies.shape[0]):
             b = bodies[k]
             if b == own or not model.present[w, own]:
                 continue
             least = room_about(cells, state.pose[w, b, 0], state.pose[w, b, 1])[0]
             if least - model.reach[row_of(model.reach, w), b] < distance[w, k]:
-                distance[w, k] = outline_cells_distance(
-                    cells,
-                    state.segments[w],
-                    model.segment_start[b],
-                    n_segments[b],
-                    state.discs[w],
-                    model.disc_start[b],
-                    n_discs[b],
-                    model.solid[b],
-                    distance[w, k],
-                )
+                distance[w, k] = outline_cells_distance(cells, outline_of(model, state, w, b), distance[w, k])

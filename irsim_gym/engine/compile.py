@@ -115,13 +115,15 @@ def _write_world(scenario: Scenario, boxes: Ints, model: WorldModel) -> None:
     model.collision_mode[0] = COLLISION_MODES[world.collision_mode]
     model.present[:] = True
     model.static_partner[:] = -1
-    model.map_frame[:] = [x, y, world.width, world.height, -1]
+    model.map_frame[0] = x, y, world.width, world.height, -1
     if scenario.occupied is not None:
         columns, rows = scenario.occupied.shape
-        model.map_frame[2:] = [world.width / columns, world.height / rows, len(scenario.bodies) - 1]
+        size = world.width / columns, world.height / rows
+        model.map_frame[0] = x, y, *size, len(scenario.bodies) - 1
         find_free_squares(scenario.occupied, model.map_squares)
-        find_room(model.map_frame, model.map_squares, np.zeros(columns), model.map_room)
         model.map_boxes[:] = boxes
+    if (cells := model.cells) is not None:
+        find_room(cells, np.zeros(len(cells.room)))
 
 
 def _hide_map(model: WorldModel) -> None:

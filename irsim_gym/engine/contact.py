@@ -12,6 +12,7 @@ from irsim_gym.geometry.overlap import disc_meets_outline, disc_outline_distance
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
 from irsim_gym.world.model import ROBOT, STOP, UNOBSTRUCTED, WorldModel
+from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
@@ -33,7 +34,8 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
 
     Where they stand as they stood in the level before, what was found then is taken.
     """
-    worlds, may_recall = shard.worlds, bool(model.rigid[0]) and model.bucket_frame[3] == 0.0 and model.cells is None
+    worlds, is_rigid, has_buckets = shard.worlds, bool(model.rigid[0]), model.bucket_frame[0].columns > 0
+    may_recall = is_rigid and not has_buckets and model.cells is None
     recall_contacts(worlds, bodies, may_recall, model, state)
     _find_pairs(bodies, True, model, state, shard)
     note_partners(worlds, model, state)
@@ -41,7 +43,7 @@ def find_static(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard
 
 def _find_pairs(bodies: Ints, is_static: bool, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Write who touches whom: all pairs, or near ones through the buckets where there are any; then the map."""
-    if model.bucket_frame[3] > 0.0:
+    if model.bucket_frame[0].columns:
         find_near_contacts(shard.worlds, bodies, model, state)
     else:
         find_contacts(shard.worlds, bodies, is_static, model, state)
@@ -98,7 +100,7 @@ def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: WorldModel
     for w in worlds:
         if is_static and model.static_known[w]:
             continue
-        here, there, segments, discs = state.pose[w], model.present[w], state.segments[w], state.discs[w]
+        here, there, discs = state.pose[w], model.present[w], state.discs[w]
         reaches = model.reach[row_of(model.reach, w)]
         n_segments = model.segment_count[row_of(model.segment_count, w)]
         n_discs = model.disc_count[row_of(model.disc_count, w)]
@@ -115,12 +117,12 @@ def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: WorldModel
                     continue
                 if (model.movable[q] == moves and q < b) or (model.movable[q] and not moves):
                     continue
-                other = model.segment_start[q], n_segments[q], discs, model.disc_start[q], n_discs[q], model.solid[q]
+                other = outline_of(model, state, w, q)
                 if is_disc:
-                    meets = disc_meets_outline(discs[d, 0], discs[d, 1], discs[d, 2], segments, *other)
+                    meets = disc_meets_outline(discs[d, 0], discs[d, 1], discs[d, 2], other)
                 else:
-                    whole = model.segment_start[b], n_segments[b], discs, d, n_discs[b], model.solid[b]
-                    meets = outlines_overlap(segments, *whole, segments, *other)
+                    whole = outline_of(model, state, w, b)
+                    meets = outlines_overlap(whole, other)
                 if meets:
                     note_contact(w, b, q, state)
 
@@ -169,7 +171,7 @@ def clearance(
 
     Where there are buckets they have to be up to date.
     """
-    if model.bucket_frame[3] > 0.0:
+    if model.bucket_frame[0].columns:
         measure_near_clearance(shard.worlds, bodies, limit, model, state, distance)
     else:
         measure_clearance(shard.worlds, bodies, only_mover, limit, model, state, distance)
@@ -194,7 +196,7 @@ def measure_clearance(
     that far.
     """
     for w in worlds:
-        here, there, segments, discs = state.pose[w], model.present[w], state.segments[w], state.discs[w]
+        here, there, discs = state.pose[w], model.present[w], state.discs[w]
         reaches = model.reach[row_of(model.reach, w)]
         n_segments = model.segment_count[row_of(model.segment_count, w)]
         n_discs = model.disc_count[row_of(model.disc_count, w)]
@@ -206,12 +208,12 @@ def measure_clearance(
                 dx, dy, near = here[q, 0] - x, here[q, 1] - y, best + own + reaches[q]
                 if dx * dx + dy * dy >= near * near or q == b or model.unobstructed[q] or not there[q]:
                     continue
-                other = model.segment_start[q], n_segments[q], discs, model.disc_start[q], n_discs[q], model.solid[q]
+                other = outline_of(model, state, w, q)
                 if is_disc:
-                    best = disc_outline_distance(discs[d, 0], discs[d, 1], discs[d, 2], segments, *other, best)
+                    best = disc_outline_distance(discs[d, 0], discs[d, 1], discs[d, 2], other, best)
                 else:
-                    whole = model.segment_start[b], n_segments[b], discs, d, n_discs[b], model.solid[b]
-                    best = min(best, outline_distance(segments, *whole, segments, *other, best))
+                    whole = outline_of(model, state, w, b)
+                    best = min(best, outline_distance(whole, other, best))
             distance[w, k] = best
             if is_disc and b == only_mover:
                 room = state.room[w, b]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints, Record
 from irsim_gym.engine.pairs import note_contact
 from irsim_gym.geometry.buckets import gather_nearby, square_of
 from irsim_gym.geometry.overlap import disc_outline_distance, outline_distance, outlines_overlap
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
@@ -18,20 +19,18 @@ ROUNDING = 1.0 + 1e-9
 def find_near_contacts(worlds: Ints, bodies: Ints, model: WorldModel, state: WorldState) -> None:
     """Write the same flags as ``contact.find_contacts``, in time that grows with the bodies and not with their pairs.
 
-    Bodies in the buckets reach no farther than ``model.bucket_frame[5]``.
+    Bodies in the buckets reach no farther than ``model.bucket_frame[0].reach``.
     """
-    frame = model.bucket_frame
+    frame = model.bucket_frame[0]
     for w in worlds:
         found, first, following = state.nearby[w], state.bucket_first[w], state.bucket_next[w]
-        here, there, segments, discs = state.pose[w], model.present[w], state.segments[w], state.discs[w]
+        here, there = state.pose[w], model.present[w]
         reaches = model.reach[row_of(model.reach, w)]
-        n_segments = model.segment_count[row_of(model.segment_count, w)]
-        n_discs = model.disc_count[row_of(model.disc_count, w)]
         for b in bodies:
             if model.unobstructed[b] or not there[b]:
                 continue
-            x, y, moves = here[b, 0], here[b, 1], model.movable[b]
-            within = reaches[b] * ROUNDING + frame[5]
+            moves = model.movable[b]
+            x, y, within = here[b, 0], here[b, 1], reaches[b] * ROUNDING + frame.reach
             for j in range(gather_nearby(x, y, within, frame, first, following, found)):
                 q = found[j]
                 if q == b or model.unobstructed[q] or not there[q]:
@@ -41,9 +40,9 @@ def find_near_contacts(worlds: Ints, bodies: Ints, model: WorldModel, state: Wor
                 dx, dy, near = here[q, 0] - x, here[q, 1] - y, reaches[b] + reaches[q]
                 if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
                     continue
-                whole = model.segment_start[b], n_segments[b], discs, model.disc_start[b], n_discs[b], model.solid[b]
-                other = model.segment_start[q], n_segments[q], discs, model.disc_start[q], n_discs[q], model.solid[q]
-                if outlines_overlap(segments, *whole, segments, *other):
+                whole = outline_of(model, state, w, b)
+                other = outline_of(model, state, w, q)
+                if outlines_overlap(whole, other):
                     note_contact(w, b, q, state)
 
 
@@ -52,10 +51,10 @@ def measure_near_clearance(
     worlds: Ints, bodies: Ints, limit: Floats, model: WorldModel, state: WorldState, distance: Floats
 ) -> None:
     """Write the same distances as ``contact.measure_clearance``: the search grows until nobody nearer can be left."""
-    frame = model.bucket_frame
+    frame = model.bucket_frame[0]
     for w in worlds:
         found, first, following = state.nearby[w], state.bucket_first[w], state.bucket_next[w]
-        here, there, segments, discs = state.pose[w], model.present[w], state.segments[w], state.discs[w]
+        here, there, discs = state.pose[w], model.present[w], state.discs[w]
         reaches = model.reach[row_of(model.reach, w)]
         n_segments = model.segment_count[row_of(model.segment_count, w)]
         n_discs = model.disc_count[row_of(model.disc_count, w)]
@@ -63,33 +62,31 @@ def measure_near_clearance(
             b, best = bodies[k], limit[w, k]
             x, y, own, d = here[b, 0], here[b, 1], reaches[b], model.disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
-            within, is_open = own + frame[5] + frame[2], True
+            within, is_open = own + frame.reach + frame.side, True
             while is_open:
                 for j in range(gather_nearby(x, y, within, frame, first, following, found)):
                     q = found[j]
                     dx, dy, near = here[q, 0] - x, here[q, 1] - y, best + own + reaches[q]
                     if dx * dx + dy * dy >= near * near or q == b or model.unobstructed[q] or not there[q]:
                         continue
-                    other = (
-                        model.segment_start[q], n_segments[q], discs, model.disc_start[q], n_discs[q], model.solid[q]
-                    )  # fmt: skip
+                    other = outline_of(model, state, w, q)
                     if is_disc:
-                        best = disc_outline_distance(discs[d, 0], discs[d, 1], discs[d, 2], segments, *other, best)
+                        best = disc_outline_distance(discs[d, 0], discs[d, 1], discs[d, 2], other, best)
                     else:
-                        whole = model.segment_start[b], n_segments[b], discs, d, n_discs[b], model.solid[b]
-                        best = min(best, outline_distance(segments, *whole, segments, *other, best))
-                is_open = best + own + frame[5] > within and not holds_all(x, y, within, frame)
+                        whole = outline_of(model, state, w, b)
+                        best = min(best, outline_distance(whole, other, best))
+                is_open = best + own + frame.reach > within and not holds_all(x, y, within, frame)
                 within *= 2.0
             distance[w, k] = best
 
 
 @kernel
-def holds_all(x: float, y: float, within: float, frame: Floats) -> bool:
+def holds_all(x: float, y: float, within: float, frame: Record) -> bool:
     """Return whether a search up to a distance [m] of a point looks at all squares."""
-    columns, rows = int(frame[3]), int(frame[4])
+    columns, rows = frame.columns, frame.rows
     return bool(
-        square_of(x - within, frame[0], frame[2], columns) == 0
-        and square_of(x + within, frame[0], frame[2], columns) == columns - 1
-        and square_of(y - within, frame[1], frame[2], rows) == 0
-        and square_of(y + within, frame[1], frame[2], rows) == rows - 1
+        square_of(x - within, frame.x, frame.side, columns) == 0
+        and square_of(x + within, frame.x, frame.side, columns) == columns - 1
+        and square_of(y - within, frame.y, frame.side, rows) == 0
+        and square_of(y + within, frame.y, frame.side, rows) == rows - 1
     )

@@ -52,7 +52,7 @@ def find_in_sector(
         x, y, heading = state.pose[w, body, 0], state.pose[w, body, 1], state.pose[w, body, 2]
         for b in range(model.present.shape[1]):
             detected[w, b] = False
-            if b == body or b == int(model.map_frame[4]) or not model.present[w, b] or not model.present[w, body]:
+            if b == body or b == model.map_frame[0].body or not model.present[w, b] or not model.present[w, body]:
                 continue
             dx, dy, size = state.pose[w, b, 0] - x, state.pose[w, b, 1] - y, radius[row_of(radius, w), b]
             distance = np.sqrt(dx * dx + dy * dy)

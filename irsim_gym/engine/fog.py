@@ -95,7 +95,7 @@ def lay_fog(scenario: Scenario, sensors: Sequence[Group], model: WorldModel) -> 
     world = scenario.world
     if not world.fog_map:
         return None
-    cell = world.fog_map_resolution or (float(model.map_frame[2]) if model.cells is not None else CELL)
+    cell = world.fog_map_resolution or (model.cells.width if model.cells is not None else CELL)
     columns, rows = max(1, round(world.width / cell)), max(1, round(world.height / cell))
     scanning = {int(b) for group in sensors if group.kind.reading == "ranges" for b in group.members}
     watching = [

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.geometry.frames import place_outline
 from irsim_gym.jit import kernel
 from irsim_gym.world.group import Shard
 from irsim_gym.world.model import WorldModel
-from irsim_gym.world.rows import row_of
+from irsim_gym.world.outline import place_outline
 from irsim_gym.world.state import WorldState
 
 
@@ -21,16 +20,4 @@ def place_bodies(worlds: Ints, bodies: Ints, model: WorldModel, state: WorldStat
     """Turn and shift the bodies' outlines into the world frame."""
     for w in worlds:
         for b in bodies:
-            place_outline(
-                model.local_segments[row_of(model.local_segments, w)],
-                model.local_discs[row_of(model.local_discs, w)],
-                model.segment_start[b],
-                model.segment_count[row_of(model.segment_count, w), b],
-                model.disc_start[b],
-                model.disc_count[row_of(model.disc_count, w), b],
-                state.pose[w, b, 0],
-                state.pose[w, b, 1],
-                state.pose[w, b, 2],
-                state.segments[w],
-                state.discs[w],
-            )
+            place_outline(model, state, w, b)

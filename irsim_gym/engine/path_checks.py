@@ -8,6 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import CellMap, Flags, Ints
 from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
 from irsim_gym.scenario.spec import Scenario
@@ -65,7 +66,8 @@ def check(ways: ReachabilityCheck, model: WorldModel, state: WorldState, shard: 
     """Set ``failed`` to body + 1 in worlds where an agent has no way from its start through its goals."""
     if not len(ways.agents):
         return
-    check_ways(shard.worlds, shard.slot, ways, of_slot(ways.tables, shard.slot), model.cells, model, state, failed)
+    tables = of_slot(ways.tables, shard.slot)
+    check_ways(shard.worlds, shard.slot, ways, tables, model.cells, model, state, failed)
 
 
 @kernel
@@ -87,22 +89,11 @@ def check_ways(
                 continue
             for b in range(blocks.shape[0]):
                 blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b]
-            outlines = (
-                state.segments[w],
-                model.segment_start,
-                model.segment_count[row_of(model.segment_count, w)],
-                state.discs[w],
-                model.disc_start,
-                model.disc_count[row_of(model.disc_count, w)],
-                model.solid,
-                blocks,
-                cells,
-            )
-            pose, radius = state.pose[w], model.reach[row_of(model.reach, w), own]
-            x, y = pose[own, 0], pose[own, 1]
+            obstacles, radius = Obstacles(model, state, w, blocks, cells), model.reach[row_of(model.reach, w), own]
+            here = (state.pose[w, own, 0], state.pose[w, own, 1])
             for g in range(model.waypoint_count[w, own]):
-                goal_x, goal_y = model.waypoints[w, own, g, 0], model.waypoints[w, own, g, 1]
-                if not way_exists(outlines, pose, model.rigid[0], radius, x, y, goal_x, goal_y, tables):
+                goal = (model.waypoints[w, own, g, 0], model.waypoints[w, own, g, 1])
+                if not way_exists(obstacles, radius, here, goal, tables):
                     failed[w] = own + 1
                     break
-                x, y = goal_x, goal_y
+                here = goal

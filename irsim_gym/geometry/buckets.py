@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.arraytypes import Ints, Record
 from irsim_gym.jit import kernel
 
 
@@ -23,12 +23,12 @@ def square_of(value: float, low: float, side: float, count: int) -> int:
 
 
 @kernel
-def bucket_of(x: float, y: float, is_small: bool, frame: Floats) -> int:
+def bucket_of(x: float, y: float, is_small: bool, frame: Record) -> int:
     """Return the bucket for a body with its origin at a point [m]: the last one if it is too large for the squares."""
-    columns, rows = int(frame[3]), int(frame[4])
+    columns, rows = int(frame.columns), int(frame.rows)
     if not is_small:
         return columns * rows
-    return square_of(y, frame[1], frame[2], rows) * columns + square_of(x, frame[0], frame[2], columns)
+    return square_of(y, frame.y, frame.side, rows) * columns + square_of(x, frame.x, frame.side, columns)
 
 
 @kernel
@@ -57,7 +57,7 @@ def unlink(b: int, place: int, first: Ints, following: Ints) -> None:
 
 
 @kernel
-def find_nearby(x: float, y: float, radius: float, frame: Floats, first: Ints, following: Ints, found: Ints) -> int:
+def find_nearby(x: float, y: float, radius: float, frame: Record, first: Ints, following: Ints, found: Ints) -> int:
     """Write the numbers of the bodies that may lie near a point, ascending; return how many there are.
 
     All bodies whose origin is within ``radius`` are among them, and all that are too large for the buckets; others
@@ -66,14 +66,14 @@ def find_nearby(x: float, y: float, radius: float, frame: Floats, first: Ints, f
     Args:
         x: The point [m].
         y: The point [m].
-        radius: Distance [m]; add ``frame[5]`` to find bodies that reach into it.
-        frame: ``model.bucket_frame``: x, y, side [m], columns, rows, greatest reach [m].
+        radius: Distance [m]; add ``frame.reach`` to find bodies that reach into it.
+        frame: Where the squares lie, see ``BUCKET_FRAME``.
         first: First body of each bucket, -1 for none, shape ``(bucket,)``.
         following: Next body of the same bucket, -1 for none, shape ``(body,)``.
         found: Written, shape ``(body,)``.
     """
     count = gather_nearby(x, y, radius, frame, first, following, found)
-    if frame[3] > 0.0:
+    if frame.columns > 0:
         put_in_order(found, count)
     return count
 
@@ -98,9 +98,9 @@ def put_in_order(numbers: Ints, count: int) -> None:
 
 
 @kernel
-def gather_nearby(x: float, y: float, radius: float, frame: Floats, first: Ints, following: Ints, found: Ints) -> int:
+def gather_nearby(x: float, y: float, radius: float, frame: Record, first: Ints, following: Ints, found: Ints) -> int:
     """Write the same numbers as ``find_nearby``, in any order: half of the time goes into sorting them."""
-    columns, rows = int(frame[3]), int(frame[4])
+    columns, rows = frame.columns, frame.rows
     if columns == 0:
         for b in range(following.shape[0]):
             found[b] = b
@@ -111,10 +111,10 @@ def gather_nearby(x: float, y: float, radius: float, frame: Floats, first: Ints,
         found[count] = b
         count += 1
         b = following[b]
-    low = square_of(x - radius, frame[0], frame[2], columns)
-    high = square_of(x + radius, frame[0], frame[2], columns)
-    bottom = square_of(y - radius, frame[1], frame[2], rows)
-    top = square_of(y + radius, frame[1], frame[2], rows)
+    low = square_of(x - radius, frame.x, frame.side, columns)
+    high = square_of(x + radius, frame.x, frame.side, columns)
+    bottom = square_of(y - radius, frame.y, frame.side, rows)
+    top = square_of(y + radius, frame.y, frame.side, rows)
     for row in range(bottom, top + 1):
         for column in range(low, high + 1):
             b = first[row * columns + column]

@@ -21,6 +21,8 @@ from irsim_gym.jit import kernel
 STEEP = 1e30
 """Cells per metre of a beam that does not move along an axis, inverted."""
 
+Pose = tuple[float, float, float]
+
 LANES = 32
 """Beams of a block."""
 EAST, NORTH, SLOW_X, SLOW_Y = 0, LANES, 2 * LANES, 3 * LANES
@@ -36,44 +38,35 @@ EDGE = np.float32(1.0 - 2.0**-24)
 
 @kernel
 def cast_cells(
-    cells: CellMap,
-    x: float,
-    y: float,
-    heading: float,
-    beams_x: Rays,
-    beams_y: Rays,
-    floats: Rays,
-    integers: Labels,
-    ranges: Rays,
+    cells: CellMap, pose: Pose, beams_x: Rays, beams_y: Rays, floats: Rays, integers: Labels, ranges: Rays
 ) -> None:
     """Shorten ``ranges`` to the nearest occupied cell; from within one, to where the beam leaves what is occupied.
 
     Args:
-        cells: The map, see ``cells``.
-        x: The sensor's position [m].
-        y: The sensor's position [m].
-        heading: The sensor's heading [rad].
+        cells: The map.
+        pose: The sensor's x, y, heading [m, m, rad].
         beams_x: Unit directions in the sensor frame, at least as many as ranges.
         beams_y: As ``beams_x``.
         floats: Scratch, shape ``(N_FLOATS,)``.
         integers: Scratch, shape ``(N_INTEGERS,)``.
         ranges: Changed: ranges [m], shape ``(n_beams,)``; what lies farther is not looked for.
     """
-    frame, squares, boxes, _ = cells
+    squares, boxes = cells.squares, cells.boxes
     if boxes.shape[0] == 0:
         return
     columns, rows = squares.shape[1], squares.shape[2]
+    x, y, heading = pose
     cosine, sine = np.cos(heading), np.sin(heading)
-    across, up = (x - frame[0]) / frame[2], (y - frame[1]) / frame[3]
+    across, up = (x - cells.x) / cells.width, (y - cells.y) / cells.height
     if not (0.0 <= across < columns and 0.0 <= up < rows) or squares[0, int(across), int(up)] == 0:
         for k in range(ranges.shape[0]):
-            east = (cosine * beams_x[k] - sine * beams_y[k]) / frame[2]
-            north = (sine * beams_x[k] + cosine * beams_y[k]) / frame[3]
+            east = (cosine * beams_x[k] - sine * beams_y[k]) / cells.width
+            north = (sine * beams_x[k] + cosine * beams_y[k]) / cells.height
             ranges[k] = np.float32(walk(squares, across, up, east, north, np.float64(ranges[k])))
         return
     turn = (
-        np.float32(cosine / frame[2]), np.float32(sine / frame[2]),
-        np.float32(cosine / frame[3]), np.float32(sine / frame[3]),
+        np.float32(cosine / cells.width), np.float32(sine / cells.width),
+        np.float32(cosine / cells.height), np.float32(sine / cells.height),
     )  # fmt: skip
     occupied = np.int32(boxes[0, 0] * rows + boxes[0, 2])
     every = squares.reshape(-1)
@@ -96,21 +89,14 @@ def take_beams(begin: int, beams_x: Rays, beams_y: Rays, ranges: Rays, floats: R
 
 
 @kernel(contract=True)
-def begin_block(
-    turn: Any,
-    across: float,
-    up: float,
-    squares: Bytes,
-    floats: Rays,
-    integers: Labels,
-) -> None:
+def begin_block(turn: Any, across: float, up: float, squares: Bytes, floats: Rays, integers: Labels) -> None:
     """Turn the beams of a block into the map [cells/m], and put them into the cell of their sensor.
 
     Args:
         turn: Cosine and sine of the sensor's heading over the width of a cell, and over its height [1/m].
         across: The sensor's place [cells].
         up: The sensor's place [cells].
-        squares: See ``cells``.
+        squares: See ``CellMap``.
         floats: The block, changed.
         integers: The block, changed.
     """
@@ -198,7 +184,7 @@ def walk(squares: Bytes, x: float, y: float, east: float, north: float, far: flo
     """Return the time at which a point meets an occupied cell, or leaves those that it begins in; at most ``far``.
 
     Args:
-        squares: See ``cells``.
+        squares: See ``CellMap``.
         x: Position [cells].
         y: Position [cells].
         east: Velocity [cells per unit of time].

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Floats, Rays
+from irsim_gym.arraytypes import CellMap, Floats
 from irsim_gym.jit import kernel
 
 FARTHEST = 64
@@ -18,17 +18,16 @@ DOUBT = 1e-6
 
 
 @kernel
-def find_room(frame: Floats, squares: Bytes, line: Floats, room: Rays) -> None:
-    """Write the distance [m] from the centre of each cell to the nearest occupied cell, as far as is looked.
+def find_room(cells: CellMap, line: Floats) -> None:
+    """Write ``cells.room``, as far as is looked.
 
     Args:
-        frame: See ``cells``.
-        squares: See ``cells``.
+        cells: The map.
         line: Scratch, shape ``(columns,)``.
-        room: Written, shape ``(columns, rows)``.
     """
+    squares, room, far = cells.squares, cells.room, farthest(cells)
     columns, rows = room.shape
-    width, height, far = frame[2], frame[3], farthest(frame)
+    width, height = cells.width, cells.height
     for i in range(columns):
         gap = far
         for j in range(rows):
@@ -55,53 +54,53 @@ def find_room(frame: Floats, squares: Bytes, line: Floats, room: Rays) -> None:
 
 
 @kernel
-def farthest(frame: Floats) -> float:
+def farthest(cells: CellMap) -> float:
     """Return the distance [m] up to which room is looked for."""
-    return float((FARTHEST - 0.5) * min(frame[2], frame[3]))
+    return float((FARTHEST - 0.5) * min(cells.width, cells.height))
 
 
 @kernel
 def room_about(cells: CellMap, x: float, y: float) -> tuple[float, float]:
     """Return bounds on the distance [m] of a point from the occupied cells; 0 and inf where nothing is known."""
-    frame, _, _, room = cells
-    i, j = np.floor((x - frame[0]) / frame[2]), np.floor((y - frame[1]) / frame[3])
+    room = cells.room
+    i, j = np.floor((x - cells.x) / cells.width), np.floor((y - cells.y) / cells.height)
     if not (0.0 <= i < room.shape[0] and 0.0 <= j < room.shape[1]):
         return 0.0, np.inf
     middle = float(room[int(i), int(j)])
-    aside, up = x - frame[0] - (i + 0.5) * frame[2], y - frame[1] - (j + 0.5) * frame[3]
+    aside, up = x - cells.x - (i + 0.5) * cells.width, y - cells.y - (j + 0.5) * cells.height
     away = np.sqrt(aside * aside + up * up)
     most = middle * (1.0 + DOUBT) + away * (1.0 + DOUBT)
-    if middle * (1.0 + DOUBT) >= farthest(frame):
+    if middle * (1.0 + DOUBT) >= farthest(cells):
         most = np.inf
     return max(middle * (1.0 - DOUBT) - away * (1.0 + DOUBT), 0.0), most
 
 
 @kernel
-def nearest_to_point2(frame: Floats, squares: Bytes, x: float, y: float, reach: float) -> float:
+def nearest_to_point2(cells: CellMap, x: float, y: float, reach: float) -> float:
     """Return the squared distance [m2] of a point from the occupied cells; inf if none is as near as ``reach`` [m].
 
     Column after column is looked at, from the point's own to both sides, as far as something nearer may lie in it.
 
     Args:
-        frame: See ``cells``.
-        squares: See ``cells``.
+        cells: The map.
         x: The point [m].
         y: The point [m].
         reach: How far to look [m].
     """
+    squares = cells.squares
     columns, rows = squares.shape[1], squares.shape[2]
     best, bound = np.inf, reach * reach * (1.0 + DOUBT)
-    own_i = int(min(max(np.floor((x - frame[0]) / frame[2]), 0.0), columns - 1.0))
-    own_j = int(min(max(np.floor((y - frame[1]) / frame[3]), 0.0), rows - 1.0))
+    own_i = int(min(max(np.floor((x - cells.x) / cells.width), 0.0), columns - 1.0))
+    own_j = int(min(max(np.floor((y - cells.y) / cells.height), 0.0), rows - 1.0))
     for direction in range(2):
         i = own_i - direction
         while 0 <= i < columns:
-            aside = max(frame[0] + i * frame[2] - x, x - (frame[0] + (i + 1) * frame[2]), 0.0)
+            aside = max(cells.x + i * cells.width - x, x - (cells.x + (i + 1) * cells.width), 0.0)
             if aside * aside > bound:
                 break
             j = own_j
             while j < rows:
-                up = max(frame[1] + j * frame[3] - y, y - (frame[1] + (j + 1) * frame[3]), 0.0)
+                up = max(cells.y + j * cells.height - y, y - (cells.y + (j + 1) * cells.height), 0.0)
                 free, near = int(squares[0, i, j]), aside * aside + up * up
                 if free == 0 or near > bound:
                     best = min(best, near) if near <= bound else best
@@ -110,7 +109,7 @@ def nearest_to_point2(frame: Floats, squares: Bytes, x: float, y: float, reach: 
             bound = min(best, bound)
             j = own_j
             while j >= 0:
-                up = max(frame[1] + j * frame[3] - y, y - (frame[1] + (j + 1) * frame[3]), 0.0)
+                up = max(cells.y + j * cells.height - y, y - (cells.y + (j + 1) * cells.height), 0.0)
                 free, near = int(squares[2, i, j]), aside * aside + up * up
                 if free == 0 or near > bound:
                     best = min(best, near) if near <= bound else best

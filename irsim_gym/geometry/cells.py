@@ -1,23 +1,16 @@
 """An occupancy map: which of many equal rectangles are occupied, and what touches or sees them.
 
-A map is four arrays: ``frame`` holds x and y of the lower left corner, width and height of a cell [m] (and the
-map's body, which nothing here reads); ``squares[quadrant, i, j]`` holds for the cell in column i (from the left) and
-row j (from the bottom) the side, in cells, of the largest free square that has this cell in its corner and grows into
-the quadrant: 0 to the upper right, 1 to the upper left, 2 to the lower right, 3 to the lower left. It is 0 where the
-cell is occupied and at most 255. ``boxes`` covers the occupied cells with few boxes: first column, end column, first
-row, end row of each; ``room`` is that of ``cell_room``. What lies outside of the map is free.
-
-Cells are closed sets, so touching one is overlapping it. A world without a map has None in place of the four: kernels
-are compiled for either, and those for None hold nothing of what is here.
+Cells are closed sets, so touching one is overlapping it. A world without a map has None in place of a ``CellMap``:
+kernels are compiled for either, and those for None hold nothing of what is here.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import BodyOutline, Bytes, CellMap, Flags, Ints
 from irsim_gym.geometry.cell_room import nearest_to_point2, room_about
-from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import point_segment_distance2, side
 from irsim_gym.jit import kernel
 
@@ -100,19 +93,17 @@ def cell_range(low: float, high: float, origin: float, cell: float, count: int) 
 
 
 @kernel
-def strip_rows(
-    ax: float, ay: float, bx: float, by: float, reach: float, i: int, frame: Floats, rows: int
-) -> tuple[int, int]:
+def strip_rows(ax: float, ay: float, bx: float, by: float, reach: float, i: int, cells: CellMap) -> tuple[int, int]:
     """Return the first and last row of column i that come within ``reach`` [m] of the segment ab, or some more."""
     low, high = min(ay, by), max(ay, by)
     dx = bx - ax
     if dx != 0.0:
-        left, right = frame[0] + i * frame[2] - reach, frame[0] + (i + 1) * frame[2] + reach
+        left, right = cells.x + i * cells.width - reach, cells.x + (i + 1) * cells.width + reach
         enter, leave = (left - ax) / dx, (right - ax) / dx
         enter, leave = min(max(min(enter, leave), 0.0), 1.0), max(min(max(enter, leave), 1.0), 0.0)
         y_enter, y_leave = ay + enter * (by - ay), ay + leave * (by - ay)
         low, high = min(y_enter, y_leave), max(y_enter, y_leave)
-    return cell_range(low - reach, high + reach, frame[1], frame[3], rows)
+    return cell_range(low - reach, high + reach, cells.y, cells.height, cells.squares.shape[2])
 
 
 @kernel
@@ -138,14 +129,11 @@ def segment_box_distance2(
 
 
 @kernel
-def nearest_cell2(
-    frame: Floats, squares: Bytes, ax: float, ay: float, bx: float, by: float, reach: float, enough: float
-) -> float:
+def nearest_cell2(cells: CellMap, ax: float, ay: float, bx: float, by: float, reach: float, enough: float) -> float:
     """Return the squared distance [m2] of the segment ab from the occupied cells, inf if none is near.
 
     Args:
-        frame: See the module.
-        squares: See the module.
+        cells: The map.
         ax: First end [m], as ``ay``, ``bx``, ``by``.
         ay: See ``ax``.
         bx: See ``ax``.
@@ -153,21 +141,21 @@ def nearest_cell2(
         reach: Cells farther away than this [m] may be left out.
         enough: A distance [m2] at or below which any is as good as the least.
     """
-    best = np.inf
+    best, squares = np.inf, cells.squares
     columns, rows = squares.shape[1], squares.shape[2]
-    first_i, last_i = cell_range(min(ax, bx) - reach, max(ax, bx) + reach, frame[0], frame[2], columns)
-    first_j, last_j = cell_range(min(ay, by) - reach, max(ay, by) + reach, frame[1], frame[3], rows)
+    first_i, last_i = cell_range(min(ax, bx) - reach, max(ax, bx) + reach, cells.x, cells.width, columns)
+    first_j, last_j = cell_range(min(ay, by) - reach, max(ay, by) + reach, cells.y, cells.height, rows)
     if last_i < first_i or last_j < first_j or box_is_free(squares, first_i, first_j, last_i, last_j):
         return best
     for i in range(first_i, last_i + 1):
-        left, right = frame[0] + i * frame[2], frame[0] + (i + 1) * frame[2]
+        left, right = cells.x + i * cells.width, cells.x + (i + 1) * cells.width
         aside = max(left - max(ax, bx), min(ax, bx) - right, 0.0)
-        j, last = strip_rows(ax, ay, bx, by, reach, i, frame, rows)
+        j, last = strip_rows(ax, ay, bx, by, reach, i, cells)
         while j <= last:
             if squares[0, i, j] > 0:
                 j += int(squares[0, i, j])
                 continue
-            low, high = frame[1] + j * frame[3], frame[1] + (j + 1) * frame[3]
+            low, high = cells.y + j * cells.height, cells.y + (j + 1) * cells.height
             up = max(low - max(ay, by), min(ay, by) - high, 0.0)
             if aside * aside + up * up < best:
                 best = min(best, segment_box_distance2(ax, ay, bx, by, left, low, right, high))
@@ -191,7 +179,6 @@ def capsule_meets_cells(cells: CellMap | None, ax: float, ay: float, bx: float, 
     """
     if cells is None:
         return False
-    frame, squares, _, _ = cells
     half = 0.5 * np.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
     least, most = room_about(cells, 0.5 * (ax + bx), 0.5 * (ay + by))
     if least > radius + half * (1.0 + SLACK):
@@ -199,8 +186,8 @@ def capsule_meets_cells(cells: CellMap | None, ax: float, ay: float, bx: float, 
     if most < radius:
         return True
     if half == 0.0:
-        return bool(nearest_to_point2(frame, squares, ax, ay, radius) <= radius * radius)
-    return bool(nearest_cell2(frame, squares, ax, ay, bx, by, radius, radius * radius) <= radius * radius)
+        return bool(nearest_to_point2(cells, ax, ay, radius) <= radius * radius)
+    return bool(nearest_cell2(cells, ax, ay, bx, by, radius, radius * radius) <= radius * radius)
 
 
 @kernel
@@ -212,21 +199,21 @@ def segment_cells_distance(cells: CellMap | None, ax: float, ay: float, bx: floa
     """
     if cells is None:
         return limit
-    frame, squares, _, _ = cells
+    squares = cells.squares
     half = 0.5 * np.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
     least, most = room_about(cells, 0.5 * (ax + bx), 0.5 * (ay + by))
     if least - half * (1.0 + SLACK) >= limit:
         return limit
-    reach = most if most < np.inf else 4.0 * max(frame[2], frame[3])
-    width, height = frame[2] * squares.shape[1], frame[3] * squares.shape[2]
-    centre_x, centre_y = frame[0] + 0.5 * width, frame[1] + 0.5 * height
+    reach = most if most < np.inf else 4.0 * max(cells.width, cells.height)
+    width, height = cells.width * squares.shape[1], cells.height * squares.shape[2]
+    centre_x, centre_y = cells.x + 0.5 * width, cells.y + 0.5 * height
     whole = abs(centre_x - ax) + abs(centre_y - ay) + width + height
     while True:
         reach = min(reach, limit, whole)
         if half == 0.0:
-            best = np.sqrt(nearest_to_point2(frame, squares, ax, ay, reach))
+            best = np.sqrt(nearest_to_point2(cells, ax, ay, reach))
         else:
-            best = np.sqrt(nearest_cell2(frame, squares, ax, ay, bx, by, reach, 0.0))
+            best = np.sqrt(nearest_cell2(cells, ax, ay, bx, by, reach, 0.0))
         if best <= reach or reach >= limit or reach >= whole:
             return float(min(best, limit))
         reach = 2.0 * reach
@@ -246,19 +233,19 @@ def nearest_cell_point(cells: CellMap | None, x: float, y: float, limit: float) 
     """Return distance and position [m] of the nearest point of an occupied cell; inf and (x, y) if none is in limit."""
     if cells is None:
         return np.inf, x, y
-    frame, squares, _, _ = cells
+    squares = cells.squares
     best, best_x, best_y = np.inf, x, y
     reach = segment_cells_distance(cells, x, y, x, y, limit) * (1.0 + SLACK)
     if reach >= limit:
         return best, best_x, best_y
-    first_i, last_i = cell_range(x - reach, x + reach, frame[0], frame[2], squares.shape[1])
-    first_j, last_j = cell_range(y - reach, y + reach, frame[1], frame[3], squares.shape[2])
+    first_i, last_i = cell_range(x - reach, x + reach, cells.x, cells.width, squares.shape[1])
+    first_j, last_j = cell_range(y - reach, y + reach, cells.y, cells.height, squares.shape[2])
     for i in range(first_i, last_i + 1):
         for j in range(first_j, last_j + 1):
             if squares[0, i, j] > 0:
                 continue
-            px = min(max(x, frame[0] + i * frame[2]), frame[0] + (i + 1) * frame[2])
-            py = min(max(y, frame[1] + j * frame[3]), frame[1] + (j + 1) * frame[3])
+            px = min(max(x, cells.x + i * cells.width), cells.x + (i + 1) * cells.width)
+            py = min(max(y, cells.y + j * cells.height), cells.y + (j + 1) * cells.height)
             here = np.sqrt((px - x) * (px - x) + (py - y) * (py - y))
             if here < best:
                 best, best_x, best_y = here, px, py
@@ -266,45 +253,33 @@ def nearest_cell_point(cells: CellMap | None, x: float, y: float, limit: float) 
 
 
 @kernel
-def outline_meets_cells(
-    cells: CellMap | None, segments: Floats, s: int, n: int, discs: Floats, d: int, m: int, solid: bool
-) -> bool:
-    """Return whether an outline touches an occupied cell, or holds one.
-
-    Args:
-        cells: The map, or None.
-        segments: Segment table [m], shape ``(segment, 4)``.
-        s: First row of the outline's segments.
-        n: Number of them.
-        discs: Disc table [m], shape ``(disc, 3)``.
-        d: First row of the outline's discs.
-        m: Number of them.
-        solid: The segments bound an area.
-    """
+def outline_meets_cells(cells: CellMap | None, outline: BodyOutline) -> bool:
+    """Return whether an outline touches an occupied cell, or holds one."""
     if cells is None:
         return False
-    for k in range(d, d + m):
-        if capsule_meets_cells(cells, discs[k, 0], discs[k, 1], discs[k, 0], discs[k, 1], discs[k, 2]):
+    segments, discs = outline.segments, outline.discs
+    for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
+        if capsule_meets_cells(cells, discs[d, 0], discs[d, 1], discs[d, 0], discs[d, 1], discs[d, 2]):
             return True
-    for k in range(s, s + n):
-        if capsule_meets_cells(cells, segments[k, 0], segments[k, 1], segments[k, 2], segments[k, 3], 0.0):
+    for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
+        if capsule_meets_cells(cells, segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3], 0.0):
             return True
-    return solid and n > 0 and holds_cell(cells, segments, s, n)
+    return outline.solid and outline.n_segments > 0 and holds_cell(cells, outline)
 
 
 @kernel
-def holds_cell(cells: CellMap, segments: Floats, s: int, n: int) -> bool:
+def holds_cell(cells: CellMap, outline: BodyOutline) -> bool:
     """Return whether an area whose boundary touches no occupied cell holds one.
 
     Occupied cells that touch each other are then on one side, so one point of each run in a column is enough.
     """
-    frame, squares, _, _ = cells
+    squares, segments = cells.squares, outline.segments
     left, low, right, high = np.inf, np.inf, -np.inf, -np.inf
-    for k in range(s, s + n):
-        left, right = min(left, segments[k, 0]), max(right, segments[k, 0])
-        low, high = min(low, segments[k, 1]), max(high, segments[k, 1])
-    first_i, last_i = cell_range(left, right, frame[0], frame[2], squares.shape[1])
-    first_j, last_j = cell_range(low, high, frame[1], frame[3], squares.shape[2])
+    for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
+        left, right = min(left, segments[s, 0]), max(right, segments[s, 0])
+        low, high = min(low, segments[s, 1]), max(high, segments[s, 1])
+    first_i, last_i = cell_range(left, right, cells.x, cells.width, squares.shape[1])
+    first_j, last_j = cell_range(low, high, cells.y, cells.height, squares.shape[2])
     if last_i < first_i or last_j < first_j or box_is_free(squares, first_i, first_j, last_i, last_j):
         return False
     for i in range(first_i, last_i + 1):
@@ -313,7 +288,7 @@ def holds_cell(cells: CellMap, segments: Floats, s: int, n: int) -> bool:
             if squares[0, i, j] > 0:
                 j += int(squares[0, i, j])
                 continue
-            if contains_point(segments, s, n, frame[0] + (i + 0.5) * frame[2], frame[1] + (j + 0.5) * frame[3]):
+            if holds_point(outline, cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height):
                 return True
             while j <= last_j and squares[0, i, j] == 0:
                 j += 1
@@ -321,51 +296,33 @@ def holds_cell(cells: CellMap, segments: Floats, s: int, n: int) -> bool:
 
 
 @kernel
-def outline_cells_distance(
-    cells: CellMap | None, segments: Floats, s: int, n: int, discs: Floats, d: int, m: int, solid: bool, limit: float
-) -> float:
-    """Return the distance [m] of an outline from the nearest occupied cell: 0 if they touch, at most ``limit``.
-
-    Arguments as in ``outline_meets_cells``; ``limit`` [m] may be inf.
-    """
+def outline_cells_distance(cells: CellMap | None, outline: BodyOutline, limit: float) -> float:
+    """Return the distance [m] of an outline from the nearest occupied cell: 0 if they touch, at most ``limit``."""
     if cells is None:
         return limit
-    if solid and n > 0 and holds_cell(cells, segments, s, n):
+    if outline.solid and outline.n_segments > 0 and holds_cell(cells, outline):
         return 0.0
-    best = limit
-    for k in range(d, d + m):
-        x, y, radius = discs[k, 0], discs[k, 1], discs[k, 2]
+    best, segments, discs = limit, outline.segments, outline.discs
+    for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
+        x, y, radius = discs[d, 0], discs[d, 1], discs[d, 2]
         near = segment_cells_distance(cells, x, y, x, y, best + radius)
         if near < best + radius:
             best = min(best, max(near - radius, 0.0))
-    for k in range(s, s + n):
-        ax, ay, bx, by = segments[k, 0], segments[k, 1], segments[k, 2], segments[k, 3]
+    for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
+        ax, ay, bx, by = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
         best = segment_cells_distance(cells, ax, ay, bx, by, best)
     return best
 
 
 @kernel
-def outline_near_cells(
-    cells: CellMap | None,
-    segments: Floats,
-    s: int,
-    n: int,
-    discs: Floats,
-    d: int,
-    m: int,
-    solid: bool,
-    clearance: float,
-) -> bool:
-    """Return whether an outline touches an occupied cell, or comes closer than ``clearance`` [m] to one.
-
-    Arguments as in ``outline_meets_cells``.
-    """
+def outline_near_cells(cells: CellMap | None, outline: BodyOutline, clearance: float) -> bool:
+    """Return whether an outline touches an occupied cell, or comes closer than ``clearance`` [m] to one."""
     if cells is None:
         return False
-    for k in range(d, d + m):
-        _, most = room_about(cells, discs[k, 0], discs[k, 1])
-        if most < discs[k, 2] + clearance:
+    for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
+        _, most = room_about(cells, outline.discs[d, 0], outline.discs[d, 1])
+        if most < outline.discs[d, 2] + clearance:
             return True
     if clearance <= 0.0:
-        return bool(outline_meets_cells(cells, segments, s, n, discs, d, m, solid))
-    return bool(outline_cells_distance(cells, segments, s, n, discs, d, m, solid, clearance) < clearance)
+        return bool(outline_meets_cells(cells, outline))
+    return bool(outline_cells_distance(cells, outline, clearance) < clearance)

@@ -1,6 +1,5 @@
 """Two-dimensional linear programs within a disc: the velocity nearest to a wanted one that half-planes permit.
 
-A half-plane is a row (normal x, normal y, least) with a unit normal: it permits the vectors v with normal . v >= least.
 The half-planes are taken in one after another; where one cuts off the optimum so far, the new optimum lies on its
 border (de Berg et al., Computational Geometry, chapter 4; van den Berg et al. 2011, section 5).
 """
@@ -9,29 +8,39 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Record, Records
 from irsim_gym.jit import kernel
+from irsim_gym.structs import record_type
+
+HALF_PLANE = record_type("nx ny least")
+"""A half-plane with the unit normal n: it permits the vectors v with n . v >= least."""
 
 PARALLEL = 1e-9
 SLACK = 1e-12
 
 
 @kernel
+def set_plane(plane: Record, nx: float, ny: float, least: float) -> None:
+    """Write a half-plane."""
+    plane.nx, plane.ny, plane.least = nx, ny, least
+
+
+@kernel
 def choose(
-    planes: Floats, n_hard: int, count: int, limit: float, wanted_x: float, wanted_y: float, spare: Floats
+    planes: Records, n_hard: int, count: int, limit: float, wanted_x: float, wanted_y: float, spare: Records
 ) -> tuple[float, float]:
     """Return the vector nearest to a wanted one that all half-planes permit, no longer than ``limit``.
 
     Where there is none, the hard half-planes hold and the worst violation of the others is as small as can be.
 
     Args:
-        planes: Half-planes, shape ``(n, 3)``.
+        planes: Half-planes, records of type ``HALF_PLANE``.
         n_hard: The first so many are hard.
         count: Number of half-planes.
         limit: Greatest length [m/s].
         wanted_x: The wanted vector [m/s].
         wanted_y: The wanted vector [m/s].
-        spare: Scratch, shape ``(n, 3)``.
+        spare: Scratch, as many half-planes.
     """
     x, y, failed = solve(planes, count, limit, wanted_x, wanted_y, False)
     if failed < count:
@@ -40,7 +49,7 @@ def choose(
 
 
 @kernel
-def solve(planes: Floats, count: int, limit: float, x: float, y: float, farthest: bool) -> tuple[float, float, int]:
+def solve(planes: Records, count: int, limit: float, x: float, y: float, farthest: bool) -> tuple[float, float, int]:
     """Return the permitted vector nearest to (x, y), and ``count``; or the last optimum and the row that left none.
 
     With ``farthest``, (x, y) is a unit vector, and what is asked for goes farthest in its direction.
@@ -51,7 +60,7 @@ def solve(planes: Floats, count: int, limit: float, x: float, y: float, farthest
         scale = limit / length if length > limit else 1.0
         best_x, best_y = scale * x, scale * y
     for i in range(count):
-        if planes[i, 0] * best_x + planes[i, 1] * best_y < planes[i, 2]:
+        if planes[i].nx * best_x + planes[i].ny * best_y < planes[i].least:
             next_x, next_y, found = best_on_border(planes, i, limit, x, y, farthest)
             if not found:
                 return best_x, best_y, i
@@ -61,13 +70,13 @@ def solve(planes: Floats, count: int, limit: float, x: float, y: float, farthest
 
 @kernel
 def best_on_border(
-    planes: Floats, i: int, limit: float, x: float, y: float, farthest: bool
+    planes: Records, i: int, limit: float, x: float, y: float, farthest: bool
 ) -> tuple[float, float, bool]:
     """Return the optimum on the border of half-plane i that those before it permit, and whether there is one.
 
     A point of the border is ``least * normal + t * along``, so the disc and each half-plane bound t.
     """
-    nx, ny, least = planes[i, 0], planes[i, 1], planes[i, 2]
+    nx, ny, least = planes[i].nx, planes[i].ny, planes[i].least
     along_x, along_y = ny, -nx
     half2 = limit * limit - least * least
     if half2 < 0.0:
@@ -75,8 +84,9 @@ def best_on_border(
     high = np.sqrt(half2)
     low = -high
     for j in range(i):
-        gain = planes[j, 0] * along_x + planes[j, 1] * along_y
-        missing = planes[j, 2] - least * (planes[j, 0] * nx + planes[j, 1] * ny)
+        other = planes[j]
+        gain = other.nx * along_x + other.ny * along_y
+        missing = other.least - least * (other.nx * nx + other.ny * ny)
         if np.abs(gain) <= PARALLEL:
             if missing > SLACK:
                 return 0.0, 0.0, False
@@ -93,7 +103,7 @@ def best_on_border(
 
 @kernel
 def least_violation(
-    planes: Floats, n_hard: int, count: int, first: int, limit: float, x: float, y: float, spare: Floats
+    planes: Records, n_hard: int, count: int, first: int, limit: float, x: float, y: float, spare: Records
 ) -> tuple[float, float]:
     """Return the vector whose worst violation of the soft half-planes is least, within the hard ones.
 
@@ -101,28 +111,28 @@ def least_violation(
     most one other, and where both are violated alike is a line again. That is a linear program in the plane.
 
     Args:
-        planes: Half-planes, shape ``(n, 3)``.
+        planes: Half-planes, records of type ``HALF_PLANE``.
         n_hard: The first so many are hard.
         count: Number of half-planes.
         first: The first half-plane that (x, y) may violate.
         limit: Greatest length [m/s].
         x: Optimum of the half-planes before ``first`` [m/s].
         y: Optimum of the half-planes before ``first`` [m/s].
-        spare: Scratch, shape ``(n, 3)``.
+        spare: Scratch, as many half-planes.
     """
     worst = 0.0
     for i in range(first, count):
-        nx, ny, least = planes[i, 0], planes[i, 1], planes[i, 2]
+        nx, ny, least = planes[i].nx, planes[i].ny, planes[i].least
         if least - (nx * x + ny * y) <= worst:
             continue
         for j in range(n_hard):
-            spare[j, 0], spare[j, 1], spare[j, 2] = planes[j, 0], planes[j, 1], planes[j, 2]
+            set_plane(spare[j], planes[j].nx, planes[j].ny, planes[j].least)
         k = n_hard
         for j in range(n_hard, i):
-            dx, dy = planes[j, 0] - nx, planes[j, 1] - ny
+            dx, dy = planes[j].nx - nx, planes[j].ny - ny
             length = np.sqrt(dx * dx + dy * dy)
             if length > PARALLEL:
-                spare[k, 0], spare[k, 1], spare[k, 2] = dx / length, dy / length, (planes[j, 2] - least) / length
+                set_plane(spare[k], dx / length, dy / length, (planes[j].least - least) / length)
                 k += 1
         next_x, next_y, failed = solve(spare, k, limit, nx, ny, True)
         if failed == k:

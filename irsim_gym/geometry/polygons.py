@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import BodyOutline, Floats
 from irsim_gym.geometry.segments import side
 from irsim_gym.jit import kernel
 
@@ -28,6 +28,12 @@ def contains_point(segments: Floats, start: int, count: int, x: float, y: float)
         if (ay > y) != (by > y) and (side(ax, ay, bx, by, x, y) > 0.0) == (by > ay):
             inside = not inside
     return inside
+
+
+@kernel
+def holds_point(outline: BodyOutline, x: float, y: float) -> bool:
+    """Return whether a point [m] lies within the area that the segments of an outline enclose."""
+    return contains_point(outline.segments, outline.first_segment, outline.n_segments, x, y)
 
 
 @kernel

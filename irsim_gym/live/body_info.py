@@ -134,7 +134,7 @@ def obstacle_info(body: IrSimReadings, half_planes: HalfPlanes) -> ObstacleInfo:
 
 def is_map(simulation: Simulation, body: int) -> bool:
     """Return whether a body is the obstacle map."""
-    return int(simulation.model.map_frame[4]) == body
+    return int(simulation.model.map_frame[0].body) == body
 
 
 def refuse_map(simulation: Simulation, body: int) -> None:

@@ -86,7 +86,7 @@ def _touches_map(simulation: Simulation, x: float, y: float, radius: float) -> b
     occupied = simulation.scenario.occupied
     if occupied is None:
         return False
-    left, bottom, width, height = map(float, simulation.model.map_frame[:4])
+    left, bottom, width, height, _ = simulation.model.map_frame.item()
     columns, rows = occupied.shape
     first, last = (max(math.floor((x + side * radius - left) / width), 0) for side in (-1, 1))
     low, high = (max(math.floor((y + side * radius - bottom) / height), 0) for side in (-1, 1))

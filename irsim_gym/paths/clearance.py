@@ -2,66 +2,65 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
+from typing import NamedTuple
+
+from irsim_gym.arraytypes import CellMap, Flags
 from irsim_gym.geometry.cells import capsule_meets_cells
-from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2
 from irsim_gym.jit import kernel
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import outline_of
+from irsim_gym.world.state import WorldState
 
-Outlines = tuple[Floats, Ints, Ints, Floats, Ints, Ints, Flags, Flags, CellMap | None]
-"""The nine tables of one world: see the package's description."""
+Point = tuple[float, float]
+
+
+class Obstacles(NamedTuple):
+    """What is in the way in one world.
+
+    Attributes:
+        model: The constants.
+        state: The moment.
+        w: Which world.
+        blocks: Bodies that are in the way, shape ``(n_bodies,)``.
+        cells: The occupancy map, whose occupied cells are always in the way, or None.
+    """
+
+    model: WorldModel
+    state: WorldState
+    w: int
+    blocks: Flags
+    cells: CellMap | None
 
 
 @kernel
-def way_is_free(
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
-    blocks: Flags,
-    cells: CellMap | None,
-    radius: float,
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
-) -> bool:
-    """Return whether a body can go straight from a to b without touching a body or cell that blocks; a may equal b.
+def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -> bool:
+    """Return whether a body can go straight between two points, which may be the same, without touching an obstacle.
 
     Args:
-        segments: As all tables up to ``cells``: see the package's description.
-        segment_start: See there.
-        segment_count: See there.
-        discs: See there.
-        disc_start: See there.
-        disc_count: See there.
-        solid: See there.
-        blocks: See there.
-        cells: See there.
+        obstacles: What is in the way.
         radius: Radius of the moving body [m].
-        ax: Start [m].
-        ay: Start [m].
-        bx: End [m].
-        by: End [m].
+        start: Where it starts [m].
+        end: Where it ends [m].
     """
-    radius2 = radius * radius
+    ax, ay, bx, by = start[0], start[1], end[0], end[1]
+    blocks, radius2 = obstacles.blocks, radius * radius
     for b in range(blocks.shape[0]):
         if not blocks[b]:
             continue
-        for d in range(disc_start[b], disc_start[b] + disc_count[b]):
+        outline = outline_of(obstacles.model, obstacles.state, obstacles.w, b)
+        segments, discs = outline.segments, outline.discs
+        for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
             reach = radius + discs[d, 2]
             if point_segment_distance2(discs[d, 0], discs[d, 1], ax, ay, bx, by) <= reach * reach:
                 return False
-        start, count = segment_start[b], segment_count[b]
-        for s in range(start, start + count):
+        for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
             cx, cy, dx, dy = segments[s, 0], segments[s, 1], segments[s, 2], segments[s, 3]
             if gap2(ax, ay, bx, by, cx, cy, dx, dy) > radius2:
                 continue
             if segment_segment_distance2(ax, ay, bx, by, cx, cy, dx, dy) <= radius2:
                 return False
-        if solid[b] and contains_point(segments, start, count, ax, ay):
+        if outline.solid and holds_point(outline, ax, ay):
             return False
-    return not capsule_meets_cells(cells, ax, ay, bx, by, radius)
+    return not capsule_meets_cells(obstacles.cells, ax, ay, bx, by, radius)

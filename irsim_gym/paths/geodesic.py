@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import way_is_free
-from irsim_gym.paths.grid import BLOCKED, mark_blocked
+from irsim_gym.paths.clearance import Obstacles, Point, way_is_free
+from irsim_gym.paths.grid import BLOCKED, Grid, Search, centre, mark_blocked
 from irsim_gym.paths.pulling import pull
 from irsim_gym.paths.reachability import gate
 from irsim_gym.paths.spread import PARENT, clear_field, offer_gates, spread
@@ -18,27 +18,7 @@ RINGS = 2
 
 @kernel
 def shortest_path(
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
-    blocks: Flags,
-    cells: CellMap | None,
-    radius: float,
-    start_x: float,
-    start_y: float,
-    goal_x: float,
-    goal_y: float,
-    origin_x: float,
-    origin_y: float,
-    cell: float,
-    blocked: Bytes,
-    field: Floats,
-    queue: Ints,
-    path: Floats,
+    obstacles: Obstacles, radius: float, start: Point, goal: Point, grid: Grid, search: Search, path: Floats
 ) -> int:
     """Write a short free path and return its number of points, 0 if there is none.
 
@@ -48,104 +28,56 @@ def shortest_path(
     the cells (see ``is_reachable``).
 
     Args:
-        segments: As all tables up to ``cells``: see the package's description.
-        segment_start: See there.
-        segment_count: See there.
-        discs: See there.
-        disc_start: See there.
-        disc_count: See there.
-        solid: See there.
-        blocks: See there.
-        cells: See there.
+        obstacles: What is in the way.
         radius: Radius of the moving body [m].
-        start_x: Start [m].
-        start_y: Start [m].
-        goal_x: Goal [m].
-        goal_y: Goal [m].
-        origin_x: Lower left corner of the grid [m].
-        origin_y: Lower left corner of the grid [m].
-        cell: Side of a cell [m].
-        blocked: Scratch, shape ``(rows, columns)``.
-        field: Scratch, shape ``(rows, columns)``.
-        queue: Scratch, as from ``Grid.queue``.
+        start: Where it starts [m].
+        goal: Where it goes [m].
+        grid: The grid.
+        search: Scratch.
         path: Written: the points from start to goal [m], as from ``Grid.path``.
     """
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
-    path[0, 0], path[0, 1], path[1, 0], path[1, 1] = start_x, start_y, goal_x, goal_y
-    if way_is_free(*outlines, radius, start_x, start_y, goal_x, goal_y):
+    path[0, 0], path[0, 1], path[1, 0], path[1, 1] = start[0], start[1], goal[0], goal[1]
+    if way_is_free(obstacles, radius, start, goal):
         return 2
-    if not way_is_free(*outlines, radius, start_x, start_y, start_x, start_y):
+    if not way_is_free(obstacles, radius, start, start) or not way_is_free(obstacles, radius, goal, goal):
         return 0
-    if not way_is_free(*outlines, radius, goal_x, goal_y, goal_x, goal_y):
-        return 0
-    mark_blocked(*outlines, radius, origin_x, origin_y, cell, blocked)
-    clear_field(field, queue)
+    mark_blocked(obstacles, radius, grid, search.blocked)
+    clear_field(search)
     # From the goal, so that the cells' parents lead from start to goal.
-    offer_gates(*outlines, radius, goal_x, goal_y, origin_x, origin_y, cell, blocked, field, queue)
-    target = best_gate(*outlines, radius, start_x, start_y, origin_x, origin_y, cell, blocked, field, False)
+    offer_gates(obstacles, radius, goal, grid, search)
+    target = best_gate(obstacles, radius, start, grid, search, False)
     if target < 0:
         return 0
-    columns = field.shape[1]
-    spread(blocked, cell, target // columns, target % columns, field, queue)
-    target = best_gate(*outlines, radius, start_x, start_y, origin_x, origin_y, cell, blocked, field, True)
+    spread(grid.cell, target, search)
+    target = best_gate(obstacles, radius, start, grid, search, True)
     if target < 0:
         return 0
-    count = trace(target, columns, origin_x, origin_y, cell, goal_x, goal_y, queue, path)
-    return pull(*outlines, radius, path, count)
+    return pull(obstacles, radius, path, trace(target, goal, grid, search.queue, path))
 
 
 @kernel
-def best_gate(
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
-    blocks: Flags,
-    cells: CellMap | None,
-    radius: float,
-    x: float,
-    y: float,
-    origin_x: float,
-    origin_y: float,
-    cell: float,
-    blocked: Bytes,
-    field: Floats,
-    settled: bool,
-) -> int:
-    """Return the number of the cell near (x, y) [m], straight from which the way on is shortest; -1 for none.
+def best_gate(obstacles: Obstacles, radius: float, start: Point, grid: Grid, search: Search, settled: bool) -> int:
+    """Return the number of the cell near a point [m], straight from which the way on is shortest; -1 for none.
 
     Unless the field is settled, any cell that can be reached straight will do.
     """
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
+    blocked, field = search.blocked, search.field
     rows, columns = blocked.shape
     best, found = np.inf, -1
     for i in range(16):
-        row, column = gate(i, x - origin_x, y - origin_y, cell)
+        row, column = gate(i, start, grid)
         if row < 0 or column < 0 or row >= rows or column >= columns or blocked[row, column] == BLOCKED:
             continue
-        gate_x, gate_y = origin_x + (column + 0.5) * cell, origin_y + (row + 0.5) * cell
-        dx, dy = gate_x - x, gate_y - y
+        place = centre(grid, row, column)
+        dx, dy = place[0] - start[0], place[1] - start[1]
         total = np.sqrt(dx * dx + dy * dy) + (field[row, column] if settled else 0.0)
-        if total < best and way_is_free(*outlines, radius, x, y, gate_x, gate_y):
+        if total < best and way_is_free(obstacles, radius, start, place):
             best, found = total, row * columns + column
     return found
 
 
 @kernel
-def trace(
-    cell_number: int,
-    columns: int,
-    origin_x: float,
-    origin_y: float,
-    cell: float,
-    goal_x: float,
-    goal_y: float,
-    queue: Ints,
-    path: Floats,
-) -> int:
+def trace(cell_number: int, goal: Point, grid: Grid, queue: Ints, path: Floats) -> int:
     """Write the cells' centres from a cell on to the source behind the path's first point; return how many points.
 
     Points within straight pieces are left out; the source itself comes last.
@@ -155,68 +87,42 @@ def trace(
     while here >= 0:
         onward = queue[PARENT, here]
         if count == 1 or onward < 0 or onward - here != last_step:
-            path[count, 0] = origin_x + (here % columns + 0.5) * cell
-            path[count, 1] = origin_y + (here // columns + 0.5) * cell
+            path[count, 0], path[count, 1] = centre(grid, here // grid.columns, here % grid.columns)
             count += 1
         last_step = onward - here
         here = onward
-    path[count, 0], path[count, 1] = goal_x, goal_y
+    path[count, 0], path[count, 1] = goal[0], goal[1]
     return count + 1
 
 
 @kernel
-def distance_field(
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
-    blocks: Flags,
-    cells: CellMap | None,
-    radius: float,
-    goal_x: float,
-    goal_y: float,
-    origin_x: float,
-    origin_y: float,
-    cell: float,
-    blocked: Bytes,
-    field: Floats,
-    queue: Ints,
-) -> None:
-    """Write the distance to the goal over free cells for each cell.
+def search_ways(obstacles: Obstacles, radius: float, goal: Point, grid: Grid, search: Search) -> None:
+    """Write ``search``: the distance to the goal over free cells, and the next cell on the way, for each cell.
 
-    It is at most 3 % and some cells longer than the true one. Two rings of blocked cells next to free ones get a
-    distance too, so that a body close to an obstacle reads a finite value.
+    The distance is at most 3 % and some cells longer than the true one.
 
     Args:
-        segments: As all tables up to ``cells``: see the package's description.
-        segment_start: See there.
-        segment_count: See there.
-        discs: See there.
-        disc_start: See there.
-        disc_count: See there.
-        solid: See there.
-        blocks: See there.
-        cells: See there.
+        obstacles: What is in the way.
         radius: Radius of the moving body [m].
-        goal_x: Goal [m].
-        goal_y: Goal [m].
-        origin_x: Lower left corner of the grid [m].
-        origin_y: Lower left corner of the grid [m].
-        cell: Side of a cell [m].
-        blocked: Scratch, shape ``(rows, columns)``; holds the blocked cells afterwards.
-        field: Written: distance [m], inf where there is no way, shape ``(rows, columns)``.
-        queue: Scratch, as from ``Grid.queue``.
+        goal: The goal [m].
+        grid: The grid.
+        search: Written.
     """
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
-    mark_blocked(*outlines, radius, origin_x, origin_y, cell, blocked)
-    clear_field(field, queue)
-    offer_gates(*outlines, radius, goal_x, goal_y, origin_x, origin_y, cell, blocked, field, queue)
-    spread(blocked, cell, -1, -1, field, queue)
+    mark_blocked(obstacles, radius, grid, search.blocked)
+    clear_field(search)
+    offer_gates(obstacles, radius, goal, grid, search)
+    spread(grid.cell, -1, search)
+
+
+@kernel
+def distance_field(obstacles: Obstacles, radius: float, goal: Point, grid: Grid, search: Search) -> None:
+    """Write what ``search_ways`` writes, and go on with ``search.field`` into two rings of blocked cells.
+
+    So a body close to an obstacle reads a finite value.
+    """
+    search_ways(obstacles, radius, goal, grid, search)
     for _ in range(RINGS):
-        add_ring(field, cell)
+        add_ring(search.field, grid.cell)
 
 
 @kernel
@@ -251,14 +157,14 @@ def known(distance: float) -> float:
 
 
 @kernel
-def field_at(field: Floats, origin_x: float, origin_y: float, cell: float, x: float, y: float) -> float:
+def field_at(field: Floats, grid: Grid, x: float, y: float) -> float:
     """Return the distance [m] at a point, interpolated between the four cells around it that have one.
 
     Beyond the outermost centres the value at the nearest point between them holds; inf where no cell has a distance.
     """
     rows, columns = field.shape
-    across = min(max((x - origin_x) / cell - 0.5, 0.0), columns - 1.0)
-    up = min(max((y - origin_y) / cell - 0.5, 0.0), rows - 1.0)
+    across = min(max((x - grid.origin_x) / grid.cell - 0.5, 0.0), columns - 1.0)
+    up = min(max((y - grid.origin_y) / grid.cell - 0.5, 0.0), rows - 1.0)
     column, row = int(across), int(up)
     part_x, part_y = across - column, up - row
     total, weights = 0.0, 0.0

@@ -13,14 +13,15 @@ circle on their distance), and q^2 <= h^2 / 2. Hence |o - x|^2 > R^2 - h^2 / 2 =
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
-from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.arraytypes import BodyOutline, Bytes, CellMap, Floats, Ints
+from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.world.outline import outline_of
 
 FREE, BLOCKED = np.uint8(0), np.uint8(1)
 MOST_PATH_CELLS = 1_000_000
@@ -28,8 +29,7 @@ CELL_MARGIN = 1e-9
 """Added to the radius of cells [m], so that rounding never frees one."""
 
 
-@dataclass(frozen=True)
-class Grid:
+class Grid(NamedTuple):
     """Square cells over a rectangle, whose centres all lie within it.
 
     Attributes:
@@ -68,85 +68,81 @@ class Grid:
         """Return scratch memory for ``is_reachable``, shape ``(n_runs, 4)``."""
         return np.zeros((self.rows * ((self.columns + 1) // 2), 4), np.int64)
 
-    def field(self) -> Floats:
-        """Return memory for ``distance_field``, shape ``(rows, columns)``."""
-        return np.zeros((self.rows, self.columns))
-
-    def queue(self) -> Ints:
-        """Return scratch memory for ``spread``, shape ``(3, n_cells + 8)``."""
-        return np.zeros((3, self.rows * self.columns + 8), np.int64)
+    def search(self) -> Search:
+        """Return memory for a search."""
+        n_cells, shape = self.rows * self.columns, (self.rows, self.columns)
+        return Search(np.zeros(shape, np.uint8), np.zeros(shape), np.zeros((3, n_cells + 8), np.int64))
 
     def path(self) -> Floats:
         """Return memory for ``shortest_path``, shape ``(n_points, 2)``."""
         return np.zeros((self.rows * self.columns + 64, 2))
 
 
+class Search(NamedTuple):
+    """Memory of a search over the cells of a grid.
+
+    Attributes:
+        blocked: Blocked cells, shape ``(rows, columns)``.
+        field: Distance to the nearest source [m], inf where there is no way, shape ``(rows, columns)``.
+        queue: The queue, and in row PARENT the number of the next cell on the way to the source, -1 beside it; shape
+            ``(3, n_cells + 8)``, see ``spread``.
+    """
+
+    blocked: Bytes
+    field: Floats
+    queue: Ints
+
+
 @kernel
-def mark_blocked(
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
-    blocks: Flags,
-    cells: CellMap | None,
-    radius: float,
-    origin_x: float,
-    origin_y: float,
-    cell: float,
-    blocked: Bytes,
-) -> None:
+def centre(grid: Grid, row: int, column: int) -> tuple[float, float]:
+    """Return the centre of a cell [m]."""
+    return grid.origin_x + (column + 0.5) * grid.cell, grid.origin_y + (row + 0.5) * grid.cell
+
+
+@kernel
+def mark_blocked(obstacles: Obstacles, radius: float, grid: Grid, blocked: Bytes) -> None:
     """Write which cells are blocked for a body of some radius.
 
     Args:
-        segments: As all tables up to ``cells``: see the package's description.
-        segment_start: See there.
-        segment_count: See there.
-        discs: See there.
-        disc_start: See there.
-        disc_count: See there.
-        solid: See there.
-        blocks: See there.
-        cells: See there.
+        obstacles: What is in the way.
         radius: Radius r of the moving body [m].
-        origin_x: Lower left corner of the grid [m].
-        origin_y: Lower left corner of the grid [m].
-        cell: Side of a cell [m].
+        grid: The grid.
         blocked: Written: 1 where a disc of radius R about the cell's centre touches a body, shape ``(rows, columns)``.
     """
     blocked[:] = FREE
-    wide = np.sqrt(radius * radius + 0.5 * cell * cell) + CELL_MARGIN
+    blocks, cell, wide = (
+        obstacles.blocks,
+        grid.cell,
+        np.sqrt(radius * radius + 0.5 * grid.cell * grid.cell) + CELL_MARGIN,
+    )
     for b in range(blocks.shape[0]):
         if not blocks[b]:
             continue
-        for d in range(disc_start[b], disc_start[b] + disc_count[b]):
-            x, y = discs[d, 0] - origin_x, discs[d, 1] - origin_y
+        outline = outline_of(obstacles.model, obstacles.state, obstacles.w, b)
+        segments, discs = outline.segments, outline.discs
+        for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
+            x, y = discs[d, 0] - grid.origin_x, discs[d, 1] - grid.origin_y
             block_capsule(x, y, x, y, discs[d, 2] + wide, cell, blocked)
-        for s in range(segment_start[b], segment_start[b] + segment_count[b]):
-            ax, ay = segments[s, 0] - origin_x, segments[s, 1] - origin_y
-            bx, by = segments[s, 2] - origin_x, segments[s, 3] - origin_y
+        for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
+            ax, ay = segments[s, 0] - grid.origin_x, segments[s, 1] - grid.origin_y
+            bx, by = segments[s, 2] - grid.origin_x, segments[s, 3] - grid.origin_y
             block_capsule(ax, ay, bx, by, wide, cell, blocked)
     for b in range(blocks.shape[0]):
-        if blocks[b] and solid[b] and segment_count[b] > 0:
-            block_inside(segments, segment_start[b], segment_count[b], origin_x, origin_y, cell, blocked)
-    block_around_cells(cells, wide, origin_x, origin_y, cell, blocked)
+        if blocks[b]:
+            block_inside(outline_of(obstacles.model, obstacles.state, obstacles.w, b), grid, blocked)
+    block_around_cells(obstacles.cells, wide, grid, blocked)
 
 
 @kernel
-def block_around_cells(
-    cells: CellMap | None, radius: float, origin_x: float, origin_y: float, cell: float, blocked: Bytes
-) -> None:
+def block_around_cells(cells: CellMap | None, radius: float, grid: Grid, blocked: Bytes) -> None:
     """Block the cells whose centres lie within ``radius`` [m] of an occupied cell of the map."""
     if cells is None:
         return
-    frame, _, boxes, _ = cells
-    x, y = frame[0] - origin_x, frame[1] - origin_y
+    boxes, x, y = cells.boxes, cells.x - grid.origin_x, cells.y - grid.origin_y
     for k in range(boxes.shape[0]):
-        left, right = x + boxes[k, 0] * frame[2], x + boxes[k, 1] * frame[2]
-        low, high = y + boxes[k, 2] * frame[3], y + boxes[k, 3] * frame[3]
-        block_box(left, low, right, high, radius, cell, blocked)
+        left, right = x + boxes[k, 0] * cells.width, x + boxes[k, 1] * cells.width
+        low, high = y + boxes[k, 2] * cells.height, y + boxes[k, 3] * cells.height
+        block_box(left, low, right, high, radius, grid.cell, blocked)
 
 
 @kernel
@@ -217,29 +213,30 @@ def band(y: float, slope_x: float, slope_y: float, low: float, high: float) -> t
 
 
 @kernel
-def block_inside(
-    segments: Floats, start: int, count: int, origin_x: float, origin_y: float, cell: float, blocked: Bytes
-) -> None:
-    """Block the cells within the area that segments bound, once the cells around the segments are blocked.
+def block_inside(outline: BodyOutline, grid: Grid, blocked: Bytes) -> None:
+    """Block the cells within an outline, once the cells around its segments are blocked.
 
     Between neighbours of which one lies inside and one outside, one is nearer to the boundary than h and blocked, so
     each run of free cells in a row lies on one side and one test is enough for it.
     """
+    if not outline.solid or outline.n_segments == 0:
+        return
+    segments, cell = outline.segments, grid.cell
     low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
-    for s in range(start, start + count):
+    for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
         low_x, high_x = min(low_x, segments[s, 0]), max(high_x, segments[s, 0])
         low_y, high_y = min(low_y, segments[s, 1]), max(high_y, segments[s, 1])
     rows, columns = blocked.shape
-    first, last = first_cell(low_x - origin_x, cell, columns), last_cell(high_x - origin_x, cell, columns)
-    top = last_cell(high_y - origin_y, cell, rows)
-    for row in range(first_cell(low_y - origin_y, cell, rows), top + 1):
+    first, last = first_cell(low_x - grid.origin_x, cell, columns), last_cell(high_x - grid.origin_x, cell, columns)
+    top = last_cell(high_y - grid.origin_y, cell, rows)
+    for row in range(first_cell(low_y - grid.origin_y, cell, rows), top + 1):
         known, inside = False, False
         for column in range(first, last + 1):
             if blocked[row, column] == BLOCKED:
                 known = False
                 continue
             if not known:
-                x, y = origin_x + (column + 0.5) * cell, origin_y + (row + 0.5) * cell
-                known, inside = True, contains_point(segments, start, count, x, y)
+                x, y = centre(grid, row, column)
+                known, inside = True, holds_point(outline, x, y)
             if inside:
                 blocked[row, column] = BLOCKED

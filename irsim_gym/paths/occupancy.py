@@ -4,72 +4,59 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
-from irsim_gym.geometry.polygons import contains_point
+from irsim_gym.arraytypes import BodyOutline, CellMap, Flags
+from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.world.outline import outline_of
 
 EDGE = 1e-9
 """Parts of a cell by which what ends on a cell's edge touches the cell behind it, in spite of rounding."""
 
 
 @kernel
-def mark_touched(
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
-    blocks: Flags,
-    cells: CellMap | None,
-    origin_x: float,
-    origin_y: float,
-    cell_x: float,
-    cell_y: float,
-    touched: Flags,
-) -> None:
+def mark_touched(obstacles: Obstacles, x: float, y: float, width: float, height: float, touched: Flags) -> None:
     """Write which cells a body or an occupied cell of the map touches.
 
     A body touches the cells on whose edges it ends; a cell of the map has to overlap.
 
     Args:
-        segments: As all tables up to ``cells``: see the package's description.
-        segment_start: See there.
-        segment_count: See there.
-        discs: See there.
-        disc_start: See there.
-        disc_count: See there.
-        solid: See there.
-        blocks: See there.
-        cells: See there.
-        origin_x: Lower left corner of the grid [m].
-        origin_y: Lower left corner of the grid [m].
-        cell_x: Width of a cell [m].
-        cell_y: Height of a cell [m].
+        obstacles: What is in the way.
+        x: Left end of the grid [m].
+        y: Lower end of the grid [m].
+        width: Width of a cell [m].
+        height: Height of a cell [m].
         touched: Written, shape ``(columns, rows)``.
     """
     touched[:] = False
-    for b in range(blocks.shape[0]):
-        if not blocks[b]:
+    for b in range(obstacles.blocks.shape[0]):
+        if not obstacles.blocks[b]:
             continue
-        for d in range(disc_start[b], disc_start[b] + disc_count[b]):
-            x, y, radius = (discs[d, 0] - origin_x) / cell_x, (discs[d, 1] - origin_y) / cell_y, discs[d, 2]
-            touch_disc(x, y, radius / cell_x, radius / cell_y, touched)
-        for s in range(segment_start[b], segment_start[b] + segment_count[b]):
-            ax, ay = (segments[s, 0] - origin_x) / cell_x, (segments[s, 1] - origin_y) / cell_y
-            bx, by = (segments[s, 2] - origin_x) / cell_x, (segments[s, 3] - origin_y) / cell_y
+        outline = outline_of(obstacles.model, obstacles.state, obstacles.w, b)
+        segments, discs = outline.segments, outline.discs
+        for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
+            radius = discs[d, 2]
+            touch_disc((discs[d, 0] - x) / width, (discs[d, 1] - y) / height, radius / width, radius / height, touched)
+        for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
+            ax, ay = (segments[s, 0] - x) / width, (segments[s, 1] - y) / height
+            bx, by = (segments[s, 2] - x) / width, (segments[s, 3] - y) / height
             touch_segment(ax, ay, bx, by, touched)
-        if solid[b] and segment_count[b] > 0:
-            touch_inside(segments, segment_start[b], segment_count[b], origin_x, origin_y, cell_x, cell_y, touched)
-    if cells is not None:
-        frame, _, boxes, _ = cells
-        for k in range(boxes.shape[0]):
-            left = (frame[0] + boxes[k, 0] * frame[2] - origin_x) / cell_x
-            right = (frame[0] + boxes[k, 1] * frame[2] - origin_x) / cell_x
-            low = (frame[1] + boxes[k, 2] * frame[3] - origin_y) / cell_y
-            high = (frame[1] + boxes[k, 3] * frame[3] - origin_y) / cell_y
-            touch_box(left, right, low, high, touched)
+        touch_inside(outline, x, y, width, height, touched)
+    touch_cells(obstacles.cells, x, y, width, height, touched)
+
+
+@kernel
+def touch_cells(cells: CellMap | None, x: float, y: float, width: float, height: float, touched: Flags) -> None:
+    """Mark the cells that an occupied cell of the map overlaps."""
+    if cells is None:
+        return
+    boxes = cells.boxes
+    for k in range(boxes.shape[0]):
+        left = (cells.x + boxes[k, 0] * cells.width - x) / width
+        right = (cells.x + boxes[k, 1] * cells.width - x) / width
+        low = (cells.y + boxes[k, 2] * cells.height - y) / height
+        high = (cells.y + boxes[k, 3] * cells.height - y) / height
+        touch_box(left, right, low, high, touched)
 
 
 @kernel
@@ -112,33 +99,22 @@ def touch_segment(ax: float, ay: float, bx: float, by: float, touched: Flags) ->
 
 
 @kernel
-def touch_inside(
-    segments: Floats,
-    start: int,
-    count: int,
-    origin_x: float,
-    origin_y: float,
-    cell_x: float,
-    cell_y: float,
-    touched: Flags,
-) -> None:
-    """Mark the cells within the area that segments bound, once those on its boundary are marked."""
+def touch_inside(outline: BodyOutline, x: float, y: float, width: float, height: float, touched: Flags) -> None:
+    """Mark the cells within an outline, once those on its boundary are marked."""
+    if not outline.solid or outline.n_segments == 0:
+        return
+    segments = outline.segments
     low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
-    for s in range(start, start + count):
+    for s in range(outline.first_segment, outline.first_segment + outline.n_segments):
         low_x, high_x = min(low_x, segments[s, 0]), max(high_x, segments[s, 0])
         low_y, high_y = min(low_y, segments[s, 1]), max(high_y, segments[s, 1])
     columns, rows = touched.shape
-    first, last = (
-        first_touched((low_x - origin_x) / cell_x, columns),
-        last_touched((high_x - origin_x) / cell_x, columns),
-    )
-    low, high = first_touched((low_y - origin_y) / cell_y, rows), last_touched((high_y - origin_y) / cell_y, rows)
+    first, last = first_touched((low_x - x) / width, columns), last_touched((high_x - x) / width, columns)
+    low, high = first_touched((low_y - y) / height, rows), last_touched((high_y - y) / height, rows)
     for i in range(first, last + 1):
         for j in range(low, high + 1):
-            if touched[i, j]:
-                continue
-            x, y = origin_x + (i + 0.5) * cell_x, origin_y + (j + 0.5) * cell_y
-            touched[i, j] = contains_point(segments, start, count, x, y)
+            if not touched[i, j]:
+                touched[i, j] = holds_point(outline, x + (i + 0.5) * width, y + (j + 0.5) * height)
 
 
 @kernel

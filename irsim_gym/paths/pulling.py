@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import Floats
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import way_is_free
+from irsim_gym.paths.clearance import Obstacles, way_is_free
 
 ROUNDS, SWEEPS, HALVINGS = 4, 4, 6
 LONGEST_CUT = 0.5
@@ -24,20 +24,7 @@ def path_length(path: Floats, count: int) -> float:
 
 
 @kernel
-def pull(
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
-    blocks: Flags,
-    cells: CellMap | None,
-    radius: float,
-    path: Floats,
-    count: int,
-) -> int:
+def pull(obstacles: Obstacles, radius: float, path: Floats, count: int) -> int:
     """Shorten a free path in place and return its new number of points; it stays free.
 
     Points that can be left out are; then points are added on both sides of each corner, and all inner points drawn
@@ -45,55 +32,30 @@ def pull(
     way.
 
     Args:
-        segments: As all tables up to ``cells``: see the package's description.
-        segment_start: See there.
-        segment_count: See there.
-        discs: See there.
-        disc_start: See there.
-        disc_count: See there.
-        solid: See there.
-        blocks: See there.
-        cells: See there.
+        obstacles: What is in the way.
         radius: Radius of the moving body [m].
         path: Changed: the points [m], shape ``(n_points, 2)``; room for more than ``count`` is used.
         count: Number of points.
     """
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
-    count = skip_points(*outlines, radius, path, count)
+    count = skip_points(obstacles, radius, path, count)
     cut = LONGEST_CUT
     for _ in range(ROUNDS):
         count = flank_corners(path, count, cut)
         cut *= 0.5
         for _ in range(SWEEPS):
             for i in range(1, count - 1):
-                draw_in(*outlines, radius, path, i)
-        count = skip_points(*outlines, radius, path, count)
+                draw_in(obstacles, radius, path, i)
+        count = skip_points(obstacles, radius, path, count)
     return count
 
 
 @kernel
-def skip_points(
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
-    blocks: Flags,
-    cells: CellMap | None,
-    radius: float,
-    path: Floats,
-    count: int,
-) -> int:
+def skip_points(obstacles: Obstacles, radius: float, path: Floats, count: int) -> int:
     """Go from each kept point straight to the last one that can be reached so; return the new number of points."""
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
     kept, here = 1, 0
     while here < count - 1:
-        to = count - 1
-        while to > here + 1 and not way_is_free(
-            *outlines, radius, path[kept - 1, 0], path[kept - 1, 1], path[to, 0], path[to, 1]
-        ):
+        to, start = count - 1, (path[kept - 1, 0], path[kept - 1, 1])
+        while to > here + 1 and not way_is_free(obstacles, radius, start, (path[to, 0], path[to, 1])):
             to -= 1
         path[kept, 0], path[kept, 1] = path[to, 0], path[to, 1]
         kept, here = kept + 1, to
@@ -131,22 +93,8 @@ def put_between(path: Floats, place: int, ax: float, ay: float, bx: float, by: f
 
 
 @kernel
-def draw_in(
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
-    blocks: Flags,
-    cells: CellMap | None,
-    radius: float,
-    path: Floats,
-    i: int,
-) -> None:
+def draw_in(obstacles: Obstacles, radius: float, path: Floats, i: int) -> None:
     """Move point i towards the nearest point of its neighbours' chord, as far as both its sides stay free."""
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
     ax, ay, bx, by, cx, cy = path[i - 1, 0], path[i - 1, 1], path[i, 0], path[i, 1], path[i + 1, 0], path[i + 1, 1]
     dx, dy = cx - ax, cy - ay
     length2 = dx * dx + dy * dy
@@ -155,8 +103,8 @@ def draw_in(
     way_x, way_y = ax + share * dx - bx, ay + share * dy - by
     good, step = 0.0, 1.0
     for _ in range(HALVINGS + 1):
-        x, y = bx + (good + step) * way_x, by + (good + step) * way_y
-        if way_is_free(*outlines, radius, ax, ay, x, y) and way_is_free(*outlines, radius, x, y, cx, cy):
+        here = (bx + (good + step) * way_x, by + (good + step) * way_y)
+        if way_is_free(obstacles, radius, (ax, ay), here) and way_is_free(obstacles, radius, here, (cx, cy)):
             good += step
             if good >= 1.0:
                 break

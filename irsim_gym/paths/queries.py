@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
-from irsim_gym.paths.clearance import Outlines
+from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.occupancy import mark_touched
@@ -55,12 +55,9 @@ def free_path(
         blocks: Which bodies are in the way, shape ``(body,)``; as ``standing_bodies`` if not given.
         cell: Side of the cells [m] in which ways around things are sought.
     """
-    grid, outlines = Grid.over(model.bounds, cell), _outlines(model, state, world, blocks)
+    grid, obstacles = Grid.over(model.bounds, cell), _obstacles(model, state, world, blocks)
     path = grid.path()
-    ends = float(start[0]), float(start[1]), float(goal[0]), float(goal[1])
-    place = grid.origin_x, grid.origin_y, grid.cell
-    memory = grid.blocked(), grid.field(), grid.queue()
-    count = shortest_path(*outlines, float(radius), *ends, *place, *memory, path)
+    count = shortest_path(obstacles, float(radius), _point(start), _point(goal), grid, grid.search(), path)
     return path[:count].copy()
 
 
@@ -92,10 +89,9 @@ def has_free_path(
     cell: float = COARSE,
 ) -> bool:
     """Return whether ``is_reachable`` finds a way; arguments as for ``free_path``."""
-    grid, outlines = Grid.over(model.bounds, cell), _outlines(model, state, world, blocks)
-    ends = float(start[0]), float(start[1]), float(goal[0]), float(goal[1])
-    place = grid.origin_x, grid.origin_y, grid.cell
-    return bool(is_reachable(*outlines, float(radius), *ends, *place, grid.blocked(), grid.runs()))
+    grid, obstacles = Grid.over(model.bounds, cell), _obstacles(model, state, world, blocks)
+    ends = _point(start), _point(goal)
+    return bool(is_reachable(obstacles, float(radius), *ends, grid, grid.blocked(), grid.runs()))
 
 
 def touched_cells(
@@ -113,7 +109,7 @@ def touched_cells(
     x_min, y_min, x_max, y_max = (float(value) for value in model.bounds)
     touched = np.zeros(n_cells, np.bool_)
     size = (x_max - x_min) / n_cells[0], (y_max - y_min) / n_cells[1]
-    mark_touched(*_outlines(model, state, world, blocks), x_min, y_min, *size, touched)
+    mark_touched(_obstacles(model, state, world, blocks), x_min, y_min, *size, touched)
     return touched
 
 
@@ -132,29 +128,23 @@ def cells_way(blocked: Bytes, start: tuple[int, int], goal: tuple[int, int]) -> 
     inside = all(0 <= row < rows and 0 <= column < columns for row, column in (start, goal))
     if not inside or blocked[start] or blocked[goal]:
         return []
-    field, queue = np.zeros((rows, columns)), np.zeros((3, rows * columns + 8), np.int64)
-    clear_field(field, queue)
-    offer(field.reshape(-1), queue, goal[0] * columns + goal[1], 0.0, -1, 1.0)
-    spread(blocked, 1.0, *start, field, queue)
-    if not np.isfinite(field[start]):
-        return []
     way, here = [], start[0] * columns + start[1]
+    search = Grid(0.0, 0.0, 1.0, columns, rows).search()._replace(blocked=blocked)
+    clear_field(search)
+    offer(search.field.reshape(-1), search.queue, goal[0] * columns + goal[1], 0.0, -1, 1.0)
+    spread(1.0, here, search)
+    if not np.isfinite(search.field[start]):
+        return []
     while here >= 0:
         way.append((here // columns, here % columns))
-        here = int(queue[PARENT, here])
+        here = int(search.queue[PARENT, here])
     return way
 
 
-def _outlines(model: WorldModel, state: WorldState, world: int, blocks: Flags | None) -> Outlines:
-    """Return the tables of one world in the order that the kernels want."""
-    return (
-        state.segments[world],
-        model.segment_start,
-        model.segment_count[world % len(model.segment_count)],
-        state.discs[world],
-        model.disc_start,
-        model.disc_count[world % len(model.disc_count)],
-        model.solid,
-        standing_bodies(model, world) if blocks is None else np.ascontiguousarray(blocks, np.bool_),
-        model.cells,
-    )
+def _point(values: Point) -> tuple[float, float]:
+    return float(values[0]), float(values[1])
+
+
+def _obstacles(model: WorldModel, state: WorldState, world: int, blocks: Flags | None) -> Obstacles:
+    chosen = standing_bodies(model, world) if blocks is None else np.ascontiguousarray(blocks, np.bool_)
+    return Obstacles(model, state, int(world), chosen, model.cells)

@@ -4,35 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, Ints
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import way_is_free
-from irsim_gym.paths.grid import BLOCKED, mark_blocked
+from irsim_gym.paths.clearance import Obstacles, Point, way_is_free
+from irsim_gym.paths.grid import BLOCKED, Grid, centre, mark_blocked
 
 FIRST, LAST, PARENT, KEY = 0, 1, 2, 3
 
 
 @kernel
 def is_reachable(
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
-    blocks: Flags,
-    cells: CellMap | None,
-    radius: float,
-    start_x: float,
-    start_y: float,
-    goal_x: float,
-    goal_y: float,
-    origin_x: float,
-    origin_y: float,
-    cell: float,
-    blocked: Bytes,
-    runs: Ints,
+    obstacles: Obstacles, radius: float, start: Point, goal: Point, grid: Grid, blocked: Bytes, runs: Ints
 ) -> bool:
     """Return whether a body of some radius has a free way from start to goal within the grid.
 
@@ -41,59 +23,41 @@ def is_reachable(
     than about 2 sqrt(r^2 + h^2 / 2) - 2 r + sqrt(2) h wider than the body, with the side h of a cell.
 
     Args:
-        segments: As all tables up to ``cells``: see the package's description.
-        segment_start: See there.
-        segment_count: See there.
-        discs: See there.
-        disc_start: See there.
-        disc_count: See there.
-        solid: See there.
-        blocks: See there.
-        cells: See there.
+        obstacles: What is in the way.
         radius: Radius of the moving body [m].
-        start_x: Start [m].
-        start_y: Start [m].
-        goal_x: Goal [m].
-        goal_y: Goal [m].
-        origin_x: Lower left corner of the grid [m].
-        origin_y: Lower left corner of the grid [m].
-        cell: Side of a cell [m].
+        start: Where it starts [m].
+        goal: Where it goes [m].
+        grid: The grid.
         blocked: Scratch, shape ``(rows, columns)``; holds the blocked cells afterwards if the way is not straight.
         runs: Scratch, shape ``(n_runs, 4)``, as from ``Grid.runs``.
     """
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
-    if way_is_free(*outlines, radius, start_x, start_y, goal_x, goal_y):
+    if way_is_free(obstacles, radius, start, goal):
         return True
-    if not way_is_free(*outlines, radius, start_x, start_y, start_x, start_y):
+    if not way_is_free(obstacles, radius, start, start) or not way_is_free(obstacles, radius, goal, goal):
         return False
-    if not way_is_free(*outlines, radius, goal_x, goal_y, goal_x, goal_y):
-        return False
-    mark_blocked(*outlines, radius, origin_x, origin_y, cell, blocked)
+    mark_blocked(obstacles, radius, grid, blocked)
     count = join_runs(blocked, runs)
     for i in range(16):
-        row, column = gate(i, start_x - origin_x, start_y - origin_y, cell)
+        row, column = gate(i, start, grid)
         run = find_run(runs, count, blocked, row, column)
-        if run >= 0 and runs[run, KEY] >= 0:
-            x, y = origin_x + (column + 0.5) * cell, origin_y + (row + 0.5) * cell
-            if way_is_free(*outlines, radius, start_x, start_y, x, y):
-                runs[run, KEY] = -1 - runs[run, KEY]
+        if run >= 0 and runs[run, KEY] >= 0 and way_is_free(obstacles, radius, start, centre(grid, row, column)):
+            runs[run, KEY] = -1 - runs[run, KEY]
     for i in range(16):
-        row, column = gate(i, goal_x - origin_x, goal_y - origin_y, cell)
+        row, column = gate(i, goal, grid)
         run = find_run(runs, count, blocked, row, column)
-        if run >= 0 and runs[run, KEY] < 0:
-            x, y = origin_x + (column + 0.5) * cell, origin_y + (row + 0.5) * cell
-            if way_is_free(*outlines, radius, goal_x, goal_y, x, y):
-                return True
+        if run >= 0 and runs[run, KEY] < 0 and way_is_free(obstacles, radius, goal, centre(grid, row, column)):
+            return True
     return False
 
 
 @kernel
-def gate(i: int, x: float, y: float, cell: float) -> tuple[int, int]:
-    """Return row and column of the i-th of the 16 cells whose centres surround a point (in the grid's frame) [m].
+def gate(i: int, point: Point, grid: Grid) -> tuple[int, int]:
+    """Return row and column of the i-th of the 16 cells whose centres surround a point [m].
 
     The four nearest come first; cells may lie outside of the grid.
     """
-    column, row = int(np.floor(x / cell - 0.5)), int(np.floor(y / cell - 0.5))
+    column = int(np.floor((point[0] - grid.origin_x) / grid.cell - 0.5))
+    row = int(np.floor((point[1] - grid.origin_y) / grid.cell - 0.5))
     if i < 4:
         return row + i // 2, column + i % 2
     if i < 8:

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, Floats, Ints
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import way_is_free
-from irsim_gym.paths.grid import BLOCKED
+from irsim_gym.paths.clearance import Obstacles, Point, way_is_free
+from irsim_gym.paths.grid import BLOCKED, Grid, Search, centre
 from irsim_gym.paths.reachability import gate
 
 N_BUCKETS = 8
@@ -34,8 +34,9 @@ LENGTHS = np.sqrt(np.sum(STEPS * STEPS, axis=1))
 
 
 @kernel
-def clear_field(field: Floats, queue: Ints) -> None:
+def clear_field(search: Search) -> None:
     """Make all distances infinite and the queue empty."""
+    field, queue = search.field, search.queue
     field[:] = np.inf
     n_cells = field.size
     for k in range(n_cells, n_cells + N_BUCKETS):
@@ -58,52 +59,30 @@ def offer(known: Floats, queue: Ints, here: int, distance: float, parent: int, c
 
 
 @kernel
-def offer_gates(
-    segments: Floats,
-    segment_start: Ints,
-    segment_count: Ints,
-    discs: Floats,
-    disc_start: Ints,
-    disc_count: Ints,
-    solid: Flags,
-    blocks: Flags,
-    cells: CellMap | None,
-    radius: float,
-    x: float,
-    y: float,
-    origin_x: float,
-    origin_y: float,
-    cell: float,
-    blocked: Bytes,
-    field: Floats,
-    queue: Ints,
-) -> None:
-    """Offer the free cells about the source (x, y) [m] that can be reached straight from it; their PARENT is -1."""
-    outlines = (segments, segment_start, segment_count, discs, disc_start, disc_count, solid, blocks, cells)
+def offer_gates(obstacles: Obstacles, radius: float, source: Point, grid: Grid, search: Search) -> None:
+    """Offer the free cells about a source [m] that can be reached straight from it; their PARENT is -1."""
+    blocked, known = search.blocked, search.field.reshape(-1)
     rows, columns = blocked.shape
-    known = field.reshape(-1)
     for i in range(16):
-        row, column = gate(i, x - origin_x, y - origin_y, cell)
+        row, column = gate(i, source, grid)
         if row < 0 or column < 0 or row >= rows or column >= columns or blocked[row, column] == BLOCKED:
             continue
-        gate_x, gate_y = origin_x + (column + 0.5) * cell, origin_y + (row + 0.5) * cell
-        if way_is_free(*outlines, radius, x, y, gate_x, gate_y):
-            dx, dy = gate_x - x, gate_y - y
-            offer(known, queue, row * columns + column, np.sqrt(dx * dx + dy * dy), -1, cell)
+        place = centre(grid, row, column)
+        if way_is_free(obstacles, radius, source, place):
+            dx, dy = place[0] - source[0], place[1] - source[1]
+            offer(known, search.queue, row * columns + column, np.sqrt(dx * dx + dy * dy), -1, grid.cell)
 
 
 @kernel
-def spread(blocked: Bytes, cell: float, target_row: int, target_column: int, field: Floats, queue: Ints) -> None:
+def spread(cell: float, target: int, search: Search) -> None:
     """Spread from the cells in the queue until nothing is left, or until the target's surroundings are settled.
 
     Args:
-        blocked: Blocked cells, shape ``(rows, columns)``.
         cell: Side of a cell [m].
-        target_row: Stop once this cell and all as near as four cells beyond it are settled; -1 for no target.
-        target_column: See ``target_row``.
-        field: Changed: distances from the source [m], inf where there is no way, shape ``(rows, columns)``.
-        queue: Changed: the queue, and in row PARENT the number of the cell before on the way, -1 at the source.
+        target: Stop once the cell of this number and all as near as four cells beyond it are settled; -1 for no target.
+        search: Changed: the distances, and the queue.
     """
+    blocked, field, queue = search.blocked, search.field, search.queue
     n_cells, bucket, idle = field.size, 0, 0
     rows, columns = blocked.shape
     walls, known = blocked.reshape(-1), field.reshape(-1)
@@ -112,7 +91,7 @@ def spread(blocked: Bytes, cell: float, target_row: int, target_column: int, fie
         here = queue[NEXT, head]
         if here == head:
             bucket, idle = bucket + 1, idle + 1
-            if target_row >= 0 and field[target_row, target_column] < (bucket - 4) * cell:
+            if target >= 0 and known[target] < (bucket - 4) * cell:
                 return
             continue
         idle = 0

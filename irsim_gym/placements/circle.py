@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats, Ints, Words
-from irsim_gym.geometry.frames import place_outline
+from irsim_gym.arraytypes import CellMap, Floats, Ints
 from irsim_gym.jit import kernel
-from irsim_gym.placements.free_space import bundles, is_goal_free, is_start_free
+from irsim_gym.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.placements.manual import put_on_start, world_box
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import place_outline
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
@@ -22,6 +24,29 @@ MARGIN = 0.5
 TRIES = 100
 JITTER_CLEARANCE = 0.05
 """What shifted starts, and shifted goals, keep between the outlines [m]."""
+
+
+@dataclass(repr=False)
+class CircleTables(Struct):
+    """What shifted starts and goals are drawn from.
+
+    Attributes:
+        x: Centre [m].
+        y: Centre [m].
+        radius: Radius of the circle [m].
+        jitter: By how much starts and goals are shifted at most [m].
+        turn: The circle is turned.
+        angles: Direction of each member's place from the centre [rad], shape ``(n_bodies,)``.
+        everyone: Numbers of all bodies.
+    """
+
+    x: float
+    y: float
+    radius: float
+    jitter: float
+    turn: bool
+    angles: Floats
+    everyone: Ints
 
 
 @kind
@@ -67,8 +92,11 @@ class CirclePlacement:
             arm = radius * np.array([np.cos(angle), np.sin(angle)])
             model.start[:, b] = [*(center + arm), angle - np.pi]
             model.waypoints[:, b, 0] = [*(center - arm), angle - np.pi]
-        group.arrays["circle"] = np.array([*center, radius, len(group.members)])
-        group.arrays["everyone"] = np.arange(len(model.role))
+        angles = np.zeros(len(model.role))
+        angles[group.members] = 2.0 * np.pi * np.arange(len(group.members)) / len(group.members)
+        everyone = np.arange(len(model.role))
+        x, y, jitter = float(center[0]), float(center[1]), float(options.jitter)
+        group.tables = CircleTables(x, y, float(radius), jitter, options.turn, angles, everyone)
         return _beyond_the_edge(center, radius + options.jitter, model) if options.is_random else None
 
     @staticmethod
@@ -77,11 +105,7 @@ class CirclePlacement:
         if not group.options[0].is_random:
             put_on_start(shard.worlds, group.members, model, state)
             return
-        shapes, targets, scene = bundles(model, state)
-        draw_shifted(
-            shard.worlds, group.members, group.params, group.arrays["circle"], shapes, targets, scene,
-            group.arrays["everyone"], state.random, failed,
-        )  # fmt: skip
+        draw_shifted(shard.worlds, group.members, group.tables, model, state, model.cells, failed)
 
 
 def _beyond_the_edge(center: Floats, extent: float, model: WorldModel) -> str | None:
@@ -96,29 +120,22 @@ def _beyond_the_edge(center: Floats, extent: float, model: WorldModel) -> str | 
 def draw_shifted(
     worlds: Ints,
     members: Ints,
-    params: Any,
-    circle: Floats,
-    shapes: Any,
-    targets: Any,
-    scene: Any,
-    everyone: Ints,
-    random: Words,
+    circle: CircleTables,
+    model: WorldModel,
+    state: WorldState,
+    cells: CellMap | None,
     failed: Ints,
 ) -> None:
     """Turn the circle, then shift the start and the goal of one member after the other until they are free."""
-    present, has_goal, placed, options = shapes[0], targets[0], scene[3], params[0]
+    placed = state.placed
     for w in worlds:
-        turned = uniform(random, w, 0.0, 2.0 * np.pi) if options.turn else 0.0
-        for k in range(members.shape[0]):
-            b = members[k]
-            if failed[w] > 0 or not present[w, b] or placed[w, b]:
+        turned = uniform(state.random, w, 0.0, 2.0 * np.pi) if circle.turn else 0.0
+        for b in members:
+            if failed[w] > 0 or not model.present[w, b] or placed[w, b]:
                 continue
-            angle = turned + 2.0 * np.pi * params[k].index / circle[3]
-            placed[w, b] = shift_start(
-                w, b, angle, options.jitter, circle, shapes, targets, scene, everyone, random
-            ) and (
-                not has_goal[b]
-                or shift_goal(w, k, members, angle, options.jitter, circle, shapes, targets, scene, random)
+            angle = turned + circle.angles[b]
+            placed[w, b] = shift_start(w, b, angle, circle, model, state, cells) and (
+                not model.has_goal[b] or shift_goal(w, b, members, angle, circle, model, state, cells)
             )
             if not placed[w, b]:
                 failed[w] = b + 1
@@ -126,41 +143,15 @@ def draw_shifted(
 
 @kernel
 def shift_start(
-    w: int,
-    b: int,
-    angle: float,
-    jitter: float,
-    circle: Floats,
-    shapes: Any,
-    targets: Any,
-    scene: Any,
-    everyone: Ints,
-    random: Words,
+    w: int, b: int, angle: float, circle: CircleTables, model: WorldModel, state: WorldState, cells: CellMap | None
 ) -> bool:
     """Draw a pose near body b's place on the circle, facing the centre; return whether one is free."""
-    _, _, _, segment_start, segment_count, local_segments, disc_start, disc_count, local_discs = shapes
-    pose, segments, discs, _, _ = scene
-    clearance = JITTER_CLEARANCE if jitter > 0.0 else 0.0
+    clearance, pose = JITTER_CLEARANCE if circle.jitter > 0.0 else 0.0, state.pose[w, b]
     for _ in range(TRIES):
-        along = jitter * np.sqrt(uniform(random, w, 0.0, 1.0))
-        direction = uniform(random, w, 0.0, 2.0 * np.pi)
-        x = circle[2] * np.cos(angle) + along * np.cos(direction)
-        y = circle[2] * np.sin(angle) + along * np.sin(direction)
-        pose[w, b, 0], pose[w, b, 1], pose[w, b, 2] = circle[0] + x, circle[1] + y, np.arctan2(-y, -x)
-        place_outline(
-            local_segments[row_of(local_segments, w)],
-            local_discs[row_of(local_discs, w)],
-            segment_start[b],
-            segment_count[row_of(segment_count, w), b],
-            disc_start[b],
-            disc_count[row_of(disc_count, w), b],
-            pose[w, b, 0],
-            pose[w, b, 1],
-            pose[w, b, 2],
-            segments[w],
-            discs[w],
-        )
-        if is_start_free(w, b, clearance, shapes, targets, scene, everyone, everyone.shape[0]):
+        x, y = shifted(w, circle.radius * np.cos(angle), circle.radius * np.sin(angle), circle.jitter, state)
+        pose[0], pose[1], pose[2] = circle.x + x, circle.y + y, np.arctan2(-y, -x)
+        place_outline(model, state, w, b)
+        if is_start_free(w, b, circle.everyone, clearance, model, state, cells):
             return True
     return False
 
@@ -168,42 +159,41 @@ def shift_start(
 @kernel
 def shift_goal(
     w: int,
-    k: int,
+    b: int,
     members: Ints,
     angle: float,
-    jitter: float,
-    circle: Floats,
-    shapes: Any,
-    targets: Any,
-    scene: Any,
-    random: Words,
+    circle: CircleTables,
+    model: WorldModel,
+    state: WorldState,
+    cells: CellMap | None,
 ) -> bool:
-    """Draw a goal near the place opposite of member k's, headed away from the centre; return whether one is free."""
-    b, waypoints = members[k], targets[3]
-    clearance = JITTER_CLEARANCE if jitter > 0.0 else 0.0
+    """Draw a goal near the place opposite of body b's, headed away from the centre; return whether one is free."""
+    clearance, goal = JITTER_CLEARANCE if circle.jitter > 0.0 else 0.0, model.waypoints[w, b, 0]
     for _ in range(TRIES):
-        along = jitter * np.sqrt(uniform(random, w, 0.0, 1.0))
-        direction = uniform(random, w, 0.0, 2.0 * np.pi)
-        x = -circle[2] * np.cos(angle) + along * np.cos(direction)
-        y = -circle[2] * np.sin(angle) + along * np.sin(direction)
-        goal = waypoints[w, b, 0]
-        goal[0], goal[1], goal[2] = circle[0] + x, circle[1] + y, np.arctan2(y, x)
-        if are_goals_apart(w, b, members, clearance, shapes[0], shapes[2], scene[3], waypoints) and is_goal_free(
-            w, b, clearance, shapes, targets, scene
+        x, y = shifted(w, -circle.radius * np.cos(angle), -circle.radius * np.sin(angle), circle.jitter, state)
+        goal[0], goal[1], goal[2] = circle.x + x, circle.y + y, np.arctan2(y, x)
+        if are_goals_apart(w, b, members, clearance, model, state) and is_goal_free(
+            w, b, clearance, model, state, cells
         ):
             return True
     return False
 
 
 @kernel
-def are_goals_apart(
-    w: int, b: int, members: Ints, clearance: float, present: Any, reach: Floats, placed: Any, waypoints: Floats
-) -> bool:
+def shifted(w: int, x: float, y: float, jitter: float, state: WorldState) -> tuple[float, float]:
+    """Draw a point evenly from a disc of radius ``jitter`` [m] around another one."""
+    along = jitter * np.sqrt(uniform(state.random, w, 0.0, 1.0))
+    direction = uniform(state.random, w, 0.0, 2.0 * np.pi)
+    return x + along * np.cos(direction), y + along * np.sin(direction)
+
+
+@kernel
+def are_goals_apart(w: int, b: int, members: Ints, clearance: float, model: WorldModel, state: WorldState) -> bool:
     """Return whether body b has room at its goal beside the other members that are placed, at theirs."""
-    reaches = reach[row_of(reach, w)]
+    reaches, goals = model.reach[row_of(model.reach, w)], model.waypoints[w]
     for q in members:
-        dx, dy = waypoints[w, q, 0, 0] - waypoints[w, b, 0, 0], waypoints[w, q, 0, 1] - waypoints[w, b, 0, 1]
+        dx, dy = goals[q, 0, 0] - goals[b, 0, 0], goals[q, 0, 1] - goals[b, 0, 1]
         room = reaches[b] + reaches[q] + clearance
-        if q != b and placed[w, q] and present[w, q] and dx * dx + dy * dy < room * room:
+        if q != b and state.placed[w, q] and model.present[w, q] and dx * dx + dy * dy < room * room:
             return False
     return True

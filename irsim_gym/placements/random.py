@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
 from irsim_gym.geometry.buckets import bucket_of, gather_nearby, put
-from irsim_gym.geometry.frames import place_outline
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
-from irsim_gym.paths.regions import of_slot, way_tables
-from irsim_gym.placements.free_space import bundles, has_way, is_goal_free, is_spaced, is_start_free
+from irsim_gym.paths.regions import way_tables
+from irsim_gym.placements.free_space import WayGrids, has_way, is_goal_free, is_spaced, is_start_free
 from irsim_gym.placements.manual import world_box
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import crossed_bounds, kind, option
+from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import place_outline
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
@@ -34,7 +36,33 @@ GOAL_TRIES = 100
 PATH_TRIES = 8
 COARSE, FINE = 1.0, 0.5
 """Sides of cells, relative to the reach of the body that looks for a way."""
-WAY_TABLES = ("frame", "blocked", "runs", "labels", "known")
+
+
+@dataclass(repr=False)
+class DrawTables(Struct):
+    """What the starts and goals of one entry are drawn from.
+
+    Attributes:
+        low: Lower bounds of the starts [m, m, rad], shape ``(3,)``.
+        high: Upper bounds of the starts, likewise.
+        goal_low: Lower bounds of the goals, likewise.
+        goal_high: Upper bounds of the goals, likewise.
+        min_distance: Least distance between the origins, and between the goals, of two members [m].
+        clearance: Surface distance kept from everything else [m].
+        min_goal_distance: Least distance from start to goal [m].
+        is_member: Bodies of the entry, shape ``(n_bodies,)``.
+        everyone: Numbers of all bodies.
+    """
+
+    low: Floats
+    high: Floats
+    goal_low: Floats
+    goal_high: Floats
+    min_distance: float
+    clearance: float
+    min_goal_distance: float
+    is_member: Flags
+    everyone: Ints
 
 
 @kind
@@ -108,47 +136,26 @@ class RandomPlacement:
                 return f"{name}_low {ends[0]} exceeds {name}_high {ends[1]}; what is not given is {missing}"
         corners = np.array([*(bound[:2] for bound in bounds), model.bounds[:2], model.bounds[2:]])
         area = (*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist())
-        group.arrays = dict(zip(("low", "high", "goal_low", "goal_high"), bounds, strict=True))
-        if options.min_distance is None:
+        min_distance = options.min_distance
+        if min_distance is None:
             has_room = all(_has_room(len(group.members), *ends) for ends in ((low, high), (goal_low, goal_high)))
-            group.params["min_distance"] = WISHED_DISTANCE if has_room else 0.0
-        group.arrays["everyone"] = np.arange(len(model.role))
-        group.arrays["is_member"] = np.isin(group.arrays["everyone"], group.members)
-        group.arrays["blocks"] = np.zeros((n_slots, len(model.role)), np.bool_)
-        reach = float(np.min(model.reach[:, group.members]))
-        whole = max(area[2] - area[0], area[3] - area[1])
-        for name, share in (("coarse", COARSE), ("fine", FINE)):
-            grid = Grid.over(area, share * reach if options.reachable else whole)
-            tables: Any = way_tables(grid, n_slots, len(model.role))
-            group.arrays |= {f"{name}_{table}": made for table, made in zip(WAY_TABLES, tables, strict=True)}
+            min_distance = WISHED_DISTANCE if has_room else 0.0
+        everyone = np.arange(len(model.role))
+        spacing, clearance, away = float(min_distance), float(options.clearance), float(options.min_goal_distance)
+        is_member, way_grids = np.isin(everyone, group.members), None
+        if options.reachable:
+            reach = float(np.min(model.reach[:, group.members]))
+            grids = (way_tables(Grid.over(area, share * reach), n_slots, len(everyone)) for share in (COARSE, FINE))
+            way_grids = WayGrids(np.zeros((n_slots, len(everyone)), np.bool_), *grids)
+        group.tables = DrawTables(*bounds, spacing, clearance, away, is_member, everyone), way_grids
         return None
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
         """Draw starts and goals; ``failed[w]`` becomes body + 1 where a member found no place."""
-        shapes, targets, scene = bundles(model, state)
-        table, slot = group.arrays, shard.slot
-        grids: Any = None  # then nothing that looks for a way is compiled
-        if group.options[0].reachable:
-            both = (of_slot([table[f"{name}_{part}"] for part in WAY_TABLES], slot) for name in ("coarse", "fine"))
-            grids = model.rigid, table["blocks"][slot], *both
-        near: Any = None
-        if model.bucket_frame[3] > 0.0:
-            lists = state.bucket, state.bucket_first, state.bucket_next, state.nearby
-            near = model.bucket_frame, model.bucketed, *lists
-        draw_members(
-            shard.worlds,
-            (group.members, table["is_member"], table["everyone"]),
-            group.params,
-            (table["low"], table["high"], table["goal_low"], table["goal_high"]),
-            shapes,
-            targets,
-            scene,
-            near,
-            grids,
-            state.random,
-            failed,
-        )
+        tables, way_grids = group.tables
+        grids = None if way_grids is None else way_grids.of_slot(shard.slot)
+        draw_members(shard.worlds, group.members, tables, grids, model, state, model.cells, failed)
 
 
 def _has_room(count: int, low: Floats, high: Floats) -> bool:
@@ -170,143 +177,93 @@ def _bounds(options: RandomPlacement, model: WorldModel) -> tuple[Floats, Floats
 @kernel
 def draw_members(
     worlds: Ints,
-    lists: Any,
-    params: Any,
-    bounds: Any,
-    shapes: Any,
-    targets: Any,
-    scene: Any,
-    near: Any,
-    grids: Any,
-    random: Words,
+    members: Ints,
+    tables: DrawTables,
+    grids: WayGrids | None,
+    model: WorldModel,
+    state: WorldState,
+    cells: CellMap | None,
     failed: Ints,
 ) -> None:
     """Place one member after the other in each world, those that have no place yet, until one finds none.
 
-    ``lists`` are the numbers of the members, which bodies those are, and the numbers of all bodies; ``near`` are the
-    world's buckets (``geometry/buckets.py``), which hold whoever is placed, or None without.
+    Without ``grids`` no way is looked for, and nothing that does so is compiled.
     """
-    present, has_goal, placed, options, members = shapes[0], targets[0], scene[3], params[0], lists[0]
-    low, high, goal_low, goal_high = bounds
+    placed, has_buckets = state.placed, model.bucket_frame[0].columns > 0
     for w in worlds:
-        if near is not None:
-            sort_placed(w, present, placed, scene[0], near)
+        if has_buckets:
+            sort_placed(w, model, state)
         for b in members:
-            if failed[w] > 0 or not present[w, b] or placed[w, b]:
+            if failed[w] > 0 or not model.present[w, b] or placed[w, b]:
                 continue
-            for _ in range(PATH_TRIES if has_goal[b] else 1):
-                placed[w, b] = draw_start(w, b, lists, options, low, high, shapes, targets, scene, near, random) and (
-                    not has_goal[b]
-                    or draw_goal(w, b, lists, options, goal_low, goal_high, shapes, targets, scene, random)
+            for _ in range(PATH_TRIES if model.has_goal[b] else 1):
+                placed[w, b] = draw_start(w, b, members, tables, model, state, cells) and (
+                    not model.has_goal[b] or draw_goal(w, b, members, tables, model, state, cells)
                 )
                 if grids is not None:
-                    placed[w, b] = placed[w, b] and (not has_goal[b] or has_way(w, b, shapes, targets, scene, grids))
+                    placed[w, b] = placed[w, b] and (not model.has_goal[b] or has_way(w, b, grids, model, state, cells))
                 if placed[w, b]:
                     break
             if not placed[w, b]:
                 failed[w] = b + 1
-            elif near is not None:
-                put_placed(w, b, scene[0], near)
+            elif has_buckets:
+                put_placed(w, b, model, state)
 
 
 @kernel
-def sort_placed(w: int, present: Flags, placed: Flags, pose: Floats, near: Any) -> None:
+def sort_placed(w: int, model: WorldModel, state: WorldState) -> None:
     """Let the buckets of world w hold the placed bodies and nobody else."""
-    _, _, bucket, first, following, _ = near
-    bucket[w, :], first[w, :], following[w, :] = -1, -1, -1
-    for b in range(placed.shape[1]):
-        if placed[w, b] and present[w, b]:
-            put_placed(w, b, pose, near)
+    state.bucket[w, :], state.bucket_first[w, :], state.bucket_next[w, :] = -1, -1, -1
+    for b in range(state.placed.shape[1]):
+        if state.placed[w, b] and model.present[w, b]:
+            put_placed(w, b, model, state)
 
 
 @kernel
-def put_placed(w: int, b: int, pose: Floats, near: Any) -> None:
+def put_placed(w: int, b: int, model: WorldModel, state: WorldState) -> None:
     """Put body b of world w into its bucket."""
-    frame, bucketed, bucket, first, following, _ = near
-    put(b, bucket_of(pose[w, b, 0], pose[w, b, 1], bucketed[b], frame), bucket[w], first[w], following[w])
+    place = bucket_of(state.pose[w, b, 0], state.pose[w, b, 1], model.bucketed[b], model.bucket_frame[0])
+    put(b, place, state.bucket[w], state.bucket_first[w], state.bucket_next[w])
 
 
 @kernel
 def draw_start(
-    w: int,
-    b: int,
-    lists: Any,
-    options: Any,
-    low: Floats,
-    high: Floats,
-    shapes: Any,
-    targets: Any,
-    scene: Any,
-    near: Any,
-    random: Words,
+    w: int, b: int, members: Ints, tables: DrawTables, model: WorldModel, state: WorldState, cells: CellMap | None
 ) -> bool:
     """Draw a pose for body b that is clear of everything placed so far; return whether there is one."""
-    reach, segment_start, segment_count, local_segments, disc_start, disc_count, local_discs = shapes[2:]
-    pose, segments, discs, placed, _ = scene
-    members, is_member, everyone = lists
+    frame, pose, placed, peers, others = model.bucket_frame[0], state.pose[w], state.placed[w], members, tables.everyone
+    first, following, found = state.bucket_first[w], state.bucket_next[w], state.nearby[w]
+    own = model.reach[row_of(model.reach, w), b]
     for _ in range(START_TRIES):
         for axis in range(3):
-            pose[w, b, axis] = uniform(random, w, low[axis], high[axis])
-        if near is None:
-            peers, n_peers, others, n_others = members, members.shape[0], everyone, everyone.shape[0]
-        else:
-            frame, _, _, first, following, found = near
-            radius = max(options.min_distance, reach[row_of(reach, w), b] + options.clearance + frame[5])
-            n_others = gather_nearby(pose[w, b, 0], pose[w, b, 1], radius, frame, first[w], following[w], found[w])
-            peers, n_peers, others = found[w], n_others, found[w]
-        if not is_spaced(pose[w], peers, n_peers, is_member, b, options.min_distance, shapes[0][w], placed[w]):
+            pose[b, axis] = uniform(state.random, w, tables.low[axis], tables.high[axis])
+        if frame.columns > 0:
+            within = max(tables.min_distance, own + tables.clearance + frame.reach)
+            count = gather_nearby(pose[b, 0], pose[b, 1], within, frame, first, following, found)
+            peers, others = found[:count], found[:count]
+        if not is_spaced(pose, b, peers, tables.is_member, tables.min_distance, model.present[w], placed):
             continue
-        place_outline(
-            local_segments[row_of(local_segments, w)],
-            local_discs[row_of(local_discs, w)],
-            segment_start[b],
-            segment_count[row_of(segment_count, w), b],
-            disc_start[b],
-            disc_count[row_of(disc_count, w), b],
-            pose[w, b, 0],
-            pose[w, b, 1],
-            pose[w, b, 2],
-            segments[w],
-            discs[w],
-        )
-        if is_start_free(w, b, options.clearance, shapes, targets, scene, others, n_others):
+        place_outline(model, state, w, b)
+        if is_start_free(w, b, others, tables.clearance, model, state, cells):
             return True
     return False
 
 
 @kernel
 def draw_goal(
-    w: int,
-    b: int,
-    lists: Any,
-    options: Any,
-    low: Floats,
-    high: Floats,
-    shapes: Any,
-    targets: Any,
-    scene: Any,
-    random: Words,
+    w: int, b: int, members: Ints, tables: DrawTables, model: WorldModel, state: WorldState, cells: CellMap | None
 ) -> bool:
     """Draw a goal for body b that its footprint can stand on; return whether there is one."""
-    waypoints, pose, members = targets[3], scene[0], lists[0]
-    goal = waypoints[w, b, 0]
+    goals, goal, least = model.waypoints[w, :, 0], model.waypoints[w, b, 0], tables.min_goal_distance
     for _ in range(GOAL_TRIES):
         for axis in range(3):
-            goal[axis] = uniform(random, w, low[axis], high[axis])
-        dx, dy = goal[0] - pose[w, b, 0], goal[1] - pose[w, b, 1]
-        if dx * dx + dy * dy < options.min_goal_distance * options.min_goal_distance:
+            goal[axis] = uniform(state.random, w, tables.goal_low[axis], tables.goal_high[axis])
+        dx, dy = goal[0] - state.pose[w, b, 0], goal[1] - state.pose[w, b, 1]
+        if dx * dx + dy * dy < least * least:
             continue
-        if not is_spaced(
-            waypoints[w, :, 0],
-            members,
-            members.shape[0],
-            lists[1],
-            b,
-            options.min_distance,
-            shapes[0][w],
-            scene[3][w],
-        ):
+        placed = state.placed[w]
+        if not is_spaced(goals, b, members, tables.is_member, tables.min_distance, model.present[w], placed):
             continue
-        if is_goal_free(w, b, options.clearance, shapes, targets, scene):
+        if is_goal_free(w, b, tables.clearance, model, state, cells):
             return True
     return False

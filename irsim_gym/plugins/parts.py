@@ -14,7 +14,7 @@ from irsim_gym.behaviors.custom import noting
 from irsim_gym.behaviors.views import BodyView, reserve_memory
 from irsim_gym.engine import outlines
 from irsim_gym.geometry.angles import wrap_from
-from irsim_gym.placements.free_space import bundles, is_goal_free, is_start_free
+from irsim_gym.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.plugins.functions import answer, members, numbers, registering
 from irsim_gym.scenario.options import function_parameters, kind
 from irsim_gym.world.group import Group, Shard
@@ -137,10 +137,9 @@ class FunctionPlacement:
 
 def _place(group: Group, model: WorldModel, state: WorldState, ego: Any, options: dict[str, Any]) -> bool:
     """Write a start, and a goal where the placement gives one; return whether both are free."""
-    w, b, made = ego._world, ego.id, group.kind
+    w, b, made = ego._w, ego.id, group.kind
     everyone, own = np.arange(len(model.role)), np.array([b])
     placed = np.flatnonzero(state.placed[w] & model.present[w]).tolist()
-    shapes, targets, scene = bundles(model, state)
     for _ in range(TRIES):
         others = [BodyView(group, model, state, w, other) for other in placed]
         with noting(made, f"'{ego.name}'", state, w):
@@ -150,11 +149,11 @@ def _place(group: Group, model: WorldModel, state: WorldState, ego: Any, options
             poses = numbers(made, ego.name, 6 if made.gives_goal else 3, found).reshape(-1, 3)
         state.pose[w, b] = poses[0]
         outlines.place(own, model, state, Shard(np.array([w])))
-        if not is_start_free(w, b, 0.0, shapes, targets, scene, everyone, len(everyone)):
+        if not is_start_free(w, b, everyone, 0.0, model, state, model.cells):
             continue
         if made.gives_goal and model.has_goal[b]:
             model.waypoints[w, b, 0] = poses[1]
-            if not is_goal_free(w, b, 0.0, shapes, targets, scene):
+            if not is_goal_free(w, b, 0.0, model, state, model.cells):
                 continue
         return True
     return False

@@ -173,7 +173,7 @@ class SceneReader:
 
     def map_view(self) -> MapView | None:
         """Return the occupancy map; it is the same in all worlds and at all times."""
-        x, y, width, height, body = (float(value) for value in self._model.map_frame)
+        x, y, width, height, body = self._model.map_frame.item()
         if self._map is None and body >= 0:
             occupied = self._model.map_squares[0] == 0
             extent = (x, y, x + width * occupied.shape[0], y + height * occupied.shape[1])

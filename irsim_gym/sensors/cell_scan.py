@@ -17,14 +17,14 @@ def scan_cells(
     worlds: Ints, slot: int, tables: ScanTables, cells: CellMap, model: WorldModel, state: WorldState
 ) -> None:
     """Shorten the ranges of all members in all given worlds to the nearest occupied cell, not below ``cast_min``."""
-    own, floats, integers = int(cells[0][4]), tables.walk_floats[slot], tables.walk_integers[slot]
+    own, floats, integers = cells.body, tables.walk_floats[slot], tables.walk_integers[slot]
     for w in worlds:
         if not model.present[w, own]:
             continue
         for k in range(tables.members.shape[0]):
-            x, y, heading = mount_pose(state.pose[w, tables.members[k]], tables.offset[k])
+            pose = mount_pose(state.pose[w, tables.members[k]], tables.offset[k])
             row, ranges = beam_row(w, k, tables), tables.ranges[w, k]
-            cast_cells(cells, x, y, heading, tables.beams_x[row], tables.beams_y[row], floats, integers, ranges)
+            cast_cells(cells, pose, tables.beams_x[row], tables.beams_y[row], floats, integers, ranges)
             shortest = np.float32(tables.cast_min[k])
             for j in range(ranges.shape[0]):
                 ranges[j] = ranges[j] if ranges[j] > shortest else shortest

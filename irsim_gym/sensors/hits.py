@@ -55,7 +55,7 @@ def find_hits(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, st
                 cast_discs(state.discs[w, disc : disc + n_discs[b]], eye, beams_x, beams_y, inverse)
                 cast_segments(state.segments[w, segment : segment + n_segments[b]], eye, beams_x, beams_y, inverse)
                 note_nearer(b, inverse, nearest, hit)
-            name_hits(np.float32(far), int(model.map_frame[4]), tables.ranges[w, k], nearest, hit)
+            name_hits(np.float32(far), model.map_frame[0].body, tables.ranges[w, k], nearest, hit)
 
 
 @kernel

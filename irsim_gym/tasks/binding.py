@@ -86,6 +86,6 @@ def hit_kinds(simulation: Simulation) -> Ints:
     model = simulation.model
     kinds = np.where(model.stands, int(HitKind.OBSTACLE), int(HitKind.MOVING_OBSTACLE))
     kinds[model.role == ROBOT] = int(HitKind.ROBOT)
-    if model.cells is not None:
-        kinds[int(model.map_frame[4])] = int(HitKind.MAP)
+    if (cells := model.cells) is not None:
+        kinds[cells.body] = int(HitKind.MAP)
     return kinds.astype(np.int64)

@@ -228,7 +228,7 @@ class BodyReadings(ABC):
     @property
     def shape(self) -> str:
         """Name of its shape; ``map`` for the obstacle map."""
-        is_map = int(self._model.map_frame[4]) == self._b
+        is_map = int(self._model.map_frame[0].body) == self._b
         return "map" if is_map else families.FOOTPRINTS.name_of(type(self.spec.shape))
 
     @property

@@ -6,7 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays, Words
+from irsim_gym.arraytypes import (
+    BUCKET_FRAME,
+    MAP_FRAME,
+    Bytes,
+    CellMap,
+    Flags,
+    Floats,
+    Ints,
+    Rays,
+    Records,
+    Words,
+)
 from irsim_gym.world.arrays import Arrays, column
 
 ROBOT, OBSTACLE = 0, 1
@@ -58,11 +69,11 @@ class WorldModel(Arrays):
     reach: Floats = column("world* body", np.float64, "m", "radius about the body's origin that holds its footprint")
     radius: Floats = column("world* body", np.float64, "m", "radius of the least circle around the footprint")
     centroid: Floats = column("world* body 2", np.float64, "m", "centre of the footprint's area, in the body frame")
-    map_frame: Floats = column("5", np.float64, "m", "occupancy map: x, y, cell width, cell height, body (-1: no map)")
+    map_frame: Records = column("1", MAP_FRAME, "m", "where the occupancy map lies; body -1: no map")
     map_squares: Bytes = column("4 map_column map_row", np.uint8, "", "free square by quadrant, cells; 0: occupied")
     map_room: Rays = column("map_column map_row", np.float32, "m", "distance of each cell's centre from the occupied")
     map_boxes: Ints = column("map_box 4", np.int64, "", "what is occupied: first, end column; first, end row")
-    bucket_frame: Floats = column("6", np.float64, "m", "buckets: x, y, side, columns, rows (0: none), greatest reach")
+    bucket_frame: Records = column("1", BUCKET_FRAME, "m", "where the squares of the buckets lie; columns 0: none")
     bucketed: Flags = column("body", np.bool_, "", "small enough to be found through the buckets")
     present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
     level_stream: Words = column("world", np.uint64, "", "random stream that the level was drawn from")
@@ -81,5 +92,7 @@ class WorldModel(Arrays):
 
     @property
     def cells(self) -> CellMap | None:
-        """The occupancy map as ``geometry.cells`` takes it: frame, free squares, boxes, room; None without one."""
-        return (self.map_frame, self.map_squares, self.map_boxes, self.map_room) if self.map_frame[4] >= 0.0 else None
+        """The occupancy map; None without one."""
+        x, y, width, height, body = self.map_frame.item()
+        arrays = self.map_squares, self.map_boxes, self.map_room
+        return CellMap(x, y, width, height, body, *arrays) if body >= 0 else None

@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import BodyOutline, Floats
+from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 CIRCLE_CORNERS = 64
@@ -86,3 +88,40 @@ def extent(segments: Floats, discs: Floats) -> tuple[float, float]:
         return 0.0, 0.0
     length, width = corners.max(axis=0) - corners.min(axis=0)
     return float(length), float(width)
+
+
+@kernel
+def outline_of(model: WorldModel, state: WorldState, w: int, b: int) -> BodyOutline:
+    """Return the outline of body b of world w in the world frame."""
+    return BodyOutline(
+        state.segments[w], model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b],
+        state.discs[w], model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b], model.solid[b],
+    )  # fmt: skip
+
+
+@kernel(inlined=True)
+def place_outline(model: WorldModel, state: WorldState, w: int, b: int) -> None:
+    """Write the outline of body b of world w at its pose.
+
+    A vertex that two segments share in the body frame is shared bit for bit in the world frame.
+    """
+    local_segments = model.local_segments[row_of(model.local_segments, w)]
+    local_discs = model.local_discs[row_of(model.local_discs, w)]
+    x, y, heading = state.pose[w, b, 0], state.pose[w, b, 1], state.pose[w, b, 2]
+    _, first_segment, n_segments, _, first_disc, n_discs, _ = outline_of(model, state, w, b)
+    segments, discs = state.segments[w], state.discs[w]
+    is_turned = n_segments > 0
+    for d in range(first_disc, first_disc + n_discs):
+        is_turned = is_turned or local_discs[d, 0] != 0.0 or local_discs[d, 1] != 0.0
+    cosine, sine = (np.cos(heading), np.sin(heading)) if is_turned else (1.0, 0.0)
+    for s in range(first_segment, first_segment + n_segments):
+        ax, ay, bx, by = local_segments[s, 0], local_segments[s, 1], local_segments[s, 2], local_segments[s, 3]
+        segments[s, 0] = x + (cosine * ax - sine * ay)
+        segments[s, 1] = y + (sine * ax + cosine * ay)
+        segments[s, 2] = x + (cosine * bx - sine * by)
+        segments[s, 3] = y + (sine * bx + cosine * by)
+    for d in range(first_disc, first_disc + n_discs):
+        cx, cy = local_discs[d, 0], local_discs[d, 1]
+        discs[d, 0] = x + (cosine * cx - sine * cy)
+        discs[d, 1] = y + (sine * cx + cosine * cy)
+        discs[d, 2] = local_discs[d, 2]

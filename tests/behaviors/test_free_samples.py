@@ -5,17 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from irsim_gym.behaviors.free_samples import LANES, ROW_NUMBERS, nearest_free, rough_cones
-from irsim_gym.behaviors.velocity_obstacles import CONE, HRVO, RVO, VO, disc_cones, lay_samples, side_cones
+from irsim_gym.behaviors.free_samples import ROWS, SPAN, RvoTables, nearest_free, rough_cones
+from irsim_gym.behaviors.surroundings import DISC, Ego, Surroundings
+from irsim_gym.behaviors.velocity_obstacles import CONE, HRVO, RVO, VO, Axis, disc_cones, lay_samples, side_cones
 
 Rows = np.ndarray
 
 
-def every_sample(cones: Rows, xs: Rows, ys: Rows, wanted: Rows) -> int:
+def every_sample(cones: Rows, along_x: Axis, along_y: Axis) -> int:
     """Return the nearest sample outside of all cones; edges belong to them, and ties go to the lower number."""
-    wx, wy = xs[:, None, None] - cones[:, 0], ys[None, :, None] - cones[:, 1]
-    inside = (cones[:, 2] * wy - wx * cones[:, 3] <= 0.0) & (cones[:, 4] * wy - wx * cones[:, 5] >= 0.0)
-    gaps = np.hypot(*np.broadcast_arrays(xs[:, None] - wanted[0], ys[None, :] - wanted[1]))
+    xs, ys = (along.first + np.arange(along.n) * along.step for along in (along_x, along_y))
+    wx, wy = xs[:, None, None] - cones["apex_x"], ys[None, :, None] - cones["apex_y"]
+    inside = cones["left_x"] * wy - wx * cones["left_y"] <= 0.0
+    inside &= cones["right_x"] * wy - wx * cones["right_y"] >= 0.0
+    gaps = np.hypot(*np.broadcast_arrays(xs[:, None] - along_x.wanted, ys[None, :] - along_y.wanted))
     gaps[inside.any(axis=2)] = np.inf
     return int(np.argmin(gaps)) if np.isfinite(gaps).any() else -1
 
@@ -24,21 +27,21 @@ def both(
     mode: int, body: Rows, rounds: Rows, sides: Rows, wanted: Rows, change: float, limit: float
 ) -> tuple[int, int]:
     """Return what ``nearest_free`` finds, and what a look at everything does."""
-    x, y, vx, vy, r = body
-    n_rounds, exact = len(rounds), np.zeros((len(rounds) + len(sides), CONE))
-    cones, rounds = exact.copy(), np.pad(rounds, ((0, 0), (0, 1)))
-    along_x, along_y = lay_samples(vx, change, limit), lay_samples(vy, change, limit)
-    disc_cones(mode, x, y, vx, vy, r, rounds, n_rounds, exact)
-    n_cones = side_cones(x, y, r, sides, len(sides), exact, n_rounds)
-    xs, ys = (first + np.arange(count) * step for first, step, count in (along_x, along_y))
-    expected = every_sample(exact[:n_cones], xs, ys, wanted)
-    side_cones(x, y, r, sides, len(sides), cones, n_rounds)
-    rough_cones(mode, x, y, vx, vy, r, rounds, n_rounds, cones)
-    spans, rows = np.zeros((len(cones), 2 * LANES)), np.zeros(ROW_NUMBERS)
-    found = nearest_free(
-        mode, x, y, vx, vy, r, rounds, n_rounds, cones, n_cones, *along_x, *along_y, *wanted, spans, rows
-    )  # fmt: skip
-    return found, expected
+    ego, n_rounds, discs = Ego(*body.tolist()), len(rounds), np.zeros(len(rounds), DISC)
+    for name, values in zip(DISC.names or (), rounds.T, strict=False):
+        discs[name] = values
+    exact = np.zeros(n_rounds + len(sides), CONE)
+    along_x = lay_samples(ego.vx, change, limit, float(wanted[0]))
+    along_y = lay_samples(ego.vy, change, limit, float(wanted[1]))
+    disc_cones(mode, ego, discs, exact)
+    n_cones = side_cones(ego, sides, exact, n_rounds)
+    expected = every_sample(exact[:n_cones], along_x, along_y)
+    no_ints = np.zeros(0, np.int64)
+    seen, cones = Surroundings(no_ints, no_ints, discs, sides), np.zeros_like(exact)
+    tables = RvoTables(seen, cones, np.zeros(len(cones), SPAN), np.zeros(1, ROWS), np.zeros((2, 0)), no_ints[None])
+    side_cones(ego, sides, cones, n_rounds)
+    rough_cones(mode, ego, discs, cones)
+    return nearest_free(mode, ego, n_cones, along_x, along_y, tables), expected
 
 
 @pytest.mark.parametrize("mode", [RVO, HRVO, VO])

@@ -2,33 +2,37 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
 
-from irsim_gym.behaviors.orca_crowd import Crowd, gather, keep_nearest, lay_squares, reserve, sort_members
-from irsim_gym.behaviors.orca_lines import LANE_ROWS, LANES, disc_plane, disc_planes
+from irsim_gym.behaviors.orca_crowd import Crowd, find_nearest, lay_squares, sort_members
+from irsim_gym.behaviors.orca_lines import DISC_LANES, LANES, Other, disc_plane, disc_planes
+from irsim_gym.behaviors.surroundings import Ego
+from irsim_gym.geometry.linear_program import HALF_PLANE
+from irsim_gym.structs import Struct
 
 BOUNDS = np.array([-5.0, 0.0, 25.0, 20.0])
 
 
-def found_by(crowd: Crowd, m: int, squares: np.ndarray, reach: float) -> list[int]:
-    """Search as ``plan_velocities`` does; return bodies, nearest first."""
-    columns, rows = int(squares[3]), int(squares[4])
-    place = int(np.searchsorted(crowd.starts[1 : columns * rows + 1], m, side="right"))
-    x, y, ring = *crowd.places[:, m], 1
-    while True:
-        within = reach if ring >= max(columns, rows) else min(reach, ring * squares[5])
-        n_found = gather(
-            m, x, y, within, ring, place % columns, place // columns, columns, rows,
-            crowd.starts, crowd.places, crowd.gap2, crowd.found,
-        )  # fmt: skip
-        if n_found >= len(crowd.nearest) or within >= reach:
-            break
-        ring *= 2
-    count = keep_nearest(n_found, crowd.gap2, crowd.found, crowd.body, crowd.nearest_gap, crowd.nearest)
-    return list(crowd.body[crowd.nearest[:count]])
+@dataclass
+class Bodies(Struct):
+    """What ``sort_members`` reads of model and state, in one world."""
+
+    present: Any
+    radius: Any
+    pose: Any
+    plan: Any
+    twist: Any
+
+
+def found_by(crowd: Crowd, m: int, x: float, y: float, reach: float) -> list[int]:
+    """Return the bodies that a member sees, nearest first."""
+    squares = crowd.squares
+    place = int(np.searchsorted(crowd.starts[1 : squares.columns * squares.rows + 1], m, side="right"))
+    return list(crowd.body[crowd.nearest[: find_nearest(Ego(x, y, 0.0, 0.0, 0.0), m, place, reach, crowd)]])
 
 
 @pytest.mark.parametrize(
@@ -46,42 +50,46 @@ def test_the_nearest_are_those_of_all_pairs(
     pose[members[: n_bodies // 3], :2] = np.round(pose[members[: n_bodies // 3], :2])  # many at the same distance
     seen, present = rng.random(len(pose)) < 0.9, rng.random(len(pose)) < 0.9
     squares = lay_squares(BOUNDS, n_bodies, reach, most)
-    assert squares[3] * squares[4] >= n_squares
-    crowd = Crowd(*(rows[0] for rows in reserve(1, n_bodies, most, int(squares[3] * squares[4])).values()))
-    moves: Any = np.zeros((len(pose), 3))
-    sort_members(members, squares, seen, seen, present, np.zeros(len(pose)), pose, moves[:, :2].copy(), moves, crowd)
+    assert squares.columns * squares.rows >= n_squares
+    crowd, moves = Crowd.reserve(members, squares, seen, seen, most), np.zeros((1, len(pose), 3))
+    bodies: Any = Bodies(present[None], moves[..., 0].copy(), pose[None], moves[..., :2].copy(), moves)
+    sort_members(bodies, bodies, 0, crowd)
     n_present = int(present[members].sum())
     assert sorted(crowd.body[:n_present]) == members[present[members]].tolist()
     for m in range(n_present):
         b = crowd.body[m]
         if not seen[b]:
-            assert np.isinf(crowd.places[0, m])
+            assert np.isinf(crowd.x[m])
             continue
         gap2 = (pose[:, 0] - pose[b, 0]) ** 2 + (pose[:, 1] - pose[b, 1]) ** 2
         others = [(gap2[q], q) for q in members if q != b and seen[q] and present[q] and np.sqrt(gap2[q]) < reach]
-        assert found_by(crowd, m, squares, reach) == [q for _, q in sorted(others)[:most]]
+        assert found_by(crowd, m, pose[b, 0], pose[b, 1], reach) == [q for _, q in sorted(others)[:most]]
 
 
 def test_half_planes_side_by_side_are_those_one_by_one() -> None:
-    rng, lanes, n_round = np.random.default_rng(2), np.zeros((LANE_ROWS, LANES)), 0
+    rng, lanes, n_round = np.random.default_rng(2), np.zeros(1, DISC_LANES)[0], 0
     for _ in range(200):
-        lanes[:2] = rng.uniform(-3.0, 3.0, (2, LANES))
-        lanes[2:4] = rng.uniform(-1.0, 1.0, (2, LANES))
-        lanes[4] = rng.uniform(0.1, 1.0, LANES)
-        vx, vy, flat = *rng.uniform(-1.0, 1.0, 2), lanes.ravel()
-        disc_planes(vx, vy, 0.1, 3.0, 0.5, flat)
-        one = np.zeros(3)
-        for x, y, ux, uy, radius, *written in lanes.T:
-            time = 0.1 if x * x + y * y <= radius * radius else 3.0
-            disc_plane(x, y, vx, vy, ux, uy, radius, time, 0.5, 1.0, one)
-            assert written == one.tolist()
-            n_round += x * x + y * y <= radius * radius
+        lanes.x, lanes.y = rng.uniform(-3.0, 3.0, (2, LANES))
+        lanes.vx, lanes.vy = rng.uniform(-1.0, 1.0, (2, LANES))
+        lanes.radius = rng.uniform(0.1, 1.0, LANES)
+        ego = Ego(0.0, 0.0, rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0), 0.0)
+        disc_planes(ego, 0.1, 3.0, 0.5, lanes)
+        one = np.zeros(1, HALF_PLANE)[0]
+        for j in range(LANES):
+            other = Other(*(float(lanes[name][j]) for name in Other._fields))
+            overlap = other.x * other.x + other.y * other.y <= other.radius * other.radius
+            disc_plane(ego, other, 0.1 if overlap else 3.0, 0.5, 1.0, one)
+            assert (lanes.nx[j], lanes.ny[j], lanes.least[j]) == one.item()
+            n_round += overlap
     assert n_round > 20
 
 
 def test_the_centre_of_the_cut_off_disc_is_left_to_others() -> None:
-    lanes = np.ones((LANE_ROWS, LANES))
-    lanes[:, 0] = [0.0, 0.0, 0.5, 0.5, 1.0, 7.0, 7.0, 7.0]
-    disc_planes(0.5, 0.5, 0.1, 3.0, 0.5, lanes.ravel())
-    assert np.isnan(lanes[5:, 0]).all()
-    assert np.isfinite(lanes[5:, 1:]).all()
+    lanes = np.zeros(1, DISC_LANES)[0]
+    for name in ("x", "y", "vx", "vy", "radius"):
+        lanes[name] = 1.0
+    lanes.x[0], lanes.y[0], lanes.vx[0], lanes.vy[0] = 0.0, 0.0, 0.5, 0.5
+    disc_planes(Ego(0.0, 0.0, 0.5, 0.5, 0.0), 0.1, 3.0, 0.5, lanes)
+    planes = np.array([lanes.nx, lanes.ny, lanes.least])
+    assert np.isnan(planes[:, 0]).all()
+    assert np.isfinite(planes[:, 1:]).all()

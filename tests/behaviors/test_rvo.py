@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,12 @@ import pytest
 from beside_ir_sim import SAME, count_ties, crowd, decisions, ours, silent, theirs
 
 from irsim_gym import compile, load_scenario
-from irsim_gym.behaviors.surroundings import map_walls, most_map_walls
-from irsim_gym.behaviors.velocity_obstacles import NEVER, lay_samples, order_samples, time_to_side
+from irsim_gym.arraytypes import MAP_FRAME
+from irsim_gym.behaviors.rvo_penalty import NEVER, time_to_side
+from irsim_gym.behaviors.surroundings import Ego, map_walls, most_map_walls
+from irsim_gym.behaviors.velocity_obstacles import lay_samples, order_samples
 from irsim_gym.engine.simulation import Simulation
+from irsim_gym.structs import Struct
 
 Description = dict[str, Any]
 
@@ -108,7 +112,7 @@ def test_where_no_velocity_is_free_the_least_penalty_is_that_of_ir_sim(
 def test_samples_are_those_of_arange() -> None:
     random = np.random.default_rng(3)
     for current, change, limit in [*random.uniform([-2, 0, 0], [2, 2, 2], (300, 3)), (0, 1, 1.5), (0.25, 0.3, 0.5)]:
-        first, step, count = lay_samples(float(current), float(change), float(limit))
+        first, step, count, _ = lay_samples(float(current), float(change), float(limit), 0.0)
         low, high = max(current - change, -limit), min(current + change, limit)
         expected = np.arange(low, high, 0.05) if high > low else np.clip([current], -limit, limit)
         assert [first + k * step for k in range(count)] == expected.tolist()
@@ -167,8 +171,8 @@ def test_when_a_disc_meets_a_wall(place: list[float], velocity: list[float], exp
     """A disc of 0.5 m, and a wall from (2, -2) to (2, 2)."""
     for wall in ([2.0, -2.0, 2.0, 2.0], [2.0, 2.0, 2.0, -2.0]):
         x, y, vx, vy = (float(value) for value in [*place, *velocity])
-        assert time_to_side(x, y, 0.5, vx, vy, np.array(wall)) == pytest.approx(expected)
-    assert time_to_side(0.0, 0.0, 0.5, 1.0, 0.0, np.array([2.0, 0.0, 2.0, 0.0])) == NEVER
+        assert time_to_side(Ego(x, y, 0.0, 0.0, 0.5), vx, vy, np.array(wall)) == pytest.approx(expected)
+    assert time_to_side(Ego(0.0, 0.0, 0.0, 0.0, 0.5), 1.0, 0.0, np.array([2.0, 0.0, 2.0, 0.0])) == NEVER
 
 
 def test_samples_are_visited_outwards() -> None:
@@ -325,13 +329,22 @@ print(json.dumps(sim.state.pose.tolist()))
     np.testing.assert_allclose(json.loads(runs[0]), json.loads(runs[1]), atol=1e-12)
 
 
+@dataclass
+class Chart(Struct):
+    """What ``map_walls`` reads of the model."""
+
+    map_frame: Any
+    map_squares: Any
+
+
 def test_map_walls_are_the_borders_of_occupied_cells() -> None:
     """Cells of 1 x 2 m from (10, 20); an L of three is occupied: its six sides, free cells to the left of each."""
     occupied = np.zeros((4, 3), bool)
     occupied[1, 1] = occupied[2, 1] = occupied[2, 2] = True
     squares = np.where(occupied, 0, 1).astype(np.uint8)[None].repeat(4, axis=0)
-    frame, sides = np.array([10.0, 20.0, 1.0, 2.0, 0.0]), np.zeros((50, 4))
-    count = map_walls(12.0, 23.0, 50.0, frame, squares, sides, 0)
+    chart: Any = Chart(np.array([(10.0, 20.0, 1.0, 2.0, 0)], MAP_FRAME), squares)
+    sides = np.zeros((50, 4))
+    count = map_walls(chart, 12.0, 23.0, 50.0, sides, 0)
     expected = {
         (13.0, 22.0, 11.0, 22.0),
         (11.0, 24.0, 12.0, 24.0),
@@ -342,13 +355,14 @@ def test_map_walls_are_the_borders_of_occupied_cells() -> None:
     }
     assert {tuple(side) for side in sides[:count].tolist()} == expected
     assert count == 6
-    near = map_walls(10.5, 23.0, 0.6, frame, squares, sides, 0)
+    near = map_walls(chart, 10.5, 23.0, 0.6, sides, 0)
     assert sides[:near].tolist() == [[11.0, 22.0, 11.0, 24.0]]
 
 
 def test_map_walls_end_with_the_rows_for_them() -> None:
     squares = np.where(np.indices((9, 9)).sum(axis=0) % 2, 0, 1).astype(np.uint8)[None].repeat(4, axis=0)
     sides = np.full((8, 4), -1.0)
-    assert map_walls(4.5, 4.5, 9.0, np.array([0.0, 0.0, 1.0, 1.0, 0.0]), squares, sides[:7], 0) == 7
+    chart: Any = Chart(np.array([(0.0, 0.0, 1.0, 1.0, 0)], MAP_FRAME), squares)
+    assert map_walls(chart, 4.5, 4.5, 9.0, sides[:7], 0) == 7
     assert (sides[:7] >= 0).all()
     assert (sides[7] == -1).all()

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from irsim.util.util import vel_world2diff, vel_world2omni
 
-from irsim_gym.behaviors.steering import to_command
+from irsim_gym.behaviors.steering import Turning, to_command
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
 
 
 def converted(drive: int, heading: float, vx: float, vy: float, *constants: float) -> list[float]:
     command = np.full(3, 9.0)
-    to_command(drive, heading, vx, vy, *(constants or (0.2, 0.1, 0.02, 1.5)), command)
+    to_command(drive, heading, vx, vy, Turning(*(constants or (0.2, 0.1, 0.02, 1.5))), command)
     return list(command)
 
 

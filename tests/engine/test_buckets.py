@@ -59,10 +59,10 @@ def begun(**world: Any) -> tuple[Any, np.random.Generator]:
 
 def test_few_bodies_have_no_buckets() -> None:
     sim = crowd(n_robots=10, n_obstacles=4)
-    assert sim.model.bucket_frame[3] == 0
+    assert sim.model.bucket_frame[0].columns == 0
     found = np.zeros(len(sim.model.role), np.int64)
     count = find_nearby(
-        0.0, 0.0, 0.1, sim.model.bucket_frame, sim.state.bucket_first[0], sim.state.bucket_next[0], found
+        0.0, 0.0, 0.1, sim.model.bucket_frame[0], sim.state.bucket_first[0], sim.state.bucket_next[0], found
     )
     assert found[:count].tolist() == list(range(len(sim.model.role)))
 
@@ -70,7 +70,7 @@ def test_few_bodies_have_no_buckets() -> None:
 @pytest.mark.parametrize(("width", "height", "most"), [(12, 8, 1.5), (1000, 2, 2), (2, 1000, 2)])
 def test_squares_cover_the_world(width: float, height: float, most: float) -> None:
     sim = crowd(width=width, height=height)
-    x, y, side, columns, rows, _ = sim.model.bucket_frame
+    x, y, side, columns, rows, _ = sim.model.bucket_frame[0]
     n_bodies = len(sim.model.role)
     assert (x, y) == (-3, 2)
     assert columns * side >= width
@@ -94,7 +94,7 @@ def test_all_bodies_within_a_radius_are_found(spread: float) -> None:
         for w in range(2):
             for x, y, radius in rng.uniform([-9, -4, 0], [15, 16, 4], (12, 3)):
                 count = find_nearby(
-                    x, y, radius, model.bucket_frame, state.bucket_first[w], state.bucket_next[w], found
+                    x, y, radius, model.bucket_frame[0], state.bucket_first[w], state.bucket_next[w], found
                 )
                 got = found[:count]
                 assert (np.diff(got) > 0).all(), "ascending, each once"
@@ -107,7 +107,7 @@ def test_a_small_search_looks_at_few_bodies() -> None:
     sim, rng = begun()
     scatter(sim, rng, 0.0)
     found = np.zeros(len(sim.model.role), np.int64)
-    frame, state = sim.model.bucket_frame, sim.state
+    frame, state = sim.model.bucket_frame[0], sim.state
     counts = [
         find_nearby(x, y, 0.5, frame, state.bucket_first[0], state.bucket_next[0], found)
         for x, y in rng.uniform([-3, 2], [9, 10], (20, 2))
@@ -123,7 +123,7 @@ def test_an_absent_body_leaves_its_bucket() -> None:
     assert sim.state.bucket[0, 5] == -1
     found = np.zeros(len(sim.model.role), np.int64)
     count = find_nearby(
-        3.0, 6.0, 99.0, sim.model.bucket_frame, sim.state.bucket_first[0], sim.state.bucket_next[0], found
+        3.0, 6.0, 99.0, sim.model.bucket_frame[0], sim.state.bucket_first[0], sim.state.bucket_next[0], found
     )
     assert found[:count].tolist() == np.flatnonzero(sim.model.present[0]).tolist()
 
@@ -137,8 +137,8 @@ def test_contacts_through_buckets_are_those_of_all_pairs(spread: float, least: i
     for _ in range(6):
         scatter(sim, rng, spread)
         results = []
-        for columns in (frame[3], 0.0):
-            model.bucket_frame[3] = columns
+        for columns in (frame[0].columns, 0):
+            model.bucket_frame["columns"] = columns
             contact.find_static(sim.parts.fixed, model, state, WORLDS)
             contact.find(sim.parts.movers, model, state, WORLDS)
             results.append([a.copy() for a in (model.static_partner, state.collided, state.hit, state.stopped)])
@@ -161,7 +161,7 @@ def test_clearances_through_buckets_are_those_of_all_pairs(spread: float, limit:
         scatter(sim, rng, spread)
         near, every = np.zeros((2, len(everyone))), np.zeros((2, len(everyone)))
         sim.clearance(WORLDS, everyone, near, limit)
-        model.bucket_frame[3] = 0.0
+        model.bucket_frame["columns"] = 0
         sim.clearance(WORLDS, everyone, every, limit)
         model.bucket_frame[:] = frame
         np.testing.assert_array_equal(near, every)
@@ -184,7 +184,7 @@ def test_a_step_keeps_the_buckets_up_to_date() -> None:
     for _ in range(30):
         sim.step()
     state, model = sim.state, sim.model
-    x, y, side, columns, _, _ = model.bucket_frame
+    x, y, side, columns, _, _ = model.bucket_frame[0]
     place = np.floor((state.pose[0, :, 1] - y) / side) * columns + np.floor((state.pose[0, :, 0] - x) / side)
     inside = ((state.pose[0, :, :2] > 0.1) & (state.pose[0, :, :2] < 19.9)).all(axis=1)
     assert inside.sum() > 50

@@ -8,17 +8,19 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from irsim_gym.arraytypes import CellMap
 from irsim_gym.geometry.cell_room import find_room
 from irsim_gym.geometry.cells import find_boxes, find_free_squares
 
 
-def cell_map(occupied: Any, x: float = 0.0, y: float = 0.0, width: float = 1.0, height: float = 1.0) -> Any:
+def cell_map(occupied: Any, x: float = 0.0, y: float = 0.0, width: float = 1.0, height: float = 1.0) -> CellMap:
     occupied = np.asarray(occupied, np.bool_)
     squares = np.zeros((4, *occupied.shape), np.uint8)
     find_free_squares(occupied, squares)
-    frame, room = np.array([x, y, width, height, 0.0]), np.zeros(occupied.shape, np.float32)
-    find_room(frame, squares, np.zeros(len(occupied)), room)
-    return frame, squares, find_boxes(occupied), room
+    room = np.zeros(occupied.shape, np.float32)
+    found = CellMap(x, y, width, height, 0, squares, find_boxes(occupied), room)
+    find_room(found, np.zeros(len(occupied)))
+    return found
 
 
 def random_map(seed: int, share: float = 0.2, columns: int = 17, rows: int = 12) -> tuple[Any, Any]:

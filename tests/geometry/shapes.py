@@ -9,6 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from irsim_gym.arraytypes import BodyOutline
+
 Floats = NDArray[np.float64]
 
 
@@ -22,8 +24,8 @@ class Shape:
     geometry: Any
 
     @property
-    def arguments(self) -> tuple[Any, ...]:
-        return self.segments, 0, len(self.segments), self.discs, 0, len(self.discs), self.solid
+    def outline(self) -> BodyOutline:
+        return BodyOutline(self.segments, 0, len(self.segments), self.discs, 0, len(self.discs), self.solid)
 
     def moved(self, turn: float, x: float, y: float, *, mirrored: bool = False) -> Shape:
         cosine, sine = np.cos(turn), np.sin(turn)

@@ -12,7 +12,7 @@ def scan(cells, x: float, y: float, heading: float, angles, far: float = FAR):
     beams_x, beams_y = np.cos(angles).astype(np.float32), np.sin(angles).astype(np.float32)
     ranges = np.full(len(angles), far, np.float32)
     scratch = np.full(N_FLOATS, np.nan, np.float32), np.full(N_INTEGERS, -1, np.int32)
-    cast_cells(cells, x, y, heading, beams_x, beams_y, *scratch, ranges)
+    cast_cells(cells, (x, y, heading), beams_x, beams_y, *scratch, ranges)
     return ranges
 
 

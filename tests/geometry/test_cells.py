@@ -19,7 +19,7 @@ QUADRANTS = [(1, 1), (-1, 1), (1, -1), (-1, -1)]
 
 def test_free_squares_are_the_largest() -> None:
     occupied = np.random.default_rng(1).random((9, 7)) < 0.15
-    squares = cell_map(occupied)[1]
+    squares = cell_map(occupied).squares
     padded = np.pad(occupied, 300)
     for quadrant, (right, up) in enumerate(QUADRANTS):
         for i in range(9):
@@ -73,11 +73,11 @@ def test_outlines_against_shapely() -> None:
         centre = rng.uniform([0.5, 1.5], [6.6, 4.9]) - (points.mean(axis=0) if len(points) else shape.discs[0, :2])
         shape = shape.moved(0.0, *centre)
         true = _distance(shape, occupied)
-        arguments = shape.arguments
+        outline = shape.outline
         if abs(true) > TOLERANCE or true == 0.0:
-            assert outline_meets_cells(cells, *arguments) == (true <= 0.0)
-        assert outline_cells_distance(cells, *arguments, np.inf) == pytest.approx(max(true, 0.0), abs=TOLERANCE)
-        assert outline_cells_distance(cells, *arguments, 0.3) == pytest.approx(min(max(true, 0.0), 0.3), abs=TOLERANCE)
+            assert outline_meets_cells(cells, outline) == (true <= 0.0)
+        assert outline_cells_distance(cells, outline, np.inf) == pytest.approx(max(true, 0.0), abs=TOLERANCE)
+        assert outline_cells_distance(cells, outline, 0.3) == pytest.approx(min(max(true, 0.0), 0.3), abs=TOLERANCE)
         met += true <= 0.0
     assert 100 < met < 550
 
@@ -93,49 +93,49 @@ def _distance(shape, occupied) -> float:
 
 def test_touching_counts_and_blocks_have_no_holes() -> None:
     cells = cell_map([[0, 0, 0, 0], [0, 1, 1, 0], [0, 1, 1, 0], [0, 0, 0, 0]])
-    assert outline_meets_cells(cells, *disc(0.5, 2.0, 0.5).arguments)
-    assert not outline_meets_cells(cells, *disc(0.5, 2.0, 0.499).arguments)
+    assert outline_meets_cells(cells, disc(0.5, 2.0, 0.5).outline)
+    assert not outline_meets_cells(cells, disc(0.5, 2.0, 0.499).outline)
     # A small disc where four occupied cells meet, which IR-SIM lets pass.
-    assert outline_meets_cells(cells, *disc(2.0, 2.0, 0.05).arguments)
-    assert outline_meets_cells(cells, *linestring([[0.0, 3.0], [1.0, 3.0]]).arguments)
-    assert not outline_meets_cells(cells, *linestring([[0.0, 3.01], [4.0, 3.01]]).arguments)
-    assert outline_cells_distance(cells, *linestring([[0.0, 3.25], [4.0, 3.25]]).arguments, 9.0) == 0.25
+    assert outline_meets_cells(cells, disc(2.0, 2.0, 0.05).outline)
+    assert outline_meets_cells(cells, linestring([[0.0, 3.0], [1.0, 3.0]]).outline)
+    assert not outline_meets_cells(cells, linestring([[0.0, 3.01], [4.0, 3.01]]).outline)
+    assert outline_cells_distance(cells, linestring([[0.0, 3.25], [4.0, 3.25]]).outline, 9.0) == 0.25
 
 
 def test_an_area_around_cells_meets_them_and_a_line_does_not() -> None:
     cells = cell_map(np.pad([[True]], 3))
     corners = [[1.0, 1.0], [6.0, 1.0], [6.0, 6.0], [1.0, 6.0]]
-    assert outline_meets_cells(cells, *polygon(corners).arguments)
-    assert outline_cells_distance(cells, *polygon(corners).arguments, np.inf) == 0.0
+    assert outline_meets_cells(cells, polygon(corners).outline)
+    assert outline_cells_distance(cells, polygon(corners).outline, np.inf) == 0.0
     ring = linestring([*corners, corners[0]])
-    assert not outline_meets_cells(cells, *ring.arguments)
-    assert outline_cells_distance(cells, *ring.arguments, np.inf) == 2.0
+    assert not outline_meets_cells(cells, ring.outline)
+    assert outline_cells_distance(cells, ring.outline, np.inf) == 2.0
 
 
 def test_without_a_map_nothing_is_met() -> None:
-    shape = disc(0.0, 0.0, 1.0).arguments
-    assert not outline_meets_cells(None, *shape)
+    shape = disc(0.0, 0.0, 1.0).outline
+    assert not outline_meets_cells(None, shape)
     assert not capsule_meets_cells(None, 0.0, 0.0, 1.0, 1.0, 0.5)
-    assert outline_cells_distance(None, *shape, 3.0) == 3.0
+    assert outline_cells_distance(None, shape, 3.0) == 3.0
     assert segment_cells_distance(None, 0.0, 0.0, 1.0, 1.0, 2.0) == 2.0
 
 
 def test_what_is_not_nearer_than_the_limit_is_the_limit() -> None:
     cells = cell_map(np.zeros((3, 2), np.bool_))
     for radius in np.random.default_rng(6).random(50):
-        assert outline_cells_distance(cells, *disc(1.0, 1.0, radius).arguments, 0.05) == 0.05
-        assert not outline_near_cells(cells, *disc(1.0, 1.0, radius).arguments, 0.05)
+        assert outline_cells_distance(cells, disc(1.0, 1.0, radius).outline, 0.05) == 0.05
+        assert not outline_near_cells(cells, disc(1.0, 1.0, radius).outline, 0.05)
 
 
 def test_near_is_closer_than_the_clearance() -> None:
     cells = cell_map([[1], [0], [0]])
-    assert outline_near_cells(cells, *disc(2.0, 0.5, 0.75).arguments, 0.5)
-    assert not outline_near_cells(cells, *disc(2.0, 0.5, 0.75).arguments, 0.25)
-    assert outline_near_cells(cells, *disc(2.0, 0.5, 1.0).arguments, 0.0)
-    assert not outline_near_cells(cells, *disc(2.0, 0.5, 0.75).arguments, 0.0)
-    assert not outline_near_cells(None, *disc(2.0, 0.5, 9.0).arguments, 1.0)
+    assert outline_near_cells(cells, disc(2.0, 0.5, 0.75).outline, 0.5)
+    assert not outline_near_cells(cells, disc(2.0, 0.5, 0.75).outline, 0.25)
+    assert outline_near_cells(cells, disc(2.0, 0.5, 1.0).outline, 0.0)
+    assert not outline_near_cells(cells, disc(2.0, 0.5, 0.75).outline, 0.0)
+    assert not outline_near_cells(None, disc(2.0, 0.5, 9.0).outline, 1.0)
 
 
 def test_an_empty_map_is_infinitely_far() -> None:
     cells = cell_map(np.zeros((3, 2), np.bool_))
-    assert outline_cells_distance(cells, *disc(1.0, 1.0, 0.2).arguments, np.inf) == np.inf
+    assert outline_cells_distance(cells, disc(1.0, 1.0, 0.2).outline, np.inf) == np.inf

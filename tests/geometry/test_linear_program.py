@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from irsim_gym.geometry.linear_program import choose
+from irsim_gym.geometry.linear_program import HALF_PLANE, choose
 
 LIMIT = 1.3
 
@@ -17,7 +17,8 @@ def half_planes(rng: np.random.Generator, count: int, low: float, high: float) -
 
 
 def chosen(planes: np.ndarray, n_hard: int, wanted: np.ndarray) -> np.ndarray:
-    return np.array(choose(planes, n_hard, len(planes), LIMIT, wanted[0], wanted[1], np.zeros_like(planes)))
+    rows = np.ascontiguousarray(planes).view(HALF_PLANE)[:, 0]
+    return np.array(choose(rows, n_hard, len(rows), LIMIT, wanted[0], wanted[1], np.zeros_like(rows)))
 
 
 def disc_points(n_rings: int = 150, n_angles: int = 400) -> np.ndarray:

@@ -4,6 +4,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from irsim_gym.arraytypes import BodyOutline
 from irsim_gym.geometry.overlap import (
     disc_meets_outline,
     disc_outline_distance,
@@ -31,13 +32,13 @@ CUP = [[0, 0], [3, 0], [3, 3], [2, 3], [2, 1], [1, 1], [1, 3], [0, 3]]
 
 
 def overlap(a: Shape, b: Shape) -> bool:
-    found = outlines_overlap(*a.arguments, *b.arguments)
-    assert outlines_overlap(*b.arguments, *a.arguments) is found
+    found = outlines_overlap(a.outline, b.outline)
+    assert outlines_overlap(b.outline, a.outline) is found
     return bool(found)
 
 
 def distance(a: Shape, b: Shape, limit: float = np.inf) -> float:
-    return float(outline_distance(*a.arguments, *b.arguments, limit))
+    return float(outline_distance(a.outline, b.outline, limit))
 
 
 def test_pairs_against_shapely() -> None:
@@ -62,8 +63,8 @@ def test_limit_only_cuts_off_what_is_farther() -> None:
 def test_compiled_agrees_with_plain_python() -> None:
     first, second, _ = random_pairs(150, seed=13)
     for a, b in zip(first, second, strict=True):
-        assert overlap(a, b) == outlines_overlap.py_func(*a.arguments, *b.arguments)  # type: ignore[attr-defined]
-        twin = outline_distance.py_func(*a.arguments, *b.arguments, np.inf)  # type: ignore[attr-defined]
+        assert overlap(a, b) == outlines_overlap.py_func(a.outline, b.outline)  # type: ignore[attr-defined]
+        twin = outline_distance.py_func(a.outline, b.outline, np.inf)  # type: ignore[attr-defined]
         assert distance(a, b) == pytest.approx(twin, abs=1e-12)
 
 
@@ -72,7 +73,7 @@ def test_points_against_shapely() -> None:
     for _ in range(1500):
         shape, point = random_shape(rng), rng.uniform(-3.0, 3.0, 2)
         expected = max(shapely.distance(shape.geometry, shapely.Point(point)) - radius_of(shape), 0.0)
-        assert point_outline_distance(*point, *shape.arguments) == pytest.approx(expected, abs=TOLERANCE)
+        assert point_outline_distance(*point, shape.outline) == pytest.approx(expected, abs=TOLERANCE)
 
 
 def test_a_single_disc_gets_the_same_answers_bit_for_bit() -> None:
@@ -82,8 +83,8 @@ def test_a_single_disc_gets_the_same_answers_bit_for_bit() -> None:
         shape, (x, y), radius = random_shape(rng), rng.uniform(-3.0, 3.0, 2), rng.uniform(0.05, 1.0)
         limit = rng.choice([0.1, 0.7, np.inf])
         ring = disc(x, y, radius)
-        assert disc_meets_outline(x, y, radius, *shape.arguments) is overlap(ring, shape)
-        assert disc_outline_distance(x, y, radius, *shape.arguments, limit) == distance(ring, shape, limit)
+        assert disc_meets_outline(x, y, radius, shape.outline) is overlap(ring, shape)
+        assert disc_outline_distance(x, y, radius, shape.outline, limit) == distance(ring, shape, limit)
         touching += overlap(ring, shape)
     assert 200 < touching < 1800
 
@@ -138,8 +139,9 @@ def test_every_part_of_a_compound_counts() -> None:
 def test_only_the_given_rows_are_read() -> None:
     table = np.vstack([closed(UNIT), closed(np.array(UNIT) + 5.0)])
     rings = np.array([[0.5, 0.5, 1.0], [9.0, 9.0, 1.0]])
-    assert not outlines_overlap(table, 0, 4, rings, 1, 1, True, table, 4, 4, rings, 1, 0, True)
-    assert outlines_overlap(table, 0, 4, rings, 0, 0, True, table, 4, 4, rings, 0, 1, True)
+    other = BodyOutline(table, 4, 4, rings, 1, 0, True)
+    assert not outlines_overlap(BodyOutline(table, 0, 4, rings, 1, 1, True), other)
+    assert outlines_overlap(BodyOutline(table, 0, 4, rings, 0, 0, True), other._replace(first_disc=0, n_discs=1))
 
 
 @given(

@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 import shapely
 
-from irsim_gym.geometry.frames import place_outline
 from irsim_gym.geometry.polygons import contains_point, is_convex, reach, signed_area
 from tests.geometry.shapes import NO_DISCS, NO_SEGMENTS, closed, star
 
@@ -92,26 +91,3 @@ def test_reach() -> None:
     assert reach(segments, 1, 2, discs, 0, 0) == 5.0
     assert reach(segments, 1, 2, discs, 0, 1) == 6.0
     assert reach(NO_SEGMENTS, 0, 0, NO_DISCS, 0, 0) == 0.0
-
-
-def test_place_outline_moves_one_body_alone() -> None:
-    local_segments = np.arange(16.0).reshape(4, 4)
-    local_discs = np.array([[1.0, 0.0, 0.5], [0.0, 2.0, 0.25]])
-    segments, discs = np.full((4, 4), -1.0), np.full((2, 3), -1.0)
-    place_outline(local_segments, local_discs, 1, 2, 1, 1, 10.0, 20.0, 0.5 * np.pi, segments, discs)
-    assert (segments[[0, 3]] == -1.0).all()
-    np.testing.assert_allclose(segments[1], [10 - 5, 20 + 4, 10 - 7, 20 + 6], atol=1e-12)
-    np.testing.assert_allclose(discs[1], [10 - 2, 20, 0.25], atol=1e-12)
-    assert (discs[0] == -1.0).all()
-
-
-def test_place_outline_keeps_shared_vertices_shared() -> None:
-    local = closed(star(np.random.default_rng(8), 0.3, -0.2, 0.7))
-    n = len(local)
-    for heading in np.linspace(-3.0, 3.0, 50):
-        segments = np.zeros_like(local)
-        place_outline(local, NO_DISCS, 0, n, 0, 0, 7.1, -3.3, heading, segments, NO_DISCS)
-        assert (segments[:, 2:] == np.roll(segments[:, :2], -1, axis=0)).all()
-        twin = np.zeros_like(local)
-        place_outline.py_func(local, NO_DISCS, 0, n, 0, 0, 7.1, -3.3, heading, twin, NO_DISCS)  # type: ignore[attr-defined]
-        np.testing.assert_allclose(segments, twin, rtol=0.0, atol=1e-12)

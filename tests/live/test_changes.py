@@ -274,7 +274,7 @@ def test_a_name_that_is_given_again_inherits_nothing() -> None:
 def test_small_groups_stay_together_when_a_member_is_removed() -> None:
     def companions() -> list[set[str]]:
         (group,) = here.simulation.parts.group_behaviors
-        names, party = np.array(here.names)[group.members], group.arrays["party"]
+        names, party = np.array(here.names)[group.members], group.tables[0].party
         return [set(names[party == number].tolist()) for number in sorted(set(party[party >= 0].tolist()))]
 
     walkers = {"number": 5, **DIFF, "distribution": {"name": "circle", "radius": 4}}

@@ -31,7 +31,7 @@ def simulation(robots: Any, obstacles: Any = (), n_worlds: int = 1, **world: Any
 def test_the_map_is_the_last_body() -> None:
     sim = simulation([ROBOT], [{"shape": {"name": "circle"}, "state": [20, 20, 0]}])
     assert sim.parts.names == ("robot_0", "obstacle_1", "obstacle_2")
-    assert sim.model.map_frame.tolist() == [1, 2, 2, 1, 2]
+    assert sim.model.map_frame.item() == (1, 2, 2, 1, 2)
     assert np.array_equal(sim.model.map_squares[0] == 0, MAP)
 
 
@@ -139,7 +139,7 @@ def test_every_level_of_the_shipped_scenarios_has_a_way(name: str) -> None:
     """The ways that are found keep the robot's radius from every occupied cell, by shapely's word."""
     sim = ig.compile(ig.load_scenario(name), 3, agents=(0,))
     sim.reset(seed=0)
-    occupied = area(sim.scenario.occupied, *sim.model.map_frame[:4])
+    occupied = area(sim.scenario.occupied, *sim.model.map_frame.item()[:4])
     radius = float(sim.model.reach[0, 0])
     for w in range(3):
         start, goal = sim.state.pose[w, 0], sim.state.goal[w, 0]

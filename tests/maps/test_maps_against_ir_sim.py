@@ -46,7 +46,7 @@ def test_scans_and_contacts(tmp_path: Path, seed: int, shape: str) -> None:
     world = {"obstacle_map": spec, "mdownsample": 1 + seed % 2}
     start = {"state": [-50, -50, 0], "shape": SHAPES[shape], "sensors": [LIDAR]}
     there, here = both(tmp_path, world, start)
-    occupied = area(here.scenario.occupied, *here.model.map_frame[:4])
+    occupied = area(here.scenario.occupied, *here.model.map_frame.item()[:4])
     rng, grazing, phantom, holes, contacts = np.random.default_rng(seed), 0, 0, 0, 0
     poses = rng.uniform([2, -1, -3], [11, 5, 3], (150, 3))
     for pose in poses:
@@ -75,7 +75,7 @@ def test_what_is_explored(tmp_path: Path, resolution: float | None) -> None:
     fog = {"fog_map": True, **({"fog_map_resolution": resolution} if resolution else {})}
     robot = {"state": [1.0, 2.1, 0.3], "shape": SHAPES["circle"], "sensors": [LIDAR]}
     there, here = both(tmp_path, {"obstacle_map": spec, **fog}, robot)
-    occupied = area(here.scenario.occupied, *here.model.map_frame[:4])
+    occupied = area(here.scenario.occupied, *here.model.map_frame.item()[:4])
     assert not here.explored.any()
     for _ in range(15):
         there.step(np.array([[1.0], [0.4]]))

@@ -10,13 +10,34 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import distance_field, field_at, shortest_path
 from irsim_gym.paths.grid import Grid, mark_blocked
 from irsim_gym.paths.reachability import is_reachable
+from irsim_gym.structs import Struct
 from tests.geometry.cell_maps import area as cell_area
 from tests.geometry.cell_maps import cell_map
 
 Floats = NDArray[np.float64]
+
+
+@dataclass
+class Parts(Struct):
+    """What paths read of model and state."""
+
+    segments: Any
+    segment_start: Any
+    segment_count: Any
+    discs: Any
+    disc_start: Any
+    disc_count: Any
+    solid: Any
+    pose: Any
+    rigid: Any
+
+
+def point(place: Any) -> tuple[float, float]:
+    return float(place[0]), float(place[1])
 
 
 @dataclass
@@ -60,20 +81,22 @@ class Scene:
         return self.chain((0, 0), (s, 0), (s, s), (0, s), (0, 0))
 
     @property
-    def outlines(self) -> tuple[Any, ...]:
+    def obstacles(self) -> Obstacles:
+        """All parts and the map, as one world."""
         segment_count = np.array([len(part[0]) for part in self.parts], np.int64)
         disc_count = np.array([len(part[1]) for part in self.parts], np.int64)
-        return (
-            np.vstack([np.zeros((0, 4)), *(part[0] for part in self.parts)]),
-            np.cumsum(segment_count) - segment_count,
-            segment_count,
-            np.vstack([np.zeros((0, 3)), *(part[1] for part in self.parts)]),
-            np.cumsum(disc_count) - disc_count,
-            disc_count,
-            np.array([part[2] for part in self.parts], np.bool_),
-            np.ones(len(self.parts), np.bool_),
-            self.cells,
+        world: Any = Parts(
+            segments=np.vstack([np.zeros((0, 4)), *(part[0] for part in self.parts)])[None],
+            segment_start=np.cumsum(segment_count) - segment_count,
+            segment_count=segment_count[None],
+            discs=np.vstack([np.zeros((0, 3)), *(part[1] for part in self.parts)])[None],
+            disc_start=np.cumsum(disc_count) - disc_count,
+            disc_count=disc_count[None],
+            solid=np.array([part[2] for part in self.parts], np.bool_),
+            pose=np.zeros((1, len(self.parts), 3)),
+            rigid=np.ones(1, np.bool_),
         )
+        return Obstacles(world, world, 0, np.ones(len(self.parts), np.bool_), self.cells)
 
     @property
     def shape(self) -> Any:
@@ -85,19 +108,17 @@ class Scene:
     def blocked(self, radius: float, cell: float) -> NDArray[np.uint8]:
         grid = self.grid(cell)
         found = grid.blocked()
-        mark_blocked(*self.outlines, radius, grid.origin_x, grid.origin_y, cell, found)
+        mark_blocked(self.obstacles, radius, grid, found)
         return found
 
     def reachable(self, radius: float, start: Any, goal: Any, cell: float = 0.1) -> bool:
         grid = self.grid(cell)
-        place = (*map(float, start), *map(float, goal), grid.origin_x, grid.origin_y, cell)
-        return bool(is_reachable(*self.outlines, radius, *place, grid.blocked(), grid.runs()))
+        return bool(is_reachable(self.obstacles, radius, point(start), point(goal), grid, grid.blocked(), grid.runs()))
 
     def path(self, radius: float, start: Any, goal: Any, cell: float = 0.05) -> Floats:
         grid = self.grid(cell)
         path = grid.path()
-        place = (*map(float, start), *map(float, goal), grid.origin_x, grid.origin_y, cell)
-        count = shortest_path(*self.outlines, radius, *place, grid.blocked(), grid.field(), grid.queue(), path)
+        count = shortest_path(self.obstacles, radius, point(start), point(goal), grid, grid.search(), path)
         return path[:count].copy()
 
     def length(self, radius: float, start: Any, goal: Any, cell: float = 0.05) -> float:
@@ -107,10 +128,9 @@ class Scene:
     def field(self, radius: float, goal: Any, cell: float = 0.1) -> tuple[Floats, Any]:
         """Return the distance field and a function that reads it at a point."""
         grid = self.grid(cell)
-        found = grid.field()
-        place = (float(goal[0]), float(goal[1]), grid.origin_x, grid.origin_y, cell)
-        distance_field(*self.outlines, radius, *place, grid.blocked(), found, grid.queue())
-        return found, lambda x, y: field_at(found, grid.origin_x, grid.origin_y, cell, float(x), float(y))
+        search = grid.search()
+        distance_field(self.obstacles, radius, point(goal), grid, search)
+        return search.field, lambda x, y: field_at(search.field, grid, float(x), float(y))
 
     def mirrored(self) -> Scene:
         """Return the scene seen in a mirror along x."""

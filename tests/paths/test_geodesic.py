@@ -9,6 +9,7 @@ import pytest
 import shapely
 
 from irsim_gym.paths.geodesic import field_at
+from irsim_gym.paths.grid import Grid
 from tests.paths.scenes import Scene, random_points, random_scene, visibility_length
 
 RADIUS = 0.2
@@ -141,12 +142,12 @@ def test_field_is_continued_by_two_rings() -> None:
 
 
 def test_interpolation_by_hand() -> None:
-    field = np.array([[1.0, 2.0], [3.0, np.inf]])
-    assert field_at(field, 10.0, 20.0, 2.0, 11.0, 21.0) == 1.0
-    assert field_at(field, 10.0, 20.0, 2.0, 12.0, 21.0) == 1.5
-    assert field_at(field, 10.0, 20.0, 2.0, 12.0, 22.0) == 2.0  # the mean of the three that count
-    assert field_at(field, 10.0, 20.0, 2.0, -5.0, 21.0) == 1.0  # beyond the outermost centres
-    assert field_at(field, 10.0, 20.0, 2.0, 13.0, 23.0) == np.inf
+    field, grid = np.array([[1.0, 2.0], [3.0, np.inf]]), Grid(10.0, 20.0, 2.0, 2, 2)
+    assert field_at(field, grid, 11.0, 21.0) == 1.0
+    assert field_at(field, grid, 12.0, 21.0) == 1.5
+    assert field_at(field, grid, 12.0, 22.0) == 2.0  # the mean of the three that count
+    assert field_at(field, grid, -5.0, 21.0) == 1.0  # beyond the outermost centres
+    assert field_at(field, grid, 13.0, 23.0) == np.inf
 
 
 TWIN = """

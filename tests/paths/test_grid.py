@@ -5,7 +5,7 @@ import shapely
 from irsim_gym.paths.clearance import way_is_free
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.spread import LENGTHS, STEPS, VIA
-from tests.paths.scenes import Scene, random_scene
+from tests.paths.scenes import Scene, point, random_scene
 
 RADIUS = 0.2
 
@@ -44,12 +44,12 @@ def test_bodies_beyond_the_grid_do_no_harm() -> None:
 
 def test_bodies_that_do_not_block_are_ignored() -> None:
     scene = Scene(2.0).box(0.5, 0.5, 1.5, 1.5).disc(1.0, 1.0, 0.5)
-    outlines = scene.outlines
-    outlines[7][:] = False
-    assert way_is_free(*outlines, RADIUS, 0.0, 1.0, 2.0, 1.0)
-    outlines[7][1] = True
-    assert not way_is_free(*outlines, RADIUS, 0.0, 1.0, 2.0, 1.0)
-    assert way_is_free(*outlines, RADIUS, 0.29, 0.0, 0.29, 2.0)
+    obstacles = scene.obstacles
+    obstacles.blocks[:] = False
+    assert way_is_free(obstacles, RADIUS, (0.0, 1.0), (2.0, 1.0))
+    obstacles.blocks[1] = True
+    assert not way_is_free(obstacles, RADIUS, (0.0, 1.0), (2.0, 1.0))
+    assert way_is_free(obstacles, RADIUS, (0.29, 0.0), (0.29, 2.0))
 
 
 def test_straight_ways_against_shapely() -> None:
@@ -57,13 +57,13 @@ def test_straight_ways_against_shapely() -> None:
     verdicts = []
     for seed in range(15):
         scene = random_scene(seed)
-        outlines, shape = scene.outlines, scene.shape
+        obstacles, shape = scene.obstacles, scene.shape
         shapely.prepare(shape)
         ends = rng.uniform(0.0, 6.0, (100, 2, 2))
         ends[:50, 1] = ends[:50, 0] + rng.uniform(-0.5, 0.5, (50, 2))
         for (a, b), distance in zip(ends, shapely.distance(shapely.linestrings(ends), shape), strict=True):
             if abs(distance - RADIUS) > 2e-4:
-                free = way_is_free(*outlines, RADIUS, *a, *b)
+                free = way_is_free(obstacles, RADIUS, point(a), point(b))
                 assert free is bool(distance > RADIUS)
                 verdicts.append(free)
     assert 0.1 < np.mean(verdicts) < 0.9
@@ -82,7 +82,8 @@ def test_steps_between_free_cells_are_free(seed: int) -> None:
         for step, via in zip(STEPS, VIA, strict=True):
             needed = [step, *via]
             if all(padded[row + 2 + dy, column + 2 + dx] for dy, dx in needed):
-                assert way_is_free(*scene.outlines, RADIUS, x, y, x + step[1] * cell, y + step[0] * cell)
+                end = (x + step[1] * cell, y + step[0] * cell)
+                assert way_is_free(scene.obstacles, RADIUS, (x, y), end)
 
 
 def test_steps() -> None:

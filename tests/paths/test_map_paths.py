@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from irsim_gym.paths.clearance import way_is_free
-from tests.paths.scenes import Scene
+from tests.paths.scenes import Scene, point
 
 RADIUS = 0.17
 
@@ -37,22 +37,22 @@ def test_blocked_cells_against_shapely(cell: float) -> None:
 
 def test_a_map_wider_than_the_grid_blocks_what_lies_in_it() -> None:
     scene = Scene(2.0).map(np.ones((2, 2), np.bool_))
-    scene.cells[0][:4] = [-5.0, -5.0, 6.0, 6.0]
+    scene.cells = scene.cells._replace(x=-5.0, y=-5.0, width=6.0, height=6.0)
     assert scene.blocked(RADIUS, 0.1).all()
-    scene.cells[0][:2] = [50.0, -5.0]
+    scene.cells = scene.cells._replace(x=50.0, y=-5.0)
     assert not scene.blocked(RADIUS, 0.1).any()
 
 
 def test_straight_ways_against_shapely() -> None:
     rng = np.random.default_rng(7)
     scene = Scene().map(random_cells(2, 0.05))
-    outlines, verdicts = scene.outlines, []
+    obstacles, verdicts = scene.obstacles, []
     for _ in range(300):
         a, b = rng.uniform(0.0, 6.0, (2, 2))
         apart = shapely.distance(shapely.LineString([a, b]), scene.shape)
         if abs(apart - RADIUS) > 1e-9:
             verdicts.append(apart > RADIUS)
-            assert way_is_free(*outlines, RADIUS, *a, *b) == verdicts[-1]
+            assert way_is_free(obstacles, RADIUS, point(a), point(b)) == verdicts[-1]
     assert 50 < sum(verdicts) < 250
 
 

@@ -10,7 +10,7 @@ import shapely
 
 from irsim_gym.paths.grid import CELL_MARGIN
 from irsim_gym.paths.regions import LABELLED, SEEN, label_regions, of_slot, way_exists, way_tables
-from tests.paths.scenes import Scene, random_points, random_scene
+from tests.paths.scenes import Scene, point, random_points, random_scene
 
 RADIUS, CELL = 0.2, 0.1
 
@@ -19,18 +19,16 @@ class Asked:
     """A scene that is asked again and again; its bodies stand at the origin, so that poses only name arrangements."""
 
     def __init__(self, scene: Scene, rigid: bool = True) -> None:
-        self.scene, self.rigid = scene, rigid
-        self.outlines = scene.outlines
-        self.pose = np.zeros((len(scene.parts), 3))
+        self.scene, self.obstacles = scene, scene.obstacles
+        self.obstacles.model.rigid[0] = rigid
         self.tables = of_slot(way_tables(scene.grid(CELL), 2, len(scene.parts)), 1)
 
     def __call__(self, start: Any, goal: Any, radius: float = RADIUS) -> bool:
-        ends = (*map(float, start), *map(float, goal))
-        return bool(way_exists(self.outlines, self.pose, self.rigid, radius, *ends, self.tables))
+        return bool(way_exists(self.obstacles, radius, point(start), point(goal), self.tables))
 
     @property
     def stage(self) -> float:
-        return float(self.tables[4][0, 0])
+        return float(self.tables.known[0, 0])
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -48,8 +46,8 @@ def test_every_answer_is_that_of_the_plain_search(seed: int) -> None:
 def test_labels_are_those_of_a_flood_fill() -> None:
     for seed in (3, 5, 8):
         asked = Asked(random_scene(seed, 12, walled=True))
-        frame, blocked, runs, labels, _ = asked.tables
-        label_regions(asked.outlines, RADIUS, *frame, blocked, runs, labels)
+        labels = asked.tables.labels
+        label_regions(asked.obstacles, RADIUS, asked.tables)
         rows, columns = labels.shape
         centres = np.meshgrid((np.arange(columns) + 0.5) * CELL, (np.arange(rows) + 0.5) * CELL)
         room = shapely.distance(shapely.points(*centres), asked.scene.shape)
@@ -89,13 +87,14 @@ def test_bodies_that_moved_are_asked_about_anew() -> None:
     ends = (1, 1), (5, 1)
     assert [asked(*ends) for _ in range(3)] == [False] * 3
     assert asked.stage == LABELLED
-    asked.outlines, asked.pose[0, 1] = gap.outlines, -4.0
+    asked.obstacles = gap.obstacles
+    asked.obstacles.state.pose[0, 0, 1] = -4.0
     assert asked(*ends)
     assert asked.stage == SEEN
     assert asked(*ends)
     assert asked(*ends, radius=0.25)
     assert asked.stage == SEEN
-    asked.outlines[7][0] = False
+    asked.obstacles.blocks[0] = False
     assert asked(*ends, radius=0.25)
     assert asked.stage == SEEN
 
@@ -103,6 +102,7 @@ def test_bodies_that_moved_are_asked_about_anew() -> None:
 def test_outlines_that_are_drawn_anew_are_never_remembered() -> None:
     asked = Asked(Scene().chain((3, -1), (3, 7)), rigid=False)
     assert not any(asked((1, 1), (5, 1)) for _ in range(3))
-    asked.outlines = Scene().chain((3, -1), (3, 2)).outlines
+    asked.obstacles = Scene().chain((3, -1), (3, 2)).obstacles
+    asked.obstacles.model.rigid[0] = False
     assert asked((1, 1), (5, 1))
     assert asked.stage not in (SEEN, LABELLED)

@@ -208,7 +208,7 @@ def test_levels_of_many_bodies_are_those_drawn_without_buckets(monkeypatch: pyte
     for fewest in (64, 1000):
         monkeypatch.setattr(body_buckets, "FEWEST_BODIES", fewest)
         sim = ig.compile(ig.load_scenario(crowded(120)), 6)
-        assert (sim.model.bucket_frame[3] > 0.0) == (fewest == 64)
+        assert (sim.model.bucket_frame[0].columns > 0) == (fewest == 64)
         sim.reset(seed=3)
         sim.reset(seed=3, episode=2)
         levels.append((sim.state.pose.copy(), sim.state.goal.copy(), sim.state.segments.copy()))
@@ -224,11 +224,11 @@ def test_each_draw_looks_at_the_neighbours_alone() -> None:
         "distribution": {"name": "random", "min_distance": 1},
     }
     sim = ig.compile(ig.load_scenario({"world": {"width": 60, "height": 60}, "obstacle": [entry]}))
-    frame = sim.model.bucket_frame
+    frame = sim.model.bucket_frame[0]
     found = np.zeros(10_000, np.int64)
     with pytest.raises(PlacementError, match="obstacle_"):
         sim.reset(seed=0)
-    radius = 1.0 + frame[5]
+    radius = 1.0 + frame.reach
     first, following = sim.state.bucket_first[0], sim.state.bucket_next[0]
     placed = int(sim.state.placed.sum())
     assert placed > 1500  # as many as there is room for, roughly

@@ -114,7 +114,7 @@ def make_world(
         state.goal[:, b, :2] = body.goal or (0.0, 0.0)
         model.waypoint_count[:, b] = body.goal is not None
     state.hit[:] = -1
-    model.map_frame[4] = -1
+    model.map_frame["body"] = -1
     world = World(_scenario(bodies, plot or WorldPlot()), model, state, [])
     for b, body in enumerate(bodies):
         world.move(b, *body.pose)

@@ -164,6 +164,6 @@ def test_what_is_hit_below_range_min_is_the_nearest(noise: dict[str, Any], wall:
     sim.reset()
     group, member = sim.scan(0)
     hit = group.arrays["hit"][0, member, 0]
-    assert hit == (1 if name == "obstacle_1" else sim.model.map_frame[4])
+    assert hit == (1 if name == "obstacle_1" else sim.model.map_frame[0].body)
     report = sim.scan_report(0, 0)
     assert (report["ranges"].tolist(), report["valid"].tolist()) == ([1.0], [False])

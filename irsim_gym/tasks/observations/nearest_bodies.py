@@ -147,7 +147,7 @@ def write_nearest(
                 keep(gap, px - x, py - y, b, slot, nearest)
             if cells is not None:
                 gap, px, py = nearest_cell_point(cells, x, y, distance[n_found - 1])
-                keep(gap, px - x, py - y, int(cells[0][4]), slot, nearest)
+                keep(gap, px - x, py - y, cells.body, slot, nearest)
             row = episode.observation[w, a, column : column + WIDTH * n_found]
             write_gaps(w, own, slot, nearest, term, model, state, row)
             write_motions(w, own, slot, nearest, speed, state, row)

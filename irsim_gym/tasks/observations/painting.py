@@ -198,8 +198,7 @@ def add_cells(canvas: Canvas, cells: CellMap | None) -> None:
     """Add the occupied cells of a map to a sheet."""
     if cells is not None:
         view, box = canvas.view, canvas.box
-        frame, _, boxes, _ = cells
-        x, y, width, height = frame[0], frame[1], frame[2], frame[3]
+        x, y, width, height, boxes = cells.x, cells.y, cells.width, cells.height, cells.boxes
         seen = (
             CORNER
             * (max(view.middle_x, box[2] - view.middle_x, view.middle_y, box[3] - view.middle_y) + LINE)

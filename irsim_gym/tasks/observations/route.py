@@ -12,8 +12,10 @@ from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays, Span
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
-from irsim_gym.paths.grid import Grid, mark_blocked
-from irsim_gym.paths.spread import PARENT, clear_field, offer_gates, spread
+from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.geodesic import search_ways
+from irsim_gym.paths.grid import Grid, Search, centre
+from irsim_gym.paths.spread import PARENT
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.rewards.geodesic import mark_standing
@@ -38,19 +40,17 @@ class Ways(Struct):
     """The ways to the agents' goals, over a grid of cells, and what they are found with.
 
     Attributes:
-        grid: Origin x, y and side of a cell [m], shape ``(3,)``.
-        columns: Columns of the grid.
+        grid: The grid.
         onward: Number of the next cell on the way, -1 at its end, shape ``(n_worlds, n_agents, n_cells)``.
         length: Length of the way from each cell [m], infinite without one, shape ``(n_worlds, n_agents, n_cells)``.
         target: The goals [m] that the ways lead to, shape ``(n_worlds, n_agents, 2)``.
-        blocked: Scratch: see ``Grid.blocked``; first axis the slot, as in all that follow.
-        field: Scratch: see ``Grid.field``.
-        queue: Scratch: see ``Grid.queue``.
+        blocked: Scratch: see ``Search``; first axis the slot, as in all that follow.
+        field: Scratch: see ``Search``.
+        queue: Scratch: see ``Search``.
         blocks: Scratch: bodies that are in the way, shape ``(n_slots, n_bodies)``.
     """
 
-    grid: Floats
-    columns: int
+    grid: Grid
     onward: Spans
     length: Rays
     target: Floats
@@ -84,15 +84,13 @@ class Route:
         grid = Grid.over(bounds, max(CELL, side / FINEST) if self.cell is None else self.cell)
         slots, n_agents = simulation.shards.n_slots, len(agents)
         shape = (simulation.n_worlds, n_agents, grid.rows * grid.columns)
+        search = grid.search()
         return Ways(
-            grid=np.array([grid.origin_x, grid.origin_y, grid.cell]),
-            columns=grid.columns,
+            grid=grid,
             onward=np.full(shape, -1, np.int32),
             length=np.full(shape, np.inf, np.float32),
             target=np.full((simulation.n_worlds, n_agents, 2), np.nan),
-            blocked=np.stack([grid.blocked() for _ in range(slots)]),
-            field=np.stack([grid.field() for _ in range(slots)]),
-            queue=np.stack([grid.queue() for _ in range(slots)]),
+            **{name: np.stack([part] * slots) for name, part in search._asdict().items()},
             blocks=np.zeros((slots, len(simulation.scenario.bodies)), np.bool_),
         )
 
@@ -127,13 +125,7 @@ def find_ways(
     worlds: Ints, slot: int, agents: Ints, ways: Ways, model: WorldModel, cells: CellMap | None, state: WorldState
 ) -> None:
     """Write for each free cell the next one on the way to the goal and how long the way is, where the goal is new."""
-    grid, blocked, field, queue, blocks = (
-        ways.grid,
-        ways.blocked[slot],
-        ways.field[slot],
-        ways.queue[slot],
-        ways.blocks[slot],
-    )
+    blocked, field, queue, blocks = ways.blocked[slot], ways.field[slot], ways.queue[slot], ways.blocks[slot]
     for w in worlds:
         for a in range(agents.shape[0]):
             own, target = agents[a], ways.target[w, a]
@@ -142,22 +134,8 @@ def find_ways(
                 continue
             target[0], target[1] = goal_x, goal_y
             mark_standing(model, w, own, blocks)
-            outlines = (
-                state.segments[w],
-                model.segment_start,
-                model.segment_count[row_of(model.segment_count, w)],
-                state.discs[w],
-                model.disc_start,
-                model.disc_count[row_of(model.disc_count, w)],
-                model.solid,
-                blocks,
-                cells,
-            )
-            radius = model.reach[row_of(model.reach, w), own]
-            mark_blocked(*outlines, radius, grid[0], grid[1], grid[2], blocked)
-            clear_field(field, queue)
-            offer_gates(*outlines, radius, goal_x, goal_y, grid[0], grid[1], grid[2], blocked, field, queue)
-            spread(blocked, grid[2], -1, -1, field, queue)
+            obstacles, radius = Obstacles(model, state, w, blocks, cells), model.reach[row_of(model.reach, w), own]
+            search_ways(obstacles, radius, (goal_x, goal_y), ways.grid, Search(blocked, field, queue))
             known = field.reshape(-1)
             for k in range(known.shape[0]):
                 ways.length[w, a, k] = np.float32(known[k])
@@ -177,10 +155,10 @@ def write_route(
             x, y = state.pose[w, b, 0], state.pose[w, b, 1]
             to_x, to_y = state.goal[w, b, 0], state.goal[w, b, 1]
             way = np.sqrt((to_x - x) * (to_x - x) + (to_y - y) * (to_y - y))
-            first = entry(length, ways.grid, ways.columns, x, y)
+            first = entry(length, ways.grid, x, y)
             if first >= 0 and float(length[first]) > ahead:
                 way = float(length[first])
-                to_x, to_y = point_ahead(ways.onward[w, a], ways.grid, ways.columns, first, ahead, to_x, to_y)
+                to_x, to_y = point_ahead(ways.onward[w, a], ways.grid, first, ahead, to_x, to_y)
             dx, dy = to_x - x, to_y - y
             far = np.sqrt(dx * dx + dy * dy)
             cosine, sine = turned(state.pose[w, b, 2], state.direction[w, b])
@@ -191,17 +169,17 @@ def write_route(
 
 
 @kernel
-def entry(length: Rays, grid: Floats, columns: int, x: float, y: float) -> int:
+def entry(length: Rays, grid: Grid, x: float, y: float) -> int:
     """Return the number of the cell nearest to a point from which a way is known; -1 if none is near."""
-    rows = length.shape[0] // columns
-    own_row, own_column = int(np.floor((y - grid[1]) / grid[2])), int(np.floor((x - grid[0]) / grid[2]))
+    rows, columns = grid.rows, grid.columns
+    own_row, own_column = int(np.floor((y - grid.origin_y) / grid.cell)), int(np.floor((x - grid.origin_x) / grid.cell))
     best, found = np.inf, -1
     for row in range(max(own_row - ENTRY, 0), min(own_row + ENTRY + 1, rows)):
         for column in range(max(own_column - ENTRY, 0), min(own_column + ENTRY + 1, columns)):
             if length[row * columns + column] == np.inf:
                 continue
-            dx = grid[0] + (column + 0.5) * grid[2] - x
-            dy = grid[1] + (row + 0.5) * grid[2] - y
+            dx = grid.origin_x + (column + 0.5) * grid.cell - x
+            dy = grid.origin_y + (row + 0.5) * grid.cell - y
             if dx * dx + dy * dy < best:
                 best, found = dx * dx + dy * dy, row * columns + column
     return found
@@ -209,16 +187,19 @@ def entry(length: Rays, grid: Floats, columns: int, x: float, y: float) -> int:
 
 @kernel
 def point_ahead(
-    onward: Ints, grid: Floats, columns: int, first: int, ahead: float, goal_x: float, goal_y: float
+    onward: Spans, grid: Grid, first: int, ahead: float, goal_x: float, goal_y: float
 ) -> tuple[float, float]:
     """Return the point [m] so far ahead on the way from a cell, to the next cell; the goal where the way is shorter."""
-    here, driven = first, 0.0
-    x, y = grid[0] + (here % columns + 0.5) * grid[2], grid[1] + (here // columns + 0.5) * grid[2]
+    columns, here, driven = grid.columns, first, 0.0
+    x, y = centre(grid, here // columns, here % columns)
     while driven < ahead:
         here = int(onward[here])
         if here < 0:
             return goal_x, goal_y
-        next_x, next_y = grid[0] + (here % columns + 0.5) * grid[2], grid[1] + (here // columns + 0.5) * grid[2]
+        next_x, next_y = (
+            grid.origin_x + (here % columns + 0.5) * grid.cell,
+            grid.origin_y + (here // columns + 0.5) * grid.cell,
+        )
         driven += np.sqrt((next_x - x) * (next_x - x) + (next_y - y) * (next_y - y))
         x, y = next_x, next_y
     return x, y

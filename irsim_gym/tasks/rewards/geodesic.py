@@ -10,8 +10,9 @@ import numpy as np
 from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import distance_field, field_at
-from irsim_gym.paths.grid import Grid
+from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term
@@ -25,16 +26,16 @@ class Fields(Struct):
     """Distances to the agents' goals over a grid of cells, and what they are found with.
 
     Attributes:
-        grid: Origin x, y and side of a cell [m], shape ``(3,)``.
+        grid: The grid.
         target: The goals [m], shape ``(n_worlds, n_agents, 2)``.
         potential: Each agent's distance one step ago [m], shape ``(n_worlds, n_agents)``.
         field: The distances [m], shape ``(n_worlds, n_agents, rows, columns)``.
-        blocked: Scratch: see ``Grid.blocked``; first axis the slot, as in all that follow.
-        queue: Scratch: see ``Grid.queue``.
+        blocked: Scratch: see ``Search``; first axis the slot, as in all that follow.
+        queue: Scratch: see ``Search``.
         blocks: Scratch: bodies that are in the way, shape ``(n_slots, n_bodies)``.
     """
 
-    grid: Floats
+    grid: Grid
     target: Floats
     potential: Floats
     field: Floats
@@ -46,14 +47,15 @@ class Fields(Struct):
     def over(cls, simulation: Simulation, n_agents: int, cell: float) -> Self:
         """Return fields with cells of some side [m]."""
         grid = Grid.over(simulation.model.bounds, cell)
+        search = grid.search()
         slots, shape = simulation.shards.n_slots, (simulation.n_worlds, n_agents)
         return cls(
-            grid=np.array([grid.origin_x, grid.origin_y, grid.cell]),
+            grid=grid,
             target=np.zeros((*shape, 2)),
             potential=np.zeros(shape),
             field=np.full((*shape, grid.rows, grid.columns), np.inf),
-            blocked=np.stack([grid.blocked() for _ in range(slots)]),
-            queue=np.stack([grid.queue() for _ in range(slots)]),
+            blocked=np.stack([search.blocked] * slots),
+            queue=np.stack([search.queue] * slots),
             blocks=np.zeros((slots, len(simulation.scenario.bodies)), np.bool_),
         )
 
@@ -96,27 +98,9 @@ def draw_fields(
                 continue
             target[0], target[1] = goal_x, goal_y
             mark_standing(model, w, own, blocks)
-            distance_field(
-                state.segments[w],
-                model.segment_start,
-                model.segment_count[row_of(model.segment_count, w)],
-                state.discs[w],
-                model.disc_start,
-                model.disc_count[row_of(model.disc_count, w)],
-                model.solid,
-                blocks,
-                cells,
-                model.reach[row_of(model.reach, w), own],
-                goal_x,
-                goal_y,
-                grid[0],
-                grid[1],
-                grid[2],
-                blocked,
-                field,
-                queue,
-            )
-            here = field_at(field, grid[0], grid[1], grid[2], x, y)
+            obstacles, radius = Obstacles(model, state, w, blocks, cells), model.reach[row_of(model.reach, w), own]
+            distance_field(obstacles, radius, (goal_x, goal_y), grid, Search(blocked, field, queue))
+            here = field_at(field, grid, x, y)
             dx, dy = goal_x - x, goal_y - y
             fields.potential[w, a] = here if here < np.inf else np.sqrt(dx * dx + dy * dy)
 
@@ -132,7 +116,7 @@ def pay_field_gain(
     for w in worlds:
         for a in range(term.agents.shape[0]):
             b = term.agents[a]
-            here = field_at(fields.field[w, a], grid[0], grid[1], grid[2], state.pose[w, b, 0], state.pose[w, b, 1])
+            here = field_at(fields.field[w, a], grid, state.pose[w, b, 0], state.pose[w, b, 1])
             here = here if here < np.inf else potential[w, a]
             episode.reward_term[w, a, term.column] = rate * (potential[w, a] - here)
             potential[w, a] = here

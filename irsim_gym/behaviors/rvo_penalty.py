@@ -1,0 +1,87 @@
+"""The sampled velocity with the least penalty, where every one of them leads to a collision."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Records
+from irsim_gym.behaviors.free_samples import RvoTables
+from irsim_gym.behaviors.surroundings import Ego
+from irsim_gym.behaviors.velocity_obstacles import SLACK, Axis
+from irsim_gym.jit import kernel
+
+NO_TIME = 1e-4
+"""Time to a collision [s] that has begun already."""
+
+NEVER = 1e6
+"""Time to a collision with a wall [s] that is not met."""
+
+
+@kernel
+def least_penalty(
+    ego: Ego, factor: float, rounds: Records, sides: Floats, along_x: Axis, along_y: Axis, tables: RvoTables
+) -> int:
+    """Return the sample with the least ``factor / time to the first collision + distance from the wanted velocity``.
+
+    The penalty is that of van den Berg et al. (2008). Samples are looked at from the wanted velocity
+    outwards, as ``tables.order`` has them; of several that are equally good the first counts.
+    """
+    samples, order = tables.samples, tables.order
+    best, best_cost, least = 0, np.inf, 0.0
+    for disc in rounds:
+        if disc.touch_way == 0.0:  # touches already: every sample costs the same for it
+            least = factor * (1.0 / NO_TIME)
+    for a in range(along_x.n):
+        i = order[0, a]
+        dx = samples[0, i] - along_x.wanted
+        if least + np.abs(dx) > best_cost * SLACK:
+            break
+        for c in range(along_y.n):
+            j = order[1, c]
+            distance = np.hypot(dx, samples[1, j] - along_y.wanted)
+            if least + distance > best_cost * SLACK:
+                break
+            time = 0.0
+            if least == 0.0:
+                time = time_to_collision(ego, samples[0, i], samples[1, j], rounds, sides)
+            cost = factor * (1.0 / (NO_TIME if time == 0.0 else time)) + distance
+            place = i * along_y.n + j
+            if cost < best_cost or (cost == best_cost and place < best):
+                best, best_cost = place, cost
+    return best
+
+
+@kernel
+def time_to_collision(ego: Ego, vx: float, vy: float, rounds: Records, sides: Floats) -> float:
+    """Return when a body with the velocity (vx, vy) [m/s] runs into what it sees [s].
+
+    A reciprocal body moves as if it took twice the change: relative to a disc it has the velocity 2 v - v_now - u.
+    """
+    time = np.inf
+    for disc in rounds:
+        tx, ty = 2.0 * vx - ego.vx - disc.vx, 2.0 * vy - ego.vy - disc.vy
+        time = min(time, disc.touch_way / (np.sqrt(tx * tx + ty * ty) + 1e-7))
+    for side in sides:
+        time = min(time, time_to_side(ego, vx, vy, side))
+    return time
+
+
+@kernel
+def time_to_side(ego: Ego, vx: float, vy: float, side: Floats) -> float:
+    """Return when a body with the velocity (vx, vy) meets a segment [s]: its line, up to its radius beyond its ends."""
+    x, y, r = ego.x, ego.y, ego.radius
+    along_x, along_y = side[2] - side[0], side[3] - side[1]
+    length = np.sqrt(along_x * along_x + along_y * along_y)
+    if length < 1e-12:
+        return NEVER
+    normal_x, normal_y = -along_y / length, along_x / length
+    height = normal_x * (x - side[0]) + normal_y * (y - side[1])
+    if height < 0.0:
+        normal_x, normal_y, height = -normal_x, -normal_y, -height
+    approach = -(normal_x * vx + normal_y * vy)
+    if approach <= 1e-7:
+        return NEVER
+    time = max((height - r) / approach, 0.0)
+    share = ((x + vx * time - side[0]) * along_x + (y + vy * time - side[1]) * along_y) / (length * length)
+    margin = r / length
+    return float(time) if -margin <= share <= 1.0 + margin else NEVER
