@@ -116,6 +116,9 @@ def _load(context: Any, build: Any, kind: StructType, block: Any, name: str) -> 
     words, never_changes = build.bitcast(block, WORD.as_pointer()), build.module.add_metadata(())
     loaded = []
     for k, wanted in enumerate(packer.argument_types):
+        if k < 2 and isinstance(kind.fields[name], types.Array):
+            loaded.append(ir.Constant(wanted, None))  # owner and parent: there are none
+            continue
         is_narrow = isinstance(wanted, ir.IntType)
         place = build.gep(words, [ir.Constant(WORD, kind.places[name] + k)])
         word = build.load(place if is_narrow else build.bitcast(place, wanted.as_pointer()))

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import time
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -72,7 +73,8 @@ class SharedJob:
             least: Worlds that a piece should have at least.
             looks: How often threads look for the next job before they sleep.
         """
-        given = programs.addresses, worlds, self._bounds, sharers, wanted, least, programs.n_calls, looks
+        share = Share(sharers, wanted, least)
+        given = programs.addresses, worlds, self._bounds, share, programs.n_calls, looks
         asleep = write_job(self._at, *given)
         if asleep == NOBODY:
             return None
@@ -140,15 +142,27 @@ def portion(first: int, last: int, least: int, most: int, pieces: int, bounds: I
     return pieces + count
 
 
+class Share(NamedTuple):
+    """How a job is shared.
+
+    Attributes:
+        sharers: Among how many slots the worlds are divided.
+        wanted: How many slots are to work.
+        least: Least number of worlds in a piece.
+    """
+
+    sharers: int
+    wanted: int
+    least: int
+
+
 @kernel
 def write_job(
     job: int,
     addresses: Ints,
     worlds: Ints,
     bounds: Ints,
-    sharers: int,
-    wanted: int,
-    least: int,
+    share: Share,
     n_calls: int,
     looks: int,
 ) -> int:
@@ -157,6 +171,7 @@ def write_job(
     The number of pieces that are left is written last: a thread that sees it sees all else. Where no slot is awake or
     wanted, nothing is written.
     """
+    sharers, wanted, least = share
     is_alone = wanted < 2
     for s in range(1, addresses.shape[0]):
         is_alone = is_alone and load(job + SLOTS + SLOT * s + SLEEPS) == 1

@@ -44,7 +44,7 @@ class Canvas(NamedTuple):
 
     sheet: Rays
     box: Ints
-    view: View
+    camera: View
 
 
 @dataclass
@@ -140,7 +140,7 @@ def add_wall(canvas: Canvas, ax: float, ay: float, bx: float, by: float) -> None
 @kernel
 def is_near(canvas: Canvas, x: float, y: float, reach: float) -> bool:
     """Return whether something around a place [m] may be in the picture, which is ``box``."""
-    view, box = canvas.view, canvas.box
+    view, box = canvas.camera, canvas.box
     column, row, far = image_column(view, x, y), image_row(view, x, y), reach * view.scale + LINE
     is_beside: bool = column + far <= box[0] or column - far >= box[2]
     return not (is_beside or row + far <= box[1] or row - far >= box[3])
@@ -197,7 +197,7 @@ def add_rectangle(canvas: Canvas, left: float, low: float, right: float, high: f
 def add_cells(canvas: Canvas, cells: CellMap | None) -> None:
     """Add the occupied cells of a map to a sheet."""
     if cells is not None:
-        view, box = canvas.view, canvas.box
+        view, box = canvas.camera, canvas.box
         x, y, width, height, boxes = cells.x, cells.y, cells.width, cells.height, cells.boxes
         seen = (
             CORNER
@@ -215,7 +215,7 @@ def add_cells(canvas: Canvas, cells: CellMap | None) -> None:
 @kernel
 def add_outside(canvas: Canvas, bounds: Floats) -> None:
     """Add all that is outside of the world, as far as the picture shows it."""
-    box, view = canvas.box, canvas.view
+    box, view = canvas.box, canvas.camera
     size = (box[2] - box[0] + box[3] - box[1]) / view.scale
     left, low, right, high = bounds[0], bounds[1], bounds[2], bounds[3]
     from_x, from_y = min(left, view.x) - size, min(low, view.y) - size

@@ -130,7 +130,7 @@ def add_fan(canvas: Canvas, sensor: Sensor, beams: Beams, a: int, scan: Rays) ->
 def add_hits(canvas: Canvas, sensor: Sensor, beams: Beams, a: int, scan: Rays) -> None:
     """Add what the beams of a scan have hit: a piece of wall as wide as a beam, at least a pixel, behind each end."""
     x, y, cosine, sine = sensor
-    directions, far, scale = beams.directions[a], beams.far[a], canvas.view.scale
+    directions, far, scale = beams.directions[a], beams.far[a], canvas.camera.scale
     for k in range(scan.shape[0]):
         if scan[k] >= far:
             continue
