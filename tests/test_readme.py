@@ -133,10 +133,18 @@ def test_the_picture_is_the_first_blocks(folder: Path) -> None:
 
 
 def test_links_lead_somewhere() -> None:
-    for page in (README, CONTRIBUTING, ROOT / "DESIGN.md", ROOT / "SECURITY.md"):
+    decisions = sorted((ROOT / "docs" / "decisions").glob("*.md"))
+    for page in (README, CONTRIBUTING, ROOT / "DESIGN.md", ROOT / "SECURITY.md", *decisions):
         text = page.read_text(encoding="utf-8")
-        for target in re.findall(r"\]\(([^)#]+)\)", text):
-            assert target.startswith("https://") or (ROOT / target).exists(), f"{page.name}: {target}"
+        for target in re.findall(r"(?:\]\(|^\[\w+\]: )([^)#\s]+)", text, re.MULTILINE):
+            assert target.startswith("https://") or (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_design_lists_all_decisions() -> None:
+    text = (ROOT / "DESIGN.md").read_text(encoding="utf-8")
+    linked = dict(re.findall(r"^\[(\d+)\]: docs/decisions/(\S+)$", text, re.MULTILINE))
+    assert sorted(linked.values()) == sorted(page.name for page in (ROOT / "docs" / "decisions").glob("*.md"))
+    assert set(re.findall(r"\]\[(\d+)\]", text)) == set(linked)
 
 
 def _file_name(block: Block) -> str:

@@ -50,6 +50,7 @@ class DrawTables(Struct):
         min_distance: Least distance between the origins, and between the goals, of two members [m].
         clearance: Surface distance kept from everything else [m].
         min_goal_distance: Least distance from start to goal [m].
+        needs_way: A start counts only where there is a free way to the goal.
         is_member: Bodies of the entry, shape ``(n_bodies,)``.
         everyone: Numbers of all bodies.
     """
@@ -61,6 +62,7 @@ class DrawTables(Struct):
     min_distance: float
     clearance: float
     min_goal_distance: float
+    needs_way: bool
     is_member: Flags
     everyone: Ints
 
@@ -142,19 +144,19 @@ class RandomPlacement:
             min_distance = WISHED_DISTANCE if has_room else 0.0
         everyone = np.arange(len(model.role))
         spacing, clearance, away = float(min_distance), float(options.clearance), float(options.min_goal_distance)
-        is_member, way_grids = np.isin(everyone, group.members), None
-        if options.reachable:
-            reach = float(np.min(model.reach[:, group.members]))
-            grids = (way_tables(Grid.over(area, share * reach), n_slots, len(everyone)) for share in (COARSE, FINE))
-            way_grids = WayGrids(np.zeros((n_slots, len(everyone)), np.bool_), *grids)
-        group.tables = DrawTables(*bounds, spacing, clearance, away, is_member, everyone), way_grids
+        reach = float(np.min(model.reach[:, group.members])) if options.reachable else max(model.bounds[2:])
+        grids = (way_tables(Grid.over(area, share * reach), n_slots, len(everyone)) for share in (COARSE, FINE))
+        way_grids = WayGrids(np.zeros((n_slots, len(everyone)), np.bool_), *grids)
+        is_member = np.isin(everyone, group.members)
+        numbers = spacing, clearance, away, options.reachable
+        group.tables = DrawTables(*bounds, *numbers, is_member, everyone), way_grids
         return None
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
         """Draw starts and goals; ``failed[w]`` becomes body + 1 where a member found no place."""
         tables, way_grids = group.tables
-        grids = None if way_grids is None else way_grids.of_slot(shard.slot)
+        grids = way_grids.of_slot(shard.slot)
         draw_members(shard.worlds, group.members, tables, grids, model, state, model.cells, failed)
 
 
@@ -179,16 +181,13 @@ def draw_members(
     worlds: Ints,
     members: Ints,
     tables: DrawTables,
-    grids: WayGrids | None,
+    grids: WayGrids,
     model: WorldModel,
     state: WorldState,
     cells: CellMap | None,
     failed: Ints,
 ) -> None:
-    """Place one member after the other in each world, those that have no place yet, until one finds none.
-
-    Without ``grids`` no way is looked for, and nothing that does so is compiled.
-    """
+    """Place one member after the other in each world, those that have no place yet, until one finds none."""
     placed, has_buckets = state.placed, model.bucket_frame[0].columns > 0
     for w in worlds:
         if has_buckets:
@@ -200,8 +199,8 @@ def draw_members(
                 placed[w, b] = draw_start(w, b, members, tables, model, state, cells) and (
                     not model.has_goal[b] or draw_goal(w, b, members, tables, model, state, cells)
                 )
-                if grids is not None:
-                    placed[w, b] = placed[w, b] and (not model.has_goal[b] or has_way(w, b, grids, model, state, cells))
+                if placed[w, b] and tables.needs_way and model.has_goal[b]:
+                    placed[w, b] = has_way(w, b, grids, model, state, cells)
                 if placed[w, b]:
                     break
             if not placed[w, b]:

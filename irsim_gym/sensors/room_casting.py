@@ -6,6 +6,8 @@ is noted once for many worlds. Looking for bodies in reach first takes longer th
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints
@@ -52,7 +54,7 @@ def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, st
                 is_near = dx * dx + dy * dy <= reaches[b] * reaches[b] and b != own
                 if is_near and contains_point(rows, start, count, eye.x, eye.y):
                     limits[start : start + count], is_noted = np.inf, False
-            n_rounds = 0
+            n_rounds: Any = np.int64(0)  # a literal would be a type of its own: cast_chunk would be compiled twice
             for m in range(n_rings):
                 d = seen[m]
                 dx, dy, within = rings[d, 0] - eye.x, rings[d, 1] - eye.y, far + rings[d, 2]
