@@ -345,6 +345,20 @@ def test_what_generates_code_names_the_folder_of_compiled_code() -> None:
     )
 
 
+def test_kernels_need_no_more_of_numbas_passes() -> None:
+    """What ``jit.passes`` leaves out is for these; where it is wanted, the pass has to come back."""
+    needs = (ast.Lambda, ast.FunctionDef, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp, ast.With)
+    problems = []
+    for module in modules():
+        for function in filter(is_kernel, functions(module)):
+            for node in (inner for statement in function.body for inner in ast.walk(statement)):
+                is_told = isinstance(node, ast.Raise) and any(isinstance(one, ast.JoinedStr) for one in ast.walk(node))
+                is_asked = isinstance(node, ast.Attribute) and node.attr in {"ndim", "literally", "literal_unroll"}
+                if isinstance(node, needs) or is_told or is_asked:
+                    problems.append(f"{module.place}:{node.lineno} {type(node).__name__} in a kernel")
+    report(problems)
+
+
 def test_threads_are_made_in_one_place() -> None:
     """Asking which thread this is (`threading.current_thread`) is no parallelism."""
     makers = {"Thread", "Timer", "Process", "Pool", "ThreadPoolExecutor", "ProcessPoolExecutor", "ThreadPool", "fork"}

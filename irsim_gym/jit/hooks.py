@@ -34,7 +34,12 @@ NAMES = {
         "JITCodeLibrary.serialize_using_bitcode",
         "JITCodeLibrary.serialize_using_object_code",
     ),
-    "numba.core.compiler": ("Compiler.define_pipelines", "CompileResult._reduce", "CompileResult._rebuild"),
+    "numba.core.compiler": (
+        "Compiler.define_pipelines",
+        "CompileResult._reduce",
+        "CompileResult._rebuild",
+        "DefaultPassBuilder.define_nopython_pipeline",
+    ),
     "numba.core.compiler_lock": ("global_compiler_lock",),
     "numba.core.options": ("DefaultOptions._nrt", "DefaultOptions.forceinline"),
     "numba.core.registry": ("cpu_target",),

@@ -13,6 +13,8 @@ from typing import Any
 from llvmlite import binding
 from numba.core import codegen, compiler
 
+from irsim_gym.jit.passes import pipelines
+
 Library: Any = codegen.JITCodeLibrary
 Compiler: Any = compiler.Compiler
 _numbers = itertools.count()
@@ -67,3 +69,7 @@ class InnerCompiler(Compiler):  # type: ignore[misc]
 
     def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
         super().__init__(typing, target, library or InnerLibrary(target.codegen(), f"inner{next(_numbers)}"), *rest)
+
+    def define_pipelines(self) -> list[Any]:
+        """Return the passes, by Numba's name for them."""
+        return pipelines(self.state)

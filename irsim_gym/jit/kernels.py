@@ -81,7 +81,11 @@ class Kernel:
     @functools.cached_property
     def compiled(self) -> Any:
         """Numba's dispatcher for calls from Python, which are never recorded; its attributes are the kernel's too."""
-        return self._dispatcher("compiled") if hooks.are_usable() else self.plain
+        if not hooks.are_usable():
+            return self.plain
+        from irsim_gym.jit.passes import EntryCompiler
+
+        return self._dispatcher("compiled", pipeline_class=EntryCompiler)
 
     @functools.cached_property
     def packed(self) -> PackedEntries:

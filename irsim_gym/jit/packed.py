@@ -20,6 +20,7 @@ from numba.core.compiler_lock import global_compiler_lock
 
 from irsim_gym.jit.cache import files_of
 from irsim_gym.jit.layout import entry_code
+from irsim_gym.jit.passes import pipelines
 
 Library: Any = codegen.JITCodeLibrary
 Compiler: Any = compiler.Compiler
@@ -105,6 +106,10 @@ class PackedCompiler(Compiler):  # type: ignore[misc]
 
     def __init__(self, layout: str, name: str, typing: Any, context: Any, library: Any, *rest: Any) -> None:
         super().__init__(typing, context, library or PackedLibrary(context.codegen(), name, layout), *rest)
+
+    def define_pipelines(self) -> list[Any]:
+        """Return the passes, by Numba's name for them."""
+        return pipelines(self.state)
 
 
 class PackedLibrary(Library):  # type: ignore[misc]

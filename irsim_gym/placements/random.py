@@ -144,7 +144,9 @@ class RandomPlacement:
             min_distance = WISHED_DISTANCE if has_room else 0.0
         everyone = np.arange(len(model.role))
         spacing, clearance, away = float(min_distance), float(options.clearance), float(options.min_goal_distance)
-        reach = float(np.min(model.reach[:, group.members])) if options.reachable else float(np.max(model.bounds[2:] - model.bounds[:2]))
+        reach = float(np.max(model.bounds[2:] - model.bounds[:2]))
+        if options.reachable:
+            reach = float(np.min(model.reach[:, group.members]))
         grids = (way_tables(Grid.over(area, share * reach), n_slots, len(everyone)) for share in (COARSE, FINE))
         way_grids = WayGrids(np.zeros((n_slots, len(everyone)), np.bool_), *grids)
         is_member = np.isin(everyone, group.members)
