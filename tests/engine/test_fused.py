@@ -66,7 +66,7 @@ def test_every_task_is_recorded_and_stays_the_same(name: str) -> None:
     scenario = load_scenario(name)
     both = [Worlds(scenario, 3, team=True, num_threads=threads) for threads in (1, 2)]
     plain = both[1].episodes
-    for one in (plain._begin, plain._play, plain._begin_books, plain.simulation._draw, plain.simulation._start):
+    for one in (plain._begin, plain._play, plain._begin_episodes, plain.simulation._draw, plain.simulation._start):
         one.is_fusable = False
     numbers = np.random.default_rng(0)
     episodes = both[0].episodes
