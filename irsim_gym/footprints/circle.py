@@ -30,7 +30,7 @@ class Circle:
     random_shape: bool = option(False, meaning="Draw the radius from radius_range at each reset.")
     radius_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of a random radius.")
     wheelbase: float | None = option(
-        None, ge=0.0, unit="m", meaning="Axle distance; moves the disc ahead by half of it."
+        None, ge=0.0, unit="m", meaning="Axle distance; the disc moves forward by half of it."
     )
 
     @property

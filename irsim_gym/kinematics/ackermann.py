@@ -20,7 +20,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Ackermann:
-    """A car, steered at its front axle; its position is the middle of the rear axle.
+    """A car with front steering; its position is the middle of the rear axle.
 
     Mode ``steer``: the command is speed v [m/s] and steering angle [rad]. The car turns at v tan(steering) / wheelbase
     with the angle of the step before, as in IR-SIM; the commanded angle takes effect from the next step on.
@@ -38,12 +38,12 @@ class Ackermann:
     needs_wheelbase: ClassVar[bool] = True
 
     mode: Literal["steer", "angular"] = option("steer", meaning="Second component: steering angle, or yaw rate.")
-    wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; by default the shape's.")
+    wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; default: the shape's.")
     noise: bool = option(False, meaning="Add motion noise.")
     alpha: tuple[float, float, float, float] = option(
         (0.03, 0.0, 0.0, 0.03),
-        meaning="Motion noise: variances of the first component per square of the first and the second, then of the "
-        "second one.",
+        meaning="Motion noise: variances of the first component per square of the first and of the second, then "
+        "the same for the second.",
     )
 
     @property

@@ -26,14 +26,16 @@ class Omni:
     command_names: ClassVar[tuple[str, ...]] = ("x", "y")
     state_size: ClassVar[int] = 3
 
-    frame: Literal["world", "body"] = option("world", meaning="Frame of the command: the world's, or forward and left.")
+    frame: Literal["world", "body"] = option(
+        "world", meaning="Frame of the command: the world's, or the body's (forward and left)."
+    )
     noise: bool = option(False, meaning="Add motion noise, also at rest.")
     alpha: tuple[float, ...] = option(
         (0.03, 0.03),
         min_length=2,
         max_length=4,
         unit="m2/s2",
-        meaning="Variances of the motion noise of the two components; of four numbers the first and the last.",
+        meaning="Variances of the motion noise of the two components; of four numbers, the first and the last count.",
     )
 
     @property

@@ -23,7 +23,7 @@ class ArrayMap:
 
     is_random: ClassVar[bool] = False
 
-    cells: Any = option(meaning="One list for each column, from the left; in it the rows from the bottom.")
+    cells: Any = option(meaning="One list per column, from the left; each lists the rows from the bottom.")
 
     def outline(self) -> Outline:
         """Return an outline without rows: cells are no outline."""

@@ -22,14 +22,14 @@ STRIP = 256
 
 @kind
 class ImageMap:
-    """Each pixel is a cell, 4,000,000 at most after ``mdownsample``; the picture is stretched over the world."""
+    """Each pixel is a cell, at most 4,000,000 after ``mdownsample``; the image is stretched over the world."""
 
     is_random: ClassVar[bool] = False
 
     path: str = option(
         min_length=1,
-        meaning="Picture file (PNG, JPEG, ...): looked for as given, beside the scenario, among the shipped maps, then "
-        "among those of an installed ir-sim.",
+        meaning="Image file (PNG, JPEG, ...), searched as given, beside the scenario, among the shipped maps, "
+        "then among those of an installed ir-sim.",
     )
 
     def outline(self) -> Outline:

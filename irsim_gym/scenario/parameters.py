@@ -80,16 +80,16 @@ class ParameterSpec:
     """One parameter."""
 
     default: bool | int | float | str = option(
-        meaning="Its value where none is given. The type follows it: a whole number (a number where min, max or one of "
-        "the choices is not whole), a number, true or false, text."
+        meaning="Value if none is given. It sets the type: a whole number (a number if min, max or a choice is "
+        "not whole), a number, true or false, or text."
     )
     min: float | None = option(None, meaning="Least value, for numbers.")
     max: float | None = option(None, meaning="Greatest value, for numbers.")
     choices: tuple[bool | int | float | str, ...] | None = option(
-        None, min_length=1, meaning="The only values that it may have; in place of min and max."
+        None, min_length=1, meaning="The allowed values; replaces min and max."
     )
     unit: str = option("", meaning="SI unit, for the reader.")
-    meaning: str = option(min_length=1, meaning="What it does, one sentence; messages show it.")
+    meaning: str = option(min_length=1, meaning="What the parameter does, in one sentence; shown in messages.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what does not fit together."""

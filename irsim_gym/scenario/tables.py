@@ -28,7 +28,7 @@ SPECS: dict[str, type[Any]] = {
 }
 SUMMARIES = {
     "robot, obstacle": "The keys of an entry.",
-    "parameters": "What stands below the name of a parameter.",
+    "parameters": "The keys of a parameter.",
     "plot": "Drawing options: in an entry for its bodies, at the top of the file for all.",
 }
 _NAMED = "a mapping with a name, as below"

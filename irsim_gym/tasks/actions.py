@@ -24,12 +24,12 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
-FRAME = option("body", meaning="Frame of an omni drive's action: its own, or that of its commands (the world's).")
+FRAME = option("body", meaning="Frame of an omni drive's action: the body's, or that of its commands (the world's).")
 
 
 @kind
 class VelocityAction:
-    """Continuous: one number in [-1, 1] for each component of the command; numbers outside are cut to it."""
+    """Continuous: one number in [-1, 1] for each component of the command; numbers outside are clipped."""
 
     only_kernels: ClassVar[bool] = True
 
@@ -63,11 +63,11 @@ class DiscreteAction:
 
     only_kernels: ClassVar[bool] = True
 
-    linear: int = option(3, ge=1, le=1000, meaning="Number of values of the first component; 1: the greatest alone.")
+    linear: int = option(3, ge=1, le=1000, meaning="Number of values of the first component; 1: only the greatest.")
     lateral: int = option(
-        1, ge=1, le=1000, meaning="Number of values of the second of three components; 1: its middle alone."
+        1, ge=1, le=1000, meaning="Number of values of the second of three components; 1: only its middle."
     )
-    angular: int = option(5, ge=1, le=1000, meaning="Number of values of the last component; 1: its middle alone.")
+    angular: int = option(5, ge=1, le=1000, meaning="Number of values of the last component; 1: only its middle.")
     frame: Literal["body", "command"] = FRAME
 
     @property

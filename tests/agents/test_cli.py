@@ -354,8 +354,8 @@ def test_behaviours_of_ones_own(
     ("name", "said"),
     [
         ("nowhere.py", "no file"),
-        ("nowhere", "no module named 'nowhere' here or installed; a file is given with its suffix"),
-        ("json.py", "another module named 'json' is loaded already: rename json.py"),
+        ("nowhere", "no module named 'nowhere' in this folder or installed; name a file with its suffix"),
+        ("json.py", "another module named 'json' is already loaded; rename json.py"),
     ],
 )
 def test_imports_that_cannot_be(

@@ -33,8 +33,9 @@ class Collided:
     bodies: tuple[Touched, ...] = option(
         ("obstacle", "moving_obstacle", "robot", "map"),
         min_length=1,
-        meaning="Which bodies end the episode: obstacle (one that stands still), moving_obstacle, robot, map.",
-        consequence="Where collisions do not end it, a robot in collision mode stop may be held for the whole episode.",
+        meaning="Bodies that end the episode: obstacle (a standing one), moving_obstacle, robot, map.",
+        consequence="If collisions do not end the episode, a robot in collision mode stop may stay stuck for the "
+        "whole episode.",
     )
 
     def arrays(self, simulation: object, agents: Ints) -> dict[str, Flags]:

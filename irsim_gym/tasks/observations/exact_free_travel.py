@@ -57,7 +57,7 @@ class Directions(Struct):
 
 @kind
 class ExactFreeTravel:
-    """What ``free_travel`` says, for agents without a range sensor: measured from the outlines and the map.
+    """``free_travel`` for agents without a range sensor, computed from outlines and the map.
 
     It sees through walls and in all directions. Bodies that are ``unobstructed`` are not seen.
     """
@@ -66,11 +66,13 @@ class ExactFreeTravel:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
-    directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first one is straight behind.")
-    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Longest way; what lies farther away is not looked at.")
+    directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
+    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Greatest distance; farther obstacles are ignored.")
     margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
-    code: Code = option("inverse", meaning="How a way becomes a number; see scan, with horizon for range_max.")
-    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: way at which the code has half its slope.")
+    code: Code = option("inverse", meaning="How to encode a distance; see scan, with horizon for range_max.")
+    near: float = option(
+        0.5, gt=0.0, unit="m", meaning="With code inverse, the distance at which the slope is half its maximum."
+    )
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (way + near) that becomes 0.")
 
     def problems(self) -> list[tuple[str, str]]:

@@ -30,7 +30,9 @@ class Goal:
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 
-    scale: float | None = option(None, gt=0.0, unit="m", meaning="Distance that counts as 1; none: world's diagonal.")
+    scale: float | None = option(
+        None, gt=0.0, unit="m", meaning="Distance that reads 1; default: the world's diagonal."
+    )
     near: float = option(1.0, gt=0.0, unit="m", meaning="Distance over which the near term falls to 1/e.")
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:

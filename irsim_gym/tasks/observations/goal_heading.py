@@ -20,7 +20,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class GoalHeading:
-    """Cosine and sine of the turn that is left to the goal's heading; both 0 where any heading will do."""
+    """Cosine and sine of the turn to the goal's heading; both 0 if any heading is allowed."""
 
     only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True

@@ -37,7 +37,7 @@ class Records(Struct):
 
 @kind
 class GoalRecord:
-    """How much farther the goal is than it has been at its nearest, and for how long.
+    """How much farther the goal is than at its nearest so far, and the time since then.
 
     Both come as ``e / (e + near)`` and ``t / (t + soon)``. A policy without memory cannot tell whether it is on its way
     around an obstacle or back into the same pocket. This number alone lets a robot leave a wall where it is nearer to

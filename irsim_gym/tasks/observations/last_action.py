@@ -20,7 +20,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class LastAction:
-    """The latest action, scaled to [-1, 1] as continuous actions are; that of standing still at the start."""
+    """The latest action, scaled to [-1, 1] as continuous actions are; at the start, the action for standing still."""
 
     only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False

@@ -60,10 +60,12 @@ class NearestBodies:
     needs_scan: ClassVar[bool] = False
 
     count: int = option(6, ge=1, le=64, meaning="Number of bodies observed.")
-    range: float | None = option(None, gt=0.0, unit="m", meaning="How far it sees; none: the world's diagonal.")
-    speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that counts as 1; faster is cut to it.")
-    code: Code = option("inverse", meaning="How a gap becomes a number; see scan, with range for range_max.")
-    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: gap at which the code has half its slope.")
+    range: float | None = option(None, gt=0.0, unit="m", meaning="Range of view; default: the world's diagonal.")
+    speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that reads 1; faster speeds are clipped.")
+    code: Code = option("inverse", meaning="How to encode a gap; see scan, with range for range_max.")
+    near: float = option(
+        0.5, gt=0.0, unit="m", meaning="With code inverse, the gap at which the slope is half its maximum."
+    )
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (gap + near) that becomes 0.")
 
     def problems(self) -> list[tuple[str, str]]:

@@ -42,7 +42,7 @@ class Robots(Struct):
 
 @kind
 class Neighbors:
-    """The nearest other robots, nearest first, six numbers each; zeros for one that is not there.
+    """The nearest other robots, nearest first, six numbers each; zeros for missing ones.
 
     x, y of its origin in the agent's frame over ``range``; its velocity in the agent's frame, relative to the agent's,
     over ``speed``; its reach (radius of the disc around its origin that holds it) over ``range``; and 1 for "there is
@@ -55,8 +55,8 @@ class Neighbors:
     needs_scan: ClassVar[bool] = False
 
     count: int = option(6, ge=1, le=64, meaning="Number of robots observed.")
-    range: float | None = option(None, gt=0.0, unit="m", meaning="How far it sees; none: the world's diagonal.")
-    speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that counts as 1; faster is cut to it.")
+    range: float | None = option(None, gt=0.0, unit="m", meaning="Range of view; default: the world's diagonal.")
+    speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that reads 1; faster speeds are clipped.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Robots:
         """Return the robots, and scratch memory."""

@@ -20,7 +20,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Position:
-    """x and y from the world's middle, over half its longer side: the world lies within [-1, 1].
+    """x and y relative to the world's middle, divided by half its longer side: the world lies within [-1, 1].
 
     Beyond the world the numbers go on, so that places that differ stay different.
     """

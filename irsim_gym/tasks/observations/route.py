@@ -62,7 +62,7 @@ class Ways(Struct):
 
 @kind
 class Route:
-    """Direction of a point ahead on the shortest way to the next goal, as cosine and sine, and the way's length.
+    """Direction of a point ahead on the shortest path to the next goal, as cosine and sine, and the path's length.
 
     The way leads around what never moves, at the agent's reach, over free cells; it is found when the goal is new. The
     length comes over the world's diagonal, cut to 1. Where no way is known both are those of the straight one.
@@ -72,9 +72,9 @@ class Route:
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 
-    ahead: float = option(1.0, gt=0.0, unit="m", meaning="How far ahead on the way the point lies.")
+    ahead: float = option(1.0, gt=0.0, unit="m", meaning="Distance of the point along the path.")
     cell: float | None = option(
-        None, gt=0.0, unit="m", meaning="Side of the cells; none: 0.1 m, or a 200th of the world's longer side."
+        None, gt=0.0, unit="m", meaning="Cell size; default: 0.1 m, or a 200th of the world's longer side."
     )
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Ways:

@@ -58,12 +58,14 @@ class Scan:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 
-    sectors: int = option(36, ge=1, meaning="Number of sectors; at most as many as there are beams are made.")
-    code: Code = option("inverse", meaning="How a depth becomes a number.")
-    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: depth at which the code has half its slope.")
+    sectors: int = option(36, ge=1, meaning="Number of sectors; at most the number of beams.")
+    code: Code = option("inverse", meaning="How to encode a depth.")
+    near: float = option(
+        0.5, gt=0.0, unit="m", meaning="With code inverse, the depth at which the slope is half its maximum."
+    )
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (m + near) that becomes 0.")
     without_sensor: str | tuple[str, ...] = option(
-        "", meaning="Observation, or a list, in place of this one, with their defaults, where a learner has no sensor."
+        "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
     )
 
     def problems(self) -> list[tuple[str, str]]:

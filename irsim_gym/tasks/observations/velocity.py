@@ -21,7 +21,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Velocity:
-    """The velocity executed in the latest step, each component over the larger of its two limits.
+    """The velocity executed in the latest step, each component divided by the larger of its two limits.
 
     For an ``omni`` drive it is the velocity in the body frame, over the length of the two largest limits.
     """

@@ -26,7 +26,7 @@ class Clearance:
     needs_ending: ClassVar[bool] = False
 
     weight: float = option(0.8, ge=0.0, meaning="Cost of an episode spent in contact.")
-    safe: float = option(0.3, gt=0.0, unit="m", meaning="Clearance from which on nothing is paid.")
+    safe: float = option(0.3, gt=0.0, unit="m", meaning="Clearance from which the cost is zero.")
 
     @property
     def clearance_range(self) -> float:

@@ -16,7 +16,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Deadlock:
-    """Penalty ``-weight``, once, when the episode ends because the agent has stood still for too long."""
+    """Penalty ``-weight``, once, when the episode ends because the agent has stalled for too long."""
 
     only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "penalty"

@@ -35,7 +35,7 @@ class Potentials(Struct):
 
 @kind
 class Progress:
-    """``weight`` times the way gained towards the goal in the step, over the world's diagonal.
+    """``weight`` times the progress towards the goal in the step, divided by the world's diagonal.
 
     The way is measured to the goal that was next before the step, so that a change of goal costs nothing.
     """
@@ -46,11 +46,12 @@ class Progress:
     needs_goal: ClassVar[bool] = True
     needs_ending: ClassVar[bool] = False
 
-    weight: float = option(4.0, ge=0.0, meaning="Reward for a gain of one diagonal of the world.")
+    weight: float = option(4.0, ge=0.0, meaning="Reward for progress of one diagonal of the world.")
     potential: Literal["euclidean", "geodesic"] = option(
-        "euclidean", meaning="The way: straight, or around everything that never moves, at the agent's reach."
+        "euclidean",
+        meaning="Distance to the goal: straight, or around everything that never moves, with room for the agent.",
     )
-    cell: float = option(0.1, gt=0.0, unit="m", meaning="Geodesic: side of the cells in which ways are measured.")
+    cell: float = option(0.1, gt=0.0, unit="m", meaning="With geodesic, the cell size for distances.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Potentials | Fields:
         """Return the memory: each agent's goal and its distance, one step ago."""

@@ -25,7 +25,7 @@ class Smoothness:
     needs_goal: ClassVar[bool] = False
     needs_ending: ClassVar[bool] = False
 
-    weight: float = option(0.2, ge=0.0, meaning="Cost of an episode in which every action swings from end to end.")
+    weight: float = option(0.2, ge=0.0, meaning="Cost of an episode in which every action jumps between its bounds.")
 
     def when(self, term: Term) -> str:
         """Return when and how much it pays."""
