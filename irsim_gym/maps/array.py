@@ -48,6 +48,6 @@ class ArrayMap:
             raise OptionError("cells", "must be occupancies from 0 to 100")
         if table.max() == 1 and np.isin(table, (0, 1)).all():
             raise OptionError(
-                "cells", "holds 0 and 1 only, but a cell is occupied above 50: use true and false, or 100"
+                "cells", "contains only 0 and 1, but cells above 50 are occupied: use true and false, or 0 and 100"
             )
         return np.asarray(table > OCCUPIED_ABOVE)

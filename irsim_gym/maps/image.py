@@ -59,7 +59,7 @@ def read_dark(file: Path) -> Flags:
                 return _single_channel(np.array(picture)) < OCCUPIED_BELOW
             pixels = np.asarray(picture.convert("RGB"))
     except (OSError, UnidentifiedImageError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise OptionError("path", f"'{file}' cannot be read as a picture: {error}") from None
+        raise OptionError("path", f"'{file}' cannot be read as an image: {error}") from None
     dark = np.zeros(pixels.shape[:2], np.bool_)
     for row in range(
         0, len(pixels), STRIP

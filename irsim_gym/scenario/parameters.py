@@ -236,7 +236,7 @@ def _declaration(name: str, data: Any, place: Place, report: Report) -> Paramete
     if _NAME.fullmatch(name) is None:
         report.add(place, "a name consists of letters, digits and _, and does not begin with a digit")
     elif not is_free(name):
-        report.add(place, "environments have an argument of this name: choose another one")
+        report.add(place, "environments have an argument of this name; choose another one")
     elif not isinstance(data, Mapping):
         report.add(place, f"must be a mapping such as {{default: 4, meaning: ...}}, got {show(data)}")
     else:
@@ -244,7 +244,7 @@ def _declaration(name: str, data: Any, place: Place, report: Report) -> Paramete
         texts = [value for value in numbers.values() if isinstance(value, str) and _BARE.search(value)]
         if not texts:
             return build(ParameterSpec, {**data, **numbers}, place, report)
-        report.add((*place, "default"), "a parameter cannot be made of others")
+        report.add((*place, "default"), "a parameter cannot depend on other parameters")
     return None
 
 
@@ -340,7 +340,7 @@ class _Filler:
         if names:
             return self._expression(text, names, place)
         if bare and not is_custom:
-            self._report.add(place, f"is no expression; within text it is written ${{{bare[0]}}}, got {show(text)}")
+            self._report.add(place, f"is not an expression; within text, write ${{{bare[0]}}}, got {show(text)}")
         return text
 
     def _expression(self, text: str, names: tuple[str, ...], place: Place) -> Any:
@@ -348,12 +348,12 @@ class _Filler:
             return self._values[names[0]]
         for name in names:
             if name not in self._numbers:
-                self._report.add(place, f"'{name}' is {show(self._values[name])}, which is no number")
+                self._report.add(place, f"'{name}' is {show(self._values[name])}, which is not a number")
                 return BAD
         value = evaluate(text, self._numbers)
         if value is None:
             settings = ", ".join(f"{name} = {show(self._numbers[name])}" for name in dict.fromkeys(names))
-            self._report.add(place, f"cannot be worked out with {settings}, got {show(text)}")
+            self._report.add(place, f"cannot be evaluated with {settings}, got {show(text)}")
         return BAD if value is None else value
 
     def _unknown(self, name: str) -> str:

@@ -206,7 +206,7 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, Any] | None) -> 
     except MissingFileError as error:
         if error.problems[0].path or error.file not in (name, str(folder / name)):
             raise
-        message = f"{error.problems[0].message}, neither beside this file nor as given: {show(name)}"
+        message = f"{error.problems[0].message}, neither beside this file nor at the given path: {show(name)}"
         raise MissingFileError(top.title, [Problem(top.line(("name",)), _path(top), message)]) from None
     except UnknownNameError as error:
         raise ScenarioError(top.title, [Problem(top.line(("name",)), _path(top), str(error))]) from None
@@ -247,7 +247,7 @@ def _file_layers(file: Path, folder: Path) -> tuple[str, list[Layer]]:
             file = _find(base, file.parent) if isinstance(base, str) else library.find("", "tasks")
         except UnknownNameError as error:
             raise ScenarioError(source.title, [source.problem(("name",), str(error))]) from None
-    raise ScenarioError(str(file), [Problem(0, "name", f"tasks build upon each other more than {LONGEST_CHAIN} deep")])
+    raise ScenarioError(str(file), [Problem(0, "name", f"tasks extend each other more than {LONGEST_CHAIN} deep")])
 
 
 def _refuse_unreadable(source: Source) -> None:

@@ -159,7 +159,7 @@ def test_check_plays_teams_and_draws_levels(
 def test_who_waits_long_is_told_what_for(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(trial, "PATIENCE_S", 0.0)
     assert run(monkeypatch, "check", "empty_goal") == 0
-    assert "playing empty_goal for some steps, to see whether it runs" in capfd.readouterr().err
+    assert "playing empty_goal for some steps, to check that it runs" in capfd.readouterr().err
 
 
 def test_schema_is_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -95,8 +95,8 @@ MAKERS = {
         ("num_thread", "did you mean 'num_threads', an argument of make_vec, make_batch and those of sb3?"),
         ("num_worlds", "the number of worlds is 'num_envs' of make_vec, make_batch and sb3.make_multi_agent_vec_env"),
         ("horizon", "the time limit is 'max_steps'"),
-        ("kwargs", "give what it would hold as keywords of this function"),
-        ("env_config", "give what it would hold as keywords of this function"),
+        ("kwargs", "pass its contents as keywords of this function"),
+        ("env_config", "pass its contents as keywords of this function"),
         ("num_workers", "worlds of a batch are shared by threads, 'num_threads'"),
     ],
 )

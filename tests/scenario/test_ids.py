@@ -131,7 +131,7 @@ def test_ids_that_stand_for_more_or_for_less_than_a_scenario() -> None:
     assert IDS.scenario("lab/plain-v0") == {"robot": {}}
     with pytest.raises(IrsimGymError, match="stands for plain data: write it into a file"):
         scenario_name("lab/plain-v0")
-    with pytest.raises(UnknownNameError, match="'CartPole-v1' is registered, but it is no scenario of irsim_gym"):
+    with pytest.raises(UnknownNameError, match="'CartPole-v1' is registered, but is not a scenario of irsim_gym"):
         irsim_gym.load("CartPole-v1")
 
 

@@ -153,10 +153,10 @@ def test_who_cannot_learn() -> None:
         f"task.agents: 'walkers' is a group: name its robots, {first} and 2 others"
     ]
     assert messages(scenario(TWO, {**BALL, "name": "ball"}, {"agents": ["ann", "ball"]})) == [
-        "task.agents[1]: 'ball' is an obstacle; only robots learn"
+        "task.agents[1]: 'ball' is an obstacle; only robots can learn"
     ]
     assert messages(scenario(TWO, task={"agents": ["ann", "ann"]})) == ["task.agents[1]: 'ann' is named twice"]
-    assert messages(load_scenario({"obstacle": BALL})) == ["robot: there is no robot, so nobody can learn"]
+    assert messages(load_scenario({"obstacle": BALL})) == ["robot: there is no robot that can learn"]
     static = {"kinematics": None, "shape": {"name": "circle"}, "goal": [8, 5]}
     assert any("it never moves" in text for text in messages(load_scenario({"robot": static})))
 
@@ -280,7 +280,7 @@ def test_a_task_file_that_is_missing_is_told_where_it_is_named(tmp_path: Path) -
     file.write_text("robot: {kinematics: {name: diff}, goal: [8, 5]}\ntask:\n  name: mine.yaml\n")
     with pytest.raises(FileNotFoundError) as caught:
         load_task(load_scenario(file))
-    assert f"{file}:3   task.name: no such file, neither beside this file nor as given: 'mine.yaml'" in str(
+    assert f"{file}:3   task.name: no such file, neither beside this file nor at the given path: 'mine.yaml'" in str(
         caught.value
     )
 
@@ -293,7 +293,7 @@ def test_a_task_file_that_is_missing_is_told_where_it_is_named(tmp_path: Path) -
         ({"name": "blank"}, "task.name: there is no observation: a task needs at least one"),
         ({"observations": [{"name": "scan", "without_sensor": "nearest_bodys"}]},
          "no observation named 'nearest_bodys' (did you mean 'nearest_bodies'?)"),
-        ({"endings": [{"name": "arrived", "use": False}]}, "rewards[1]: never paid: it needs the ending 'arrived'"),
+        ({"endings": [{"name": "arrived", "use": False}]}, "rewards[1]: never applies: it needs the ending 'arrived'"),
         ({"name": "navigashun"}, "task.name: no task named 'navigashun' (did you mean 'navigation'?)"),
         ({"name": 3}, "task.name: must be the name or the file of a task, got 3"),
         ({"observations": ["velocity", "velocity"]}, "task.observations[1]: observation 'velocity' is given twice"),

@@ -46,7 +46,7 @@ class Collided:
 
     def when(self, term: Term) -> str:
         """Return when it applies."""
-        names = {"obstacle": "an obstacle that stands", "moving_obstacle": "one that moves", "robot": "a robot"}
+        names = {"obstacle": "a standing obstacle", "moving_obstacle": "one that moves", "robot": "a robot"}
         return f"it touches {', '.join(names.get(name, 'the map') for name in self.bodies)}"
 
     @staticmethod

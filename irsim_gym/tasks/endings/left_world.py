@@ -26,7 +26,7 @@ class LeftWorld:
 
     def when(self, term: Term) -> str:
         """Return when it applies."""
-        return "it is outside of the world's rectangle by more than its own reach"
+        return "it is outside the world's rectangle by more than its own reach"
 
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -134,7 +134,7 @@ def way_columns(options: Any, table: Any, agent: int, far: float) -> list[Column
     ahead[0] = -np.pi
     scale = f"s = way of a disc of {float(table.radius[agent]):.3g} m around it, as {coded(options, 's', far)}"
     directions = tuple((angle, angle) for angle in ahead.tolist())
-    return [Columns("free way straight in a direction", scale, options.directions, directions)]
+    return [Columns("free distance in a direction", scale, options.directions, directions)]
 
 
 @kernel

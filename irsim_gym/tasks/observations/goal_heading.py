@@ -32,9 +32,9 @@ class GoalHeading:
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return what the two elements are."""
-        turn = "turn = goal's heading - own heading; both elements 0 where any heading will do"
+        turn = "turn = goal's heading - own heading; both elements 0 if any heading is allowed"
         return [
-            Columns("cosine of the turn that is left", turn),
+            Columns("cosine of the remaining turn", turn),
             Columns("sine of the turn: positive to the left", turn),
         ]
 

@@ -69,7 +69,7 @@ class GoalRecord:
         """Return what the two elements are."""
         return [
             Columns("how much farther the goal is than at its nearest", f"e / (e + {self.near:g} m)"),
-            Columns("how long ago it was at its nearest", f"t / (t + {self.soon:g} s)"),
+            Columns("time since it was at its nearest", f"t / (t + {self.soon:g} s)"),
         ]
 
     @staticmethod

@@ -38,7 +38,7 @@ class LastAction:
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return what the components are; agents with fewer have zeros there."""
         words = term.components[agent]
-        named = [Columns(f"{name}, as it was asked for", "-1 to 1, as actions are") for name, _ in words]
+        named = [Columns(f"{name}, as requested", "-1 to 1, like actions") for name, _ in words]
         return [*named, *[Columns("unused")] * (term.action_size - len(words))]
 
     @staticmethod

@@ -96,8 +96,8 @@ class OccupancyImage:
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return what the channels show."""
-        seen = "what the scan knows: 0 free, 127 not seen, 255 hit" if self.from_scan else "0 free, 255 occupied"
-        channels = [Columns("what stands around the robot", seen)]
+        seen = "the scan: 0 free, 127 not seen, 255 hit" if self.from_scan else "0 free, 255 occupied"
+        channels = [Columns("obstacles around the robot", seen)]
         if self.robot_channel:
             channels.append(Columns("other robots", "255 where one is"))
         if self.goal_channel:

@@ -115,7 +115,7 @@ class PastScans:
         scale = f"d = free depth beyond its reach, as {coded(self, 'd', far)}"
         sectors = evenly(self.sectors)
         return [
-            Columns(f"what was seen {steps} steps ago, from where it is now", scale, self.sectors, sectors)
+            Columns(f"scan of {steps} steps ago, seen from the current pose", scale, self.sectors, sectors)
             for steps in self.ago
         ]
 

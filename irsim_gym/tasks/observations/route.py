@@ -103,11 +103,11 @@ class Route:
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return what the three elements are."""
         full = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
-        point = f"of the direction of the point {self.ahead:g} m ahead on the shortest way"
+        point = f"of the direction of the point {self.ahead:g} m ahead on the shortest path"
         return [
             Columns(f"cosine {point}", "1 straight ahead, -1 straight behind"),
             Columns(f"sine {point}", "1 to the left, -1 to the right"),
-            Columns("length s of the shortest way to the next goal", f"s / {full:.3g} m, at most 1"),
+            Columns("length s of the shortest path to the next goal", f"s / {full:.3g} m, at most 1"),
         ]
 
     @staticmethod

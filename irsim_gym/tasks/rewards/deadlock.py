@@ -28,7 +28,7 @@ class Deadlock:
 
     def when(self, term: Term) -> str:
         """Return when and how much it pays."""
-        return f"-{self.weight:g}, once: the episode ends as it has stood still for too long"
+        return f"-{self.weight:g}, once, when the episode ends in a deadlock"
 
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -29,7 +29,7 @@ class Smoothness:
 
     def when(self, term: Term) -> str:
         """Return when and how much it pays."""
-        most = f"-{self.weight / term.max_steps:.3g} a step for a swing from end to end"
+        most = f"-{self.weight / term.max_steps:.3g} per step for a change between the bounds"
         return f"the action changes: at most {most}, with the square of the change"
 
     @staticmethod
