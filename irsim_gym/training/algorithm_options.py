@@ -39,7 +39,8 @@ class RunKeys:
     n_timesteps: int = option(ge=1, unit="steps", meaning="Steps of the whole run, over all worlds and robots.")
     n_envs: int = option(ge=1, le=1_000_000, meaning="Worlds in the batch.")
     team: Literal["episode", "respawn"] | None = option(
-        None, meaning="All robots learn; those that have ended wait for their world, or begin anew."
+        None,
+        meaning="All robots learn; one that has ended waits for its world (episode) or restarts (respawn).",
     )
     torch_threads: int = option(1, ge=1, le=1024, meaning="Threads of PyTorch.")
     checkpoint_every: int = option(100_000, ge=1, unit="steps", meaning="Steps between checkpoints.")

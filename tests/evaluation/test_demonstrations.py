@@ -126,7 +126,7 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
     for name in ("text.npz", "arrays.npz"):
         with pytest.raises(DemonstrationError, match="no file of demonstrations"):
             irsim_gym.load_demonstrations(tmp_path / name)
-    for name, what in (("text.npz", "it is no whole .npz archive"), ("empty.npz", "it is empty")):
+    for name, what in (("text.npz", "it is not a complete .npz archive"), ("empty.npz", "it is empty")):
         with pytest.raises(DemonstrationError, match=f"{what}.*begins a new one where there is none"):
             irsim_gym.load_demonstrations(tmp_path / name)
     np.savez(tmp_path / "newer.npz", about=np.array('{"format": 99}'))

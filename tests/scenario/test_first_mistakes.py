@@ -63,8 +63,7 @@ SYNTAX = {
     ),
     "a list that goes on as a mapping": (
         CAR + "  state: [1, 1]",
-        "3 not valid YAML: this line does not go on what begins in line 2: "
-        "either all of its parts begin with '-', or none",
+        "3 not valid YAML: this line does not continue line 2: either all items begin with '-', or none",
     ),
     "below a value": (
         "world:\n  height: 10\n   width: 10",

@@ -146,7 +146,7 @@ def test_collision_modes_that_mean_unobstructed_in_ir_sim(mode: str, tmp_path: P
     assert scenario.world.collision_mode == "unobstructed"
     (problem,) = warning.problems
     assert (problem.line, problem.path) == (2, "world.collision_mode")
-    assert "nobody stops" in problem.message
+    assert "do not stop" in problem.message
 
 
 def test_another_collision_mode_is_an_error_unless_the_reader_is_lenient(tmp_path: Path) -> None:
@@ -178,7 +178,7 @@ def test_a_wheelbase_of_nothing_moves_nothing(shape: str, tmp_path: Path) -> Non
         (part.discs[0, 0] if shape == "circle" else part.segments[:, 0].mean()) for part in (moved, still)
     )
     assert (x_moved, x_still) == (1.5, 0.0)
-    with pytest.raises(ScenarioError, match="the distance of the axles"):
+    with pytest.raises(ScenarioError, match="the axle distance"):
         load_scenario(write(tmp_path, text.format("acker", shape, 0)))
 
 

@@ -117,7 +117,7 @@ def test_each_row_has_all_cells() -> None:
         (
             "robot:\n- number: 3\n  group_behavior: {name: orca}",
             3,
-            "nothing to drive, so the body stands still: add kinematics or remove the group_behavior",
+            "the body has no kinematics, so it stands still: add kinematics or remove the group_behavior",
         ),
     ],
 )
