@@ -73,6 +73,6 @@ DevLevels = Annotated[
 TeamMode = Annotated[
     str | None,
     typer.Option(
-        help="Train one policy for all robots. After its end, a robot waits (episode) or restarts elsewhere (respawn)."
+        help="Train one policy for all robots. When its episode ends, a robot waits (episode) or restarts (respawn)."
     ),
 ]
