@@ -53,18 +53,18 @@ def list_shipped() -> None:
 def check(
     files: Annotated[list[str], typer.Argument(help="Scenario files, shipped names or environment ids.")],
     team: Annotated[
-        bool, typer.Option("--team", help="Insist that all robots (or those that the task names) can learn together.")
+        bool, typer.Option("--team", help="Require that all robots (or those that the task names) can learn together.")
     ] = False,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Check scenario files and their tasks, and play each for some steps; print every problem with its line.
+    """Check scenario files and their tasks, and run each for some steps. Print every problem with its line.
 
-    It is played in another process, so a crash there is told like any other problem. Below a file that is fine stand
-    its parameters, and notes on values that are allowed but seldom meant. The exit status is 1 if a file cannot be
-    used; notes leave it at 0. So do reasons why only one robot can learn, not all together, unless --team asks for
-    that, and why nobody can in a file without a section task.
+    Files run in another process, so a crash is reported like any other problem. For a valid file, the command prints
+    its parameters, and notes on allowed but unusual values. The exit status is 1 if a file cannot be used. Notes do
+    not change it, nor do reasons why robots cannot learn together (unless --team is given), or why none can learn in a
+    file without a section task.
     """
     from irsim_gym.training.check import check_files
     from irsim_gym.training.trial import Reading
@@ -77,16 +77,18 @@ def check(
 def describe(
     scenario: Scenario,
     task: Task = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print it as JSON.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     picture: Annotated[
-        Path | None, typer.Option(help="Also draw where observations look, into this .png, .pdf or .svg file.")
+        Path | None, typer.Option(help="Draw the observed sectors into this .png, .pdf or .svg file.")
     ] = None,
-    team: Annotated[bool, typer.Option("--team", help="All robots learn (or those that the task names).")] = False,
+    team: Annotated[
+        bool, typer.Option("--team", help="Describe the team: all robots learn (or those that the task names).")
+    ] = False,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Say what each number means: observations column by column, actions, rewards, endings, infos."""
+    """Describe each number: observations by column, actions, rewards, endings, infos."""
     from irsim_gym.training.describe import describe_scenario
 
     chosen: dict[str, Any] = {"team": team, "strict": not lenient, "as_json": as_json, "picture": picture}
@@ -97,11 +99,11 @@ def describe(
 def options(
     name: Annotated[
         str | None,
-        typer.Argument(help="Section or kind such as world or rvo, or a Markdown file whose tables are made anew."),
+        typer.Argument(help="Section or kind such as world or rvo, or a Markdown file whose tables to update."),
     ] = None,
     modules: Imports = None,
 ) -> None:
-    """Write the reference of all options, show those of one kind, or renew a page such as configs/README.md."""
+    """Print the reference of all options, or of one kind, or update a page such as configs/README.md."""
     from irsim_gym.scenario.option_tables import markdown, rewritten
 
     if name is None:
@@ -141,7 +143,7 @@ def train(
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Train an agent, then score its checkpoints. Ctrl-C leaves a checkpoint for --resume."""
+    """Train an agent, then score its checkpoints. Ctrl-C writes a checkpoint for --resume."""
     from irsim_gym.training.asked import Asked
     from irsim_gym.training.commands import run_training
 
@@ -166,25 +168,25 @@ def evaluate(
     scenario: Scenario,
     policies: Annotated[
         list[str] | None,
-        typer.Argument(help="Runs' folders or policy.zip files, from people whom you trust (SECURITY.md)."),
+        typer.Argument(help="Folders of runs or policy.zip files, from people whom you trust (SECURITY.md)."),
     ] = None,
     levels: Levels = 1000,
     split: Split = "test",
     task: Task = None,
     out: Annotated[
         Path | None,
-        typer.Option(
-            help="Folder for rows, figures and table (default: runs/evaluation-SCENARIO[-team]-SPLIT, numbered)."
-        ),
+        typer.Option(help="Folder for the results (default: runs/evaluation-SCENARIO[-team]-SPLIT, numbered)."),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results in the folder.")] = False,
-    references: Annotated[bool, typer.Option(help="Add the rows random and dash; of teams, rvo and orca too.")] = True,
+    references: Annotated[
+        bool, typer.Option(help="Add the references random and dash; for teams, also rvo and orca.")
+    ] = True,
     team: Team = False,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Drive policies through levels they never saw, beside random and dash; with --team, whole teams."""
+    """Evaluate policies on unseen levels, beside random and dash; with --team, whole teams."""
     from irsim_gym.training.commands import run_evaluation
 
     chosen: dict[str, Any] = {"parameters": read_parameters(given), "team": team, "strict": not lenient}
@@ -195,30 +197,29 @@ def evaluate(
 @app.command()
 def record(
     scenario: Scenario,
-    policies: Annotated[list[str], typer.Argument(help="Runs' folders, policy.zip files, random, dash, rvo, orca.")],
+    policies: Annotated[list[str], typer.Argument(help="Folders of runs, policy.zip files, random, dash, rvo, orca.")],
     level: Annotated[
-        list[int] | None, typer.Option(min=0, max=LAST_LEVEL, help="A level; may be repeated. (default: 0)")
+        list[int] | None, typer.Option(min=0, max=LAST_LEVEL, help="Number of a level; may be repeated (default: 0).")
     ] = None,
     split: Split = "test",
     task: Task = None,
     out: Annotated[
         Path | None, typer.Option(help="File to write: .mp4, .gif, .html, .png (default: runs/film.mp4 and so on).")
     ] = None,
-    html: Annotated[
-        bool, typer.Option("--html", help="A page that plays the episodes, one file, in place of a film.")
-    ] = False,
-    sheet: Annotated[bool, typer.Option("--sheet", help="One picture with moments of each episode.")] = False,
+    html: Annotated[bool, typer.Option("--html", help="Write a replay page for browsers instead of a film.")] = False,
+    sheet: Annotated[bool, typer.Option("--sheet", help="Write one picture with moments of each episode.")] = False,
     strobe: Annotated[
-        bool, typer.Option("--strobe", help="One picture with the ways of each episode, coloured by time.")
+        bool,
+        typer.Option("--strobe", help="Write one picture with the trajectories of each episode, coloured by time."),
     ] = False,
     team: Team = False,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Film policies on the same levels, side by side; or write a replay with scrubber, scans and rewards, or a picture.
+    """Film policies on the same levels, side by side.
 
-    With --html a page is written that plays the episodes in a browser, with --sheet or --strobe one picture.
+    With --html, write a replay page with scans and rewards for browsers; with --sheet or --strobe, write one picture.
     """
     from irsim_gym.training.commands import run_record
 
@@ -233,12 +234,12 @@ def record(
 @app.command()
 def demo(
     out: Annotated[Path, typer.Option(help="Folder of the demonstration.")] = Path("runs/demo"),
-    scenario: Annotated[str, typer.Option(help="What to learn.")] = "cluttered_room",
+    scenario: Annotated[str, typer.Option(help="Scenario to learn.")] = "cluttered_room",
     steps: Steps = None,
     levels: Levels = 1000,
     seed: Seed = 0,
 ) -> None:
-    """Train PPO on cluttered_room, evaluate and film it. Ctrl-C loses nothing: the next run goes on."""
+    """Train PPO on cluttered_room, evaluate and film it. After Ctrl-C, the same command resumes."""
     from irsim_gym.training.demo import run_demo
 
     run_demo(out, scenario=scenario, steps=steps, levels=levels, seed=seed)
@@ -251,14 +252,14 @@ def rollout(
     levels: Levels = 4,
     split: Split = "dev",
     task: Task = None,
-    frames: Annotated[Path | None, typer.Option(help="Film to write as well, .mp4 or .gif.")] = None,
-    record: Annotated[Path | None, typer.Option(help="Demonstrations to write as well, .npz.")] = None,
+    frames: Annotated[Path | None, typer.Option(help="Write a film to this .mp4 or .gif file.")] = None,
+    record: Annotated[Path | None, typer.Option(help="Write demonstrations to this .npz file.")] = None,
     team: Team = False,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Drive a policy through a few levels and print how they ended."""
+    """Run a policy on a few levels and print how they ended."""
     from irsim_gym.training.commands import run_rollout
 
     chosen: dict[str, Any] = {"team": team, "record": record, "strict": not lenient}
@@ -269,17 +270,18 @@ def rollout(
 def run_by_itself(
     scenario: Annotated[str, typer.Argument(help="Shipped name, or path of a YAML file.")],
     steps: Annotated[
-        int, typer.Option(min=1, help="Most steps; it ends when all robots have arrived or collided.")
+        int,
+        typer.Option(min=1, help="Greatest number of steps; the run ends when all robots have arrived or collided."),
     ] = 500,
-    seed: Annotated[int, typer.Option(min=0, help="Which level is drawn.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the level.")] = 0,
     film: Annotated[
-        Path | None, typer.Option(help="Film to write as well, .mp4 or .gif; .html for a replay in a browser.")
+        Path | None, typer.Option(help="Write a film to this .mp4 or .gif file, or a replay page to this .html file.")
     ] = None,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Run a file without learning, driven by its own behaviours, and print how its robots stand at the end."""
+    """Run a file with its own behaviours, without learning, and print the status of its robots at the end."""
     from irsim_gym.live import load
 
     if film is not None and film.suffix.lower() not in (".mp4", ".gif", ".html"):
@@ -304,20 +306,18 @@ def run_by_itself(
 def play(
     scenario: Scenario,
     record: Annotated[
-        Path | None, typer.Option(help="Demonstrations to write, .npz; a file that is there is gone on with.")
+        Path | None, typer.Option(help="Write demonstrations to this .npz file; append if it exists.")
     ] = None,
     task: Task = None,
     level: Annotated[int, typer.Option("--level", "--seed", min=0, max=LAST_LEVEL, help="First level.")] = 0,
     split: Split = "train",
-    robot: Annotated[
-        str | None, typer.Option(help="Name or number of the robot (default: the one that learns).")
-    ] = None,
-    speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="How many times as fast as in life.")] = 1.0,
+    robot: Annotated[str | None, typer.Option(help="Name or number of the robot (default: the learner).")] = None,
+    speed: Annotated[float, typer.Option(min=0.05, max=20.0, help="Speed relative to real time.")] = 1.0,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Drive a robot by hand in a window, level after level; esc leaves. The window tells the keys."""
+    """Drive a robot by hand in a window, level after level. The window lists the keys; esc quits."""
     from irsim_gym.tasks.levels import check_split
     from irsim_gym.training.play import Wishes
     from irsim_gym.training.play import play as play_by_hand
@@ -333,7 +333,7 @@ def play(
 @app.command()
 def draw(
     scenario: Scenario,
-    level: Annotated[int, typer.Option(min=0, max=LAST_LEVEL, help="Which level.")] = 0,
+    level: Annotated[int, typer.Option(min=0, max=LAST_LEVEL, help="Number of the level.")] = 0,
     split: Split = "dev",
     task: Task = None,
     out: Annotated[Path | None, typer.Option(help=".png, .pdf or .svg file (default: SCENARIO.png).")] = None,
@@ -349,25 +349,25 @@ def draw(
 
 @app.command()
 def warmup(
-    scenarios: Annotated[list[str] | None, typer.Argument(help="Scenarios (default: all that are shipped).")] = None,
+    scenarios: Annotated[list[str] | None, typer.Argument(help="Scenarios (default: all shipped ones).")] = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
-    """Compile the kernels of scenarios, so that later commands start at once."""
+    """Compile the kernels of scenarios in advance, so that later commands start at once."""
     from irsim_gym.training.warmup import warm_up
 
     warm_up(scenarios or [], strict=not lenient)
 
 
 def run(command: Callable[..., Any]) -> None:
-    """Run one command as a script of its own."""
+    """Run one command as a script."""
     single = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
     single.command()(command)
     _guarded(single)
 
 
 def main() -> None:
-    """Run the command line; an error of ours is told in a sentence, not by a traceback."""
+    """Run the command line. Errors of irsim_gym print a message without a traceback."""
     _guarded(app)
 
 

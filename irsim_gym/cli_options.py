@@ -14,23 +14,25 @@ LAST_LEVEL = 2**53 - 1  # that an environment takes
 MOST_LEVELS = 10**9
 
 Scenario = Annotated[str, typer.Argument(help="Shipped name, environment id, or path of a YAML file.")]
-Task = Annotated[str | None, typer.Option(help="Shipped task or a file, in place of the scenario's own.")]
+Task = Annotated[str | None, typer.Option(help="Shipped task or a file, instead of the scenario's own.")]
 Levels = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of levels.")]
-Split = Annotated[str, typer.Option(help="train, dev or test.")]
+Split = Annotated[str, typer.Option(help="Split of the levels: train, dev or test.")]
 Steps = Annotated[
     int | None,
-    typer.Option(min=1, help="Training steps over all worlds, in place of the file's; rounded up to whole rollouts."),
+    typer.Option(min=1, help="Training steps over all worlds, instead of the file's; rounded up to whole rollouts."),
 ]
 Seed = Annotated[int, typer.Option(min=0, max=LAST_SEED, help="Seed of networks, exploration and training levels.")]
 Reference = Annotated[str, typer.Option(help="random, dash, rvo, orca, a run's folder or a policy.zip.")]
 Given = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the scenario, e.g. n_robots=8; may be repeated."),
+    typer.Option(
+        "--set", metavar="NAME=VALUE", help="Set a parameter of the scenario, e.g. n_robots=8; may be repeated."
+    ),
 ]
 Team = Annotated[
-    bool, typer.Option("--team", help="A policy drives all robots (or those that the task names), not one.")
+    bool, typer.Option("--team", help="Let the policy drive all robots (or those that the task names) instead of one.")
 ]
-Lenient = Annotated[bool, typer.Option("--lenient", help="Ignore keys of the file that nobody reads, with a warning.")]
+Lenient = Annotated[bool, typer.Option("--lenient", help="Ignore unknown keys of the file, with a warning.")]
 Imports = Annotated[
     list[str] | None,
     typer.Option(
@@ -38,7 +40,7 @@ Imports = Annotated[
         callback=import_modules,
         is_eager=True,
         metavar="MODULE|FILE.py",
-        help="Imported first, e.g. to register behaviours of your own; may be repeated.",
+        help="Import a module first, e.g. to register your own behaviours; may be repeated.",
     ),
 ]
 
@@ -48,20 +50,28 @@ Algorithm = Annotated[
 RunFolder = Annotated[
     Path | None,
     typer.Option(
-        help="Folder of the run (default: runs/SCENARIO-ALGORITHM[-TEAM]-SEED, with what else differs in its name)."
+        help="Folder of the run (default: runs/SCENARIO-ALGORITHM[-TEAM]-SEED, plus settings that differ from the "
+        "defaults)."
     ),
 ]
-Hyperparameters = Annotated[Path | None, typer.Option(help="YAML file in place of the shipped one.")]
-Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")]
-BeginAnew = Annotated[bool, typer.Option("--overwrite", help="Begin anew in the place of the run in the folder.")]
+Hyperparameters = Annotated[
+    Path | None, typer.Option(help="YAML file of hyper-parameters, instead of the shipped one.")
+]
+Resume = Annotated[bool, typer.Option("--resume", help="Continue the run in the folder.")]
+BeginAnew = Annotated[bool, typer.Option("--overwrite", help="Replace the run in the folder.")]
 Origin = Annotated[
     str | None,
-    typer.Option("--from", metavar="RUN", help="Begin with the weights of a run's folder or policy.zip."),
+    typer.Option("--from", metavar="RUN", help="Start with the weights of a run's folder or policy.zip."),
 ]
 Device = Annotated[
-    str | None, typer.Option(help="Where the networks are: auto, cpu, cuda, cuda:1, mps (default: the file's).")
+    str | None, typer.Option(help="Device of the networks: auto, cpu, cuda, cuda:1, mps (default: the file's).")
 ]
-DevLevels = Annotated[int, typer.Option(min=0, help="dev levels per checkpoint afterwards; 0 scores none.")]
+DevLevels = Annotated[
+    int, typer.Option(min=0, help="Number of dev levels to score each checkpoint on; 0 skips scoring.")
+]
 TeamMode = Annotated[
-    str | None, typer.Option(help="All robots learn one policy; those that end wait (episode) or begin anew (respawn).")
+    str | None,
+    typer.Option(
+        help="Train one policy for all robots. When its episode ends, a robot waits (episode) or restarts (respawn)."
+    ),
 ]

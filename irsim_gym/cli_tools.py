@@ -1,4 +1,4 @@
-"""What several commands need: modules of the user's own, and option tables on the screen."""
+"""Helpers of several commands: importing modules, and printing option tables."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ def import_modules(names: Sequence[str] | None) -> Sequence[str]:
     """Import modules, such as those that register behaviours, and return their names.
 
     Args:
-        names: Each the path of a ``.py`` file, or the dotted name of a module that is here or installed.
+        names: Paths of ``.py`` files, or dotted names of modules in the current folder or installed.
 
     Raises:
-        IrsimGymError: There is no such file or module.
+        IrsimGymError: A file or module does not exist.
     """
     for name in names or ():
         if name.endswith(".py"):
@@ -39,9 +39,9 @@ def _import_module(name: str) -> None:
         importlib.import_module(name)
     except ModuleNotFoundError as error:
         if error.name is None or not f"{name}.".startswith(f"{error.name}."):
-            raise  # the module is there, but something that it imports is not
+            raise  # the module exists, but something that it imports does not
         raise IrsimGymError(
-            f"--import: no module named '{name}' here or installed; a file is given with its suffix, .py"
+            f"--import: no module named '{name}' in this folder or installed; name a file with its suffix, .py"
         ) from None
 
 
@@ -52,7 +52,7 @@ def _import_file(file: Path) -> None:
     if known is not None:
         if getattr(known, "__file__", None) == str(file):
             return
-        raise IrsimGymError(f"--import: another module named '{file.stem}' is loaded already: rename {file.name}")
+        raise IrsimGymError(f"--import: another module named '{file.stem}' is already loaded; rename {file.name}")
     _search(file.parent)
     spec = importlib.util.spec_from_file_location(file.stem, file)
     assert spec is not None
@@ -67,13 +67,13 @@ def _import_file(file: Path) -> None:
 
 
 def _search(folder: Path) -> None:
-    """Let modules of a folder be found, those of a file's neighbours too."""
+    """Add a folder to the module path, so that a file can import its neighbours."""
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
 
 
 def print_shipped() -> None:
-    """Print the shipped scenarios and tasks: what each is about, how many robots it has, and its parameters."""
+    """Print the shipped scenarios and tasks: summary, number of robots, and parameters."""
     from irsim_gym.envs.registration import env_id
     from irsim_gym.scenario.library import configs_folder, names
     from irsim_gym.scenario.summary import first_sentence, summarize_file
@@ -98,10 +98,10 @@ def _row(head: str, about: str) -> str:
 
 
 def read_parameters(settings: Sequence[str] | None) -> dict[str, Any]:
-    """Return what ``--set name=value`` says; the scenario turns the text into values of the right type.
+    """Return the values of ``--set name=value`` as text; the scenario converts them.
 
     Raises:
-        IrsimGymError: One of them is no ``name=value``, or a name is given twice.
+        IrsimGymError: A setting is not of the form ``name=value``, or a name appears twice.
     """
     given: dict[str, Any] = {}
     if settings:
@@ -114,7 +114,9 @@ def read_parameters(settings: Sequence[str] | None) -> dict[str, Any]:
         if name in given:
             raise IrsimGymError(f"--set: '{name}' is given twice")
         if not is_free(name):
-            raise IrsimGymError(f"--set: '{name}' can be no parameter of a scenario, it is an argument of environments")
+            raise IrsimGymError(
+                f"--set: '{name}' cannot be a parameter of a scenario, because it is an argument of environments"
+            )
         given[name] = value.strip()
     return given
 
@@ -123,7 +125,7 @@ def print_options(name: str) -> None:
     """Print the options of a section or kind as tables, e.g. of ``world``, ``rvo`` or ``behavior rvo``.
 
     Raises:
-        IrsimGymError: There is neither; the message offers the nearest name.
+        IrsimGymError: There is no such section or kind; the message suggests the nearest name.
     """
     from rich.console import Console
     from rich.table import Table
@@ -150,12 +152,12 @@ def print_options(name: str) -> None:
 
 @contextmanager
 def progress(words: str, total: int, *, shown: bool = True) -> Iterator[Callable[[], None]]:
-    """Give a function that moves a progress bar on by one; there is none where nobody watches.
+    """Yield a function that advances a progress bar by one step; only terminals show the bar.
 
     Args:
-        words: What is going on.
-        total: How many steps it takes at most.
-        shown: Show it where the output is a terminal.
+        words: Text beside the bar.
+        total: Greatest number of steps.
+        shown: Show the bar if the output is a terminal.
     """
     from rich.console import Console
     from rich.progress import Progress

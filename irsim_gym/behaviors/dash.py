@@ -66,6 +66,9 @@ def dash_differential(worlds: Ints, members: Ints, params: Any, model: WorldMode
 
     ``e`` is the goal's bearing; behind the robot the speed is negative. With a limited angular acceleration the
     turn rate is held down to what can still be braked before the goal is ahead.
+
+    Reads: model (acceleration_limit, goal_threshold, has_goal, step_time, velocity_max), state (goal, pose).
+    Writes: state (command).
     """
     for w in worlds:
         for k in range(members.shape[0]):
@@ -87,6 +90,9 @@ def dash_omni(worlds: Ints, members: Ints, params: Any, model: WorldModel, state
     """Write an omnidirectional drive's command: each component at its share of its own limit.
 
     With unequal limits the way is not straight. There is no slowing down.
+
+    Reads: model (drive, goal_threshold, has_goal, velocity_max), state (goal, pose).
+    Writes: state (command).
     """
     for w in worlds:
         for b in members:
@@ -104,7 +110,11 @@ def dash_omni(worlds: Ints, members: Ints, params: Any, model: WorldModel, state
 
 @kernel
 def dash_omni_angular(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
-    """Write the command of an omnidirectional drive that turns: towards the goal, and there to the goal's heading."""
+    """Write the command of an omnidirectional drive that turns: towards the goal, and there to the goal's heading.
+
+    Reads: model (acceleration_limit, goal_threshold, has_goal, step_time, velocity_max), state (goal, pose).
+    Writes: state (command).
+    """
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
@@ -130,6 +140,9 @@ def dash_ackermann(worlds: Ints, members: Ints, params: Any, model: WorldModel, 
     """Write a car's command: full speed, and the goal's bearing as steering angle (or as yaw rate per second).
 
     It never slows down or reverses, so it circles around a goal that is nearer than it can turn.
+
+    Reads: model (goal_threshold, has_goal, velocity_max), state (goal, pose).
+    Writes: state (command).
     """
     for w in worlds:
         for k in range(members.shape[0]):
@@ -152,6 +165,8 @@ def turn_rate(model: WorldModel, w: int, b: int, turn: int, error: float, tolera
 
     With the acceleration a and steps of length dt, a body that turns at the rate r covers r^2 / (2 a) + r dt until it
     stands; the rate is the root of this for the angle that is left.
+
+    Reads: model (acceleration_limit, step_time, velocity_max).
 
     Args:
         model: What the body can do.

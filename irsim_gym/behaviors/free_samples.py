@@ -115,6 +115,8 @@ def cut_rows(cone: Record, axis: Axis, rows: Record, span: Record) -> int:
 def take(above: float, n_cones: int, spans: Records, rows: Record) -> None:
     """Write the connected samples about a place in each row that cones hold.
 
+    Writes: rows.
+
     Args:
         above: Number of the sample above that place.
         n_cones: Number of cones.
@@ -197,6 +199,9 @@ def nearest_free(mode: int, ego: Ego, n_cones: int, along_x: Axis, along_y: Axis
 
     Samples are numbered x-major; of several that are equally near the first counts. Rows are looked at from the wanted
     velocity outwards; in a row only the nearest free samples above and below it count.
+
+    Reads: tables (cones, rows, seen).
+    Writes: tables (cones, rows, seen, spans).
 
     Args:
         mode: RVO, HRVO or VO.

@@ -138,6 +138,9 @@ def sort_members(model: WorldModel, state: WorldState, w: int, crowd: Crowd) -> 
     """Write where the members of one world are, square by square, and how they move.
 
     Members that plan do as they planned, the others as they move.
+
+    Reads: model (present, radius), state (plan, pose, twist), crowd (members, plans, seen, square, squares, starts).
+    Writes: crowd (body, moves, square, starts, x, y).
     """
     members, squares, starts, square = crowd.members, crowd.squares, crowd.starts, crowd.square
     pose, radius = state.pose[w], model.radius[row_of(model.radius, w)]
@@ -175,6 +178,9 @@ def find_nearest(ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> in
 
     The circle in which it looks for them grows until it holds enough of them.
 
+    Reads: crowd (body, found, gap2, nearest, nearest_gap, squares, starts, x, y).
+    Writes: crowd (found, gap2, nearest, nearest_gap).
+
     Args:
         ego: The member that looks.
         m: Its number; it does not see itself.
@@ -194,6 +200,9 @@ def find_nearest(ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> in
 @kernel
 def gather(ego: Ego, m: int, place: int, within: float, ring: int, crowd: Crowd) -> int:
     """Write the members in a ring of squares that are nearer than ``within``, in any order; return their number.
+
+    Reads: crowd (squares, starts, x, y).
+    Writes: crowd (found, gap2).
 
     Args:
         ego: The member that looks.
@@ -227,6 +236,9 @@ def keep_nearest(n_found: int, crowd: Crowd) -> int:
     """Write the nearest of the members that were found, nearest first, then by body; return how many are kept.
 
     ``nearest`` has as many rows as are kept at most.
+
+    Reads: crowd (body, found, gap2, nearest, nearest_gap).
+    Writes: crowd (nearest, nearest_gap).
     """
     body, nearest, nearest_gap = crowd.body, crowd.nearest, crowd.nearest_gap
     count, most = 0, nearest.shape[0]

@@ -22,6 +22,9 @@ def add_map(
 
     Each wall stands for itself, without its neighbours.
 
+    Reads: model (map_frame, map_squares), obstacles (sides, sides_gap, sides_order).
+    Writes: obstacles (sides, sides_gap, sides_order).
+
     Args:
         model: The map.
         ego: The body that decides.

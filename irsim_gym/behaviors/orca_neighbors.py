@@ -82,6 +82,10 @@ def put_in_order(item: int, key: float, items: Ints, keys: Floats, count: int) -
 def find_walls(model: WorldModel, state: WorldState, w: int, b: int, within: float, obstacles: Obstacles) -> int:
     """Write sides and discs of bodies that never move, nearest first, up to some distance; return their number.
 
+    Reads: model (bucket_frame, disc_count, disc_start, present, reach, segment_count, segment_start), state
+        (bucket_first, bucket_next, discs, pose, segments), obstacles (is_wall, nearby, parts, parts_gap, walls).
+    Writes: obstacles (nearby, owners, parts, parts_gap).
+
     Args:
         model: What there is.
         state: Where it is.

@@ -59,7 +59,10 @@ class OrcaTables(Struct):
 
 @kernel
 def speed_cap(model: WorldModel, w: int, b: int, most: float) -> float:
-    """Return the speed [m/s] that a drive can hold in every direction, no more than ``most`` (NaN: no bound)."""
+    """Return the speed [m/s] that a drive can hold in every direction, no more than ``most`` (NaN: no bound).
+
+    Reads: model (drive, velocity_max).
+    """
     fastest = model.velocity_max[row_of(model.velocity_max, w), b]
     speed = fastest[0] if model.drive[b] == DIFFERENTIAL else min(fastest[0], fastest[1])
     return float(max(min(speed, most) if most == most else speed, 0.0))
@@ -71,6 +74,8 @@ def preferred_velocity(model: WorldModel, state: WorldState, w: int, b: int, spe
 
     As in IR-SIM, an omnidirectional body stops near its goal and leans to the axis on which it is faster; a
     differential one always drives at full speed.
+
+    Reads: model (drive, has_goal, velocity_max), state (goal, pose).
     """
     if not model.has_goal[b]:
         return 0.0, 0.0
@@ -97,7 +102,13 @@ def is_held(ego: Ego, speed: float) -> bool:
 
 @kernel
 def plan_velocities(worlds: Ints, params: Any, model: WorldModel, state: WorldState, tables: OrcaTables) -> None:
-    """Write the velocities that the members choose, in the world frame, to the first two components of ``command``."""
+    """Write the velocities that the members choose, in the world frame, to the first two components of ``command``.
+
+    Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, map_frame, map_squares, present, radius, reach,
+        segment_count, segment_start, solid, step_time, velocity_max), state (bucket_first, bucket_next, discs, goal,
+        plan, pose, segments, twist), tables (crowd, obstacles, planes).
+    Writes: state (command), tables (crowd, obstacles, planes).
+    """
     crowd = tables.crowd
     for w in worlds:
         sort_members(model, state, w, crowd)
@@ -111,7 +122,13 @@ def plan_velocities(worlds: Ints, params: Any, model: WorldModel, state: WorldSt
 def plan_velocity(
     model: WorldModel, state: WorldState, w: int, m: int, place: int, options: Any, tables: OrcaTables
 ) -> None:
-    """Write the velocity that member m in square ``place`` chooses."""
+    """Write the velocity that member m in square ``place`` chooses.
+
+    Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, map_frame, map_squares, present, radius, reach,
+        segment_count, segment_start, solid, step_time, velocity_max), state (bucket_first, bucket_next, discs, goal,
+        plan, pose, segments), tables (crowd, obstacles, planes).
+    Writes: state (command), tables (crowd, obstacles, planes).
+    """
     b = tables.crowd.body[m]
     pose, planned, radius = state.pose[w, b], state.plan[w, b], model.radius[row_of(model.radius, w), b]
     ego = Ego(pose[0], pose[1], planned[0], planned[1], radius + options.safe_radius)
@@ -129,7 +146,11 @@ def plan_velocity(
 
 @kernel
 def add_members(ego: Ego, m: int, n_near: int, n_hard: int, options: Any, step_time: float, tables: OrcaTables) -> None:
-    """Write the half-planes of the nearest members behind the hard ones. Who overlaps has one step to part."""
+    """Write the half-planes of the nearest members behind the hard ones. Who overlaps has one step to part.
+
+    Reads: tables (crowd, planes).
+    Writes: tables (crowd, planes).
+    """
     crowd, planes, lanes, horizon = tables.crowd, tables.planes, tables.crowd.lanes[0], options.timeHorizon
     nearest, moves = crowd.nearest, crowd.moves
     for first in range(0, n_near, LANES):
@@ -154,7 +175,12 @@ def add_members(ego: Ego, m: int, n_near: int, n_hard: int, options: Any, step_t
 def add_obstacles(
     model: WorldModel, state: WorldState, w: int, b: int, ego: Ego, horizon: float, speed: float, tables: OrcaTables
 ) -> int:
-    """Write the half-planes of what never moves and of the map; return their number."""
+    """Write the half-planes of what never moves and of the map; return their number.
+
+    Reads: model (bucket_frame, disc_count, disc_start, map_frame, map_squares, present, reach, segment_count,
+        segment_start, solid), state (bucket_first, bucket_next, discs, pose, segments), tables (obstacles).
+    Writes: tables (obstacles, planes).
+    """
     obstacles, planes, count = tables.obstacles, tables.planes, 0
     within = horizon * speed + ego.radius
     if obstacles.walls.shape[0] > 0:
@@ -172,6 +198,9 @@ def add_walls(
     """Write the half-planes of the sides and discs that were found, nearest first; return their number.
 
     A disc that is touched already need not be left at once, as a wall need not; only going nearer is forbidden.
+
+    Reads: model (segment_count, segment_start, solid), state (discs, segments), tables (obstacles).
+    Writes: tables (planes).
     """
     planes, segments, count = tables.planes, state.segments[w], 0
     for i in range(n_parts):
@@ -196,7 +225,11 @@ def add_walls(
 
 @kernel
 def command_plans(worlds: Ints, model: WorldModel, state: WorldState, tables: OrcaTables) -> None:
-    """Keep the chosen velocities as plans, and turn them into commands of the drives."""
+    """Keep the chosen velocities as plans, and turn them into commands of the drives.
+
+    Reads: model (drive, present, step_time, velocity_max), state (command, plan, pose), tables (deciding).
+    Writes: state (command, plan).
+    """
     for w in worlds:
         for b in tables.deciding:
             if not model.present[w, b]:

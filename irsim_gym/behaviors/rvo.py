@@ -100,7 +100,13 @@ def _most_samples(params: Any) -> int:
 def decide_rvo(
     worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: RvoTables
 ) -> None:
-    """Write the commands of bodies that avoid what they see."""
+    """Write the commands of bodies that avoid what they see.
+
+    Reads: model (bucket_frame, centroid, disc_count, disc_start, drive, has_goal, map_frame, map_squares, movable,
+        present, radius, reach, role, segment_count, segment_start, solid, velocity_max), state (bucket_first,
+        bucket_next, command, discs, goal, pose, segments, twist), tables (cones, order, rows, samples, seen).
+    Writes: state (command), tables (cones, order, rows, samples, seen, spans).
+    """
     for w in worlds:
         for k in range(members.shape[0]):
             b, options = members[k], params[k]
@@ -127,7 +133,11 @@ def decide_rvo(
 def choose_velocity(
     ego: Ego, wanted: tuple[float, float], options: Any, rounds: Records, sides: Floats, tables: RvoTables
 ) -> tuple[float, float]:
-    """Return the best of the sampled velocities [m/s]: outside of all cones, or with the least penalty."""
+    """Return the best of the sampled velocities [m/s]: outside of all cones, or with the least penalty.
+
+    Reads: rounds (shape), tables (cones, order, rows, samples, seen).
+    Writes: tables (cones, order, rows, samples, seen, spans).
+    """
     mode, cones = options.mode, tables.cones
     along_x = lay_samples(ego.vx, options["acce"], options.vxmax, wanted[0])
     along_y = lay_samples(ego.vy, options["acce"], options.vymax, wanted[1])

@@ -25,6 +25,8 @@ def least_penalty(
 
     The penalty is that of van den Berg et al. (2008). Samples are looked at from the wanted velocity
     outwards, as ``tables.order`` has them; of several that are equally good the first counts.
+
+    Reads: tables (order, samples).
     """
     samples, order = tables.samples, tables.order
     best, best_cost, least = 0, np.inf, 0.0

@@ -80,7 +80,14 @@ class SocialForce:
 def decide_social_force(
     worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: SocialTables
 ) -> None:
-    """Write the commands of bodies that follow social forces; those without a goal stand."""
+    """Write the commands of bodies that follow social forces; those without a goal stand.
+
+    Reads: model (acceleration_limit, bucket_frame, centroid, disc_count, disc_start, drive, has_goal, map_frame,
+        map_squares, movable, present, radius, reach, role, segment_count, segment_start, solid, step_time,
+        velocity_max), state (bucket_first, bucket_next, discs, goal, pose, segments, twist, velocity), tables (among,
+        by_hypot, lines, nearby, nearest, sides).
+    Writes: state (command), tables (nearby, nearest, sides).
+    """
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]

@@ -126,7 +126,14 @@ class PartyTables(Struct):
 def decide_social_group(
     worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, tables: PartyTables
 ) -> None:
-    """Write the commands of the members; those without a goal stay, but give way."""
+    """Write the commands of the members; those without a goal stay, but give way.
+
+    Reads: model (acceleration_limit, bucket_frame, centroid, disc_count, disc_start, drive, has_goal, map_frame,
+        map_squares, movable, present, radius, reach, role, segment_count, segment_start, solid, step_time,
+        velocity_max), state (bucket_first, bucket_next, discs, goal, pose, segments, twist, velocity), tables (decides,
+        forces, party).
+    Writes: state (command), tables (forces).
+    """
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
@@ -144,7 +151,10 @@ def decide_social_group(
 def force_of_party(
     model: WorldModel, state: WorldState, w: int, k: int, members: Ints, party: Ints, options: Any
 ) -> tuple[float, float]:
-    """Return what keeps member k with the others of its party: coherence, repulsion and gaze [m/s2]."""
+    """Return what keeps member k with the others of its party: coherence, repulsion and gaze [m/s2].
+
+    Reads: model (present, radius), state (pose, twist).
+    """
     if party[k] < 0:
         return 0.0, 0.0
     b, pose, radius = members[k], state.pose[w], model.radius[row_of(model.radius, w)]

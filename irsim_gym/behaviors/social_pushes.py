@@ -95,6 +95,11 @@ def planned_velocity(
 ) -> tuple[float, float]:
     """Return the velocity that follows from all forces in one step [m/s], no faster than ``vmax``.
 
+    Reads: model (bucket_frame, centroid, disc_count, disc_start, map_frame, map_squares, movable, present, radius,
+        reach, role, segment_count, segment_start, solid, step_time), state (bucket_first, bucket_next, discs, pose,
+        segments, twist), tables (among, by_hypot, lines, nearby, nearest, sides).
+    Writes: tables (nearby, nearest, sides).
+
     Args:
         model: What there is.
         state: Where it is.
@@ -132,7 +137,11 @@ def planned_velocity(
 
 @kernel
 def follow(model: WorldModel, state: WorldState, w: int, b: int, velocity: tuple[float, float]) -> None:
-    """Write the command that follows a velocity within one step, as fast as a differential drive can turn."""
+    """Write the command that follows a velocity within one step, as fast as a differential drive can turn.
+
+    Reads: model (acceleration_limit, drive, step_time, velocity_max), state (pose, velocity).
+    Writes: state (command).
+    """
     fastest = model.velocity_max[row_of(model.velocity_max, w), b, 1]
     sharpest = model.acceleration_limit[row_of(model.acceleration_limit, w), b, 1]
     limit = min(fastest, state.velocity[w, b, 1] + sharpest * model.step_time[0])
@@ -148,6 +157,11 @@ def push_of_bodies(
 
     The first is seen up to ``neighbor_threshold`` from centre to centroid; the second pushes once for each body, from
     the nearest point of its outline.
+
+    Reads: model (bucket_frame, centroid, disc_count, disc_start, movable, present, radius, reach, role, segment_count,
+        segment_start, solid), state (bucket_first, bucket_next, discs, pose, segments, twist), tables (among, by_hypot,
+        nearby).
+    Writes: tables (nearby).
     """
     pose, twist, sight, among = state.pose[w], state.twist[w], options.neighbor_threshold, tables.among
     x, y, vx, vy = pose[b, 0], pose[b, 1], twist[b, 0], twist[b, 1]
@@ -225,7 +239,10 @@ def push_of_wall(dx: float, dy: float, r: float, sigma: float) -> tuple[float, f
 def push_of_lines(
     model: WorldModel, state: WorldState, w: int, b: int, options: Any, tables: SocialTables
 ) -> tuple[float, float]:
-    """Return the push of all segments of linestrings: each pushes by itself."""
+    """Return the push of all segments of linestrings: each pushes by itself.
+
+    Reads: model (present, radius, role, segment_count, segment_start), state (pose, segments), tables (among, lines).
+    """
     x, y = state.pose[w, b, 0], state.pose[w, b, 1]
     r = model.radius[row_of(model.radius, w), b] + MARGIN
     reach = FADED * options.sigma_obstacle + r
@@ -251,6 +268,9 @@ def push_of_map(
     Each wall counts once, however fine the cells are, and the two walls of a corridor cancel in its middle. So do walls
     that push the same way, such as the two of a corner and the steps of a slanted wall: of all pushes to one of the
     four sides the strongest holds.
+
+    Reads: model (map_frame, map_squares, radius), state (pose), tables (nearest, sides).
+    Writes: tables (nearest, sides).
     """
     x, y, sides, nearest = state.pose[w, b, 0], state.pose[w, b, 1], tables.sides, tables.nearest
     r = model.radius[row_of(model.radius, w), b] + MARGIN

@@ -35,13 +35,19 @@ class Turning(NamedTuple):
 
 @kernel
 def goal_offset(state: WorldState, w: int, b: int) -> tuple[float, float]:
-    """Return where a body's goal is relative to the body, in the directions of the world's axes [m]."""
+    """Return where a body's goal is relative to the body, in the directions of the world's axes [m].
+
+    Reads: state (goal, pose).
+    """
     return state.goal[w, b, 0] - state.pose[w, b, 0], state.goal[w, b, 1] - state.pose[w, b, 1]
 
 
 @kernel
 def clear_command(state: WorldState, w: int, b: int) -> None:
-    """Write a command of zeros."""
+    """Write a command of zeros.
+
+    Writes: state (command).
+    """
     state.command[w, b, 0], state.command[w, b, 1], state.command[w, b, 2] = 0.0, 0.0, 0.0
 
 
@@ -50,6 +56,8 @@ def wanted_velocity(model: WorldModel, state: WorldState, w: int, b: int) -> tup
     """Return the velocity straight to the goal [m/s], 0 where it is reached.
 
     An omnidirectional drive has a speed for each axis of the world.
+
+    Reads: model (drive, velocity_max), state (goal, pose).
     """
     dx, dy = goal_offset(state, w, b)
     if np.sqrt(dx * dx + dy * dy) <= ARRIVED:

@@ -92,7 +92,10 @@ def most_map_walls(model: WorldModel, threshold: float) -> int:
 
 @kernel
 def is_seen(model: WorldModel, w: int, b: int, q: int, target_roles: int) -> bool:
-    """Return whether body b pays heed to body q: another one that is there and has the role, unobstructed or not."""
+    """Return whether body b pays heed to body q: another one that is there and has the role, unobstructed or not.
+
+    Reads: model (present, role).
+    """
     if q == b or not model.present[w, q]:
         return False
     return bool(target_roles == ALL_ROLES or model.role[q] == target_roles - 1)
@@ -100,14 +103,20 @@ def is_seen(model: WorldModel, w: int, b: int, q: int, target_roles: int) -> boo
 
 @kernel
 def is_map_seen(model: WorldModel, w: int, target_roles: int) -> bool:
-    """Return whether there is an occupancy map to pay heed to; its body has no outline to look at."""
+    """Return whether there is an occupancy map to pay heed to; its body has no outline to look at.
+
+    Reads: model (map_frame, present, role).
+    """
     chart = model.map_frame[0].body
     return chart >= 0 and is_seen(model, w, -1, chart, target_roles)
 
 
 @kernel
 def look_of(model: WorldModel, w: int, q: int) -> int:
-    """Return how a body looks: one that never moves and is more than a disc shows its outline."""
+    """Return how a body looks: one that never moves and is more than a disc shows its outline.
+
+    Reads: model (disc_count, movable, segment_count, solid).
+    """
     n_segments = model.segment_count[row_of(model.segment_count, w), q]
     n_discs = model.disc_count[row_of(model.disc_count, w), q]
     if n_segments + n_discs == 0:
@@ -119,7 +128,10 @@ def look_of(model: WorldModel, w: int, q: int) -> int:
 
 @kernel
 def centroid_of(model: WorldModel, state: WorldState, w: int, q: int) -> tuple[float, float]:
-    """Return the centre of a body's area in the world frame [m]."""
+    """Return the centre of a body's area in the world frame [m].
+
+    Reads: model (centroid), state (pose).
+    """
     pose, centroid = state.pose[w, q], model.centroid[row_of(model.centroid, w), q]
     x, y = centroid[0], centroid[1]
     if x == 0.0 and y == 0.0:
@@ -131,6 +143,9 @@ def centroid_of(model: WorldModel, state: WorldState, w: int, q: int) -> tuple[f
 @kernel
 def find_around(model: WorldModel, state: WorldState, w: int, b: int, radius: float, nearby: Ints) -> int:
     """Write the bodies that may reach into a circle around a body, ascending; return how many there are.
+
+    Reads: model (bucket_frame), state (bucket_first, bucket_next, pose).
+    Writes: nearby.
 
     Args:
         model: What there is.
@@ -146,7 +161,10 @@ def find_around(model: WorldModel, state: WorldState, w: int, b: int, radius: fl
 
 @kernel
 def is_far(model: WorldModel, state: WorldState, w: int, b: int, q: int, radius: float) -> bool:
-    """Return whether body q certainly does not reach into a circle around body b, given its radius [m]."""
+    """Return whether body q certainly does not reach into a circle around body b, given its radius [m].
+
+    Reads: model (reach), state (pose).
+    """
     dx, dy = state.pose[w, q, 0] - state.pose[w, b, 0], state.pose[w, q, 1] - state.pose[w, b, 1]
     far = radius + model.reach[row_of(model.reach, w), q]
     return bool(dx * dx + dy * dy > far * far * SLACK)
@@ -160,6 +178,11 @@ def look_around(
 
     A body is the disc around its centroid, seen when that is nearer than ``sight`` [m]. One that stands and has sides
     is its outline, seen when any of that is nearer. A chain of segments is always seen, the walls of a map when near.
+
+    Reads: model (bucket_frame, centroid, disc_count, disc_start, map_frame, map_squares, movable, present, radius,
+        reach, role, segment_count, segment_start, solid), state (bucket_first, bucket_next, discs, pose, segments,
+        twist), seen (lines, nearby).
+    Writes: seen (nearby, rounds, sides).
 
     Args:
         model: What there is.
@@ -202,7 +225,10 @@ def write_disc(disc: Record, x: float, y: float, vx: float, vy: float, radius: f
 
 @kernel
 def copy_discs(model: WorldModel, state: WorldState, w: int, q: int, rounds: Records, n_rounds: int) -> int:
-    """Append the discs of a body that stands to ``rounds``; return how many those are now."""
+    """Append the discs of a body that stands to ``rounds``; return how many those are now.
+
+    Reads: model (disc_count, disc_start), state (discs).
+    """
     start, discs = model.disc_start[q], state.discs[w]
     for d in range(start, start + model.disc_count[row_of(model.disc_count, w), q]):
         write_disc(rounds[n_rounds], discs[d, 0], discs[d, 1], 0.0, 0.0, discs[d, 2] + MARGIN)
@@ -212,7 +238,11 @@ def copy_discs(model: WorldModel, state: WorldState, w: int, q: int, rounds: Rec
 
 @kernel
 def copy_sides(model: WorldModel, state: WorldState, w: int, q: int, sides: Floats, n_sides: int) -> int:
-    """Append the segments of a body to ``sides``; return how many those are now."""
+    """Append the segments of a body to ``sides``; return how many those are now.
+
+    Reads: model (segment_count, segment_start), state (segments).
+    Writes: sides.
+    """
     start = model.segment_start[q]
     for s in range(start, start + model.segment_count[row_of(model.segment_count, w), q]):
         for column in range(4):
@@ -227,6 +257,9 @@ def map_walls(model: WorldModel, x: float, y: float, threshold: float, sides: Fl
 
     Borders in a line are one segment, with the free cells to its left. What lies outside of the map is free. Those for
     which ``sides`` has no more rows are left out.
+
+    Reads: model (map_frame, map_squares).
+    Writes: sides.
 
     Args:
         model: The map.

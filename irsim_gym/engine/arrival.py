@@ -23,7 +23,11 @@ def goal_gap(pose: Floats, goal: Floats, with_heading: bool) -> float:
 
 @kernel
 def measure_distance(worlds: Ints, goal_bodies: Ints, state: WorldState) -> None:
-    """Write ``goal_distance`` alone, as at the start, where nobody arrives yet."""
+    """Write ``goal_distance`` alone, as at the start, where nobody arrives yet.
+
+    Reads: state (goal, pose).
+    Writes: state (goal_distance).
+    """
     for w in worlds:
         for b in goal_bodies:
             state.goal_distance[w, b] = goal_gap(state.pose[w, b], state.goal[w, b], False)
@@ -34,6 +38,9 @@ def check_arrival(worlds: Ints, goal_bodies: Ints, model: WorldModel, state: Wor
     """Write ``goal_distance`` and ``arrived``; a goal that is not the last one gives way to the next.
 
     A body arrives when it is strictly nearer than the threshold.
+
+    Reads: model (arrive_mode, goal_threshold, present, waypoints), state (arrived, goal, pose, waypoint, waypoint_end).
+    Writes: state (arrived, goal, goal_distance, waypoint).
     """
     for w in worlds:
         for b in goal_bodies:
@@ -57,6 +64,10 @@ def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Worl
     """Draw a wandering body's next goal; send a looping one through its goals again.
 
     On the way between one goal and the start headings do not matter, unless they do on arrival.
+
+    Reads: model (arrive_mode, goal_renewal, wander_high, wander_low, waypoint_count, waypoints), state (arrived,
+        random, stopped, waypoint_end).
+    Writes: model (waypoints), state (arrived, goal, random, waypoint, waypoint_end).
     """
     for w in worlds:
         for b in goal_bodies:
@@ -71,7 +82,11 @@ def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Worl
 
 @kernel(inlined=True)
 def begin_round(w: int, b: int, model: WorldModel, state: WorldState) -> None:
-    """Give a body the first of its goals; a wandering body draws it."""
+    """Give a body the first of its goals; a wandering body draws it.
+
+    Reads: model (goal_renewal, wander_high, wander_low, waypoint_count, waypoints), state (random).
+    Writes: model (waypoints), state (goal, random, waypoint, waypoint_end).
+    """
     wanders = model.goal_renewal[b] == WANDER
     state.waypoint[w, b], state.waypoint_end[w, b] = 0, 1 if wanders else model.waypoint_count[w, b]
     for axis in range(3):

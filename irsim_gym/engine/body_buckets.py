@@ -53,14 +53,21 @@ def refresh(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) ->
 
 @kernel
 def empty_buckets(worlds: Ints, state: WorldState) -> None:
-    """Leave no body in any bucket."""
+    """Leave no body in any bucket.
+
+    Writes: state (bucket, bucket_first, bucket_next).
+    """
     for w in worlds:
         state.bucket[w, :], state.bucket_first[w, :], state.bucket_next[w, :] = -1, -1, -1
 
 
 @kernel
 def sort_bodies(worlds: Ints, bodies: Ints, model: WorldModel, state: WorldState) -> None:
-    """Move each body whose square has changed from its old list to the head of its new one."""
+    """Move each body whose square has changed from its old list to the head of its new one.
+
+    Reads: model (bucket_frame, bucketed, present), state (bucket, bucket_first, bucket_next, pose).
+    Writes: state (bucket, bucket_first, bucket_next).
+    """
     for w in worlds:
         for b in bodies:
             place = (

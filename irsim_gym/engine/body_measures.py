@@ -31,7 +31,11 @@ def measured(model: WorldModel, world: int, body: int) -> tuple[Floats, Floats]:
 
 @kernel(allocates=True)
 def measure_bodies(worlds: Ints, bodies: Ints, model: WorldModel, radius: Floats, centroid: Floats) -> None:
-    """Write the radius of the least circle around each footprint, and the centre of its area."""
+    """Write the radius of the least circle around each footprint, and the centre of its area.
+
+    Reads: model (disc_count, disc_start, local_discs, local_segments, segment_count, segment_start, solid).
+    Writes: radius, centroid.
+    """
     points = np.empty((2 * model.local_segments.shape[1] + CORNERS * model.local_discs.shape[1], 2))
     n_rows = worlds.shape[0] if radius.shape[0] > 1 else min(worlds.shape[0], 1)
     for i in range(n_rows):

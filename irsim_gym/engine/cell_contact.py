@@ -15,7 +15,12 @@ from irsim_gym.world.state import WorldState
 
 @kernel
 def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState) -> None:
-    """Note which bodies touch an occupied cell, for them and for the map's own body."""
+    """Note which bodies touch an occupied cell, for them and for the map's own body.
+
+    Reads: model (disc_count, disc_start, present, reach, segment_count, segment_start, solid, unobstructed), state
+        (discs, hit, pose, segments).
+    Writes: state (collided, hit).
+    """
     own = cells.body
     for w in worlds:
         for b in bodies:
@@ -31,7 +36,12 @@ def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMap, model: WorldM
 def measure_cell_clearance(
     worlds: Ints, bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState, distance: Floats
 ) -> None:
-    """Lower the surface distances of bodies [m], shape ``(n_worlds, n_bodies)``, to that of the nearest cell."""
+    """Lower the surface distances of bodies [m], shape ``(n_worlds, n_bodies)``, to that of the nearest cell.
+
+    Reads: model (disc_count, disc_start, present, reach, segment_count, segment_start, solid), state (discs, pose,
+        segments).
+    Writes: distance.
+    """
     own = cells.body
     for w in worlds:
         for k in range(bodies.shape[0]):

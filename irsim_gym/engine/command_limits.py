@@ -14,6 +14,10 @@ def limit_velocity(worlds: Ints, movers: Ints, model: WorldModel, state: WorldSt
     """Write ``state.velocity``: the command clipped to [max(v_min, v - a dt), min(v_max, v + a dt)] in each component.
 
     The upper end wins where the interval is empty. Stopped bodies stand still, and so do those that nobody commands.
+
+    Reads: model (acceleration_limit, driven, present, step_time, velocity_max, velocity_min), state (command, stopped,
+        velocity).
+    Writes: state (velocity).
     """
     dt = model.step_time[0]
     for w in worlds:

@@ -53,7 +53,11 @@ def _find_pairs(bodies: Ints, is_static: bool, model: WorldModel, state: WorldSt
 
 @kernel
 def recall_contacts(worlds: Ints, bodies: Ints, may_recall: bool, model: WorldModel, state: WorldState) -> None:
-    """Begin with the contacts of before where ``bodies`` have not moved since, else with nobody who touches anybody."""
+    """Begin with the contacts of before where ``bodies`` have not moved since, else with nobody who touches anybody.
+
+    Reads: model (present, static_known, static_partner, static_pose), state (collided, hit, pose).
+    Writes: model (static_known, static_pose), state (collided, hit).
+    """
     for w in worlds:
         is_known = model.static_known[w]
         for b in bodies:
@@ -69,7 +73,11 @@ def recall_contacts(worlds: Ints, bodies: Ints, may_recall: bool, model: WorldMo
 
 @kernel
 def note_partners(worlds: Ints, model: WorldModel, state: WorldState) -> None:
-    """Keep the contacts that last through the level, and forget how much room there was in the one before."""
+    """Keep the contacts that last through the level, and forget how much room there was in the one before.
+
+    Reads: state (hit).
+    Writes: model (static_known, static_partner), state (room).
+    """
     for w in worlds:
         model.static_known[w] = True
         for b in range(state.hit.shape[1]):
@@ -79,7 +87,11 @@ def note_partners(worlds: Ints, model: WorldModel, state: WorldState) -> None:
 
 @kernel
 def begin_contacts(worlds: Ints, model: WorldModel, state: WorldState) -> None:
-    """Begin with the contacts that last through the level."""
+    """Begin with the contacts that last through the level.
+
+    Reads: model (static_partner), state (hit).
+    Writes: state (collided, hit).
+    """
     for w in worlds:
         for b in range(state.hit.shape[1]):
             state.hit[w, b] = model.static_partner[w, b]
@@ -91,6 +103,10 @@ def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: WorldModel
     """Test each of ``bodies`` against every other body.
 
     Sets are closed: touching counts. Unobstructed bodies touch nobody. Skips discs whose ``room`` rules out contact.
+
+    Reads: model (disc_count, disc_start, movable, present, reach, segment_count, segment_start, solid, static_known,
+        unobstructed), state (discs, hit, pose, room, segments).
+    Writes: state (collided, hit).
 
     Args:
         worlds: The worlds to treat.
@@ -141,7 +157,11 @@ def room_left(disc: Floats, room: Record) -> float:
 
 @kernel
 def stop_bodies(worlds: Ints, model: WorldModel, state: WorldState) -> None:
-    """Write ``state.stopped``: who is held in place; it may never move, as in IR-SIM."""
+    """Write ``state.stopped``: who is held in place; it may never move, as in IR-SIM.
+
+    Reads: model (collision_mode, role), state (collided).
+    Writes: state (stopped).
+    """
     mode = model.collision_mode[0]
     for w in worlds:
         for b in range(state.collided.shape[1]):
@@ -194,6 +214,10 @@ def measure_clearance(
 
     If the only body that moves is a disc, its distance is kept in ``state.room``: it touches nothing until it has moved
     that far.
+
+    Reads: model (disc_count, disc_start, present, reach, segment_count, segment_start, solid, unobstructed), state
+        (discs, pose, segments).
+    Writes: state (room), distance.
     """
     for w in worlds:
         here, there, discs = state.pose[w], model.present[w], state.discs[w]

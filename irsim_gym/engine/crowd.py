@@ -20,6 +20,10 @@ def find_near_contacts(worlds: Ints, bodies: Ints, model: WorldModel, state: Wor
     """Write the same flags as ``contact.find_contacts``, in time that grows with the bodies and not with their pairs.
 
     Bodies in the buckets reach no farther than ``model.bucket_frame[0].reach``.
+
+    Reads: model (bucket_frame, disc_count, disc_start, movable, present, reach, segment_count, segment_start, solid,
+        unobstructed), state (bucket_first, bucket_next, discs, hit, nearby, pose, segments).
+    Writes: state (collided, hit, nearby).
     """
     frame = model.bucket_frame[0]
     for w in worlds:
@@ -50,7 +54,12 @@ def find_near_contacts(worlds: Ints, bodies: Ints, model: WorldModel, state: Wor
 def measure_near_clearance(
     worlds: Ints, bodies: Ints, limit: Floats, model: WorldModel, state: WorldState, distance: Floats
 ) -> None:
-    """Write the same distances as ``contact.measure_clearance``: the search grows until nobody nearer can be left."""
+    """Write the same distances as ``contact.measure_clearance``: the search grows until nobody nearer can be left.
+
+    Reads: model (bucket_frame, disc_count, disc_start, present, reach, segment_count, segment_start, solid,
+        unobstructed), state (bucket_first, bucket_next, discs, nearby, pose, segments).
+    Writes: state (nearby), distance.
+    """
     frame = model.bucket_frame[0]
     for w in worlds:
         found, first, following = state.nearby[w], state.bucket_first[w], state.bucket_next[w]

@@ -47,7 +47,11 @@ def find_in_sector(
     radius: Floats,
     detected: Flags,
 ) -> None:
-    """Write which discs reach into a sector."""
+    """Write which discs reach into a sector.
+
+    Reads: model (map_frame, present), state (pose).
+    Writes: detected.
+    """
     for w in worlds:
         x, y, heading = state.pose[w, body, 0], state.pose[w, body, 1], state.pose[w, body, 2]
         for b in range(model.present.shape[1]):

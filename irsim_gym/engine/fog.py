@@ -125,7 +125,10 @@ def cover(fog: FogMap, shard: Shard) -> None:
 
 @kernel
 def cover_cells(worlds: Ints, cells: FogCells) -> None:
-    """Mark all cells of the worlds as not seen."""
+    """Mark all cells of the worlds as not seen.
+
+    Writes: cells (explored).
+    """
     for w in worlds:
         cells.explored[w, :, :] = False
 
@@ -143,6 +146,9 @@ def reveal_beams(worlds: Ints, scans: Scans, cells: FogCells, model: WorldModel,
     """Mark the cells under points of each beam, half a cell apart and just behind its end.
 
     IR-SIM does the same, except that its last point is the end itself, where rounding decides whether a wall is seen.
+
+    Reads: scans (angles, chosen, members, offset, ranges), cells (height, width, x, y), model (present), state (pose).
+    Writes: cells (explored).
     """
     step = 0.5 * min(cells.width, cells.height)
     for w in worlds:
@@ -164,7 +170,11 @@ def reveal_beams(worlds: Ints, scans: Scans, cells: FogCells, model: WorldModel,
 
 @kernel
 def reveal_views(worlds: Ints, watchers: Watchers, cells: FogCells, model: WorldModel, state: WorldState) -> None:
-    """Mark the cells whose centres lie in the fields of view, whatever stands between."""
+    """Mark the cells whose centres lie in the fields of view, whatever stands between.
+
+    Reads: watchers (bodies, depth, width), cells (height, width, x, y), model (present), state (pose).
+    Writes: cells (explored).
+    """
     for w in worlds:
         for k in range(watchers.bodies.shape[0]):
             b, half, depth = watchers.bodies[k], 0.5 * watchers.width[k], watchers.depth[k]
@@ -183,7 +193,11 @@ def reveal_views(worlds: Ints, watchers: Watchers, cells: FogCells, model: World
 
 @kernel
 def mark(w: int, x: float, y: float, cells: FogCells) -> None:
-    """Mark the cell that a point [m] lies in, if there is one."""
+    """Mark the cell that a point [m] lies in, if there is one.
+
+    Reads: cells (height, width, x, y).
+    Writes: cells (explored).
+    """
     column, row = np.floor((x - cells.x) / cells.width), np.floor((y - cells.y) / cells.height)
     if 0.0 <= column < cells.explored.shape[1] and 0.0 <= row < cells.explored.shape[2]:
         cells.explored[w, int(column), int(row)] = True

@@ -17,7 +17,12 @@ def place(bodies: Ints, model: WorldModel, state: WorldState, shard: Shard) -> N
 
 @kernel
 def place_bodies(worlds: Ints, bodies: Ints, model: WorldModel, state: WorldState) -> None:
-    """Turn and shift the bodies' outlines into the world frame."""
+    """Turn and shift the bodies' outlines into the world frame.
+
+    Reads: model (disc_count, disc_start, local_discs, local_segments, segment_count, segment_start, solid), state
+        (discs, pose, segments).
+    Writes: state (discs, segments).
+    """
     for w in worlds:
         for b in bodies:
             place_outline(model, state, w, b)

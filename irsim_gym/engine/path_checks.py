@@ -81,7 +81,12 @@ def check_ways(
     state: WorldState,
     failed: Ints,
 ) -> None:
-    """Look for a way past all bodies that stand, from the start to the first goal and from each goal to the next."""
+    """Look for a way past all bodies that stand, from the start to the first goal and from each goal to the next.
+
+    Reads: ways (agents, blocks), model (goal_renewal, present, reach, stands, unobstructed, waypoint_count, waypoints),
+        state (pose).
+    Writes: ways (blocks), tables, failed.
+    """
     blocks = ways.blocks[slot]
     for w in worlds:
         for own in ways.agents:

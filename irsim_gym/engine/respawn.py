@@ -45,7 +45,10 @@ def vanish(bodies: Ints, gone: Flags, model: WorldModel, state: WorldState, shar
 
 @kernel
 def remove(worlds: Ints, bodies: Ints, gone: Flags, model: WorldModel) -> None:
-    """Mark bodies as absent, and worlds in which any is."""
+    """Mark bodies as absent, and worlds in which any is.
+
+    Writes: model (altered, present).
+    """
     for w in worlds:
         for k in range(bodies.shape[0]):
             if gone[w, k]:
@@ -177,7 +180,10 @@ def _has_way(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
 
 @kernel
 def unplace(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state: WorldState, failed: Ints) -> None:
-    """Mark the chosen bodies as present and as still to be placed."""
+    """Mark the chosen bodies as present and as still to be placed.
+
+    Writes: model (present), state (placed), failed.
+    """
     for w in worlds:
         failed[w] = 0
         for k in range(bodies.shape[0]):
@@ -187,7 +193,13 @@ def unplace(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state:
 
 @kernel
 def begin_bodies(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state: WorldState) -> None:
-    """Give the chosen bodies their first goals, and the velocities and flags of a beginning."""
+    """Give the chosen bodies their first goals, and the velocities and flags of a beginning.
+
+    Reads: model (goal_renewal, has_goal, initial_steering, initial_velocity, wander_high, wander_low, waypoint_count,
+        waypoints), state (random).
+    Writes: model (waypoints), state (arrived, collided, goal, hit, plan, random, steering, stopped, velocity, waypoint,
+        waypoint_end).
+    """
     for w in worlds:
         for k in range(bodies.shape[0]):
             if not chosen[w, k]:

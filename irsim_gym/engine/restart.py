@@ -114,14 +114,21 @@ def _failure(place: str) -> str:
 
 @kernel
 def note_streams(worlds: Ints, streams: Words, random: Words, model: WorldModel) -> None:
-    """Begin the random streams that levels are drawn from, and keep them; arrays ``(n_worlds,)``."""
+    """Begin the random streams that levels are drawn from, and keep them; arrays ``(n_worlds,)``.
+
+    Writes: random, model (altered, level_stream).
+    """
     for w in worlds:
         random[w], model.level_stream[w], model.altered[w] = streams[w], streams[w], False
 
 
 @kernel
 def copy_words(worlds: Ints, model: WorldModel, state: WorldState) -> None:
-    """Copy the numbers of some worlds, shape ``(n_worlds,)``."""
+    """Copy the numbers of some worlds, shape ``(n_worlds,)``.
+
+    Reads: state (random).
+    Writes: model (level_random).
+    """
     for w in worlds:
         model.level_random[w] = state.random[w]
 
@@ -140,7 +147,11 @@ def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard)
 
 @kernel
 def draw_presence(worlds: Ints, number_ranges: Ints, model: WorldModel, state: WorldState, failed: Ints) -> None:
-    """Decide how many bodies of each entry with a ``number_range`` exist, and forget all placements."""
+    """Decide how many bodies of each entry with a ``number_range`` exist, and forget all placements.
+
+    Reads: state (random).
+    Writes: model (present), state (placed, pose, random), failed.
+    """
     for w in worlds:
         failed[w] = 0
         state.placed[w, :] = False
@@ -161,7 +172,11 @@ def begin_moment(parts: Parts, model: WorldModel, state: WorldState, shard: Shar
 
 @kernel
 def clear_moment(worlds: Ints, model: WorldModel, state: WorldState) -> None:
-    """Reset what an episode accumulates."""
+    """Reset what an episode accumulates.
+
+    Reads: model (initial_steering, initial_velocity).
+    Writes: state (arrived, collided, command, hit, plan, steering, step, stopped, time, twist, velocity).
+    """
     for w in worlds:
         state.time[w], state.step[w] = 0.0, 0
         for b in range(state.hit.shape[1]):
@@ -177,7 +192,12 @@ def clear_moment(worlds: Ints, model: WorldModel, state: WorldState) -> None:
 def write_first_goals(
     worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: WorldModel, state: WorldState
 ) -> None:
-    """Set each body's first goal (NaN for an absent body); wanderers draw theirs, loopers with one come back."""
+    """Set each body's first goal (NaN for an absent body); wanderers draw theirs, loopers with one come back.
+
+    Reads: model (arrive_mode, goal_renewal, present, start, wander_high, wander_low, waypoint_count, waypoints), state
+        (pose, random).
+    Writes: model (start, waypoints), state (goal, random, waypoint, waypoint_end).
+    """
     for w in worlds:
         for b in range(model.start.shape[1]):
             for axis in range(3):

@@ -90,7 +90,11 @@ def sense(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> N
 
 @kernel
 def tick(worlds: Ints, model: WorldModel, state: WorldState) -> None:
-    """Count the step; the time is a multiple of the step time, so it gathers no rounding."""
+    """Count the step; the time is a multiple of the step time, so it gathers no rounding.
+
+    Reads: model (step_time), state (step).
+    Writes: state (step, time).
+    """
     for w in worlds:
         state.step[w] += 1
         state.time[w] = state.step[w] * model.step_time[0]

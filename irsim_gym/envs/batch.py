@@ -139,7 +139,7 @@ class Batch:
         team_state: bool = False,
     ) -> None:
         if respawn and not autoreset:
-            raise ValueError("with respawn=True agents begin anew by themselves: autoreset=False means nothing there")
+            raise ValueError("with respawn=True, agents restart by themselves, so autoreset=False has no effect")
         if world_steps is not None and (not respawn or world_steps < 1):
             raise ValueError(f"world_steps is for agents that respawn and must be >= 1, got {world_steps!r}")
         self.worlds = worlds
@@ -183,7 +183,7 @@ class Batch:
         else:
             seeds = list(seed)
             if len(seeds) != self.n_worlds:
-                raise ValueError(f"seeds need one for each of the {self.n_worlds} worlds, got {len(seeds)}")
+                raise ValueError(f"seeds must hold one for each of the {self.n_worlds} worlds, got {len(seeds)}")
         return self.begin(seeds, [options or {}] * self.n_worlds)
 
     def begin(self, seeds: Sequence[int | None], options: Sequence[Mapping[str, Any]]) -> BatchStep:

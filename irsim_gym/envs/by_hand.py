@@ -8,7 +8,7 @@ import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
 BY_HAND = (
-    "this is an environment to learn in. A world that is run by hand, as in IR-SIM, is "
+    "this is an environment for learning. To run a world by hand, as in IR-SIM, use "
     "irsim_gym.load('my_world.yaml'), or irsim.make('my_world.yaml') with `import irsim_gym.irsim as irsim`"
 )
 OF_WORLDS = frozenset(
@@ -64,6 +64,6 @@ class Environment(gymnasium.Wrapper[Any, Any, Any, Any]):
     def __getattr__(self, name: str) -> NoReturn:
         if name.startswith("_") or name == "env":  # asked for before there is an environment inside
             raise AttributeError(name)
-        inside = f" (env.unwrapped.{name} is there)" if hasattr(self.unwrapped, name) else ""
+        inside = f" (env.unwrapped.{name} exists)" if hasattr(self.unwrapped, name) else ""
         advice = f": {BY_HAND}" if name in OF_WORLDS else ""
         raise AttributeError(f"an environment has no attribute '{name}'{inside}{advice}")

@@ -26,7 +26,7 @@ CODES = {"outcome": Outcome, "hit_kind": HitKind}
 """Keys of infos whose numbers stand for words."""
 OF_TEAMS = {
     "idle": "it had ended before the step (black_death)",
-    "action_mask": "1 for each choice that is worth trying, int8",
+    "action_mask": "1 for each choice that is not masked, int8",
 }
 """Keys of infos that the parallel environment adds."""
 SIGNS = {"potential": "+ or -", "bonus": "+", "penalty": "-", "running": "-"}

@@ -56,7 +56,7 @@ def parallel_env(
         ValueError: ``max_steps`` and ``max_cycles`` differ.
     """
     if max_steps is not None and max_cycles not in (None, max_steps):
-        raise ValueError(f"max_steps and max_cycles are one thing, got {max_steps} and {max_cycles}")
+        raise ValueError(f"max_steps and max_cycles are the same limit, got {max_steps} and {max_cycles}")
     worlds = Worlds(
         scenario,
         task=task,
@@ -97,7 +97,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
     ``idle``, which is True where the agent had ended before the step. Two of them are codes, which
     ``Outcome(info["outcome"]).name`` and ``HitKind(info["hit_kind"]).name`` of ``irsim_gym.tasks`` turn into words:
     ``outcome`` is 0 while the episode is under way, 1 success, 2 collision, 3 time limit, 4 left the world, 5 deadlock;
-    ``hit_kind`` says what the robot touches: 0 nothing, 1 an obstacle that stands still, 2 one that moves, 3 a robot,
+    ``hit_kind`` says what the robot touches: 0 nothing, 1 a standing obstacle still, 2 one that moves, 3 a robot,
     4 the map.
 
     Where actions are choices (``action: discrete``), infos also hold ``action_mask``, int8 ``(n_choices,)``, as
@@ -294,13 +294,13 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
     def _taken(self, actions: Mapping[str, Any]) -> NDArray[Any]:
         """Return the actions as the batch of one takes them; those of agents that have ended are 0."""
         if not isinstance(actions, Mapping):
-            raise TypeError(f"actions are a dict with one for each agent by its name, got {type(actions).__name__}")
+            raise TypeError(f"actions must be a dict with one action per agent name, got {type(actions).__name__}")
         for name in actions:
             self._of(self.action_spaces, name)
         acting = self._acting()
         missing = [name for name in acting if name not in actions]
         if missing:
-            raise ValueError(f"no action for {', '.join(missing)}: each agent whose episode is under way needs one")
+            raise ValueError(f"no action for {', '.join(missing)}: each agent in env.agents needs one")
         n_choices, sizes = self.worlds.episodes.n_discrete, self.worlds.episodes.action_sizes.tolist()
         given = np.zeros((1, len(sizes), 1 if n_choices else max(sizes)), np.int64 if n_choices else np.float64)
         for name in acting:

@@ -231,7 +231,7 @@ class Pictures:
 
     def _refuse_without_mode(self) -> None:
         if self.mode is None:
-            raise IrsimGymError("there are no pictures without a render mode: use render_mode='rgb_array'")
+            raise IrsimGymError("rendering needs a render mode: use render_mode='rgb_array'")
 
     def _title(self) -> str:
         shown = len(self._panels)

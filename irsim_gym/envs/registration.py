@@ -200,7 +200,7 @@ def _refuse_for_singles(kwargs: Mapping[str, Any]) -> None:
     for name in ("wrappers", "vector_kwargs"):
         if kwargs.get(name) and kwargs.get("vectorization_mode") not in ("sync", "async", *SINGLES):
             raise IrsimGymError(
-                f"{name} is for environments that are stepped one by one: give vectorization_mode='sync' or 'async' as "
+                f"{name} is for single environments: pass vectorization_mode='sync' or 'async' as "
                 "well. The batch takes its own keywords directly, and wrappers of gymnasium.wrappers.vector around it"
             )
 

@@ -51,9 +51,9 @@ class RecordReplay(gymnasium.Wrapper[Any, Any, Any, Any]):
         super().__init__(env)
         self._worlds: Any = getattr(env.unwrapped, "worlds", None)
         if self._worlds is None:
-            raise ValueError(f"a replay is recorded of environments of irsim_gym, got {env.unwrapped!r}")
+            raise ValueError(f"RecordReplay needs an environment of irsim_gym, got {env.unwrapped!r}")
         if most < 1:
-            raise ValueError(f"at least one episode has to be kept, got most={most}")
+            raise ValueError(f"most must be >= 1, got most={most}")
         self._path, self._most = Path(path), most
         self._recordings: list[Recording] = []
         self._renderer: Renderer | None = None

@@ -104,7 +104,7 @@ class MaskedReplayBuffer(ReplayBuffer):
         handle_timeout_termination: bool = True,
     ) -> None:
         if optimize_memory_usage:
-            raise ValueError("rows are not in the order of steps here: optimize_memory_usage cannot work")
+            raise ValueError("optimize_memory_usage is not supported, because rows are not in the order of steps")
         super().__init__(
             buffer_size, observation_space, action_space, device, 1, False, handle_timeout_termination
         )  # fmt: skip

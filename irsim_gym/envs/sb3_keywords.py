@@ -13,9 +13,9 @@ from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 
 SINGLES = "stable_baselines3.common.env_util.make_vec_env(id, ...) takes it and steps single environments"
 FOR_SINGLES = {
-    "wrapper_class": f"wraps single environments, of which a batch has none: {SINGLES}; around a batch goes a "
+    "wrapper_class": f"wraps single environments, which a batch does not have: {SINGLES}; around a batch goes a "
     "VecEnvWrapper, such as VecFrameStack",
-    "wrapper_kwargs": f"is for a wrapper of single environments, of which a batch has none: {SINGLES}",
+    "wrapper_kwargs": f"is for a wrapper of single environments, which a batch does not have: {SINGLES}",
     "vec_env_cls": f"puts single environments together, and a batch is a VecEnv itself, with num_threads: {SINGLES}",
     "vec_env_kwargs": f"is for a VecEnv of single environments, and a batch is one itself, with num_threads: {SINGLES}",
 }
@@ -44,7 +44,9 @@ def with_env_kwargs(given: dict[str, Any], env_kwargs: Mapping[str, Any] | None)
         TypeError: It is no mapping, or one is given twice.
     """
     if env_kwargs is not None and not isinstance(env_kwargs, Mapping):
-        raise TypeError(f"env_kwargs holds keywords by their names, such as {{'max_steps': 100}}, got {env_kwargs!r}")
+        raise TypeError(
+            f"env_kwargs must map names of keywords to values, such as {{'max_steps': 100}}, got {env_kwargs!r}"
+        )
     for name in env_kwargs or {}:
         if given.get(name) is not None:
             raise TypeError(f"{name} is given twice, as a keyword and in env_kwargs")

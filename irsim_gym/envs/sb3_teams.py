@@ -99,7 +99,7 @@ def buffers_for(algorithm: type[BaseAlgorithm], env: VecEnv) -> dict[str, Any]:
     if issubclass(algorithm, OnPolicyAlgorithm):
         if "rollout_buffer_class" not in inspect.signature(algorithm).parameters:
             raise TypeError(
-                f"{algorithm.__name__} makes buffers of its own; for RecurrentPPO take MaskedRecurrentPPO from "
+                f"{algorithm.__name__} creates its own buffers; for RecurrentPPO, use MaskedRecurrentPPO from "
                 "irsim_gym.envs.sb3_recurrent"
             )
         return {"rollout_buffer_class": MaskedDictRolloutBuffer if is_dict else MaskedRolloutBuffer}
@@ -212,8 +212,8 @@ class TeamVecEnv(NativeVecEnv):
         self._buffer_is_known = buffer is not None
         if buffer is not None and not getattr(buffer, "leaves_out_waiting", False):
             warnings.warn(
-                "robots that wait for their world are learnt from as if they acted: "
-                f"{type(buffer).__name__} keeps their rows. Make the algorithm with "
+                "the algorithm learns from robots that wait for their world as if they acted: "
+                f"{type(buffer).__name__} keeps their rows. Create the algorithm with "
                 "**sb3.buffers_for(PPO, env), or the environment with respawn=True",
                 WaitingRobotsWarning,
                 stacklevel=3,

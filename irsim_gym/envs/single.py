@@ -126,7 +126,7 @@ class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
             ValueError: The action has a wrong shape or is not finite.
         """
         if not self._going:
-            raise ResetNeeded("the episode has ended or none has begun: call reset() before step()")
+            raise ResetNeeded("the episode has ended or has not begun: call reset() before step()")
         rows = np.asarray(action)
         if rows.shape != self._shape:
             raise ValueError(f"an action must have shape {self._shape}, got {rows.shape}")

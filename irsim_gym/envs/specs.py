@@ -30,7 +30,7 @@ def refuse_loaded(spec: EnvSpec) -> None:
     file = f"its file, scenario={scenario.file!r}{parameters}"
     source = file if scenario.file else "the mapping that it was read from"
     raise TypeError(
-        f"the spec of '{spec.id}' holds the loaded scenario '{scenario.name}', an object that JSON cannot hold: "
+        f"the spec of '{spec.id}' holds the loaded scenario '{scenario.name}', which JSON cannot represent: "
         f"make the environment from {source}"
     )
 

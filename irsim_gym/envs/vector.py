@@ -373,7 +373,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
 def checked_seed(seed: int) -> int:
     """Return a seed, or raise as Gymnasium does for a negative one."""
     if seed < 0:
-        raise gymnasium.error.Error(f"a seed must be an integer from 0 on, got {seed}")
+        raise gymnasium.error.Error(f"a seed must be an integer >= 0, got {seed}")
     return seed
 
 

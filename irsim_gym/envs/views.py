@@ -147,7 +147,7 @@ class WorldView:
             AttributeError: It is one for the whole batch.
         """
         if hasattr(type(self), name) or name in ("worlds", "index", "agent"):
-            raise AttributeError(f"{name!r} is one for all worlds of a batch and cannot be set for one")
+            raise AttributeError(f"{name!r} is shared by all worlds of a batch and cannot be set for one")
         if not force and not hasattr(self, name):
             return False
         setattr(self, name, value)

@@ -288,12 +288,12 @@ class Worlds:
 def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, Any], strict: bool) -> Scenario:
     if scenario is None:
         given = f"gymnasium.make('{ANY}', scenario='my_world.yaml')"
-        raise MissingScenarioError(f"no scenario is given: {given} takes {SOURCES}")
+        raise MissingScenarioError(f"no scenario given: {given} takes {SOURCES}")
     if not isinstance(scenario, Scenario):
         with given_as_keywords():
             return load_scenario(scenario, parameters, strict=strict)
     if parameters:
-        message = f"parameters are for load_scenario(); '{scenario.name}' is loaded already"
+        message = f"pass parameters to load_scenario(); '{scenario.name}' is already loaded"
         raise UnknownKeywordError.of(next(iter(parameters)), message)
     return scenario if strict else replace(scenario, strict=False)
 

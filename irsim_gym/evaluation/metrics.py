@@ -137,8 +137,10 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
     total = len(rows)
     counts = {outcome: sum(row.outcome == outcome for row in rows) for outcome in OUTCOMES}
     hits = {hit: sum(row.outcome == "collision" and row.hit == hit for row in rows) for hit in HITS}
-    assert sum(counts.values()) == total, "success + collision + timeout + left + deadlock must be all episodes"
-    assert sum(hits.values()) == counts["collision"], "every collision must be with something"
+    assert sum(counts.values()) == total, (
+        "success + collision + timeout + left + deadlock must equal the number of episodes"
+    )
+    assert sum(hits.values()) == counts["collision"], "every collision must have a kind"
     successes = [row for row in rows if row.outcome == "success"]
     return Summary(
         policy=policy,

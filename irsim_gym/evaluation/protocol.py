@@ -47,7 +47,7 @@ def evaluate(
     """
     if episodes.n_agents != 1:
         raise IrsimGymError(
-            f"this evaluation drives one agent per world, the task has {episodes.n_agents}: evaluate it as a team"
+            f"this evaluation is for one agent per world, but the task has {episodes.n_agents}: evaluate it as a team"
         )
     found = optima_of(split, optima)
     rows: dict[int, EpisodeRow] = {}
@@ -66,7 +66,7 @@ def optima_of(split: str, optima: Optima | None) -> Optima:
         ValueError: They are those of another split.
     """
     if optima is not None and optima.split != split:
-        raise ValueError(f"these optima are of '{optima.split}', the levels of '{split}'")
+        raise ValueError(f"these optima are for split '{optima.split}', but the levels are of '{split}'")
     return Optima(split) if optima is None else optima
 
 

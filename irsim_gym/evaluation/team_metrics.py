@@ -206,13 +206,11 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
     agents = [agent for row in rows for agent in row.agents]
     episodes = [agent.episode for agent in agents]
     team = len(rows[0].agents) if rows else 1
-    assert all(len(row.agents) == team for row in rows), "every level must have as many agents"
+    assert all(len(row.agents) == team for row in rows), "every level must have the same number of agents"
     shares = _rates(rows, OUTCOMES, lambda agent: agent.episode.outcome)
     hits = _rates(rows, TEAM_HITS, lambda agent: agent.episode.hit)
     assert sum(share.count for share in shares.values()) == len(agents), "the outcomes must be those of all agents"
-    assert sum(hit.count for hit in hits.values()) == shares["collision"].count, (
-        "every collision must be with something"
-    )
+    assert sum(hit.count for hit in hits.values()) == shares["collision"].count, "every collision must have a kind"
     arrivals = [episode for episode in episodes if episode.outcome == "success"]
     return TeamSummary(
         policy=policy,

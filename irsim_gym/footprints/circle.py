@@ -30,7 +30,7 @@ class Circle:
     random_shape: bool = option(False, meaning="Draw the radius from radius_range at each reset.")
     radius_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of a random radius.")
     wheelbase: float | None = option(
-        None, ge=0.0, unit="m", meaning="Axle distance; moves the disc ahead by half of it."
+        None, ge=0.0, unit="m", meaning="Axle distance; the disc moves forward by half of it."
     )
 
     @property
@@ -56,7 +56,11 @@ class Circle:
 
 @kernel
 def draw_discs(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
-    """Write a radius between the bounds of ``radius_range`` and the reach that follows from it."""
+    """Write a radius between the bounds of ``radius_range`` and the reach that follows from it.
+
+    Reads: model (disc_start, local_discs), state (random).
+    Writes: model (local_discs, reach), state (random).
+    """
     for w in worlds:
         for k in range(members.shape[0]):
             disc = model.local_discs[w, model.disc_start[members[k]]]

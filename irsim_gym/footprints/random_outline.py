@@ -31,9 +31,9 @@ class VertexShape:
         None, min_length=2, unit="m", meaning="Points in the body frame; needed unless random_shape is true."
     )
     random_shape: bool = option(False, meaning="Draw the outline at each reset.")
-    is_convex: bool = option(False, meaning="The vertices of a random outline are those of a convex polygon.")
+    is_convex: bool = option(False, meaning="Make random outlines convex.")
     wheelbase: float | None = option(None, ge=0.0, unit="m", meaning="Axle distance; does not move the outline.")
-    number: int = option(1, meaning="Outlines in one body: always 1; the entry's own number makes several bodies.")
+    number: int = option(1, meaning="Outlines per body: always 1; use the entry's number for several bodies.")
     center_range: tuple[float, float, float, float] = option(
         (0.0, 0.0, 0.0, 0.0), unit="m", meaning="Bounds of a random outline's centre: x, y, x, y."
     )
@@ -95,6 +95,9 @@ def draw_outlines(worlds: Ints, members: Ints, params: Any, closed: bool, model:
     The generator is IR-SIM's: a centre, a mean radius R, irregularity, spikeyness and a number of vertices are
     drawn; angle steps differ by the irregularity, distances are normal about R with deviation spikeyness * R,
     clipped to [0.01 R, 2 R] (IR-SIM: [0, 2 R], where two vertices in the centre would pinch the outline).
+
+    Reads: model (local_segments, segment_start), state (random).
+    Writes: model (local_segments, reach, segment_count), state (random).
     """
     for w in worlds:
         for k in range(members.shape[0]):

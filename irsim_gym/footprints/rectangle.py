@@ -27,7 +27,7 @@ class Rectangle:
 
     length: float = option(1.0, gt=0.0, unit="m", meaning="Size along the body's x axis.")
     width: float = option(1.0, gt=0.0, unit="m", meaning="Size along the body's y axis.")
-    wheelbase: float | None = option(None, ge=0.0, unit="m", meaning="Axle distance; puts the origin on the rear axle.")
+    wheelbase: float | None = option(None, ge=0.0, unit="m", meaning="Axle distance; the origin is on the rear axle.")
     random_shape: bool = option(False, meaning="Draw length and width at each reset.")
     length_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of a random length.")
     width_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of a random width.")
@@ -58,7 +58,11 @@ class Rectangle:
 
 @kernel
 def draw_rectangles(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
-    """Write the sides of rectangles with random length and width, and the reach that follows."""
+    """Write the sides of rectangles with random length and width, and the reach that follows.
+
+    Reads: model (segment_start), state (random).
+    Writes: model (local_segments, reach), state (random).
+    """
     for w in worlds:
         for k in range(members.shape[0]):
             bounds = params[k]

@@ -20,7 +20,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Ackermann:
-    """A car, steered at its front axle; its position is the middle of the rear axle.
+    """A car with front steering; its position is the middle of the rear axle.
 
     Mode ``steer``: the command is speed v [m/s] and steering angle [rad]. The car turns at v tan(steering) / wheelbase
     with the angle of the step before, as in IR-SIM; the commanded angle takes effect from the next step on.
@@ -38,12 +38,12 @@ class Ackermann:
     needs_wheelbase: ClassVar[bool] = True
 
     mode: Literal["steer", "angular"] = option("steer", meaning="Second component: steering angle, or yaw rate.")
-    wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; by default the shape's.")
+    wheelbase: float | None = option(None, gt=0.0, unit="m", meaning="Axle distance; default: the shape's.")
     noise: bool = option(False, meaning="Add motion noise.")
     alpha: tuple[float, float, float, float] = option(
         (0.03, 0.0, 0.0, 0.03),
-        meaning="Motion noise: variances of the first component per square of the first and the second, then of the "
-        "second one.",
+        meaning="Motion noise: variances of the first component per square of the first and of the second, then "
+        "the same for the second.",
     )
 
     @property
@@ -81,7 +81,11 @@ class Ackermann:
 
 @kernel
 def twist_ackermann(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState) -> None:
-    """Write velocities in the world frame; the yaw rate is that of the present steering angle."""
+    """Write velocities in the world frame; the yaw rate is that of the present steering angle.
+
+    Reads: model (wheelbase), state (pose, steering, velocity).
+    Writes: state (twist).
+    """
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
@@ -97,7 +101,11 @@ def twist_ackermann(worlds: Ints, members: Ints, params: Any, model: WorldModel,
 def move_ackermann(
     worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, executed: Floats
 ) -> None:
-    """Write poses and steering angles of the members that are free to move, from what they execute."""
+    """Write poses and steering angles of the members that are free to move, from what they execute.
+
+    Reads: model (heading_low, step_time, wheelbase, wraps_heading), state (pose, steering, stopped).
+    Writes: state (pose, steering).
+    """
     dt = model.step_time[0]
     for w in worlds:
         for k in range(members.shape[0]):

@@ -65,7 +65,11 @@ class Differential:
 
 @kernel
 def twist_differential(worlds: Ints, members: Ints, state: WorldState) -> None:
-    """Write velocities in the world frame."""
+    """Write velocities in the world frame.
+
+    Reads: state (pose, velocity).
+    Writes: state (twist).
+    """
     for w in worlds:
         for b in members:
             state.twist[w, b, 0] = state.velocity[w, b, 0] * np.cos(state.pose[w, b, 2])
@@ -78,6 +82,9 @@ def move_differential(worlds: Ints, members: Ints, model: WorldModel, state: Wor
     """Write the poses of the members that are free to move, from what they execute, and all twists.
 
     A twist has the heading after the move and the velocity that was asked for, without noise.
+
+    Reads: model (heading_low, step_time, wraps_heading), state (direction, pose, stopped, velocity).
+    Writes: state (direction, pose, twist).
     """
     dt = model.step_time[0]
     for w in worlds:

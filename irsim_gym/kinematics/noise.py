@@ -79,7 +79,11 @@ def executed(group: Group, model: WorldModel, state: WorldState, shard: Shard) -
 
 @kernel
 def add_noise(worlds: Ints, members: Ints, noise: MotionNoise, model: WorldModel, state: WorldState) -> None:
-    """Write velocities with normal deviations, drawn from each world's stream: member by member, in component order."""
+    """Write velocities with normal deviations, drawn from each world's stream: member by member, in component order.
+
+    Reads: noise (executed, variance), model (present), state (random, stopped, velocity).
+    Writes: noise (executed), state (random).
+    """
     for w in worlds:
         for b in members:
             first, second = state.velocity[w, b, 0], state.velocity[w, b, 1]

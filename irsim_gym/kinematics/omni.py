@@ -26,14 +26,16 @@ class Omni:
     command_names: ClassVar[tuple[str, ...]] = ("x", "y")
     state_size: ClassVar[int] = 3
 
-    frame: Literal["world", "body"] = option("world", meaning="Frame of the command: the world's, or forward and left.")
+    frame: Literal["world", "body"] = option(
+        "world", meaning="Frame of the command: the world's, or the body's (forward and left)."
+    )
     noise: bool = option(False, meaning="Add motion noise, also at rest.")
     alpha: tuple[float, ...] = option(
         (0.03, 0.03),
         min_length=2,
         max_length=4,
         unit="m2/s2",
-        meaning="Variances of the motion noise of the two components; of four numbers the first and the last.",
+        meaning="Variances of the motion noise of the two components; of four numbers, the first and the last count.",
     )
 
     @property
@@ -77,7 +79,11 @@ class Omni:
 
 @kernel
 def twist_omni(worlds: Ints, members: Ints, params: Any, state: WorldState) -> None:
-    """Write velocities in the world frame."""
+    """Write velocities in the world frame.
+
+    Reads: state (pose, velocity).
+    Writes: state (twist).
+    """
     for w in worlds:
         for k in range(members.shape[0]):
             b = members[k]
@@ -90,7 +96,11 @@ def twist_omni(worlds: Ints, members: Ints, params: Any, state: WorldState) -> N
 
 @kernel
 def move_omni(worlds: Ints, members: Ints, params: Any, model: WorldModel, state: WorldState, executed: Floats) -> None:
-    """Write the positions of the members that are free to move, from what they execute, and all twists."""
+    """Write the positions of the members that are free to move, from what they execute, and all twists.
+
+    Reads: model (heading_low, step_time, wraps_heading), state (pose, stopped, velocity).
+    Writes: state (pose, twist).
+    """
     dt = model.step_time[0]
     for w in worlds:
         for k in range(members.shape[0]):

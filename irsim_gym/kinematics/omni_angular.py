@@ -67,7 +67,11 @@ class OmniAngular:
 
 @kernel
 def twist_omni_angular(worlds: Ints, members: Ints, state: WorldState) -> None:
-    """Write velocities in the world frame."""
+    """Write velocities in the world frame.
+
+    Reads: state (pose, velocity).
+    Writes: state (twist).
+    """
     for w in worlds:
         for b in members:
             cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
@@ -78,7 +82,11 @@ def twist_omni_angular(worlds: Ints, members: Ints, state: WorldState) -> None:
 
 @kernel
 def move_omni_angular(worlds: Ints, members: Ints, model: WorldModel, state: WorldState, executed: Floats) -> None:
-    """Write the poses of the members that are free to move, from what they execute, and all twists."""
+    """Write the poses of the members that are free to move, from what they execute, and all twists.
+
+    Reads: model (heading_low, step_time, wraps_heading), state (pose, stopped, velocity).
+    Writes: state (pose, twist).
+    """
     dt = model.step_time[0]
     for w in worlds:
         for b in members:

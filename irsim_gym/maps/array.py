@@ -23,7 +23,7 @@ class ArrayMap:
 
     is_random: ClassVar[bool] = False
 
-    cells: Any = option(meaning="One list for each column, from the left; in it the rows from the bottom.")
+    cells: Any = option(meaning="One list per column, from the left; each lists the rows from the bottom.")
 
     def outline(self) -> Outline:
         """Return an outline without rows: cells are no outline."""
@@ -48,6 +48,6 @@ class ArrayMap:
             raise OptionError("cells", "must be occupancies from 0 to 100")
         if table.max() == 1 and np.isin(table, (0, 1)).all():
             raise OptionError(
-                "cells", "holds 0 and 1 only, but a cell is occupied above 50: use true and false, or 100"
+                "cells", "contains only 0 and 1, but cells above 50 are occupied: use true and false, or 0 and 100"
             )
         return np.asarray(table > OCCUPIED_ABOVE)

@@ -22,14 +22,14 @@ STRIP = 256
 
 @kind
 class ImageMap:
-    """Each pixel is a cell, 4,000,000 at most after ``mdownsample``; the picture is stretched over the world."""
+    """Each pixel is a cell, at most 4,000,000 after ``mdownsample``; the image is stretched over the world."""
 
     is_random: ClassVar[bool] = False
 
     path: str = option(
         min_length=1,
-        meaning="Picture file (PNG, JPEG, ...): looked for as given, beside the scenario, among the shipped maps, then "
-        "among those of an installed ir-sim.",
+        meaning="Image file (PNG, JPEG, ...), searched as given, beside the scenario, among the shipped maps, "
+        "then among those of an installed ir-sim.",
     )
 
     def outline(self) -> Outline:
@@ -59,7 +59,7 @@ def read_dark(file: Path) -> Flags:
                 return _single_channel(np.array(picture)) < OCCUPIED_BELOW
             pixels = np.asarray(picture.convert("RGB"))
     except (OSError, UnidentifiedImageError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise OptionError("path", f"'{file}' cannot be read as a picture: {error}") from None
+        raise OptionError("path", f"'{file}' cannot be read as an image: {error}") from None
     dark = np.zeros(pixels.shape[:2], np.bool_)
     for row in range(
         0, len(pixels), STRIP

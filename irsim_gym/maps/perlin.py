@@ -21,16 +21,16 @@ GRADIENTS = np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [_Q, _Q], [-_Q, _Q], [_Q
 
 @kind
 class PerlinMap:
-    """Caves and islands of smooth noise, of which a given share is occupied."""
+    """Caves and islands from smooth noise, with a given share of occupied cells."""
 
     is_random: ClassVar[bool] = False
 
-    resolution: float = option(gt=0.0, unit="m", meaning="Side of a cell, rounded so that whole cells fill the world.")
+    resolution: float = option(gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world.")
     complexity: float = option(0.142857, gt=0.0, meaning="Bumps per cell: larger is finer.")
-    fill: float = option(0.38, ge=0.0, le=1.0, meaning="Share of the cells that are occupied.")
-    fractal: int = option(1, ge=1, le=32, meaning="Number of octaves, each twice as fine as the one before.")
-    attenuation: float = option(0.5, gt=0.0, meaning="Weight of the octaves: that of octave k is this over k + 1.")
-    seed: int | None = option(None, ge=0, meaning="Which map; without one it follows from the world's name.")
+    fill: float = option(0.38, ge=0.0, le=1.0, meaning="Share of occupied cells.")
+    fractal: int = option(1, ge=1, le=32, meaning="Number of octaves, each twice as fine as the previous one.")
+    attenuation: float = option(0.5, gt=0.0, meaning="Octave k has this weight divided by k + 1.")
+    seed: int | None = option(None, ge=0, meaning="Seed of the map; default: derived from the world's name.")
 
     def outline(self) -> Outline:
         """Return an outline without rows: cells are no outline."""

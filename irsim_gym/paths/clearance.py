@@ -38,6 +38,8 @@ class Obstacles(NamedTuple):
 def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -> bool:
     """Return whether a body can go straight between two points, which may be the same, without touching an obstacle.
 
+    Reads: obstacles (blocks, cells, model, state, w).
+
     Args:
         obstacles: What is in the way.
         radius: Radius of the moving body [m].

@@ -27,6 +27,9 @@ def shortest_path(
     unless ways on different sides of something are nearly equally long (then by up to 3 %) or a gap is too narrow for
     the cells (see ``is_reachable``).
 
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: search, path.
+
     Args:
         obstacles: What is in the way.
         radius: Radius of the moving body [m].
@@ -60,6 +63,8 @@ def best_gate(obstacles: Obstacles, radius: float, start: Point, grid: Grid, sea
     """Return the number of the cell near a point [m], straight from which the way on is shortest; -1 for none.
 
     Unless the field is settled, any cell that can be reached straight will do.
+
+    Reads: obstacles (blocks, cells, model, state, w).
     """
     blocked, field = search.blocked, search.field
     rows, columns = blocked.shape
@@ -101,6 +106,9 @@ def search_ways(obstacles: Obstacles, radius: float, goal: Point, grid: Grid, se
 
     The distance is at most 3 % and some cells longer than the true one.
 
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: search.
+
     Args:
         obstacles: What is in the way.
         radius: Radius of the moving body [m].
@@ -119,6 +127,9 @@ def distance_field(obstacles: Obstacles, radius: float, goal: Point, grid: Grid,
     """Write what ``search_ways`` writes, and go on with ``search.field`` into two rings of blocked cells.
 
     So a body close to an obstacle reads a finite value.
+
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: search.
     """
     search_ways(obstacles, radius, goal, grid, search)
     for _ in range(RINGS):

@@ -103,6 +103,9 @@ def centre(grid: Grid, row: int, column: int) -> tuple[float, float]:
 def mark_blocked(obstacles: Obstacles, radius: float, grid: Grid, blocked: Bytes) -> None:
     """Write which cells are blocked for a body of some radius.
 
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: blocked.
+
     Args:
         obstacles: What is in the way.
         radius: Radius r of the moving body [m].

@@ -20,6 +20,9 @@ def mark_touched(obstacles: Obstacles, x: float, y: float, width: float, height:
 
     A body touches the cells on whose edges it ends; a cell of the map has to overlap.
 
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: touched.
+
     Args:
         obstacles: What is in the way.
         x: Left end of the grid [m].

@@ -31,6 +31,9 @@ def pull(obstacles: Obstacles, radius: float, path: Floats, count: int) -> int:
     towards the chord of their neighbours as far as both sides stay free, so that the path bends around what is in its
     way.
 
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: path.
+
     Args:
         obstacles: What is in the way.
         radius: Radius of the moving body [m].
@@ -51,7 +54,11 @@ def pull(obstacles: Obstacles, radius: float, path: Floats, count: int) -> int:
 
 @kernel
 def skip_points(obstacles: Obstacles, radius: float, path: Floats, count: int) -> int:
-    """Go from each kept point straight to the last one that can be reached so; return the new number of points."""
+    """Go from each kept point straight to the last one that can be reached so; return the new number of points.
+
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: path.
+    """
     kept, here = 1, 0
     while here < count - 1:
         to, start = count - 1, (path[kept - 1, 0], path[kept - 1, 1])
@@ -94,7 +101,11 @@ def put_between(path: Floats, place: int, ax: float, ay: float, bx: float, by: f
 
 @kernel
 def draw_in(obstacles: Obstacles, radius: float, path: Floats, i: int) -> None:
-    """Move point i towards the nearest point of its neighbours' chord, as far as both its sides stay free."""
+    """Move point i towards the nearest point of its neighbours' chord, as far as both its sides stay free.
+
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: path.
+    """
     ax, ay, bx, by, cx, cy = path[i - 1, 0], path[i - 1, 1], path[i, 0], path[i, 1], path[i + 1, 0], path[i + 1, 1]
     dx, dy = cx - ax, cy - ay
     length2 = dx * dx + dy * dy

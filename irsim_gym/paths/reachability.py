@@ -22,6 +22,9 @@ def is_reachable(
     leaves on straight lines that were tested exactly. False may be wrong where the only way leads through a gap less
     than about 2 sqrt(r^2 + h^2 / 2) - 2 r + sqrt(2) h wider than the body, with the side h of a cell.
 
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: blocked, runs.
+
     Args:
         obstacles: What is in the way.
         radius: Radius of the moving body [m].

@@ -54,7 +54,11 @@ def of_slot(tables: WayTables, slot: int) -> WayTables:
 
 @kernel
 def way_exists(obstacles: Obstacles, radius: float, start: Point, goal: Point, tables: WayTables) -> bool:
-    """Return what ``is_reachable`` says; ``tables`` of one slot are changed."""
+    """Return what ``is_reachable`` says; ``tables`` of one slot are changed.
+
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: tables.
+    """
     grid, known, labels = tables.grid, tables.known, tables.labels
     stage = recall(known, obstacles, radius) if obstacles.model.rigid[0] else NEW
     if stage == NEW:
@@ -74,7 +78,11 @@ def way_exists(obstacles: Obstacles, radius: float, start: Point, goal: Point, t
 
 @kernel
 def recall(known: Floats, obstacles: Obstacles, radius: float) -> float:
-    """Return what is known about bodies that block as these do; note these if that is nothing."""
+    """Return what is known about bodies that block as these do; note these if that is nothing.
+
+    Reads: obstacles (blocks, state, w).
+    Writes: known.
+    """
     blocks, pose = obstacles.blocks, obstacles.state.pose[obstacles.w]
     same = known[0, 0] != NEW and known[0, 1] == radius
     for b in range(blocks.shape[0]):
@@ -102,6 +110,8 @@ def label_regions(obstacles: Obstacles, radius: float, tables: WayTables) -> Non
 
     A cell is open if a disc of radius r + h / sqrt(2) about its centre touches nothing: then the body may stand
     anywhere in the cell, and go straight to its centre, so that start and goal in open cells of one region are joined.
+
+    Reads: obstacles (blocks, cells, model, state, w).
     """
     grid, blocked, runs, labels, _ = tables
     mark_blocked(obstacles, radius, grid, blocked)
@@ -139,7 +149,10 @@ def region(labels: Labels, row: int, column: int) -> int:
 
 @kernel
 def regions_meet(obstacles: Obstacles, radius: float, start: Point, goal: Point, grid: Grid, labels: Labels) -> bool:
-    """Return whether free straight lines lead from start and goal to cells of one region, out of the 16 around each."""
+    """Return whether free straight lines lead from start and goal to cells of one region, out of the 16 around each.
+
+    Reads: obstacles (blocks, cells, model, state, w).
+    """
     done = 0
     for i in range(16):
         row, column = gate(i, start, grid)

@@ -60,7 +60,11 @@ def offer(known: Floats, queue: Ints, here: int, distance: float, parent: int, c
 
 @kernel
 def offer_gates(obstacles: Obstacles, radius: float, source: Point, grid: Grid, search: Search) -> None:
-    """Offer the free cells about a source [m] that can be reached straight from it; their PARENT is -1."""
+    """Offer the free cells about a source [m] that can be reached straight from it; their PARENT is -1.
+
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: search.
+    """
     blocked, known = search.blocked, search.field.reshape(-1)
     rows, columns = blocked.shape
     for i in range(16):

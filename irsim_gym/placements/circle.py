@@ -126,7 +126,13 @@ def draw_shifted(
     cells: CellMap | None,
     failed: Ints,
 ) -> None:
-    """Turn the circle, then shift the start and the goal of one member after the other until they are free."""
+    """Turn the circle, then shift the start and the goal of one member after the other until they are free.
+
+    Reads: circle (angles, everyone, jitter, radius, turn, x, y), model (disc_count, disc_start, goal_renewal, has_goal,
+        local_discs, local_segments, present, reach, segment_count, segment_start, solid, stands, waypoint_count,
+        waypoints), state (discs, placed, pose, random, segments).
+    Writes: model (waypoints), state (discs, placed, pose, random, segments), failed.
+    """
     placed = state.placed
     for w in worlds:
         turned = uniform(state.random, w, 0.0, 2.0 * np.pi) if circle.turn else 0.0
@@ -145,7 +151,13 @@ def draw_shifted(
 def shift_start(
     w: int, b: int, angle: float, circle: CircleTables, model: WorldModel, state: WorldState, cells: CellMap | None
 ) -> bool:
-    """Draw a pose near body b's place on the circle, facing the centre; return whether one is free."""
+    """Draw a pose near body b's place on the circle, facing the centre; return whether one is free.
+
+    Reads: circle (everyone, jitter, radius, x, y), model (disc_count, disc_start, goal_renewal, has_goal, local_discs,
+        local_segments, present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints), state
+        (discs, placed, pose, random, segments).
+    Writes: state (discs, pose, random, segments).
+    """
     clearance, pose = JITTER_CLEARANCE if circle.jitter > 0.0 else 0.0, state.pose[w, b]
     for _ in range(TRIES):
         x, y = shifted(w, circle.radius * np.cos(angle), circle.radius * np.sin(angle), circle.jitter, state)
@@ -167,7 +179,12 @@ def shift_goal(
     state: WorldState,
     cells: CellMap | None,
 ) -> bool:
-    """Draw a goal near the place opposite of body b's, headed away from the centre; return whether one is free."""
+    """Draw a goal near the place opposite of body b's, headed away from the centre; return whether one is free.
+
+    Reads: circle (jitter, radius, x, y), model (disc_count, disc_start, goal_renewal, has_goal, present, reach,
+        segment_count, segment_start, solid, stands, waypoints), state (discs, placed, pose, random, segments).
+    Writes: model (waypoints), state (random).
+    """
     clearance, goal = JITTER_CLEARANCE if circle.jitter > 0.0 else 0.0, model.waypoints[w, b, 0]
     for _ in range(TRIES):
         x, y = shifted(w, -circle.radius * np.cos(angle), -circle.radius * np.sin(angle), circle.jitter, state)
@@ -181,7 +198,11 @@ def shift_goal(
 
 @kernel
 def shifted(w: int, x: float, y: float, jitter: float, state: WorldState) -> tuple[float, float]:
-    """Draw a point evenly from a disc of radius ``jitter`` [m] around another one."""
+    """Draw a point evenly from a disc of radius ``jitter`` [m] around another one.
+
+    Reads: state (random).
+    Writes: state (random).
+    """
     along = jitter * np.sqrt(uniform(state.random, w, 0.0, 1.0))
     direction = uniform(state.random, w, 0.0, 2.0 * np.pi)
     return x + along * np.cos(direction), y + along * np.sin(direction)
@@ -189,7 +210,10 @@ def shifted(w: int, x: float, y: float, jitter: float, state: WorldState) -> tup
 
 @kernel
 def are_goals_apart(w: int, b: int, members: Ints, clearance: float, model: WorldModel, state: WorldState) -> bool:
-    """Return whether body b has room at its goal beside the other members that are placed, at theirs."""
+    """Return whether body b has room at its goal beside the other members that are placed, at theirs.
+
+    Reads: model (present, reach, waypoints), state (placed).
+    """
     reaches, goals = model.reach[row_of(model.reach, w)], model.waypoints[w]
     for q in members:
         dx, dy = goals[q, 0, 0] - goals[b, 0, 0], goals[q, 0, 1] - goals[b, 0, 1]

@@ -53,6 +53,9 @@ def is_start_free(
     """Return whether body b, where its outline stands, is clear of the map and of those of ``others`` that are placed.
 
     A body that will not move is clear of all placed bodies' goals too.
+
+    Reads: model (disc_count, disc_start, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid,
+        stands, waypoint_count, waypoints), state (discs, placed, pose, segments).
     """
     outline, reaches = outline_of(model, state, w, b), model.reach[row_of(model.reach, w)]
     if outline_near_cells(cells, outline, clearance):
@@ -73,7 +76,11 @@ def is_start_free(
 
 @kernel
 def is_clear_of_goals(w: int, b: int, clearance: float, model: WorldModel, state: WorldState) -> bool:
-    """Return whether body b, where its outline stands, is clear of the goals of all placed bodies."""
+    """Return whether body b, where its outline stands, is clear of the goals of all placed bodies.
+
+    Reads: model (disc_count, disc_start, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid,
+        waypoint_count, waypoints), state (discs, placed, segments).
+    """
     outline, reaches = outline_of(model, state, w, b), model.reach[row_of(model.reach, w)]
     for q in range(reaches.shape[0]):
         if not model.has_goal[q] or model.goal_renewal[q] == WANDER or q == b:
@@ -97,7 +104,11 @@ def is_closer(clearance: float, one: BodyOutline, other: BodyOutline) -> bool:
 
 @kernel
 def is_goal_free(w: int, b: int, clearance: float, model: WorldModel, state: WorldState, cells: CellMap | None) -> bool:
-    """Return whether a disc around body b at its goal is clear of the map, placed static bodies and others' goals."""
+    """Return whether a disc around body b at its goal is clear of the map, placed static bodies and others' goals.
+
+    Reads: model (disc_count, disc_start, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid,
+        stands, waypoints), state (discs, placed, pose, segments).
+    """
     reaches, waypoints = model.reach[row_of(model.reach, w)], model.waypoints[w]
     x, y, room = waypoints[b, 0, 0], waypoints[b, 0, 1], reaches[b] + clearance
     if cells_are_closer(cells, x, y, room):
@@ -123,7 +134,11 @@ def is_goal_free(w: int, b: int, clearance: float, model: WorldModel, state: Wor
 
 @kernel
 def has_way(w: int, b: int, grids: WayGrids, model: WorldModel, state: WorldState, cells: CellMap | None) -> bool:
-    """Return whether a disc around body b has a free way to its goal past the placed static bodies."""
+    """Return whether a disc around body b has a free way to its goal past the placed static bodies.
+
+    Reads: model (present, reach, stands, waypoints), state (placed, pose).
+    Writes: grids.
+    """
     blocks, goal = grids.blocks, (model.waypoints[w, b, 0, 0], model.waypoints[w, b, 0, 1])
     for q in range(blocks.shape[0]):
         blocks[q] = q != b and state.placed[w, q] and model.present[w, q] and model.stands[q]

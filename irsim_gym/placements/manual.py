@@ -37,7 +37,11 @@ class ManualPlacement:
 
 @kernel
 def put_on_start(worlds: Ints, members: Ints, model: WorldModel, state: WorldState) -> None:
-    """Copy starts to the poses of members that have no place yet."""
+    """Copy starts to the poses of members that have no place yet.
+
+    Reads: model (start), state (placed).
+    Writes: state (placed, pose).
+    """
     for w in worlds:
         for b in members:
             if state.placed[w, b]:

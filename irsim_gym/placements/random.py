@@ -189,7 +189,15 @@ def draw_members(
     cells: CellMap | None,
     failed: Ints,
 ) -> None:
-    """Place one member after the other in each world, those that have no place yet, until one finds none."""
+    """Place one member after the other in each world, those that have no place yet, until one finds none.
+
+    Reads: tables (clearance, goal_high, goal_low, high, is_member, low, min_distance, min_goal_distance, needs_way),
+        model (bucket_frame, bucketed, disc_count, disc_start, goal_renewal, has_goal, local_discs, local_segments,
+        present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints), state (bucket,
+        bucket_first, bucket_next, discs, nearby, placed, pose, random, segments).
+    Writes: grids, model (waypoints), state (bucket, bucket_first, bucket_next, discs, nearby, placed, pose, random,
+        segments), failed.
+    """
     placed, has_buckets = state.placed, model.bucket_frame[0].columns > 0
     for w in worlds:
         if has_buckets:
@@ -213,7 +221,11 @@ def draw_members(
 
 @kernel
 def sort_placed(w: int, model: WorldModel, state: WorldState) -> None:
-    """Let the buckets of world w hold the placed bodies and nobody else."""
+    """Let the buckets of world w hold the placed bodies and nobody else.
+
+    Reads: model (bucket_frame, bucketed, present), state (bucket, bucket_first, bucket_next, placed, pose).
+    Writes: state (bucket, bucket_first, bucket_next).
+    """
     state.bucket[w, :], state.bucket_first[w, :], state.bucket_next[w, :] = -1, -1, -1
     for b in range(state.placed.shape[1]):
         if state.placed[w, b] and model.present[w, b]:
@@ -222,7 +234,11 @@ def sort_placed(w: int, model: WorldModel, state: WorldState) -> None:
 
 @kernel
 def put_placed(w: int, b: int, model: WorldModel, state: WorldState) -> None:
-    """Put body b of world w into its bucket."""
+    """Put body b of world w into its bucket.
+
+    Reads: model (bucket_frame, bucketed), state (bucket, bucket_first, bucket_next, pose).
+    Writes: state (bucket, bucket_first, bucket_next).
+    """
     place = bucket_of(state.pose[w, b, 0], state.pose[w, b, 1], model.bucketed[b], model.bucket_frame[0])
     put(b, place, state.bucket[w], state.bucket_first[w], state.bucket_next[w])
 
@@ -231,7 +247,14 @@ def put_placed(w: int, b: int, model: WorldModel, state: WorldState) -> None:
 def draw_start(
     w: int, b: int, members: Ints, tables: DrawTables, model: WorldModel, state: WorldState, cells: CellMap | None
 ) -> bool:
-    """Draw a pose for body b that is clear of everything placed so far; return whether there is one."""
+    """Draw a pose for body b that is clear of everything placed so far; return whether there is one.
+
+    Reads: tables (clearance, high, is_member, low, min_distance), model (bucket_frame, disc_count, disc_start,
+        goal_renewal, has_goal, local_discs, local_segments, present, reach, segment_count, segment_start, solid,
+        stands, waypoint_count, waypoints), state (bucket_first, bucket_next, discs, nearby, placed, pose, random,
+        segments).
+    Writes: state (discs, nearby, pose, random, segments).
+    """
     frame, pose, placed, peers, others = model.bucket_frame[0], state.pose[w], state.placed[w], members, tables.everyone
     first, following, found = state.bucket_first[w], state.bucket_next[w], state.nearby[w]
     own = model.reach[row_of(model.reach, w), b]
@@ -254,7 +277,13 @@ def draw_start(
 def draw_goal(
     w: int, b: int, members: Ints, tables: DrawTables, model: WorldModel, state: WorldState, cells: CellMap | None
 ) -> bool:
-    """Draw a goal for body b that its footprint can stand on; return whether there is one."""
+    """Draw a goal for body b that its footprint can stand on; return whether there is one.
+
+    Reads: tables (clearance, goal_high, goal_low, is_member, min_distance, min_goal_distance), model (disc_count,
+        disc_start, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid, stands, waypoints),
+        state (discs, placed, pose, random, segments).
+    Writes: model (waypoints), state (random).
+    """
     goals, goal, least = model.waypoints[w, :, 0], model.waypoints[w, b, 0], tables.min_goal_distance
     for _ in range(GOAL_TRIES):
         for axis in range(3):

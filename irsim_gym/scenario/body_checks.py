@@ -54,7 +54,7 @@ def check_drive(values: Values, places: Places, report: Report) -> bool:
         if behavior is None or values["static"]:
             continue
         if drive is None:
-            report.doubt(places[key], f"there is nothing to drive, so the body stands still: {CURE.format(key=key)}")
+            report.doubt(places[key], f"the body has no kinematics, so it stands still: {CURE.format(key=key)}")
             continue
         if not commands(behavior, type(drive)) and not steers(behavior, type(drive)):
             name, drives = KINEMATICS.name_of(type(drive)), choices(behavior.kinematics)
@@ -119,7 +119,7 @@ def check_wheelbase(values: Values, places: Places, report: Report) -> bool:
         return True
     if drive.wheelbase is not None or getattr(shape, "wheelbase", None):
         return True
-    message = f"is required for '{KINEMATICS.name_of(type(drive))}', here or in the shape: the distance of the axles"
+    message = f"is required for '{KINEMATICS.name_of(type(drive))}', here or in the shape: the axle distance"
     report.add((*places["kinematics"], "wheelbase"), message)
     return False
 
@@ -130,7 +130,7 @@ def check_view(values: Values, places: Places, report: Report) -> bool:
     if (fov is None) == (radius is None):
         return True
     given, missing = ("fov", "fov_radius") if radius is None else ("fov_radius", "fov")
-    report.add(places[given], f"needs {missing} too, or a lidar to take it from")
+    report.add(places[given], f"needs {missing} too, or a lidar that defines it")
     return False
 
 

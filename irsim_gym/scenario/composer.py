@@ -81,7 +81,7 @@ def compose(text: str) -> Document:
         raise Fatal(*explain(error, text)) from None
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1 if isinstance(error.position, int) else 0
-        raise Fatal(line, "not YAML: it holds a character that is not text") from None
+        raise Fatal(line, "not YAML: it contains a character that is not text") from None
     document = Document()
     document.data = _Expansion(document).value(root, (), root.line)
     return document
@@ -101,7 +101,7 @@ class _Composer:
         for event in self._events:
             if isinstance(event, yaml.DocumentStartEvent):
                 if root is not None:
-                    raise Fatal(_line(event), "one document per file: a second '---' begins here")
+                    raise Fatal(_line(event), "only one document per file: a second '---' begins here")
                 root = self._node(next(self._events), 0)
         if root is None:
             raise Fatal(0, "the file is empty")
@@ -161,7 +161,7 @@ class _Composer:
         try:
             node.scalar = self._loader.construct_object(yaml.ScalarNode(tag, event.value))
         except (ValueError, KeyError, OverflowError, yaml.YAMLError):
-            node.error = f"not a number that can be read: {event.value[:40]}"
+            node.error = f"not a readable number: {event.value[:40]}"
 
     @staticmethod
     def _check_tag(event: Any, node: _Node, expected: str) -> None:

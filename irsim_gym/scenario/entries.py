@@ -119,7 +119,7 @@ def _read_placement(raw: RawEntry, report: Report) -> Any:
         return PLACEMENTS.entry("manual").kind()
     if isinstance(data, Mapping) and "3d" in data:
         if data["3d"] not in (False, None):
-            report.add((*place, "3d"), "the world is flat: only false is possible")
+            report.add((*place, "3d"), "the world is two-dimensional: only false is allowed")
         data = {key: value for key, value in data.items() if key != "3d"}
     return build_named(PLACEMENTS, data, place, report)
 
@@ -153,7 +153,7 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> Any:
             return None
         value = {**value, "name": name.lower() if name.lower() in KINEMATICS else name}
     if key == "group_behavior" and not report.strict and isinstance(name, str) and name not in GROUP_BEHAVIORS:
-        report.doubt(place, f"no group behavior named {show(name)}: each decides by itself, as in IR-SIM 2.12.0")
+        report.doubt(place, f"no group behavior named {show(name)}: each member decides by itself, as in IR-SIM 2.12.0")
         return None
     if report.may_pend and is_pending(key, value):
         made: Any = read_pending(key, value, place, report)

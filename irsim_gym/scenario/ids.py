@@ -66,11 +66,13 @@ class Ids:
         if one is None:
             return name
         if one == ANY:
-            raise MissingScenarioError(f"'{name}' stands for any scenario: name the scenario itself, {SOURCES}")
+            raise MissingScenarioError(
+                f"'{name}' is a placeholder for any scenario: name the scenario itself, {SOURCES}"
+            )
         given = dict(self._spec(one).kwargs)
         scenario = given.pop("scenario", None)
         if scenario is None:
-            raise UnknownNameError(f"'{name}' is registered, but it is no scenario of irsim_gym")
+            raise UnknownNameError(f"'{name}' is registered, but is not a scenario of irsim_gym")
         if given:
             others = ", ".join(given)
             raise IrsimGymError(
@@ -98,7 +100,7 @@ class Ids:
         if near is not None:
             return f" (did you mean '{names[near]}'?)"
         if namespace == NAMESPACE:
-            return "; `irsim-gym list` shows what is shipped"
+            return "; `irsim-gym list` shows the shipped scenarios"
         return f"; there are {', '.join(known[:MOST_LISTED])}{' ...' if len(known) > MOST_LISTED else ''}"
 
 
@@ -111,7 +113,7 @@ def _import(module: str, name: str) -> None:
     except ModuleNotFoundError as error:
         if error.name is None or not f"{module}.".startswith(f"{error.name}."):
             raise  # the module is there, but something that it imports is not
-        raise UnknownNameError(f"no environment '{name}': there is no module '{module}' to import first") from None
+        raise UnknownNameError(f"no environment '{name}': cannot import module '{module}'") from None
 
 
 def _name(one: str) -> str:

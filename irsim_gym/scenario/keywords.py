@@ -9,18 +9,18 @@ from irsim_gym.errors import nearest
 EVERYWHERE = ("task", "max_steps", "render_mode", "strict")
 """Keywords of whatever makes an environment."""
 
-_ITSELF = "give what it would hold as keywords of this function"
+_ITSELF = "pass its contents as keywords of this function"
 _LIMIT = "the time limit is 'max_steps'"
-_THREADS = "worlds of a batch are shared by threads, 'num_threads' of make_vec, make_batch and those of sb3"
+_THREADS = "use 'num_threads' of make_vec, make_batch and the functions of sb3 to step worlds on several threads"
 _COUNT = (
     "the number of worlds is 'num_envs' of make_vec, make_batch and sb3.make_multi_agent_vec_env, 'n_envs' of "
     "sb3.make_vec_env"
 )
-_AROUND = "put wrappers around what this function returns"
+_AROUND = "wrap the returned environment instead"
 
 ELSEWHERE = {
     **dict.fromkeys(("env_kwargs", "kwargs", "vector_kwargs", "env_config", "config", "options"), _ITSELF),
-    **dict.fromkeys(("parameters", "scenario_kwargs", "task_kwargs"), "give parameters and the task as keywords"),
+    **dict.fromkeys(("parameters", "scenario_kwargs", "task_kwargs"), "pass parameters and the task as keywords"),
     **dict.fromkeys(("max_cycles", "max_episode_steps", "max_episode_length", "episode_length", "horizon"), _LIMIT),
     **dict.fromkeys(("max_timesteps", "time_limit", "timeout", "outer_limit", "episode_steps"), _LIMIT),
     **dict.fromkeys(("vec_env_cls", "vec_env_kwargs", "vectorization_mode", "asynchronous", "shared_memory"), _THREADS),
@@ -28,11 +28,13 @@ ELSEWHERE = {
     **dict.fromkeys(("wrapper_class", "wrapper_kwargs", "wrappers", "env_wrapper", "additional_wrappers"), _AROUND),
     **dict.fromkeys(("num_envs", "n_envs", "n_worlds", "num_env", "n_env", "num_worlds", "n_world"), _COUNT),
     **dict.fromkeys(("name", "id", "env_id", "env", "env_name", "scenario"), "the scenario is the first argument"),
-    **dict.fromkeys(("frame_skip", "frameskip", "skip", "dt"), "a step lasts what 'world.step_time' in the file says"),
-    **dict.fromkeys(("obs_type", "observation_type"), "what is observed is said by the task: 'observations'"),
-    **dict.fromkeys(("continuous", "continuous_actions"), "actions are said by the task: 'action'"),
-    "render_backend": "there is one renderer, which was called 'raster': leave it out; matplotlib writes figures",
-    **dict.fromkeys(("apply_api_compatibility", "new_step_api"), "of old releases of gym"),
+    **dict.fromkeys(
+        ("frame_skip", "frameskip", "skip", "dt"), "'world.step_time' in the file sets the duration of a step"
+    ),
+    **dict.fromkeys(("obs_type", "observation_type"), "the task's 'observations' set the observation"),
+    **dict.fromkeys(("continuous", "continuous_actions"), "the task's 'action' sets the action"),
+    "render_backend": "there is one renderer, formerly 'raster': leave it out; matplotlib writes figures",
+    **dict.fromkeys(("apply_api_compatibility", "new_step_api"), "it belongs to old releases of gym"),
 }
 """Names that other libraries, and other functions of this one, have for something: what to do here."""
 

@@ -25,7 +25,7 @@ from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, GuiSpec, PlacementSpec
 from irsim_gym.scenario.validation import BAD, Report, build
 from irsim_gym.scenario.whereabouts import unknown_key
 
-LENIENT = "Unknown keys of a file that others wrote are ignored with strict=False, on the command line with --lenient."
+LENIENT = "To ignore unknown keys, pass strict=False, or --lenient on the command line."
 
 
 def load_scenario(
@@ -119,7 +119,7 @@ def _tell_repeats(report: Report) -> None:
         if report.strict and not is_block:
             report.problems[problem] = None
         else:
-            report.doubts[replace(problem, message=f"{problem.message}: the last one holds alone")] = None
+            report.doubts[replace(problem, message=f"{problem.message}: only the last one counts")] = None
 
 
 def _places(sections: dict[str, Any], roots: Mapping[str, Place], report: Report) -> dict[str, Place]:
@@ -158,7 +158,7 @@ def _collision_mode(mode: object, place: Place, report: Report) -> Any:
         return None
     is_known = mode in literal_values(option_fields(WorldSpec)["collision_mode"].annotation)
     if mode in UNOBSTRUCTED_MODES or (isinstance(mode, str) and not is_known and not report.strict):
-        report.doubt(where, f"{show(mode)} is 'unobstructed', as in IR-SIM 2.12.0: nobody stops at a collision")
+        report.doubt(where, f"{show(mode)} is 'unobstructed', as in IR-SIM 2.12.0: bodies do not stop at a collision")
         return "unobstructed"
     return mode
 

@@ -32,7 +32,7 @@ def read_map(data: object, place: Place, report: Report) -> Any:
     elif isinstance(data, list | tuple):
         data = {"name": "array", "cells": data}
     elif not isinstance(data, Mapping):
-        report.add(place, "must be the name of a picture, a mapping such as {name: perlin, resolution: 0.1}, or cells")
+        report.add(place, "must be the name of an image, a mapping such as {name: perlin, resolution: 0.1}, or cells")
         return BAD
     made = build_named(MAPS, data, place, report)
     return BAD if made is None else made
@@ -86,7 +86,7 @@ def find_map(name: str, folders: tuple[Path, ...]) -> Path:
         return theirs
     offer = f"shipped: {', '.join(shipped)}"
     if given.name in IRSIM_MAPS:
-        way = f"install ir-sim, copy it beside the scenario, or give its path ({_IRSIM_FOLDER}/.../{given.name})"
+        way = f"install ir-sim, copy the file beside the scenario, or give its path ({_IRSIM_FOLDER}/.../{given.name})"
         raise OptionError("path", f"'{name[:60]}' belongs to IR-SIM and is not shipped here: {way}; {offer}")
     near = suggestion(given.name, shipped) or suggestion(given.stem, by_stem)
     raise OptionError("path", f"no map '{name[:60]}': no such file as given or beside the scenario{near}; {offer}")

@@ -16,10 +16,10 @@ NEEDLESS: Mapping[str, Mapping[str, str]] = {
         "accer": f"{_OLD}: rvo has acce",
         "angle_tolerance": "only dash reads it, here and in IR-SIM 2.12.0",
     },
-    "body.distribution": {"non_overlapping": "nothing that is placed at random overlaps anything"},
+    "body.distribution": {"non_overlapping": "random placement never overlaps"},
     "body.plot": {"show_goals": f"{_OLD}: show_goal draws the goal"},
     "plot": {"show_goals": f"{_OLD}: show_goal draws the goal"},
-    "body.sensors": {"reso": f"{_OLD}: angle_range and number say how the beams are spread"},
+    "body.sensors": {"reso": f"{_OLD}: angle_range and number set the beams"},
 }
 """What becomes of each such key, by the mapping that holds it. Where a kind has an option of this name it counts."""
 

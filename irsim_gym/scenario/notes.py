@@ -16,7 +16,7 @@ from irsim_gym.scenario.validation import Report, read_numbers
 LARGEST_ANGLE = 2.0 * math.pi + 1e-3
 LONGEST_STEP = 1.0
 IDLE = "has a behavior but no goal: it stands still"
-DEGREES = "angles are radians; pi/2 may be written as it is"
+DEGREES = "angles are in radians; you can write pi/2"
 
 
 def warn(scenario: Scenario) -> None:
@@ -32,7 +32,7 @@ def warn_of_keys(title: str, ignored: Iterable[Problem]) -> None:
 
 def warn_of_starts(scenario: Scenario, found: Sequence[Problem]) -> None:
     """Warn of robots that begin within an obstacle (``engine.start_checks.find_blocked_starts``)."""
-    held = [replace(problem, message=f"{problem.message}: the robot is held there") for problem in found]
+    held = [replace(problem, message=f"{problem.message}: the robot is stuck there") for problem in found]
     _warn(ScenarioWarning, scenario.source.title, held)
 
 
@@ -99,7 +99,7 @@ def _body_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
     if body.goal and stride > 2.0 * body.goal_threshold:
         yield (
             f"a step of {stride:g} m may jump over a goal_threshold of {body.goal_threshold:g} m: "
-            "make one larger or the other smaller"
+            "reduce the step or enlarge the threshold"
         )
 
 
@@ -117,8 +117,8 @@ def _goals_outside(body: BodySpec, scenario: Scenario) -> Iterator[str]:
     for goal in body.goal:
         if not (low[0] <= goal[0] <= high[0] and low[1] <= goal[1] <= high[1]):
             yield (
-                f"the goal ({goal[0]:g}, {goal[1]:g}) is outside of the world, "
-                f"which goes from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g})"
+                f"the goal ({goal[0]:g}, {goal[1]:g}) is outside the world, "
+                f"which extends from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g})"
             )
 
 

@@ -28,7 +28,7 @@ SPECS: dict[str, type[Any]] = {
 }
 SUMMARIES = {
     "robot, obstacle": "The keys of an entry.",
-    "parameters": "What stands below the name of a parameter.",
+    "parameters": "The keys of a parameter.",
     "plot": "Drawing options: in an entry for its bodies, at the top of the file for all.",
 }
 _NAMED = "a mapping with a name, as below"
@@ -129,7 +129,7 @@ def _table(title: str, cls: type[Any]) -> str:
     lines = [f"### {title}", "", SUMMARIES.get(title, summary), ""]
     if not rows:
         return "\n".join([*lines, "No options.", ""])
-    lines += ["| key | default | unit | allowed | meaning | a bad value |", "|---|---|---|---|---|---|"]
+    lines += ["| key | default | unit | allowed | meaning | effect of a bad value |", "|---|---|---|---|---|---|"]
     lines += [_cells(row) for row in rows]
     return "\n".join([*lines, ""])
 
@@ -147,5 +147,5 @@ def rewritten(page: str) -> str:
     """
     head, marker, _ = page.partition(MARKER)
     if not marker:
-        raise IrsimGymError(f"the page has no line '{MARKER}', below which the tables would stand")
+        raise IrsimGymError(f"the page has no line '{MARKER}', below which the tables belong")
     return f"{head}{MARKER}\n\n{markdown()}"

@@ -80,16 +80,16 @@ class ParameterSpec:
     """One parameter."""
 
     default: bool | int | float | str = option(
-        meaning="Its value where none is given. The type follows it: a whole number (a number where min, max or one of "
-        "the choices is not whole), a number, true or false, text."
+        meaning="Value if none is given. It sets the type: a whole number (a number if min, max or a choice is "
+        "not whole), a number, true or false, or text."
     )
     min: float | None = option(None, meaning="Least value, for numbers.")
     max: float | None = option(None, meaning="Greatest value, for numbers.")
     choices: tuple[bool | int | float | str, ...] | None = option(
-        None, min_length=1, meaning="The only values that it may have; in place of min and max."
+        None, min_length=1, meaning="The allowed values; replaces min and max."
     )
     unit: str = option("", meaning="SI unit, for the reader.")
-    meaning: str = option(min_length=1, meaning="What it does, one sentence; messages show it.")
+    meaning: str = option(min_length=1, meaning="What the parameter does, in one sentence; shown in messages.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what does not fit together."""
@@ -236,7 +236,7 @@ def _declaration(name: str, data: object, place: Place, report: Report) -> Param
     if _NAME.fullmatch(name) is None:
         report.add(place, "a name consists of letters, digits and _, and does not begin with a digit")
     elif not is_free(name):
-        report.add(place, "environments have an argument of this name: choose another one")
+        report.add(place, "environments have an argument of this name; choose another one")
     elif not isinstance(data, Mapping):
         report.add(place, f"must be a mapping such as {{default: 4, meaning: ...}}, got {show(data)}")
     else:
@@ -244,7 +244,7 @@ def _declaration(name: str, data: object, place: Place, report: Report) -> Param
         texts = [value for value in numbers.values() if isinstance(value, str) and _BARE.search(value)]
         if not texts:
             return build(ParameterSpec, {**data, **numbers}, place, report)
-        report.add((*place, "default"), "a parameter cannot be made of others")
+        report.add((*place, "default"), "a parameter cannot depend on other parameters")
     return None
 
 
@@ -342,7 +342,7 @@ class _Filler:
         if names:
             return self._expression(text, names, place)
         if bare and not is_custom:
-            self._report.add(place, f"is no expression; within text it is written ${{{bare[0]}}}, got {show(text)}")
+            self._report.add(place, f"is not an expression; within text, write ${{{bare[0]}}}, got {show(text)}")
         return text
 
     def _expression(self, text: str, names: tuple[str, ...], place: Place) -> Any:
@@ -350,12 +350,12 @@ class _Filler:
             return self._values[names[0]]
         for name in names:
             if name not in self._numbers:
-                self._report.add(place, f"'{name}' is {show(self._values[name])}, which is no number")
+                self._report.add(place, f"'{name}' is {show(self._values[name])}, which is not a number")
                 return BAD
         value = evaluate(text, self._numbers)
         if value is None:
             settings = ", ".join(f"{name} = {show(self._numbers[name])}" for name in dict.fromkeys(names))
-            self._report.add(place, f"cannot be worked out with {settings}, got {show(text)}")
+            self._report.add(place, f"cannot be evaluated with {settings}, got {show(text)}")
         return BAD if value is None else value
 
     def _unknown(self, name: str) -> str:

@@ -72,7 +72,7 @@ def _missing(pending: PendingBehavior) -> str:
     except UnknownNameError as error:
         message = f"{error}; world.load_behavior('my_module') imports a module that registers it"
     else:
-        message = f"'{pending.data['name']}' is registered now: world.load_behavior('its_module') takes it up"
+        message = f"'{pending.data['name']}' is registered now; call world.load_behavior('its_module') to use it"
     return f"{pending.where}: {message}" if pending.where else message
 
 

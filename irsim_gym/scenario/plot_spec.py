@@ -21,23 +21,24 @@ Pixels = Annotated[int, Field(ge=16, le=10_000)]
 
 @kind
 class SavedFigure:
-    """How figures are written to files."""
+    """Options of figures that are written to files."""
 
     dpi: int = option(100, ge=1, le=2400, unit="1/inch", meaning="Resolution of saved figures.")
     bbox_inches: Literal["tight", "standard"] | None = option(
-        "tight", meaning="Cut a saved figure to what is drawn, or keep all of it: standard, or null as for matplotlib."
+        "tight",
+        meaning="Crop a saved figure to its content (tight), or keep all of it (standard, or null as in matplotlib).",
     )
     format: Literal["png", "pdf", "svg", "jpg", "jpeg", "eps", "ps", "tif", "tiff", "webp"] = option(
         "png", meaning="File format of saved figures without a suffix."
     )
     pad_inches: float = option(
-        0.1, ge=0.0, le=10.0, unit="inch", meaning="Margin around what is drawn when bbox_inches is tight."
+        0.1, ge=0.0, le=10.0, unit="inch", meaning="Margin around the content if bbox_inches is tight."
     )
-    facecolor: str | None = option(None, min_length=1, meaning="Colour around the world; by default a light grey.")
+    facecolor: str | None = option(None, min_length=1, meaning="Colour around the world; default: light grey.")
     transparent: bool = option(
         False,
-        meaning="Leave out what lies behind the world and around it, where the format can.",
-        consequence="facecolor is not seen.",
+        meaning="Make the background transparent, if the format supports it.",
+        consequence="facecolor has no effect.",
     )
 
     def problems(self) -> Iterator[tuple[str, str]]:
@@ -51,18 +52,19 @@ class SavedFigure:
 class WorldPlot:
     """Drawing options of the world."""
 
-    saved_figure: SavedFigure = option(defaults(SavedFigure), meaning="How figures are saved.")
+    saved_figure: SavedFigure = option(defaults(SavedFigure), meaning="Options of saved figures.")
     figure_pixels: tuple[Pixels, Pixels] | None = option(
         None,
         unit="pixel",
-        meaning="Width and height of a picture; by default [600, 600] for a square world, else as its sides ask for.",
+        meaning="Width and height of a picture; default: [600, 600] for a square world, otherwise in proportion "
+        "to its sides.",
     )
     show_title: bool = option(True, meaning="Show a title.")
-    title: str | None = option(None, meaning="Text of the title; by default the world's name, time and status.")
-    no_axis: bool = option(False, meaning="Leave the axes out.")
-    tight: bool = option(True, meaning="Leave no more room around the world than ticks and title need.")
+    title: str | None = option(None, meaning="Text of the title; default: the world's name, time and status.")
+    no_axis: bool = option(False, meaning="Hide the axes.")
+    tight: bool = option(True, meaning="Keep only as much margin around the world as ticks and title need.")
     viewpoint: str | tuple[float, float] | None = option(
-        None, unit="m", meaning="Name of a body, or a point, that stays in the middle of the picture."
+        None, unit="m", meaning="Name of a body, or a point, to keep in the middle of the picture."
     )
 
 
@@ -73,19 +75,19 @@ class ObjectPlot:
     obj_linestyle: LineStyle = option("-", meaning="Line style of the outline.")
     obj_zorder: int | None = option(
         None,
-        meaning="Layer of the body; higher numbers lie on top. By default 3 for robots, 1 for obstacles.",
+        meaning="Layer of the body; higher numbers lie on top. Default: 3 for robots, 1 for obstacles.",
     )
     obj_color: str | None = option(None, meaning="Colour of the body.")
     obj_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the body.")
     obj_linewidth: float | None = option(
-        None, ge=0.0, unit="point", meaning="Width of the outline; by default 1, for a linestring 2.2."
+        None, ge=0.0, unit="point", meaning="Width of the outline; default: 1, or 2.2 for a linestring."
     )
 
-    show_goal: bool | None = option(None, meaning="Draw the goal; by default that of a learner alone.")
+    show_goal: bool | None = option(None, meaning="Draw the goal; default: only for learners.")
     goal_color: str | None = option(None, meaning="Colour of the goal.")
     goal_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the goal.")
     goal_zorder: int | None = option(
-        None, meaning="Layer of the goal; by default above fixed bodies and below moving ones."
+        None, meaning="Layer of the goal; default: above fixed bodies and below moving ones."
     )
 
     show_text: bool = option(False, meaning="Write the body's short name beside it.")
@@ -93,51 +95,49 @@ class ObjectPlot:
     text_color: str = option("#1F2933", meaning="Colour of the text.")
     text_size: float = option(10.0, gt=0.0, unit="point", meaning="Size of the text.")
     text_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the text.")
-    text_zorder: int | None = option(None, meaning="Layer of the text; by default above everything.")
+    text_zorder: int | None = option(None, meaning="Layer of the text; default: above everything.")
     text_position: tuple[float, float] | None = option(
-        None, unit="m", meaning="Place of the text beside the body; by default above the body."
+        None, unit="m", meaning="Position of the text relative to the body; default: above the body."
     )
 
     show_arrow: bool | None = option(
         None,
-        meaning="Mark where the body heads, by default for bodies that move and can turn: inside the footprint, "
-        "as an arrow where arrow_length or arrow_width is given.",
+        meaning="Mark the heading, by default for bodies that move and turn: inside the footprint, or as an arrow "
+        "if arrow_length or arrow_width is given.",
     )
     arrow_color: str | None = option(
-        None, meaning="Colour of the arrow; by default white inside the footprint, gold where it has a size of its own."
+        None, meaning="Colour of the arrow; default: white inside the footprint, gold if a size is given."
     )
     arrow_length: float | None = option(
-        None, ge=0.0, unit="m", meaning="Length of the arrow; by default 0.4 where arrow_width is given."
+        None, ge=0.0, unit="m", meaning="Length of the arrow; default: 0.4 if arrow_width is given."
     )
     arrow_width: float | None = option(
-        None, ge=0.0, unit="m", meaning="Width of the arrow; by default 0.6 where arrow_length is given."
+        None, ge=0.0, unit="m", meaning="Width of the arrow; default: 0.6 if arrow_length is given."
     )
     arrow_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the arrow.")
-    arrow_zorder: int | None = option(None, meaning="Layer of the arrow; by default that of the body.")
+    arrow_zorder: int | None = option(None, meaning="Layer of the arrow; default: that of the body.")
 
-    show_trajectory: bool | None = option(
-        None, meaning="Draw the path driven so far; by default that of a learner alone."
-    )
+    show_trajectory: bool | None = option(None, meaning="Draw the path driven so far; default: only for learners.")
     traj_color: str | None = option(None, meaning="Colour of the path.")
     traj_style: LineStyle = option("-", meaning="Line style of the path.")
     traj_width: float | None = option(
-        None, gt=0.0, unit="m", meaning="Width of the path; by default a thin line that fades towards its beginning."
+        None, gt=0.0, unit="m", meaning="Width of the path; default: a thin line that fades towards its start."
     )
     traj_alpha: float | None = option(
         None,
         ge=0.0,
         le=1.0,
-        meaning="Opacity of the path, of a thin one at its end; by default 0.85, or 0.5 with a width.",
+        meaning="Opacity of the path, for a thin one at its end; default: 0.85, or 0.5 with traj_width.",
     )
     traj_zorder: int | None = option(
-        None, meaning="Layer of the path; by default above fixed bodies and below moving ones."
+        None, meaning="Layer of the path; default: above fixed bodies and below moving ones."
     )
-    keep_traj_length: int = option(0, ge=0, unit="step", meaning="Steps of the path that are kept; 0 keeps all.")
+    keep_traj_length: int = option(0, ge=0, unit="step", meaning="Number of steps to keep in the path; 0 keeps all.")
 
-    show_trail: bool = option(False, meaning="Leave outlines of the body behind.")
+    show_trail: bool = option(False, meaning="Draw outlines of the body along its path.")
     trail_freq: int = option(2, ge=1, unit="step", meaning="Steps between two outlines of the trail.")
     trail_type: Literal["circle", "rectangle", "polygon", "linestring", "compound"] | None = option(
-        None, meaning="Shape of the trail's outlines; by default the body's. 'circle' and 'rectangle' enclose it."
+        None, meaning="Shape of the trail's outlines; default: the body's. 'circle' and 'rectangle' enclose it."
     )
     trail_edgecolor: str | None = option(None, meaning="Edge colour of the trail.")
     trail_linewidth: float = option(0.8, ge=0.0, unit="point", meaning="Edge width of the trail.")
@@ -145,16 +145,16 @@ class ObjectPlot:
     trail_fill: bool = option(False, meaning="Fill the trail's outlines.")
     trail_color: str | None = option(None, meaning="Fill colour of the trail.")
     trail_zorder: int | None = option(
-        None, meaning="Layer of the trail; by default above fixed bodies and below moving ones."
+        None, meaning="Layer of the trail; default: above fixed bodies and below moving ones."
     )
-    keep_trail_length: int = option(0, ge=0, meaning="Outlines of the trail that are kept; 0 keeps all.")
+    keep_trail_length: int = option(0, ge=0, meaning="Number of outlines to keep in the trail; 0 keeps all.")
 
     show_sensor: bool = option(True, meaning="Draw the sensors.")
-    show_fov: bool = option(False, meaning="Draw the field of view (fov and fov_radius, else the lidar's).")
+    show_fov: bool = option(False, meaning="Draw the field of view (fov and fov_radius, otherwise the lidar's).")
     fov_color: str = option("#56B4E9", meaning="Colour of the field of view.")
     fov_edge_color: str = option("#0072B2", meaning="Edge colour of the field of view.")
     fov_alpha: float = option(0.5, ge=0.0, le=1.0, meaning="Opacity of the field of view.")
-    fov_zorder: int | None = option(None, meaning="Layer of the field of view; by default above fixed bodies.")
+    fov_zorder: int | None = option(None, meaning="Layer of the field of view; default: above fixed bodies.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of each colour that is none."""

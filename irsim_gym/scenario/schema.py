@@ -139,7 +139,7 @@ def _named(registry: Registry, definitions: Schema, synonym: str = "", default: 
 def _section(role: str, definitions: Schema) -> Schema:
     declared = _options(BodyOptions, definitions)["properties"]
     properties = {key: _property(key, one, definitions) for key, one in declared.items()}
-    properties["role"] = {"const": role, "description": "The section's own name, or nothing."}
+    properties["role"] = {"const": role, "description": "The name of the section; may be left out."}
     name = f"entry.{role}"
     definitions[name] = {"title": f"One entry of {role}", "type": "object", "properties": properties}
     definitions[name]["additionalProperties"] = False

@@ -47,7 +47,7 @@ def split_sections(data: object, report: Report) -> tuple[dict[str, Any], dict[s
             report.add((WRAPPER,), f"must be a mapping with sections such as world and robot, got {show(inner)}")
         for name, section in (inner if isinstance(inner, Mapping) else {}).items():
             if name in sections:
-                report.add((WRAPPER, name), "given outside the wrapper key as well")
+                report.add((WRAPPER, name), "given both inside and outside the wrapper key")
             sections[name], roots[name] = section, (WRAPPER,)
     return sections, roots
 
@@ -88,7 +88,7 @@ def share(key: str, value: object, count: int, place: Place, report: Report) -> 
     if key in SCALARS:
         if len(value) == count:
             return _one_each(value, count, place)
-        report.add(place, f"must be one value, or a list of {count} (one for each body), got {show(value)}")
+        report.add(place, f"must be one value, or a list of {count} (one per body), got {show(value)}")
         return Shared(())
     if all(_is_number(item) for item in value):
         return Shared(((place, value),))

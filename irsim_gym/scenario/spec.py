@@ -27,65 +27,78 @@ Coordinate = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 class WorldSpec:
     """The section ``world``."""
 
-    name: str = option("world", min_length=1, max_length=200, meaning="Name of the world; by default the file's name.")
+    name: str = option("world", min_length=1, max_length=200, meaning="Name of the world; default: the file's name.")
     width: float = option(
         10.0,
         gt=0.0,
         le=1e5,
         unit="m",
         meaning="Size of the world in x.",
-        consequence="Only pictures, maps, default placements and left_world use it: bodies may leave the world.",
+        consequence="Only pictures, maps, default placements and left_world use it; bodies may leave the world.",
     )
-    height: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in y.", consequence="As width.")
+    height: float = option(
+        10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in y.", consequence="Same as width."
+    )
     step_time: float = option(
         0.1,
         gt=0.0,
         le=100.0,
         unit="s",
         meaning="Duration of a step.",
-        consequence="Large: bodies jump through thin walls and over small goals. Small: runs take longer.",
+        consequence="If large, bodies jump through thin walls and over small goals. If small, runs take longer.",
     )
     sample_time: float = option(
         0.1,
         gt=0.0,
         unit="s",
         meaning="Time between frames, rounded to whole steps.",
-        consequence="Shorter than step_time: every step is a frame.",
+        consequence="If shorter than step_time, every step is a frame.",
     )
     offset: tuple[Coordinate, Coordinate] = option(
-        (0.0, 0.0), unit="m", meaning="Lower left corner of the world.", consequence="Given poses do not move with it."
+        (0.0, 0.0),
+        unit="m",
+        meaning="Lower left corner of the world.",
+        consequence="It does not shift the poses in the file.",
     )
     control_mode: Literal["auto", "keyboard"] = option(
-        "auto", meaning="Who drives in irsim_gym.load; without a window the behaviours do. Learners do not see it."
+        "auto",
+        meaning="What drives in irsim_gym.load: behaviours (auto) or the keyboard. Without a window, "
+        "behaviours drive. No effect on learners.",
     )
     collision_mode: Literal["stop", "unobstructed", "unobstructed_obstacles"] = option(
         "stop",
-        meaning="Who stops at a collision: all, nobody, or robots only.",
-        consequence="With stop, bodies that touch stand still for good unless one of them is taken away.",
+        meaning="Which bodies stop at a collision: all, none, or robots only.",
+        consequence="With stop, bodies that touch stand still until one of them is removed.",
     )
     status: Literal["None", "Running", "Arrived", "Collision", "Pause"] = option(
-        "None", meaning="Status text at the beginning; Pause: irsim_gym.load begins paused. Learners do not see it."
+        "None", meaning="Status text at the start; with Pause, irsim_gym.load begins paused. No effect on learners."
     )
     obstacle_map: Any = option(
         None,
-        meaning="Occupied cells, stretched over the world: a picture's name, or a mapping with the name of a kind.",
+        meaning="Occupied cells, stretched over the world: an image file, or a mapping with the name of a kind.",
     )
     mdownsample: int = option(
-        1, ge=1, meaning="Keep every n-th column and row of the map.", consequence="Walls thinner than that may vanish."
+        1,
+        ge=1,
+        meaning="Keep every n-th column and row of the map.",
+        consequence="Walls thinner than n cells may vanish.",
     )
     plot: WorldPlot = option(defaults(WorldPlot), meaning="Drawing options of the world.")
     step_mode: Literal["internal", "external"] = option(
-        "internal", meaning="Who moves the bodies: the step, or the caller by set_state (external; not for learners)."
+        "internal",
+        meaning="What moves the bodies: the step (internal), or the caller with set_state (external; "
+        "not for learners).",
     )
-    fog_map: bool = option(False, meaning="Keep a map of what the robots have seen; it changes nothing else.")
+    fog_map: bool = option(False, meaning="Keep a map of what the robots have seen; it does not affect the simulation.")
     fog_map_resolution: float | None = option(
         None,
         gt=0.0,
         unit="m",
-        meaning="Side of its cells; by default the width of those of obstacle_map, else 0.1 m.",
+        meaning="Cell size of fog_map; default: that of obstacle_map, else 0.1 m.",
     )
     update: Literal["sequential", "simultaneous"] = option(
-        "sequential", meaning="Bodies see earlier ones already moved, or all as they stood."
+        "sequential",
+        meaning="Bodies see earlier ones after their move (sequential), or all before the step (simultaneous).",
     )
 
     @property
@@ -102,24 +115,24 @@ class BodyOptions:
         1,
         ge=0,
         le=MAX_BODIES,
-        meaning="Number of bodies that the entry makes.",
-        consequence="More than find room at random: an error that names the body.",
+        meaning="Number of bodies in the entry.",
+        consequence="If they do not fit at random, an error names the body.",
     )
     number_range: tuple[int, int] | None = option(
-        None, meaning="Each level draws how many bodies there are: least and most; instead of number."
+        None, meaning="Least and greatest number of bodies, drawn anew in each level; replaces number."
     )
-    distribution: Any = option(None, meaning="How starts and goals are chosen; by default as given (manual).")
+    distribution: Any = option(None, meaning="How starts and goals are chosen; default: as given (manual).")
     name: str | None = option(
-        None, min_length=1, max_length=200, meaning="Unique name; by default role and number, such as robot_0."
+        None, min_length=1, max_length=200, meaning="Unique name; default: role and number, such as robot_0."
     )
     kinematics: Any = option(None, meaning="The drive; a body without one, or with {name: static}, never moves.")
-    shape: Any = option(None, meaning="The footprint; by default a circle of radius 0.2 m.")
+    shape: Any = option(None, meaning="The footprint; default: a circle of radius 0.2 m.")
     state: tuple[Coordinate, ...] = option(
         (0.0, 0.0, 0.0),
         min_length=1,
         unit="m, m, rad",
         meaning="Start pose; missing numbers are 0.",
-        consequence="Degrees in place of radians turn the body to anywhere.",
+        consequence="Degrees instead of radians give an arbitrary heading.",
     )
     velocity: tuple[float, ...] = option(
         (), unit="m/s or rad/s", meaning="Velocity at the start, in the drive's coordinates; missing numbers are 0."
@@ -127,36 +140,38 @@ class BodyOptions:
     goal: tuple[tuple[Coordinate, ...], ...] = option(
         (),
         unit="m, m, rad",
-        meaning="[x, y] or [x, y, heading]; for one body also a list of them, in order; for several, see above.",
-        consequence="Without a goal a behaviour stands still and the body never arrives.",
+        meaning="[x, y] or [x, y, heading]; for one body also a list of them, in order; for several bodies, see above.",
+        consequence="Without a goal, behaviours stand still and the body never arrives.",
     )
-    behavior: Any = option(None, meaning="How the body decides; without one it stands still unless an agent drives it.")
+    behavior: Any = option(
+        None, meaning="How the body decides; without one, it stands still unless an agent drives it."
+    )
     group_behavior: Any = option(None, meaning="How the bodies of a group decide together.")
-    role: Literal["robot", "obstacle"] | None = option(None, meaning="The section's own name, or nothing.")
+    role: Literal["robot", "obstacle"] | None = option(None, meaning="The name of the section; may be left out.")
     color: str | None = option(
         None,
         min_length=1,
-        meaning="Colour: a name, '#rrggbb', or 3 or 4 numbers from 0 to 1; 'cycle' gives each body of the entry its "
-        "own. By default robots are green, obstacles grey.",
+        meaning="Colour: a name, '#rrggbb', or 3 or 4 numbers from 0 to 1; 'cycle' gives each body of the entry "
+        "its own. Default: green for robots, grey for obstacles.",
     )
     static: bool = option(False, meaning="The body never moves.")
     vel_min: tuple[float, ...] | None = option(
         None,
         unit="m/s or rad/s",
-        meaning="Least velocities; by default -1 each.",
-        consequence="Above 0: the body cannot stand still.",
+        meaning="Least velocities; default: -1 each.",
+        consequence="If above 0, the body cannot stand still.",
     )
     vel_max: tuple[float, ...] | None = option(
         None,
         unit="m/s or rad/s",
-        meaning="Greatest velocities; by default 1 each.",
-        consequence="For acker the second one is the largest steering angle in rad: near pi/2 the car spins.",
+        meaning="Greatest velocities; default: 1 each.",
+        consequence="For acker, the second is the largest steering angle [rad]; near pi/2, the car spins.",
     )
     acce: tuple[Limit, ...] | None = option(
         None,
         unit="m/s2 or rad/s2",
-        meaning="Greatest change of each velocity per second; by default no limit (.inf).",
-        consequence="Small: it cannot brake in time and overshoots its goal.",
+        meaning="Greatest change of each velocity per second; default: no limit (.inf).",
+        consequence="If small, the body cannot brake in time and overshoots its goal.",
     )
     angle_range: tuple[float, float] = option(
         (-np.pi, np.pi), unit="rad", meaning="Interval that headings wrap into; 2 pi wide."
@@ -165,42 +180,43 @@ class BodyOptions:
         0.1,
         ge=0.0,
         unit="m",
-        meaning="The goal is reached when it is nearer than this.",
-        consequence="Smaller than half the way of a step: the goal may be jumped over; 0 is never reached.",
+        meaning="The body reaches the goal when it is closer than this.",
+        consequence="If smaller than half the distance of a step, the body may jump over the goal; 0 is never reached.",
     )
     sensors: Any = option(None, meaning="List of sensors.")
     arrive_mode: Literal["position", "state"] = option(
         "position",
         meaning="What must match the goal on arrival.",
-        consequence="state adds metres and radians: dash, which does not turn at the goal, seldom arrives.",
+        consequence="state adds metres and radians; dash does not turn at the goal, so it seldom arrives.",
     )
     description: str | None = option(
         None,
         min_length=1,
-        meaning="Image in place of the outline, seen from above, heading right: a file beside the scenario, an "
-        "absolute path, or a shipped one: car_blue.png, car_green.png, car_red.png, diff_robot0.png, diff_robot1.png; "
-        "by default car_green.png for a rectangular acker robot without a colour and line style of its own.",
+        meaning="Image instead of the outline, seen from above and heading right: a file beside the scenario, an "
+        "absolute path, or a shipped one: car_blue.png, car_green.png, car_red.png, diff_robot0.png, "
+        "diff_robot1.png; default: car_green.png for a rectangular acker robot without a colour or line "
+        "style.",
     )
     group: int | None = option(
         None,
         ge=0,
-        meaning="Number of the group; by default one per entry.",
-        consequence="One number for robots of several entries: a group_behavior steers them together.",
+        meaning="Number of the group; default: one per entry.",
+        consequence="With the same number, a group_behavior drives robots of several entries together.",
     )
-    group_name: str | None = option(None, min_length=1, meaning="Name of the group; by default role_group.")
+    group_name: str | None = option(None, min_length=1, meaning="Name of the group; default: role_group.")
     unobstructed: bool = option(
         False,
-        meaning="Collisions and sensors ignore the body; rvo, sfm and functions in Python see it all the same.",
-        consequence="It drives through everything, and everything through it.",
+        meaning="Collisions and sensors ignore the body; rvo, sfm and Python functions still see it.",
+        consequence="The body drives through everything, and everything drives through it.",
     )
     plot: ObjectPlot = option(defaults(ObjectPlot), meaning="Drawing options of the body.")
-    state_dim: int | None = option(None, ge=1, meaning="Number of state variables; checked against the drive.")
-    vel_dim: int | None = option(None, ge=1, meaning="Number of velocities; checked against the drive.")
+    state_dim: int | None = option(None, ge=1, meaning="Number of state variables; must match the drive.")
+    vel_dim: int | None = option(None, ge=1, meaning="Number of velocities; must match the drive.")
     fov: float | None = option(
-        None, gt=0.0, unit="rad", meaning="Width of the field of view, at most 2 pi; by default that of the lidar."
+        None, gt=0.0, unit="rad", meaning="Width of the field of view, at most 2 pi; default: that of the lidar."
     )
     fov_radius: float | None = option(
-        None, gt=0.0, unit="m", meaning="Depth of the field of view; by default that of the lidar."
+        None, gt=0.0, unit="m", meaning="Depth of the field of view; default: that of the lidar."
     )
 
 
@@ -210,24 +226,24 @@ class KeyboardSpec:
 
     backend: Literal["pynput", "mpl"] = option(
         "pynput",
-        meaning="Where key presses come from; pynput, where it does not work, gives way to the window (mpl).",
+        meaning="Source of key presses; if pynput does not work, the window (mpl).",
     )
     global_hook: bool = option(False, meaning="Listen to keys while another window has the focus (pynput).")
     key_lv_max: float = option(
-        3.0, ge=0.0, unit="m/s", meaning="Speed while a key is held.", consequence="Above vel_max it has no effect."
+        3.0, ge=0.0, unit="m/s", meaning="Speed while a key is held.", consequence="No effect above vel_max."
     )
     key_ang_max: float = option(1.0, ge=0.0, unit="rad/s", meaning="Turn rate while a key is held.")
-    key_lv: float = option(0.0, unit="m/s", meaning="Speed at the beginning.")
-    key_ang: float = option(0.0, unit="rad/s", meaning="Turn rate at the beginning.")
-    key_rot: float = option(0.0, unit="rad/s", meaning="Turn rate of an omnidirectional body at the beginning.")
-    key_id: int = option(0, ge=0, meaning="Number of the robot, among the robots, that the keys drive.")
+    key_lv: float = option(0.0, unit="m/s", meaning="Speed at the start.")
+    key_ang: float = option(0.0, unit="rad/s", meaning="Turn rate at the start.")
+    key_rot: float = option(0.0, unit="rad/s", meaning="Turn rate of an omnidirectional body at the start.")
+    key_id: int = option(0, ge=0, meaning="Index of the robot that the keys drive.")
 
 
 @kind
 class MouseSpec:
     """The section ``gui.mouse``."""
 
-    zoom_factor: float = option(1.1, gt=1.0, meaning="Factor of the view for one step of the wheel.")
+    zoom_factor: float = option(1.1, gt=1.0, meaning="Zoom factor per step of the wheel.")
 
 
 @kind

@@ -8,9 +8,9 @@ import yaml
 
 _QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 _WORDS = {
-    "block sequence entries are not allowed": "the first '-' of a list stands on a line of its own, below the key",
-    "found unexpected end of stream": "the quotation mark that opens here is never closed",
-    "found character that cannot start": "text that begins with this character has to be quoted",
+    "block sequence entries are not allowed": "put the first '-' of a list on its own line, below the key",
+    "found unexpected end of stream": "the quotation mark that opens here is not closed",
+    "found character that cannot start": "text that begins with this character must be quoted",
 }
 
 
@@ -43,11 +43,11 @@ def _colon(rows: list[str], line: int, column: int) -> str:
     row = rows[line - 1]
     above = [number for number in range(1, line) if rows[number - 1].partition("#")[0].strip()]
     if ": " in row[:column] or not above:
-        return "a second ':' in one line: text that holds ': ' has to be quoted"
+        return "a second ':' in one line: text that contains ': ' must be quoted"
     before = rows[above[-1] - 1].partition("#")[0]
     if not re.search(r":(\s|$)", before):
-        return f"line {above[-1]}, above this one, is no 'key: value' with a space behind the ':'"
-    return f"indented deeper than line {above[-1]}, whose key has a value already"
+        return f"line {above[-1]}, above this one, is not a 'key: value' with a space after the ':'"
+    return f"indented deeper than line {above[-1]}, whose key already has a value"
 
 
 def _unclosed(context: str, last: int) -> str:
@@ -59,13 +59,13 @@ def _misfit(row: str, column: int, expected: int, first: int) -> str:
     """Return what is wrong where a block does not go on: indentation, or something behind a value."""
     if row[:column].strip():
         rest = row[column:].strip()[:20]
-        return f"'{rest}' does not belong behind what stands before it: one mark too many, or two lines in one"
+        return f"'{rest}' cannot follow the text before it: there is an extra mark, or two lines are joined"
     found = len(row) - len(row.lstrip())
     if found == expected:
-        return f"this line does not go on what begins in line {first}: either all of its parts begin with '-', or none"
-    return f"indented by {found}, but by {expected} in line {first}: what belongs together begins in the same column"
+        return f"this line does not continue line {first}: either all items begin with '-', or none"
+    return f"indented by {found}, but by {expected} in line {first}: items of one block must begin in the same column"
 
 
 def _parameter_hint(rows: list[str]) -> str:
     is_parameter = "${" in _QUOTED.sub("", "\n".join(rows))
-    return '; within { } or [ ], text with ${...} in it has to be quoted: "${name}"' if is_parameter else ""
+    return '; within { } or [ ], text with ${...} in it must be quoted: "${name}"' if is_parameter else ""

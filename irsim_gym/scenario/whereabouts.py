@@ -48,12 +48,12 @@ def unknown_key(key: str, known: Iterable[str]) -> str:
     hints = [f"did you mean '{near}'?"] if near is not None else []
     hints += [f"'{key}' is a key of {others}"] if others else []
     if ":" in key:
-        hints = ["a ':' needs a space behind it"]
+        hints = ["a ':' needs a space after it"]
     if hints:
         return f"unknown key ({' '.join(hints)})"
     if len(known) > MOST_NAMES:
         return "unknown key; `irsim-gym options` lists the keys of all sections"
-    return f"unknown key; known: {', '.join(sorted(known))}" if known else "unknown key; there is none here"
+    return f"unknown key; known: {', '.join(sorted(known))}" if known else "unknown key; no keys are allowed here"
 
 
 def elsewhere(key: str, known: Iterable[str]) -> str:

@@ -58,7 +58,13 @@ def cast_discs(discs: Floats, eye: Eye, beams_x: Rays, beams_y: Rays, inverse: R
 
 @kernel
 def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, state: WorldState) -> None:
-    """Write the ranges of all members in all given worlds."""
+    """Write the ranges of all members in all given worlds.
+
+    Reads: tables (beams_x, beams_y, cast_min, density, discs, ends, first, inverse, limits, members, offset, range_max,
+        rays, rounds, sides), model (disc_count, disc_start, present, reach, segment_count, segment_start, solid,
+        unobstructed), state (direction, discs, pose, segments).
+    Writes: tables (discs, ends, inverse, limits, ranges, rays, rounds, sides).
+    """
     ends, limits, discs, rays = tables.ends[slot], tables.limits[slot], tables.discs[slot], tables.rays[slot]
     laid = -1
     for w in worlds:
@@ -108,6 +114,9 @@ def cast_chunk(
     """Cast against segments, which may be seen edge-on, and discs, which may hold the sensor; return 0, what is left.
 
     All are prepared before the first is cast: the processor waits for the number of beams that each may meet.
+
+    Reads: tables (beams_x, beams_y, density, discs, first, inverse, limits, rays, rounds, sides).
+    Writes: tables (discs, inverse, rays, rounds, sides).
 
     Args:
         n_sides: Number of segments.

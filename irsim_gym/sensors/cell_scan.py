@@ -16,7 +16,12 @@ from irsim_gym.world.state import WorldState
 def scan_cells(
     worlds: Ints, slot: int, tables: ScanTables, cells: CellMap, model: WorldModel, state: WorldState
 ) -> None:
-    """Shorten the ranges of all members in all given worlds to the nearest occupied cell, not below ``cast_min``."""
+    """Shorten the ranges of all members in all given worlds to the nearest occupied cell, not below ``cast_min``.
+
+    Reads: tables (beams_x, beams_y, cast_min, members, offset, ranges, walk_floats, walk_integers), model (present),
+        state (pose).
+    Writes: tables (ranges, walk_floats, walk_integers).
+    """
     own, floats, integers = cells.body, tables.walk_floats[slot], tables.walk_integers[slot]
     for w in worlds:
         if not model.present[w, own]:

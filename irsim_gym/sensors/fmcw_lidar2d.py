@@ -18,28 +18,28 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class FmcwPlot:
-    """How a scanner of radial velocities is drawn; what has no default is taken from the sensor's own options."""
+    """Drawing options of a scanner with radial velocities; defaults come from the sensor's options."""
 
-    alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of beams that hit; by default the sensor's.")
-    color: str | None = option(None, min_length=1, meaning="Colour without velocity_color; by default the sensor's.")
+    alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of beams that hit; default: the sensor's.")
+    color: str | None = option(None, min_length=1, meaning="Colour without velocity_color; default: the sensor's.")
     velocity_color: bool = option(True, meaning="Colour the beams by their radial velocity.")
-    velocity_color_max: float = option(2.0, gt=0.0, unit="m/s", meaning="Speed of the full colour.")
+    velocity_color_max: float = option(2.0, gt=0.0, unit="m/s", meaning="Speed with the full colour.")
     velocity_linewidth: float = option(1.2, ge=0.0, unit="point", meaning="Line width of beams that hit.")
     no_hit_linewidth: float = option(0.8, ge=0.0, unit="point", meaning="Line width of other beams.")
     no_hit_alpha: float = option(0.1, ge=0.0, le=1.0, meaning="Opacity of other beams.")
-    show_velocity_markers: bool = option(True, meaning="Mark the points that are hit.")
+    show_velocity_markers: bool = option(True, meaning="Mark the points that beams hit.")
     velocity_marker_size: float = option(12.0, ge=0.0, unit="point^2", meaning="Area of these marks.")
     velocity_marker_edge_color: str = option("black", min_length=1, meaning="Edge colour of these marks.")
     velocity_marker_edge_width: float = option(0.4, ge=0.0, unit="point", meaning="Edge width of these marks.")
-    zero_velocity_color: str = option("#56B4E9", min_length=1, meaning="Colour of what keeps its distance.")
-    positive_velocity_color: str = option("#CC3311", min_length=1, meaning="Colour of what goes away.")
-    negative_velocity_color: str = option("#0072B2", min_length=1, meaning="Colour of what comes nearer.")
+    zero_velocity_color: str = option("#56B4E9", min_length=1, meaning="Colour for zero velocity.")
+    positive_velocity_color: str = option("#CC3311", min_length=1, meaning="Colour for increasing range.")
+    negative_velocity_color: str = option("#0072B2", min_length=1, meaning="Colour for decreasing range.")
     no_hit_color: str = option("lightgray", min_length=1, meaning="Colour of other beams.")
 
 
 @kind
 class FmcwLidar2D:
-    """A scanner that measures along each beam the range and the speed at which it grows.
+    """A scanner that measures the range of each beam and its rate of change.
 
     A positive radial velocity goes away from the sensor. It is relative to the sensor's own motion, or with
     ``motion_compensate`` to the ground.
@@ -50,23 +50,28 @@ class FmcwLidar2D:
 
     number: int = option(100, ge=1, le=100_000, meaning="Number of beams.")
     angle_range: float = option(np.pi, ge=0.0, unit="rad", meaning="Angle between first and last beam; at most 2 pi.")
-    range_min: float = option(0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this, and are not valid.")
-    range_max: float = option(10.0, gt=0.0, unit="m", meaning="Farther things are not seen; a free beam reports this.")
-    scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; reported only.")
-    noise: bool = option(False, meaning="Add noise to ranges and directions; a beam that meets nothing stays free.")
+    range_min: float = option(
+        0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this value and marked invalid."
+    )
+    range_max: float = option(10.0, gt=0.0, unit="m", meaning="Greatest range; a beam that hits nothing reports this.")
+    scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; for information only.")
+    noise: bool = option(False, meaning="Add noise to ranges and directions; beams that hit nothing keep their range.")
     std: float = option(0.2, ge=0.0, unit="m", meaning="Standard deviation of the range noise.")
     angle_std: float = option(
-        0.02, ge=0.0, unit="rad", meaning="With noise: deviation of the directions; reported angles stay as they were."
+        0.02,
+        ge=0.0,
+        unit="rad",
+        meaning="With noise, standard deviation of the directions; reported angles do not change.",
     )
     velocity_noise_std: float = option(
-        0.0, ge=0.0, unit="m/s", meaning="Standard deviation of the velocities' noise, with or without noise."
+        0.0, ge=0.0, unit="m/s", meaning="Standard deviation of the velocity noise; applies also with noise: false."
     )
-    motion_compensate: bool = option(False, meaning="Take the sensor's own motion out of the velocities.")
+    motion_compensate: bool = option(False, meaning="Subtract the sensor's own motion from the velocities.")
     offset: tuple[float, float, float] = option(
         (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Mount pose in the body frame."
     )
     alpha: float | None = option(
-        None, ge=0.0, le=1.0, meaning="Opacity of beams that hit; by default 1, and 0.3 without velocity_color."
+        None, ge=0.0, le=1.0, meaning="Opacity of beams that hit; default: 1, or 0.3 without velocity_color."
     )
     color: str = option("#F97316", min_length=1, meaning="Colour of the beams without velocity_color.")
     plot: FmcwPlot = option(defaults(FmcwPlot), meaning="Drawing options of the sensor.")

@@ -20,7 +20,11 @@ SAME = 1e-4
 
 @kernel
 def raise_ranges(worlds: Ints, tables: ScanTables) -> None:
-    """Report range_min for what is nearer."""
+    """Report range_min for what is nearer.
+
+    Reads: tables (range_min, ranges).
+    Writes: tables (ranges).
+    """
     for w in worlds:
         for k in range(tables.members.shape[0]):
             shortest, ranges = np.float32(tables.range_min[k]), tables.ranges[w, k]
@@ -33,6 +37,11 @@ def find_hits(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, st
     """Cast against one body after the other and note for each beam which is nearest.
 
     Ranges have no noise yet, and may be below range_min.
+
+    Reads: tables (beams_x, beams_y, inverse, members, nearest, offset, range_max, ranges), model (disc_count,
+        disc_start, map_frame, present, reach, segment_count, segment_start, unobstructed), state (discs, pose,
+        segments).
+    Writes: tables (hit, inverse, nearest).
     """
     inverse, nearest = tables.inverse[slot], tables.nearest[slot]
     for w in worlds:
@@ -80,6 +89,9 @@ def name_hits(far: np.float32, map_body: int, ranges: Rays, nearest: Rays, hit: 
 def write_velocity(worlds: Ints, tables: ScanTables, state: WorldState, velocity: Floats) -> None:
     """Write the world-frame velocity [m/s] of what each beam hits, 0 for free beams.
 
+    Reads: tables (hit), state (twist).
+    Writes: velocity.
+
     Args:
         worlds: The worlds to treat.
         velocity: Written, shape ``(n_worlds, n_members, 2, n_beams)``.
@@ -100,6 +112,9 @@ def write_radial_velocity(
 
     The sensor's own velocity is that of its body's origin; what its turning adds at an offset is left out, as in
     IR-SIM. With ``motion_compensate`` the sensor counts as standing still.
+
+    Reads: tables (cast_angles, hit, members, offset, range_max, range_min, ranges), state (pose, random, twist).
+    Writes: state (random), radial_velocity.
     """
     for w in worlds:
         for k in range(tables.members.shape[0]):

@@ -18,15 +18,15 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class LidarPlot:
-    """How a range sensor is drawn; what is not given is taken from the sensor's own options."""
+    """Drawing options of a range sensor; defaults come from the sensor's options."""
 
-    alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of the beams; by default the sensor's.")
-    color: str | None = option(None, min_length=1, meaning="Colour of the beams; by default the sensor's.")
+    alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of the beams; default: the sensor's.")
+    color: str | None = option(None, min_length=1, meaning="Colour of the beams; default: the sensor's.")
 
 
 @kind
 class Lidar2D:
-    """A scanner of ``number`` beams, evenly spread over ``angle_range``, both ends included."""
+    """A scanner with ``number`` beams, evenly spaced over ``angle_range``, ends included."""
 
     only_kernels: ClassVar[bool] = True
     reading: ClassVar[str] = "ranges"
@@ -36,28 +36,33 @@ class Lidar2D:
         ge=1,
         le=100_000,
         meaning="Number of beams.",
-        consequence="Many: each step takes longer. Few: thin things slip between beams.",
+        consequence="If large, steps take longer. If small, beams miss thin things.",
     )
     angle_range: float = option(
         np.pi,
         ge=0.0,
         unit="rad",
         meaning="Angle between first and last beam; at most 2 pi.",
-        consequence="Degrees given for radians are a full turn.",
+        consequence="Degrees instead of radians give a full turn.",
     )
-    range_min: float = option(0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this, and are not valid.")
-    range_max: float = option(10.0, gt=0.0, unit="m", meaning="Farther things are not seen; a free beam reports this.")
-    scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; reported only.")
-    noise: bool = option(False, meaning="Add noise to ranges and directions; a beam that meets nothing stays free.")
+    range_min: float = option(
+        0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this value and marked invalid."
+    )
+    range_max: float = option(10.0, gt=0.0, unit="m", meaning="Greatest range; a beam that hits nothing reports this.")
+    scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; for information only.")
+    noise: bool = option(False, meaning="Add noise to ranges and directions; beams that hit nothing keep their range.")
     std: float = option(
         0.2,
         ge=0.0,
         unit="m",
         meaning="Standard deviation of the range noise.",
-        consequence="As large as range_max, ranges say nothing.",
+        consequence="If as large as range_max, ranges are useless.",
     )
     angle_std: float = option(
-        0.02, ge=0.0, unit="rad", meaning="With noise: deviation of the directions; reported angles stay as they were."
+        0.02,
+        ge=0.0,
+        unit="rad",
+        meaning="With noise, standard deviation of the directions; reported angles do not change.",
     )
     offset: tuple[float, float, float] = option(
         (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Mount pose in the body frame."

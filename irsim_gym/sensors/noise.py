@@ -17,7 +17,11 @@ from irsim_gym.world.state import WorldState
 
 @kernel
 def draw_directions(worlds: Ints, tables: ScanTables, state: WorldState) -> None:
-    """Write each beam's nominal direction plus noise, and its unit vector, for all members."""
+    """Write each beam's nominal direction plus noise, and its unit vector, for all members.
+
+    Reads: tables (angle_std, angles), state (random).
+    Writes: tables (beams_x, beams_y, cast_angles), state (random).
+    """
     for w in worlds:
         for k in range(tables.members.shape[0]):
             deviation, row = tables.angle_std[k], beam_row(w, k, tables)
@@ -31,7 +35,11 @@ def draw_directions(worlds: Ints, tables: ScanTables, state: WorldState) -> None
 
 @kernel
 def add_range_noise(worlds: Ints, tables: ScanTables, state: WorldState) -> None:
-    """Blur the ranges below range_max, then clip them to [range_min, range_max]."""
+    """Blur the ranges below range_max, then clip them to [range_min, range_max].
+
+    Reads: tables (range_max, range_min, range_std, ranges), state (random).
+    Writes: tables (ranges), state (random).
+    """
     for w in worlds:
         for k in range(tables.members.shape[0]):
             shortest, farthest = np.float32(tables.range_min[k]), np.float32(tables.range_max[k])

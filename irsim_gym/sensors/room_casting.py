@@ -29,7 +29,13 @@ def is_small(model: WorldModel) -> bool:
 
 @kernel
 def cast_room(worlds: Ints, slot: int, tables: ScanTables, model: WorldModel, state: WorldState) -> None:
-    """Write the ranges of all members in all given worlds, as ``cast_bodies`` does for any world."""
+    """Write the ranges of all members in all given worlds, as ``cast_bodies`` does for any world.
+
+    Reads: tables (areas, beams_x, beams_y, cast_min, density, discs, first, inverse, limits, members, offset, owners,
+        range_max, rays, rounds, seen, sides), model (disc_count, disc_start, present, reach, segment_count,
+        segment_start, solid, unobstructed), state (direction, discs, pose, segments).
+    Writes: tables (areas, discs, inverse, limits, owners, ranges, rays, rounds, seen, sides).
+    """
     limits, discs, rays = tables.limits[slot], tables.discs[slot], tables.rays[slot]
     seen, owners, areas = tables.seen[slot], tables.owners[slot], tables.areas[slot]
     laid, n_rings, n_areas = -1, 0, 0
@@ -79,7 +85,11 @@ def count_present(present: Flags) -> int:
 
 @kernel
 def note_rows(w: int, slot: int, tables: ScanTables, model: WorldModel) -> tuple[int, int]:
-    """Write from which sides segments are seen, and list discs and areas; return the numbers of both."""
+    """Write from which sides segments are seen, and list discs and areas; return the numbers of both.
+
+    Reads: model (disc_count, disc_start, present, segment_count, segment_start, solid, unobstructed).
+    Writes: tables (areas, limits, owners, seen).
+    """
     limits, seen, owners, areas = tables.limits[slot], tables.seen[slot], tables.owners[slot], tables.areas[slot]
     n_segments = model.segment_count[row_of(model.segment_count, w)]
     n_discs = model.disc_count[row_of(model.disc_count, w)]

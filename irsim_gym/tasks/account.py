@@ -16,6 +16,10 @@ from irsim_gym.world.state import WorldState
 def begin_episodes(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeState) -> None:
     """Begin an episode for the agents of the worlds that ``began`` names.
 
+    Reads: state (goal_distance, pose), episode (began, clearance).
+    Writes: episode (deadlocked, goal_distance, hit, hit_kind, min_clearance, outcome, over, path_length, position,
+        reward, reward_term, stalled, steps, success, terminated, truncated).
+
     Args:
         worlds: The worlds to treat.
         agents: Body of each agent, ``(n_agents,)``.
@@ -50,7 +54,11 @@ def mark(worlds: Ints, value: bool, flags: Flags) -> None:
 
 @kernel
 def note_ended(worlds: Ints, episode: EpisodeState) -> None:
-    """Write whose episode has ended."""
+    """Write whose episode has ended.
+
+    Reads: episode (terminated, truncated).
+    Writes: episode (over).
+    """
     for w in worlds:
         for a in range(episode.over.shape[1]):
             episode.over[w, a] = episode.terminated[w, a] or episode.truncated[w, a]
@@ -58,7 +66,11 @@ def note_ended(worlds: Ints, episode: EpisodeState) -> None:
 
 @kernel
 def limit_clearance(worlds: Ints, minded: float, episode: EpisodeState) -> None:
-    """Write up to where clearances matter [m]: to the terms that mind them, and as a new minimum."""
+    """Write up to where clearances matter [m]: to the terms that mind them, and as a new minimum.
+
+    Reads: episode (min_clearance).
+    Writes: episode (clearance).
+    """
     for w in worlds:
         for a in range(episode.clearance.shape[1]):
             episode.clearance[w, a] = max(episode.min_clearance[w, a], minded)
@@ -67,6 +79,10 @@ def limit_clearance(worlds: Ints, minded: float, episode: EpisodeState) -> None:
 @kernel
 def record_step(worlds: Ints, agents: Ints, state: WorldState, episode: EpisodeState, kinds: Ints) -> None:
     """Count a step for the agents whose episode is under way.
+
+    Reads: state (goal_distance, hit, pose), episode (clearance, hit, min_clearance, outcome, over, path_length,
+        position, steps).
+    Writes: episode (goal_distance, hit, hit_kind, min_clearance, over, path_length, position, steps).
 
     Args:
         worlds: The worlds to treat.
@@ -100,6 +116,9 @@ def measure_standstill(
 ) -> None:
     """Measure for how long agents have hardly moved away from their goals.
 
+    Reads: model (has_goal, step_time), state (arrived, stopped, twist), episode (outcome, stalled).
+    Writes: episode (deadlocked, stalled).
+
     Args:
         worlds: The worlds to treat.
         agents: Body of each agent, ``(n_agents,)``.
@@ -122,6 +141,9 @@ def measure_standstill(
 def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: EpisodeState) -> None:
     """Decide whether the episodes have ended, and how; the first ending that applies wins, the time limit is last.
 
+    Reads: episode (ending, over, steps, truncated).
+    Writes: episode (outcome, success, terminated, truncated).
+
     Args:
         worlds: The worlds to treat.
         outcomes: Outcome of each ending, in order of precedence, ``(n_endings,)``.
@@ -143,7 +165,11 @@ def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: Episo
 
 @kernel
 def sum_rewards(worlds: Ints, episode: EpisodeState) -> None:
-    """Sum the reward terms in their order; nothing is paid to an agent whose episode had ended before."""
+    """Sum the reward terms in their order; nothing is paid to an agent whose episode had ended before.
+
+    Reads: episode (over, reward_term).
+    Writes: episode (reward, reward_term).
+    """
     for w in worlds:
         for a in range(episode.reward.shape[1]):
             total = 0.0
@@ -159,6 +185,9 @@ def share_rewards(worlds: Ints, share: float, episode: EpisodeState) -> None:
     """Replace the part ``share`` of each agent's terms by the mean over all agents of its world.
 
     An agent whose episode had ended before counts with 0 in the mean.
+
+    Reads: episode (over, reward_term).
+    Writes: episode (reward_term).
     """
     for w in worlds:
         n_agents = episode.reward_term.shape[1]

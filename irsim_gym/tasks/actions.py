@@ -24,12 +24,12 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
-FRAME = option("body", meaning="Frame of an omni drive's action: its own, or that of its commands (the world's).")
+FRAME = option("body", meaning="Frame of an omni drive's action: the body's, or that of its commands (the world's).")
 
 
 @kind
 class VelocityAction:
-    """Continuous: one number in [-1, 1] for each component of the command; numbers outside are cut to it."""
+    """Continuous: one number in [-1, 1] for each component of the command; numbers outside are clipped."""
 
     only_kernels: ClassVar[bool] = True
 
@@ -63,11 +63,11 @@ class DiscreteAction:
 
     only_kernels: ClassVar[bool] = True
 
-    linear: int = option(3, ge=1, le=1000, meaning="Number of values of the first component; 1: the greatest alone.")
+    linear: int = option(3, ge=1, le=1000, meaning="Number of values of the first component; 1: only the greatest.")
     lateral: int = option(
-        1, ge=1, le=1000, meaning="Number of values of the second of three components; 1: its middle alone."
+        1, ge=1, le=1000, meaning="Number of values of the second of three components; 1: only its middle."
     )
-    angular: int = option(5, ge=1, le=1000, meaning="Number of values of the last component; 1: its middle alone.")
+    angular: int = option(5, ge=1, le=1000, meaning="Number of values of the last component; 1: only its middle.")
     frame: Literal["body", "command"] = FRAME
 
     @property
@@ -159,6 +159,9 @@ def take_given(worlds: Ints, sizes: Ints, episode: EpisodeState) -> None:
     """Move the latest action to ``previous_action`` and write the new one, cut to [-1, 1].
 
     Components from ``sizes[a]`` on, which the agent's drive does not have, are not looked at and become 0.
+
+    Reads: episode (action, given).
+    Writes: episode (action, previous_action).
     """
     for w in worlds:
         for a in range(episode.action.shape[1]):
@@ -169,7 +172,11 @@ def take_given(worlds: Ints, sizes: Ints, episode: EpisodeState) -> None:
 
 @kernel
 def take_choice(worlds: Ints, grid: Floats, episode: EpisodeState) -> None:
-    """Move the latest action to ``previous_action`` and write the chosen row of ``grid``."""
+    """Move the latest action to ``previous_action`` and write the chosen row of ``grid``.
+
+    Reads: episode (action, choice).
+    Writes: episode (action, previous_action).
+    """
     for w in worlds:
         for a in range(episode.action.shape[1]):
             for c in range(episode.action.shape[2]):
@@ -180,6 +187,9 @@ def take_choice(worlds: Ints, grid: Floats, episode: EpisodeState) -> None:
 @kernel
 def command(worlds: Ints, agents: Ints, model: WorldModel, state: WorldState, episode: EpisodeState) -> None:
     """Map actions in [-1, 1] affinely to the agents' velocity limits; an agent whose episode is over stands still.
+
+    Reads: model (velocity_max, velocity_min), episode (action, outcome).
+    Writes: state (command).
 
     Args:
         worlds: The worlds to treat.
@@ -202,6 +212,9 @@ def command(worlds: Ints, agents: Ints, model: WorldModel, state: WorldState, ep
 def turn_commands(worlds: Ints, agents: Ints, state: WorldState) -> None:
     """Turn the commands of omnidirectional agents from the body frame into the world frame.
 
+    Reads: state (command, pose).
+    Writes: state (command).
+
     Args:
         worlds: The worlds to treat.
         agents: Bodies whose commands are velocities in the world frame, ``(n,)``.
@@ -216,7 +229,11 @@ def turn_commands(worlds: Ints, agents: Ints, state: WorldState) -> None:
 
 @kernel
 def rest(worlds: Ints, agents: Ints, model: WorldModel, episode: EpisodeState) -> None:
-    """Write the action that asks for standing still, or for the slowest command there is, where episodes begin."""
+    """Write the action that asks for standing still, or for the slowest command there is, where episodes begin.
+
+    Reads: model (velocity_max, velocity_min), episode (action, began).
+    Writes: episode (action, previous_action).
+    """
     for w in worlds:
         slowest, fastest = (
             model.velocity_min[row_of(model.velocity_min, w)],

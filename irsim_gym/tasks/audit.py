@@ -59,7 +59,7 @@ def check_audit(terms: Terms, sharing: Sharing, merged: Merged) -> None:
         made = _made_of(amounts, sharing)
         message = (
             f"an episode that ends as '{ending_for(ending.outcome)}' costs {sharing.own * penalty:g}{made}, "
-            f"one that goes on can cost {cost:g} ({_sum((one, one.weight) for one in running)}): "
+            f"one that continues can cost {cost:g} ({_sum((one, one.weight) for one in running)}): "
             f"{_cure(ending.outcome, bool(amounts), cost, sharing)}"
         )
         merged.report.add(merged.own_place(("rewards",), culprit), message)

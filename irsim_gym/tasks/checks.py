@@ -31,11 +31,11 @@ def choose_agents(scenario: Scenario, given: str | Sequence[str], team: bool, me
     """
     robots = scenario.robots
     if not robots:
-        problem = Problem(0, "robot", "there is no robot, so nobody can learn")
+        problem = Problem(0, "robot", "there is no robot that can learn")
         merged.outside.append((scenario.source.title, problem))
         return ()
     if scenario.world.step_mode == "external":
-        message = "nothing moves by itself, so nobody can learn; irsim_gym.load runs such a world by hand"
+        message = "the bodies do not move by themselves, so no robot can learn; irsim_gym.load runs such a world"
         merged.outside.append((scenario.source.title, scenario.problem(("world", "step_mode"), message)))
         return ()
     if not given:
@@ -48,7 +48,7 @@ def choose_agents(scenario: Scenario, given: str | Sequence[str], team: bool, me
     for i, name in enumerate(names):
         place: Place = ("agents",) if isinstance(given, str) else ("agents", i)
         if name in others:
-            merged.report.add(place, f"'{name}' is an obstacle; only robots learn")
+            merged.report.add(place, f"'{name}' is an obstacle; only robots can learn")
         elif name not in known:
             merged.report.add(place, _nobody(scenario, name, list(known)))
         elif name in names[:i]:
@@ -111,7 +111,7 @@ def check_action(scenario: Scenario, agents: Sequence[int], action: Any, report:
 
 def _body_problems(body: BodySpec, placement: PlacementSpec, b: int) -> list[str]:
     if placement.number_range is not None and b - placement.members[0] >= placement.number_range[0]:
-        return ["cannot learn: its number_range lets it be absent"]
+        return ["cannot learn: number_range may leave it out"]
     if body.static or body.kinematics is None:
         return ["cannot learn: it never moves"]
     if not np.isfinite([*body.vel_min, *body.vel_max]).all():
@@ -152,7 +152,7 @@ def _substitutes(place: Place, item: Any, bodies: Sequence[BodySpec], report: Re
             if (type(found), found.group_key()) != (type(first), first.group_key()):
                 both = f"{bodies[0].name} has {_described(first)}, {body.name} has {_described(found)}"
                 rule = "learners of one task need range sensors of one kind with the same beams, all noisy or none"
-                report.add(place, f"{rule}: {both}; task: {{agents: [NAME, ...]}} says who learns")
+                report.add(place, f"{rule}: {both}; task: {{agents: [NAME, ...]}} selects the learners")
                 break
         return [item]
     if not wanted:
@@ -189,4 +189,4 @@ def check_terms(terms: Terms, merged: Merged) -> None:
     outcomes = {ending.outcome for _, ending in terms["endings"]}
     for place, reward in terms["rewards"]:
         if reward.needs_ending and reward.outcome not in outcomes:
-            report.add(place, f"never paid: it needs the ending '{ending_for(reward.outcome)}'")
+            report.add(place, f"never applies: it needs the ending '{ending_for(reward.outcome)}'")

@@ -50,7 +50,7 @@ class Episodes:
 
     def __init__(self, simulation: Simulation, task: Task) -> None:
         if tuple(simulation.agents) != task.agents:
-            raise ValueError(f"the simulation commands bodies {tuple(simulation.agents)}, the task {task.agents}")
+            raise ValueError(f"the simulation's agents are {tuple(simulation.agents)}, the task {task.agents}")
         self.simulation = simulation
         self.task = task
         self._agents = np.array(task.agents, np.int64)

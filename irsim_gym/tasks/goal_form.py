@@ -37,20 +37,22 @@ def goal_terms(scenario: Scenario, agents: Sequence[int], terms: Terms, merged: 
     for b in agents:
         body = scenario.bodies[b]
         if body.arrive_mode == "state":
-            message = "arrives by place and heading (arrive_mode: state); observation_form 'goal' knows places alone"
+            message = (
+                "arrives by place and heading (arrive_mode: state); observation_form 'goal' supports positions only"
+            )
             merged.outside.append((scenario.source.title, Problem(body.line, body.name, message)))
         if len(body.goal) > 1 or body.wanders:
-            message = "has several goals, one after another; observation_form 'goal' is for one"
+            message = "has several goals; observation_form 'goal' supports one"
             merged.outside.append((scenario.source.title, Problem(body.line, body.name, message)))
     for place, reward in terms["rewards"]:
         if reward.needs_goal and not isinstance(reward, Arrival):
             name = REWARDS.name_of(type(reward))
-            message = f"'{name}' cannot be paid anew for another goal, as observation_form 'goal' asks"
-            report.add(place, f"{message}; leave it out ({{name: {name}, use: false}}), 'arrival' takes its place")
+            message = f"'{name}' cannot be computed for another goal, as observation_form 'goal' requires"
+            report.add(place, f"{message}; leave it out ({{name: {name}, use: false}}), use 'arrival' instead")
     seen = terms["observations"]
     kept = [(place, item) for place, item in seen if isinstance(item, GoalPosition) or not item.needs_goal]
     for place, item in kept:
         if isinstance(item, IsImage):
-            report.add(place, "a picture does not go with observation_form 'goal', which is made of numbers")
+            report.add(place, "observation_form 'goal' does not support pictures")
     given = {type(item) for _, item in kept}
     return [*kept, *((("observations",), kind()) for kind in (Heading, Position, GoalPosition) if kind not in given)]

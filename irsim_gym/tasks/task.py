@@ -25,41 +25,47 @@ from irsim_gym.tasks.layers import Layer, merge
 DEFAULT = "navigation"
 FAMILIES = {"observations": OBSERVATIONS, "rewards": REWARDS, "endings": ENDINGS}
 LONGEST_CHAIN = 8
-_LAID_OVER = "; laid over what the named task has, by name."
+_CHANGES = "; changes the terms of the named task by name."
 
 
 @kind
 class TaskOptions:
     """The keys of the section `task` and of files in `tasks/`; a default holds where the named task says nothing."""
 
-    name: str = option(DEFAULT, meaning="A shipped task or a file to build upon; 'blank' begins from nothing.")
+    name: str = option(DEFAULT, meaning="A shipped task or a file to extend; 'blank' starts from an empty task.")
     agents: str | tuple[str, ...] = option(
-        "", meaning="Who learns: a robot's name, a list of them, or 'all'; by default the first robot, in a team all."
+        "", meaning="Which robots learn: a name, a list of names, or 'all'; default: the first robot, or all in a team."
     )
     max_steps: int = option(500, ge=1, le=10**9, unit="steps", meaning="Time limit of an episode.")
     observation_form: Literal["flat", "dict", "goal"] = option(
         "flat",
-        meaning="One vector; a dictionary with one for each observation; or observation, achieved_goal, desired_goal.",
+        meaning="One vector (flat), a dictionary with a vector per observation (dict), or observation, "
+        "achieved_goal and desired_goal (goal).",
     )
     ended: Literal["stay", "vanish"] = option(
         "stay",
-        meaning="What the body of an agent does whose episode has ended: it stays, or is gone before the next step.",
+        meaning="What happens to the body of an agent whose episode has ended: it stays, or is removed before the "
+        "next step.",
     )
     team_reward: float = option(
         0.0,
         ge=0.0,
         le=1.0,
-        meaning="Share of each reward term that is the mean over all agents of the world; the rest is its own.",
+        meaning="Share of each reward term that is the mean over all agents of the world; the rest is the agent's own.",
     )
     deadlock_speed: float = option(
         0.05, ge=0.0, unit="m/s", meaning="An agent that is slower than this, away from its goal, counts as stalled."
     )
-    deadlock_time: float = option(5.0, gt=0.0, unit="s", meaning="An agent that is stalled for so long is deadlocked.")
-    audit: bool = option(True, meaning="Refuse rewards under which a crash or an escape would pay more than going on.")
+    deadlock_time: float = option(
+        5.0, gt=0.0, unit="s", meaning="An agent that is stalled for this time is deadlocked."
+    )
+    audit: bool = option(
+        True, meaning="Reject rewards under which crashing or leaving the world pays more than continuing."
+    )
     action: Any = option("velocity", meaning="What a learner commands.")
-    observations: tuple[Any, ...] = option((), meaning=f"What it observes{_LAID_OVER}")
-    rewards: tuple[Any, ...] = option((), meaning=f"What it is paid; the reward is their sum{_LAID_OVER}")
-    endings: tuple[Any, ...] = option((), meaning=f"What ends its episode, besides the time limit{_LAID_OVER}")
+    observations: tuple[Any, ...] = option((), meaning=f"What a learner observes{_CHANGES}")
+    rewards: tuple[Any, ...] = option((), meaning=f"Reward terms; the reward is their sum{_CHANGES}")
+    endings: tuple[Any, ...] = option((), meaning=f"What ends an episode, besides the time limit{_CHANGES}")
 
 
 @dataclass(frozen=True)
@@ -200,7 +206,7 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, Any] | None) -> 
     except MissingFileError as error:
         if error.problems[0].path or error.file not in (name, str(folder / name)):
             raise
-        message = f"{error.problems[0].message}, neither beside this file nor as given: {show(name)}"
+        message = f"{error.problems[0].message}, neither beside this file nor at the given path: {show(name)}"
         raise MissingFileError(top.title, [Problem(top.line(("name",)), _path(top), message)]) from None
     except UnknownNameError as error:
         raise ScenarioError(top.title, [Problem(top.line(("name",)), _path(top), str(error))]) from None
@@ -241,7 +247,7 @@ def _file_layers(file: Path, folder: Path) -> tuple[str, list[Layer]]:
             file = _find(base, file.parent) if isinstance(base, str) else library.find("", "tasks")
         except UnknownNameError as error:
             raise ScenarioError(source.title, [source.problem(("name",), str(error))]) from None
-    raise ScenarioError(str(file), [Problem(0, "name", f"tasks build upon each other more than {LONGEST_CHAIN} deep")])
+    raise ScenarioError(str(file), [Problem(0, "name", f"tasks extend each other more than {LONGEST_CHAIN} deep")])
 
 
 def _refuse_unreadable(source: Source) -> None:

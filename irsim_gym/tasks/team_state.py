@@ -34,6 +34,9 @@ def write_team_state(
     Positions are scaled so that the world's rectangle is [-1, 1] and cut to it, velocities (in the world frame) by the
     agent's largest limit. A goal that is not there is 0, 0; of a body that is not there all but the goal is 0.
 
+    Reads: model (bounds, has_goal, present, velocity_max, velocity_min), state (goal, pose, stopped, twist).
+    Writes: out.
+
     Args:
         worlds: The worlds to treat, ``(n,)``.
         agents: Body of each agent, ``(n_agents,)``.

@@ -126,8 +126,8 @@ class Asked:
         other = setting_differences(begun, wanted)
         if other:
             raise IrsimGymError(
-                f"{run.folder} holds a run with {listed(other)}: its schedule cannot change midway; name another "
-                f"folder by --out, or go on from its policy with other settings by --from {run.folder}"
+                f"{run.folder} holds a run with {listed(other)}: its schedule cannot change during a run; choose "
+                f"another folder with --out, or start from its policy with other settings with --from {run.folder}"
             )
         return begun
 

@@ -74,7 +74,7 @@ def _blind_spots(scenario: Scenario, task: Task | None) -> list[Problem]:
         return []
     body = scenario.bodies[task.agents[0]]
     message = (
-        f"whoever learns here observes nothing of {hidden}: a sensor and the observation scan, "
+        f"the learner observes nothing of {hidden}: a sensor and the observation scan, "
         "or nearest_bodies, which needs none, would show it"
     )
     return [Problem(body.line, body.name, message)]

@@ -43,7 +43,7 @@ def run_training(
         dev_levels: Levels of ``dev`` for each checkpoint; 0 scores none.
     """
     if resume and overwrite:
-        raise IrsimGymError("--resume goes on with a run and --overwrite begins anew: give one of them")
+        raise IrsimGymError("--resume continues a run and --overwrite replaces it: pass only one of them")
     console = Console(stderr=True)
     settings = asked.settings()
     folder, said = (out, "") if out is not None else asked.place(settings, resume, overwrite)
@@ -51,7 +51,7 @@ def run_training(
     if resume and run.exists():
         settings = asked.to_resume(run, settings)
     elif resume:
-        console.print(f"no run in {run.folder} to go on with: a new one begins", **PLAIN)
+        console.print(f"no run in {run.folder} to continue: starting a new one", **PLAIN)
     if said:
         console.print(said, **PLAIN)
     named = with_parameters(settings.scenario, settings.parameters)
@@ -62,12 +62,14 @@ def run_training(
         console.print(f"note: {note}", **PLAIN)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "device": asked.device, "console": console}
     try:
-        with ctrl_c_told("stopped at once; what the newest checkpoint holds is kept"):
+        with ctrl_c_told("stopped at once; the newest checkpoint is kept"):
             train(settings, run.folder, **how)
     except TrainingInterruptedError as stop:
-        raise TrainingInterruptedError(f"{stop}. Go on with the same command and --resume.", stop.signal) from None
+        raise TrainingInterruptedError(
+            f"{stop}. To continue, run the same command with --resume.", stop.signal
+        ) from None
     if dev_levels:
-        with ctrl_c_told("the training is finished, its scoring is not: the same command goes on with it."):
+        with ctrl_c_told("the training is finished, but its scoring is not: run the same command to continue."):
             points = score_run(run, levels=dev_levels, console=console)
         print_table(marks_table(points))
         for line in _verdict_lines(settings, run, points[-1]):
@@ -80,10 +82,10 @@ def _notes(settings: Settings) -> Iterator[str]:
     """Yield what is allowed but hardly meant."""
     wanted = settings.hyperparameters
     if wanted.team is not None and _team_size(settings) == 1:
-        yield "this team has one robot; --team is for several"
+        yield "this team has one robot; --team needs several"
     starts = wanted.arguments.get("learning_starts", 0)
     if starts >= wanted.n_timesteps:
-        yield f"nothing is learned: learning_starts is {starts:,}, and the run has {wanted.n_timesteps:,} steps"
+        yield f"the run learns nothing: learning_starts is {starts:,}, and the run has {wanted.n_timesteps:,} steps"
 
 
 def _team_size(settings: Settings) -> int:
@@ -137,10 +139,10 @@ def run_evaluation(
         IrsimGymError: There is nothing to evaluate, or ``out`` holds results already.
     """
     if not policies and not references:
-        raise IrsimGymError("nothing to evaluate: name a policy, or leave the reference rows on")
+        raise IrsimGymError("nothing to evaluate: name a policy, or keep the references")
     parameters = remembered_parameters(scenario, policies, parameters, strict=strict)
     if out is not None and has_results(out) and not overwrite:
-        raise IrsimGymError(f"{out} holds results: name another folder by --out, or replace them by --overwrite")
+        raise IrsimGymError(f"{out} holds results: choose another folder with --out, or replace them with --overwrite")
     folder = out or evaluation_folder(scenario, split, parameters, team, overwrite=overwrite)
     tell_changes(scenario, policies, task, strict=strict)
     evaluated = evaluate_team_policies if team else evaluate_policies
@@ -183,7 +185,7 @@ def run_rollout(
     if frames is not None:
         check_suffix(frames, FILMS, "a film")
     if team and record is not None:
-        raise IrsimGymError("--record keeps what one robot sees and does: leave --team out")
+        raise IrsimGymError("--record stores the steps of one robot: do not pass --team")
     used = remembered_parameters(scenario, [policy], parameters, strict=strict)
     tell_changes(scenario, [policy], task, strict=strict)
     chosen: dict[str, Any] = {"split": split, "task": task, "parameters": used, "strict": strict}

@@ -42,7 +42,7 @@ def run_demo(
     Raises:
         TrainingInterruptedError: Ctrl-C, or SIGTERM during training; the next call goes on.
     """
-    with ctrl_c_told("stopped. The same command goes on from here."):
+    with ctrl_c_told("stopped. Run the same command to continue."):
         _stages(folder, scenario, steps, levels, seed)
 
 
@@ -56,7 +56,7 @@ def _stages(folder: Path, scenario: str, steps: int | None, levels: int, seed: i
     try:
         train(settings, run.folder, resume=True, console=screen)
     except TrainingInterruptedError as stop:
-        raise TrainingInterruptedError(f"{stop}. The same command goes on from here.", stop.signal) from None
+        raise TrainingInterruptedError(f"{stop}. Run the same command to continue.", stop.signal) from None
     _copy(run, folder)
     _say(screen, 2, f"scoring the checkpoints on {levels:,} dev levels", False)
     points = score_run(run, levels=levels, console=screen)

@@ -131,15 +131,17 @@ def load_demonstrations(path: str | Path) -> Demonstrations:
     except UNREADABLE as error:
         if isinstance(error, DemonstrationError):
             raise
-        raise DemonstrationError(f"{path}: no file of demonstrations ({_what_is_wrong(Path(path), error)})") from None
+        raise DemonstrationError(
+            f"{path}: not a file of demonstrations ({_what_is_wrong(Path(path), error)})"
+        ) from None
 
 
 def _what_is_wrong(path: Path, error: Exception) -> str:
     """Return what a file is that holds no demonstrations, and what would be one."""
     if not path.is_file() or zipfile.is_zipfile(path):
         return str(error)
-    found = "it is empty" if path.stat().st_size == 0 else "it is no whole .npz archive, whatever its name says"
-    return f"{found}; irsim-gym play --record writes such files, and begins a new one where there is none"
+    found = "it is empty" if path.stat().st_size == 0 else "it is not a complete .npz archive"
+    return f"{found}; irsim-gym play --record writes such files"
 
 
 def save_demonstrations(path: Path, found: Demonstrations) -> None:

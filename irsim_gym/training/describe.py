@@ -50,7 +50,7 @@ def describe_scenario(
             to draw.
     """
     if picture is not None and picture.suffix.lower() not in SUFFIXES:
-        raise IrsimGymError(f"pictures are .png, .pdf or .svg files, got '{picture}'")
+        raise IrsimGymError(f"a picture must be a .png, .pdf or .svg file, got '{picture}'")
     worlds = Worlds(scenario, task=task, parameters=parameters, team=team, strict=strict)
     found = list(_each(worlds, team))
     if as_json:
@@ -88,7 +88,7 @@ def draw(worlds: Worlds, path: Path) -> None:
     worlds.begin([0], [LEVEL], [{"split": "dev"}], lambda _: LEVEL)
     panels = list(_panels(worlds, worlds.describe()))
     if not panels:
-        raise IrsimGymError("no picture: what this task observes has neither directions nor pictures")
+        raise IrsimGymError("no picture: this task observes neither directions nor pictures")
     simulation = worlds.simulation
     body = int(simulation.agents[0])
     found = simulation.scan(body)

@@ -54,7 +54,7 @@ def inheriting(settings: Settings, file: Path, policy: SavedPolicy) -> Settings:
     """
     if algorithm_of(policy) != settings.algorithm:
         raise IrsimGymError(
-            f"{file} was trained with {algorithm_of(policy)}, not {settings.algorithm}: --from goes on with the same"
+            f"{file} was trained with {algorithm_of(policy)}, not {settings.algorithm}: --from needs the same algorithm"
         )
     wanted = settings.hyperparameters
     own = dict(wanted.arguments.get("policy_kwargs") or {})
@@ -74,13 +74,13 @@ def inheriting(settings: Settings, file: Path, policy: SavedPolicy) -> Settings:
 def _plain_networks(file: Path, networks: Mapping[str, object]) -> dict[str, Any]:
     """Return the arguments that decide on the networks, as a hyper-parameter file holds them."""
     if "features_extractor_class" in networks:
-        raise IrsimGymError(f"{file} has a features extractor of its own, which only a script in Python can go on with")
+        raise IrsimGymError(f"{file} has a custom features extractor, which --from does not support")
     found = {name: networks[name] for name in SHAPES if name in networks}
     if "activation_fn" in found:
         called = getattr(found["activation_fn"], "__name__", str(found["activation_fn"]))
         names = {made: name for name, made in ACTIVATIONS.items()}
         if called not in names:
-            raise IrsimGymError(f"{file} has the activation function {called}, which --from does not know")
+            raise IrsimGymError(f"{file} has the activation function {called}, which --from does not support")
         found["activation_fn"] = names[called]
     return found
 
@@ -108,7 +108,7 @@ def take_weights(model: BaseAlgorithm, settings: Settings) -> None:
     ):
         if form_of(known) != form_of(here):
             raise IrsimGymError(
-                f"{file} was trained with {what} {form_of(known)}, but here they are {form_of(here)}: "
+                f"{file} was trained with {what} {form_of(known)}, but this task has {form_of(here)}: "
                 "--from needs the same observations and actions"
             )
     try:

@@ -144,4 +144,4 @@ def replaceable(run: Run) -> None:
     """
     is_empty = not run.folder.exists() or (run.folder.is_dir() and not any(run.folder.iterdir()))
     if not run.exists() and not is_empty:
-        raise IrsimGymError(f"{run.folder} holds no training run, and --overwrite replaces nothing else")
+        raise IrsimGymError(f"{run.folder} holds no training run; --overwrite replaces only runs")

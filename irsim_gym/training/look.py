@@ -34,7 +34,7 @@ def draw_level(
     from irsim_gym.render.sheet import save_sheet
 
     if out is not None and out.suffix not in (".png", ".pdf", ".svg"):
-        raise IrsimGymError(f"pictures are .png, .pdf or .svg files, got '{out}'")
+        raise IrsimGymError(f"a picture must be a .png, .pdf or .svg file, got '{out}'")
     simulation = begin_level(load_scenario(scenario, parameters, strict=strict), level, split, task)
     path = out or Path(f"{simulation.scenario.name}.png")
     parts = simulation.model, simulation.state, simulation.sensors

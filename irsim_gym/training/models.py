@@ -46,7 +46,7 @@ def device_of(wanted: str) -> str:
     if kind not in there:
         raise IrsimGymError(f"device must be auto, cpu, cuda, cuda:1 (and so on) or mps, got '{wanted}'")
     if not there[kind]:
-        raise IrsimGymError(f"device {wanted}: PyTorch {torch.__version__} finds none here; take cpu or auto")
+        raise IrsimGymError(f"device {wanted}: PyTorch {torch.__version__} finds none here; use cpu or auto")
     if kind == "cuda" and number and not int(number) < torch.cuda.device_count():
         raise IrsimGymError(f"device {wanted}: there are cuda:0 to cuda:{torch.cuda.device_count() - 1} here")
     return wanted
@@ -106,7 +106,7 @@ def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, fil
     try:
         state = files.load_state(newest)
     except Exception as error:
-        raise IrsimGymError(f"cannot go on from {newest}, perhaps another version wrote it: {error}") from error
+        raise IrsimGymError(f"cannot resume from {newest}; another version may have written it: {error}") from error
     normalization = newest / files.NORMALIZATION
     device = device_of(settings.hyperparameters.device)
     env = build_environment(settings, normalization if normalization.is_file() else None)

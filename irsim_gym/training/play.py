@@ -228,7 +228,7 @@ class Player:
 
     def _reload(self) -> None:
         if self._recorder is not None:
-            self._say("the file is not read again while demonstrations are recorded")
+            self._say("the file is not reloaded while demonstrations are recorded")
             return
         self._level = self._wishes.level
         self._change(self._scenario.bodies[self._body].name)
@@ -238,7 +238,7 @@ class Player:
         robots = self._scenario.robots
         self._driver.keyboard.key_id = self._number
         if self._recorder is not None:
-            self._say("recorded is one robot alone: --robot chooses it")
+            self._say("only one robot is recorded: choose it with --robot")
         elif number >= len(robots):
             self._say(f"there is no robot {number}: there are {len(robots)}, from 0 on")
         else:

@@ -176,7 +176,7 @@ def policy_file(source: str | Path) -> Path:
     if not path.is_file():
         near = suggestion(str(source), REFERENCES)
         raise IrsimGymError(
-            f"no policy at {source}{near}; give a .zip, a run's folder, or one of {', '.join(REFERENCES)}"
+            f"no policy at {source}{near}; use a .zip, a run's folder, or one of {', '.join(REFERENCES)}"
         )
     return path
 
@@ -204,7 +204,7 @@ def _algorithm(path: Path) -> type[BaseAlgorithm]:
         with zipfile.ZipFile(path) as archive:
             data = json.loads(archive.read("data"))
     except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        raise IrsimGymError(f"{path} is no policy of Stable-Baselines3: {error}") from error
+        raise IrsimGymError(f"{path} is not a policy of Stable-Baselines3: {error}") from error
     module = str(data["policy_class"].get("__module__", ""))
     if "recurrent" in module:
         return find_algorithm("recurrent_ppo").load()

@@ -44,7 +44,7 @@ class Recorder:
 
     def __init__(self, env: gymnasium.Env[Any, Any], path: Path) -> None:
         if path.suffix != SUFFIX:
-            raise DemonstrationError(f"demonstrations are {SUFFIX} files, got '{path.name}'")
+            raise DemonstrationError(f"demonstrations must be {SUFFIX} files, got '{path.name}'")
         self.path, self.about = path, _about(env)
         self._earlier = load_demonstrations(path) if path.exists() else None
         if self._earlier is not None:

@@ -40,10 +40,10 @@ def remembered_parameters(
     agreed = {name: found[0] for name, found in values.items() if all(value == found[0] for value in found)}
     used = {name: value for name, value in agreed.items() if value != defaults[name]}
     if used:
-        _say(f"{with_parameters(scenario, used)}, as in training; --set NAME=VALUE asks for others")
+        _say(f"{with_parameters(scenario, used)}, as in training; use --set NAME=VALUE to change them")
     differing = {name: default for name, default in open_ones.items() if name not in agreed}
     if differing:
-        _say(f"{with_parameters(scenario, differing)}, the defaults, as the policies were trained with others")
+        _say(f"{with_parameters(scenario, differing)}, the defaults, because the policies were trained with others")
     return {**asked, **used}
 
 

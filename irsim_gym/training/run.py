@@ -182,7 +182,7 @@ def scenario_name(scenario: str) -> str:
     """
     found = IDS.scenario(scenario)
     if not isinstance(found, str | Path):
-        raise IrsimGymError(f"'{scenario}' stands for plain data: write it into a file, and name that")
+        raise IrsimGymError(f"'{scenario}' is plain data: save it to a file and name the file")
     return str(found)
 
 

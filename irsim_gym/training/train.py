@@ -84,7 +84,7 @@ def train(
     """
     run, screen = Run(folder), console or Console(stderr=True)
     if run.folder.is_file():
-        raise IrsimGymError(f"{run.folder} is a file; a run needs a folder, name one by --out")
+        raise IrsimGymError(f"{run.folder} is a file; choose a folder with --out")
     now = settings.snapshot()
     if overwrite:
         replaceable(run)
@@ -122,13 +122,13 @@ def _check(run: Run, settings: Settings, now: Snapshot, resume: bool, screen: Co
     before = run.snapshot()
     changed = [] if before is None else differences(before, now)
     found = [*setting_differences(run.settings(), settings), *([] if resume else changed)]
-    ways = "name another folder by --out, or begin anew by --overwrite"
+    ways = "choose another folder with --out, or replace the run with --overwrite"
     if found:
         raise IrsimGymError(f"{run.folder} holds a run with other settings ({listed(found)}); {ways}")
     if not resume and not run.finished() and files.list_checkpoints(run.checkpoints):
-        raise IrsimGymError(f"{run.folder} holds an unfinished run; go on with it by --resume, {ways}")
+        raise IrsimGymError(f"{run.folder} holds an unfinished run; continue it with --resume, {ways}")
     if changed:
-        message = f"the scenario has changed since this run began ({listed(changed)}); it keeps to its copy, {run.copy}"
+        message = f"the scenario has changed since this run began ({listed(changed)}); it uses its copy, {run.copy}"
         screen.print(message, markup=False, highlight=False, soft_wrap=True)
 
 

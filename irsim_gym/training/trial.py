@@ -95,7 +95,7 @@ def _wait(child: subprocess.Popen[bytes], files: Sequence[str]) -> int:
     with suppress(subprocess.TimeoutExpired):
         return child.wait(WAIT_MESSAGE_S)
     over = "\r\x1b[2K" if sys.stderr.isatty() else ""  # the other process may show there what it compiles
-    print(f"{over}irsim_gym: playing {', '.join(files)} for some steps, to see whether it runs", file=sys.stderr)
+    print(f"{over}irsim_gym: playing {', '.join(files)} for some steps, to check that it runs", file=sys.stderr)
     return child.wait()
 
 

@@ -101,12 +101,12 @@ def _hints(point: Mapping[str, float], scenario: Scenario, task: Task) -> list[s
         )
     if point["no_way"] >= SOME:
         hints.append(
-            f"in {point['no_way']:.0%} of the levels no way was found that the robot fits through: "
+            f"in {point['no_way']:.0%} of the levels, no path wide enough for the robot was found: "
             "`reachable: true` in its distribution, or fewer and smaller obstacles"
         )
     if point["too_far"] >= SOME:
         hints.append(
-            f"in {point['too_far']:.0%} of the levels the way takes longer than max_steps "
+            f"in {point['too_far']:.0%} of the levels, the path takes longer than max_steps "
             f"({task.max_steps}) at full speed: raise it"
         )
     if point["hit_at_once"] >= SOME:
@@ -126,12 +126,12 @@ def _hints_by_end(point: Mapping[str, float], task: Task) -> list[str]:
     if point["stood_still"] >= MOST:
         fine = f" (now {weights['Collision']:g})" if "Collision" in weights else ""
         return [
-            "trying has cost more than standing still: nearer goals or fewer obstacles to begin with, "
+            "moving costs more than standing still: start with nearer goals or fewer obstacles, "
             f"a smaller weight of the reward collision{fine}, and more --steps"
         ]
     if point["collision"] >= MOST:
         moving = point["hit_moving_obstacle"] + point["hit_robot"] >= 0.5 * point["collision"]
-        speeds = ", or past_scans, which shows who moves where" if moving else ""
+        speeds = ", or past_scans, which shows moving obstacles" if moving else ""
         return [f"more --steps; more beams or range of the sensor{speeds}; a larger weight of the reward clearance"]
     if point["left_world"] >= MOST:
         return ["a wall around the world (a linestring), which a sensor sees; or a larger weight of left_world"]

@@ -45,7 +45,7 @@ def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
         for name in progress.track(chosen, description="compiling"):
             use(load_scenario(name, strict=strict))
     place = cache_folder()
-    kept = f"kept in {place}" if place else "kept nowhere: no folder can be written, NUMBA_CACHE_DIR names another"
+    kept = f"kept in {place}" if place else "not cached: no folder is writable; set NUMBA_CACHE_DIR"
     spent = time.perf_counter() - begun
     ready = f"{len(chosen)} scenario{'s' * (len(chosen) != 1)} ready"
     print(f"{ready}: {watch.compiled - before} kernels compiled in {spent:.0f} s, {kept}")

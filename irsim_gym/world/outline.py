@@ -92,7 +92,10 @@ def extent(segments: Floats, discs: Floats) -> tuple[float, float]:
 
 @kernel
 def outline_of(model: WorldModel, state: WorldState, w: int, b: int) -> BodyOutline:
-    """Return the outline of body b of world w in the world frame."""
+    """Return the outline of body b of world w in the world frame.
+
+    Reads: model (disc_count, disc_start, segment_count, segment_start, solid), state (discs, segments).
+    """
     return BodyOutline(
         state.segments[w], model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b],
         state.discs[w], model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b], model.solid[b],
@@ -104,6 +107,10 @@ def place_outline(model: WorldModel, state: WorldState, w: int, b: int) -> None:
     """Write the outline of body b of world w at its pose.
 
     A vertex that two segments share in the body frame is shared bit for bit in the world frame.
+
+    Reads: model (disc_count, disc_start, local_discs, local_segments, segment_count, segment_start, solid), state
+        (discs, pose, segments).
+    Writes: state (discs, segments).
     """
     local_segments = model.local_segments[row_of(model.local_segments, w)]
     local_discs = model.local_discs[row_of(model.local_discs, w)]

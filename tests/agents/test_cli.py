@@ -159,7 +159,7 @@ def test_check_plays_teams_and_draws_levels(
 def test_who_waits_long_is_told_what_for(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(trial, "WAIT_MESSAGE_S", 0.0)
     assert run(monkeypatch, "check", "empty_goal") == 0
-    assert "playing empty_goal for some steps, to see whether it runs" in capfd.readouterr().err
+    assert "playing empty_goal for some steps, to check that it runs" in capfd.readouterr().err
 
 
 def test_schema_is_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -354,8 +354,8 @@ def test_behaviours_of_ones_own(
     ("name", "said"),
     [
         ("nowhere.py", "no file"),
-        ("nowhere", "no module named 'nowhere' here or installed; a file is given with its suffix"),
-        ("json.py", "another module named 'json' is loaded already: rename json.py"),
+        ("nowhere", "no module named 'nowhere' in this folder or installed; name a file with its suffix"),
+        ("json.py", "another module named 'json' is already loaded; rename json.py"),
     ],
 )
 def test_imports_that_cannot_be(

@@ -106,7 +106,7 @@ def test_a_number_tells_runs_apart_whose_names_are_alike() -> None:
     assert wanted.place(settings, resume=True, overwrite=False)[0] == second
     assert wanted.place(settings, resume=False, overwrite=True)[0] == first
     Path("ppo.yaml").write_text(f"default: {{{TINY}, gamma: 0.5}}")
-    with pytest.raises(IrsimGymError, match=r"gamma nothing, asked for: 0\.5: its schedule cannot change midway"):
+    with pytest.raises(IrsimGymError, match=r"gamma nothing, asked for: 0\.5: its schedule cannot change during a run"):
         wanted.to_resume(Run(first), wanted.settings())
 
 
@@ -123,7 +123,7 @@ def test_a_refused_folder_names_what_differs(monkeypatch: pytest.MonkeyPatch, ca
     assert "(robot[0].sensors[0].range_max 4, now 5)" in capsys.readouterr().err
     assert command(monkeypatch, *train_here, "--resume", "--overwrite") == 1
     assert command(monkeypatch, *train_here, "--resume", "--seed", 2) == 1
-    assert "seed 0, asked for: 2: its schedule cannot change midway" in capsys.readouterr().err
+    assert "seed 0, asked for: 2: its schedule cannot change during a run" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -155,9 +155,9 @@ def test_beginning_anew(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     Path("mine/thesis.txt").write_text("mine")
     train_anew = ["train", "yard.yaml", "--hyperparameters", "ppo.yaml", "--overwrite", "--dev-levels", 0, "--out"]
     assert command(monkeypatch, *train_anew, "mine") == 1
-    assert "mine holds no training run, and --overwrite replaces nothing else" in capsys.readouterr().err
+    assert "mine holds no training run; --overwrite replaces only runs" in capsys.readouterr().err
     assert command(monkeypatch, *train_anew[:4], "--dev-levels", 0, "--out", "ppo.yaml") == 1
-    assert "ppo.yaml is a file; a run needs a folder, name one by --out" in capsys.readouterr().err
+    assert "ppo.yaml is a file; choose a folder with --out" in capsys.readouterr().err
     assert command(monkeypatch, *train_anew, "run", "--set", "sped=2") == 1
     assert run.settings().seed == 5  # the settings that are asked for cannot be used
     assert command(monkeypatch, *train_anew, "run") == 0
@@ -238,7 +238,7 @@ def test_going_on_from_a_policy_with_other_settings(monkeypatch: pytest.MonkeyPa
     Path("wide.yaml").write_text(f"default: {{{TINY.replace('[8]', '[32, 32]')}, gamma: 0.5}}")
     onward = asked("empty_goal", origin="source", hyperparameters=Path("wide.yaml"), task="little.yaml")
     Path("little.yaml").write_text("name: blank\nobservations: [goal]\nrewards: [progress]\nendings: [arrived]\n")
-    with pytest.raises(IrsimGymError, match=r"trained with observations of shape \(\d+,\), but here they are of shape"):
+    with pytest.raises(IrsimGymError, match=r"trained with observations of shape \(\d+,\), but this task has"):
         train(onward.settings(), Path("onward"))
     assert not Path("onward").exists()
     with pytest.raises(IrsimGymError, match="was trained with ppo, not a2c"):
@@ -284,7 +284,7 @@ def test_an_evaluation_keeps_earlier_results(monkeypatch: pytest.MonkeyPatch, ca
     there = Path("runs/evaluation-empty_goal-test")
     before = (there / "summary.json").stat().st_mtime_ns
     assert command(monkeypatch, *evaluate, "--out", there) == 1
-    assert f"{there} holds results: name another folder by --out, or replace them" in capsys.readouterr().err
+    assert f"{there} holds results: choose another folder with --out, or replace them" in capsys.readouterr().err
     assert (there / "summary.json").stat().st_mtime_ns == before
     assert command(monkeypatch, *evaluate, "--out", there, "--overwrite") == 0
     assert (there / "summary.json").stat().st_mtime_ns > before

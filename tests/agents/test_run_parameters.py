@@ -92,12 +92,12 @@ def test_policies_are_driven_with_what_their_runs_were_trained_with(
     three, four = begun(file, "three", n_robots=3), begun(file, "four", n_robots=4, speed=0.5)
     plain = begun(file, "plain")
     assert remembered_parameters(file, [three, "dash"]) == {"n_robots": 3}
-    assert capsys.readouterr().err == "swap.yaml (n_robots = 3), as in training; --set NAME=VALUE asks for others\n"
+    assert capsys.readouterr().err == "swap.yaml (n_robots = 3), as in training; use --set NAME=VALUE to change them\n"
     assert remembered_parameters(file, [f"{four}/policy.zip"]) == {"n_robots": 4, "speed": 0.5}
     assert remembered_parameters(file, [four], {"n_robots": "7"}) == {"n_robots": "7", "speed": 0.5}
     capsys.readouterr()
     assert remembered_parameters(file, [three, begun(file, "third", n_robots=3, speed=0.5)]) == {"n_robots": 3}
-    assert "(speed = 1), the defaults, as the policies were trained with others" in capsys.readouterr().err
+    assert "(speed = 1), the defaults, because the policies were trained with others" in capsys.readouterr().err
     assert remembered_parameters(file, [three, plain]) == {}
     assert "(n_robots = 2), the defaults" in capsys.readouterr().err
     assert remembered_parameters(file, [plain, "dash"]) == {}
@@ -161,7 +161,7 @@ def test_the_command_line(file: str, monkeypatch: pytest.MonkeyPatch, capsys: py
     [
         (["--set", "n_robots"], "write NAME=VALUE, e.g. --set n_robots=8, got 'n_robots'"),
         (["--set", "a=1", "--set", "a=2"], "'a' is given twice"),
-        (["--set", "seed=2"], "'seed' can be no parameter of a scenario"),
+        (["--set", "seed=2"], "'seed' cannot be a parameter of a scenario"),
         (["--set", "robots=2"], "did you mean 'n_robots'?"),
         (["--set", "n_robots=many"], "must be a whole number from 1 to 9, got 'many'"),
     ],

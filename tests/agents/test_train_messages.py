@@ -37,7 +37,7 @@ def stop(*_: object, **__: object) -> None:
 def test_a_log_has_a_line_for_each_checkpoint(train: Train) -> None:
     status, said = train("empty_goal", "--dev-levels", "0", "--resume")
     assert status == 0
-    assert said[0] == "no run in runs/empty_goal-ppo-0 to go on with: a new one begins"
+    assert said[0] == "no run in runs/empty_goal-ppo-0 to continue: starting a new one"
     assert said[1] == "training PPO on empty_goal, seed 0, in runs/empty_goal-ppo-0"
     form = r"(\d+) of 512 steps after \d+ s(, success \d+% of recent training episodes)?"
     found = [match[1] for match in (re.fullmatch(form, line) for line in said) if match]
@@ -51,7 +51,7 @@ def test_scoring_that_is_stopped_goes_on_with_the_same_command(train: Train, mon
         status, said = train(*command)
     assert status == 130
     assert "scoring 3 checkpoints on 2 dev levels" in said
-    assert said[-1] == "the training is finished, its scoring is not: the same command goes on with it."
+    assert said[-1] == "the training is finished, but its scoring is not: run the same command to continue."
     assert train(*command)[0] == 0
     assert Path("runs/empty_goal-ppo-0/curve.csv").is_file()
 
@@ -60,7 +60,7 @@ def test_a_second_ctrl_c_is_told_too(train: Train, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("irsim_gym.training.monitoring.TrainingMonitor.note", stop)
     status, said = train("empty_goal")
     assert status == 130
-    assert said[-1].endswith("what the newest checkpoint holds is kept. Go on with the same command and --resume.")
+    assert said[-1].endswith("the newest checkpoint is kept. To continue, run the same command with --resume.")
 
 
 def test_a_demonstration_that_is_stopped(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -69,18 +69,18 @@ def test_a_demonstration_that_is_stopped(monkeypatch: pytest.MonkeyPatch, capsys
     with pytest.raises(SystemExit) as end:
         main()
     assert end.value.code == 130
-    assert capsys.readouterr().err == "stopped. The same command goes on from here.\n"
+    assert capsys.readouterr().err == "stopped. Run the same command to continue.\n"
 
 
 def test_a_run_that_ends_before_learning_starts_is_noted(train: Train) -> None:
     Path("ppo.yaml").write_text("default: {n_timesteps: 64, n_envs: 4, learning_starts: 100, buffer_size: 100}")
     status, said = train("empty_goal", "--dev-levels", "0", "--algorithm", "sac")
     assert status == 0
-    assert said[1] == "note: nothing is learned: learning_starts is 100, and the run has 64 steps"
+    assert said[1] == "note: the run learns nothing: learning_starts is 100, and the run has 64 steps"
 
 
 def test_a_team_of_one_is_noted(train: Train) -> None:
     status, said = train("empty_goal", "--dev-levels", "0", "--team", "episode")
     assert status == 0
     assert said[0] == "training PPO on empty_goal, seed 0, in runs/empty_goal-ppo-episode-0"
-    assert said[1] == "note: this team has one robot; --team is for several"
+    assert said[1] == "note: this team has one robot; --team needs several"

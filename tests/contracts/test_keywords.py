@@ -48,7 +48,7 @@ def test_monitor_files_are_those_of_stable_baselines3(tmp_path):
         ({"vec_env_kwargs": {"start_method": "fork"}}, IrsimGymError, "env_util.make_vec_env"),
         ({"env_kwargs": {"max_steps": 3}, "max_steps": 4}, TypeError, "max_steps is given twice"),
         ({"env_kwargs": {"max_step": 3}}, UnknownNameError, "'max_step' .did you mean 'max_steps'"),
-        ({"env_kwargs": 3}, TypeError, "env_kwargs holds keywords by their names"),
+        ({"env_kwargs": 3}, TypeError, "env_kwargs must map names of keywords to values"),
         ({"monitor_kwargs": {"info_keyword": ()}}, UnknownNameError, "did you mean 'info_keywords'"),
         ({"monitor_kwargs": {"allow_early_resets": False}}, IrsimGymError, "each in a Monitor"),
     ],
@@ -95,9 +95,9 @@ MAKERS = {
         ("num_thread", "did you mean 'num_threads', an argument of make_vec, make_batch and those of sb3?"),
         ("num_worlds", "the number of worlds is 'num_envs' of make_vec, make_batch and sb3.make_multi_agent_vec_env"),
         ("horizon", "the time limit is 'max_steps'"),
-        ("kwargs", "give what it would hold as keywords of this function"),
-        ("env_config", "give what it would hold as keywords of this function"),
-        ("num_workers", "worlds of a batch are shared by threads, 'num_threads'"),
+        ("kwargs", "pass its contents as keywords of this function"),
+        ("env_config", "pass its contents as keywords of this function"),
+        ("num_workers", "use 'num_threads'"),
     ],
 )
 def test_a_keyword_of_nobody_leads_to_one_that_exists(name, told):
@@ -110,9 +110,9 @@ def test_a_keyword_of_nobody_leads_to_one_that_exists(name, told):
 @pytest.mark.parametrize(
     ("name", "owners", "told"),
     [
-        ("env_kwargs", ("sb3.make_vec_env",), "an argument of sb3.make_vec_env; give what it would hold as keywords"),
+        ("env_kwargs", ("sb3.make_vec_env",), "an argument of sb3.make_vec_env; pass its contents as keywords"),
         ("monitor_dir", ("sb3.make_vec_env",), "an argument of sb3.make_vec_env"),
-        ("wrapper_class", ("sb3.make_vec_env",), "Stable-Baselines3's own make_vec_env; put wrappers around"),
+        ("wrapper_class", ("sb3.make_vec_env",), "Stable-Baselines3's own make_vec_env; wrap the returned environment"),
         ("vector_kwargs", ("make_vec",), "an argument of make_vec with vectorization_mode='sync'"),
         ("max_cycles", ("parallel_env",), "an argument of parallel_env; the time limit is 'max_steps'"),
         ("autoreset_mode", ("make_vec",), "an argument of make_vec"),

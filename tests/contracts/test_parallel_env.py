@@ -24,7 +24,7 @@ from irsim_gym.tasks import HitKind, Outcome
 def test_a_list_of_actions_is_refused_in_words():
     env = irsim_gym.parallel_env("circle_swap", n_robots=2)
     env.reset(seed=0)
-    with pytest.raises(TypeError, match="actions are a dict with one for each agent by its name, got list"):
+    with pytest.raises(TypeError, match="actions must be a dict with one action per agent name, got list"):
         env.step([[0, 0], [0, 0]])
     with pytest.raises(ValueError, match=r"n_worlds must be a whole number >= 1, got 2\.5"):
         irsim_gym.make_vec("empty_goal", 2.5)
@@ -146,7 +146,7 @@ def test_the_limit_may_be_set():
 
 
 def test_limits_that_make_no_sense():
-    with pytest.raises(ValueError, match="max_steps and max_cycles are one thing, got 3 and 4"):
+    with pytest.raises(ValueError, match="max_steps and max_cycles are the same limit, got 3 and 4"):
         irsim_gym.parallel_env(crossing(), max_steps=3, max_cycles=4)
     env = irsim_gym.parallel_env(crossing(), max_steps=3, max_cycles=3)
     with pytest.raises(ValueError, match="must be a whole number >= 1, got 0"):

@@ -131,7 +131,7 @@ def test_a_start_in_a_wall_holds_nobody_where_collisions_do_not_count() -> None:
 
 
 def test_nobody_learns_where_nothing_moves() -> None:
-    with pytest.raises(ScenarioError, match=r"world\.step_mode: nothing moves by itself"):
+    with pytest.raises(ScenarioError, match=r"world\.step_mode: the bodies do not move by themselves"):
         ig.make({"world": {"step_mode": "external"}, "robot": DASH})
 
 

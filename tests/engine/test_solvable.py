@@ -101,7 +101,7 @@ def test_bounds_that_do_not_fit_the_world_are_told_with_their_line() -> None:
 @pytest.mark.parametrize(
     ("robot", "message"),
     [
-        ({"number_range": [0, 1], "distribution": RANDOM}, "its number_range lets it be absent"),
+        ({"number_range": [0, 1], "distribution": RANDOM}, "number_range may leave it out"),
         ({"behavior": {"name": "dash", "loop": True}}, "has no goal"),
     ],
 )

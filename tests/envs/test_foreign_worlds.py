@@ -76,7 +76,7 @@ def test_by_hand_a_robot_may_begin_within_an_obstacle(tmp_path: Path) -> None:
         ScenarioError, match=r"held.yaml:2   robot_0: the start lies in 'obstacle_1' \(line 3\); a robot"
     ):
         irsim_gym.make(file)
-    with pytest.warns(ScenarioWarning, match=r"held.yaml:2   robot_0: the start lies in .*: the robot is held there"):
+    with pytest.warns(ScenarioWarning, match=r"held.yaml:2   robot_0: the start lies in .*: the robot is stuck there"):
         world = irsim_gym.load(file)
     for _ in range(3):
         world.step([1.0, 0.0])

@@ -111,11 +111,11 @@ def test_batches(kind: str) -> None:
 @pytest.mark.parametrize(
     ("scenario", "task", "words"),
     [
-        (world(), {"observation_form": "goal"}, "progress.*cannot be paid anew for another goal"),
-        (world(goal=[[3, 4], [5, 4]]), TASK, "has several goals, one after another"),
+        (world(), {"observation_form": "goal"}, "progress.*cannot be computed for another goal"),
+        (world(goal=[[3, 4], [5, 4]]), TASK, "has several goals; observation_form 'goal' supports one"),
         (world(arrive_mode="state"), TASK, "arrive_mode: state"),
         (world(goal=None), TASK, "has no goal"),
-        (world(), {**TASK, "observations": ["top_view"]}, "a picture does not go with"),
+        (world(), {**TASK, "observations": ["top_view"]}, "does not support pictures"),
         ({**world(), "robot": [ROBOT, {**ROBOT, "state": [7, 2]}]}, {**TASK, "agents": "all"}, "is for one learner"),
     ],
 )

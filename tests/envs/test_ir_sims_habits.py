@@ -15,7 +15,7 @@ import irsim_gym
 from irsim_gym.envs.by_hand import OF_WORLDS
 from irsim_gym.errors import UnknownKeywordError
 
-LOAD = r"run by hand, as in IR-SIM, is irsim_gym\.load\('my_world\.yaml'\), or irsim\.make"
+LOAD = r"run a world by hand, as in IR-SIM, use irsim_gym\.load\('my_world\.yaml'\), or irsim\.make"
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,7 @@ def test_the_environment_is_otherwise_as_gymnasium_makes_it() -> None:
     assert env.spec == plain.spec
     assert gymnasium.wrappers.ClipAction(env).spec == gymnasium.wrappers.ClipAction(plain).spec
     assert env.get_wrapper_attr("worlds") is env.unwrapped.worlds  # type: ignore[attr-defined]
-    with pytest.raises(AttributeError, match=r"'worlds' \(env\.unwrapped\.worlds is there\)$"):
+    with pytest.raises(AttributeError, match=r"'worlds' \(env\.unwrapped\.worlds exists\)$"):
         env.worlds  # type: ignore[attr-defined]  # noqa: B018
     with pytest.raises(AttributeError, match=r"'nothing'$"):
         env.nothing  # type: ignore[attr-defined]  # noqa: B018

@@ -101,7 +101,7 @@ def test_an_argument_of_another_function_is_told_with_its_owner(file: str) -> No
 def test_a_loaded_scenario_has_its_parameters_already(file: str) -> None:
     scenario = irsim_gym.load_scenario(file, {"n_robots": 3})
     assert len(Worlds(scenario).scenario.bodies) == 3
-    with pytest.raises(UnknownNameError, match="'n_robots': parameters are for load_scenario"):
+    with pytest.raises(UnknownNameError, match="'n_robots': pass parameters to load_scenario"):
         Worlds(scenario, parameters={"n_robots": 4})
 
 

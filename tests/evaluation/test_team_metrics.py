@@ -72,7 +72,7 @@ def test_summary_of_a_handful() -> None:
 def test_outcomes_of_agents_add_up() -> None:
     with pytest.raises(AssertionError, match="those of all agents"):
         summarize_team("some", [level(0, agent("running", 1.0), agent("success", 1.0))])
-    with pytest.raises(AssertionError, match="must be with something"):
+    with pytest.raises(AssertionError, match="must have a kind"):
         summarize_team("some", [level(0, agent("collision", 1.0, hit="ghost"))])
     with pytest.raises(AssertionError, match="as many agents"):
         summarize_team("some", [ALL_ARRIVE, level(1, agent("success", 1.0))])

@@ -149,7 +149,7 @@ def test_options_are_checked_when_a_behaviour_is_known() -> None:
     def late(ego: Any, others: Any, *, gain: float = 0.0) -> Any:
         return [gain, 0.0]
 
-    with pytest.raises(BehaviorError, match=r"'late' is registered now: world\.load_behavior"):
+    with pytest.raises(BehaviorError, match=r"'late' is registered now; call world\.load_behavior"):
         world.step()
     with pytest.raises(ScenarioError, match=r"gian: unknown key \(did you mean 'gain'\?\)"):
         world.load_behavior("math")

@@ -25,9 +25,9 @@ class Decision:
 DECISIONS = {
     "exact_disc": Decision(
         "a circle is a polygon of 64 corners",
-        "a circle is a disc: it may touch one step earlier, and ranges to it are shorter: by 0.0011 r in the median, "
-        "less than 0.003 r for 95 and 0.007 r for 99 of 100 beams, up to 0.09 r where they graze it, and 1 in 2000 "
-        "hits the disc alone (16,088 beams of ir-sim's own scans of ten discs)",
+        "a circle is a disc: it may touch one step earlier, and ranges to it are shorter: by 0.0011 r in the "
+        "median, less than 0.003 r for 95 and 0.007 r for 99 of 100 beams, up to 0.09 r for grazing beams, and 1 "
+        "in 2000 hits only the disc (16,088 beams of ir-sim's own scans of ten discs)",
         "the outline is exact, and cheaper to test",
         "circles are 64-gons",
     ),
@@ -46,13 +46,13 @@ DECISIONS = {
     ),
     "fixed_bodies_do_not_arrive": Decision(
         "static bodies have goals and arrive at them",
-        "only what can move has a goal",
+        "only bodies that can move have a goal",
         "a wall at (1, 9) did not arrive",
         "D4",
     ),
     "omni_frame": Decision(
         "omni takes forward and lateral velocity in the body frame",
-        "[vx, vy] in the world frame; limits bind there, also for behaviours; `frame: body` gives IR-SIM's run",
+        "[vx, vy] in the world frame; limits apply there, also for behaviours; `frame: body` gives IR-SIM's run",
         "the documentation says 'along the x and y axes'",
         "D6",
     ),
@@ -70,60 +70,60 @@ DECISIONS = {
     ),
     "variance_count": Decision(
         "alpha may be longer than the drive needs, and a short one crashes when noise is drawn",
-        "it has as many numbers as the drive says, none negative, or an error names it",
-        "a number that nothing reads is a mistake",
+        "it must have as many numbers as the drive needs, none negative",
+        "an unused number is a mistake",
         "section 3.1",
     ),
     "python_behaviors": Decision(
-        "register_behavior(kinematics, name) hands out the simulator's own objects; unknown options are ignored",
-        "behaviours get read-only views; commands are checked, and the options of irsim_gym.behavior(name)",
-        "a behaviour that writes into its neighbours depends on the order of the bodies",
+        "register_behavior(kinematics, name) passes the simulator's own objects; unknown options are ignored",
+        "behaviours get read-only views; commands and the options of irsim_gym.behavior(name) are checked",
+        "the results of a behaviour that changes its neighbours depend on the order of the bodies",
         "section 8.6",
     ),
     "unobstructed_is_symmetric": Decision(
-        "others drive through an unobstructed body, but it is itself stopped by them",
-        "it touches nobody; behaviours avoid it and sensors miss it, as in IR-SIM",
+        "others drive through an unobstructed body, but they stop it",
+        "it touches nothing; behaviours avoid it and sensors miss it, as in IR-SIM",
         "the documentation says 'ignoring collisions with other objects'",
         "D10",
     ),
     "blocked_start": Decision(
         "a robot may start inside an obstacle and is stuck at once",
-        "irsim_gym.load warns of it with its line and runs the file; environments refuse a given start inside a static "
+        "irsim_gym.load warns with the line and runs the file; environments reject a given start inside a static "
         "obstacle, except in collision mode unobstructed",
         "such a run is over before it begins",
         "defect 23",
     ),
     "random_streams": Decision(
-        "one generator per environment, drawn from by all objects in turn",
+        "all objects draw from one generator per environment in turn",
         "each world has its own stream",
         "the same seed gives the same episode alone and in a batch",
         "decision 6",
     ),
     "role_groups": Decision(
         "a section that is a mapping puts its objects into group 0, robots and obstacles alike",
-        "each entry is a group, robots and obstacles never share one",
-        "who avoids whom should not depend on how a section is written",
+        "each entry is a group; robots and obstacles never share one",
+        "avoidance should not depend on how a section is written",
         "D22",
     ),
     "reset_is_a_start": Decision(
-        "reset() looks for collisions at once and lets the random stream go on",
-        "reset() gives the moment of the start: the flags of bodies that never move and touch each other are set, no "
-        "others, and the noise begins again",
+        "reset() checks for collisions at once and continues the random stream",
+        "reset() returns to the state of the start: flags are set only for bodies that never move and touch each "
+        "other, and the noise begins again",
         "the same actions give the same run",
         "section 12.3",
     ),
     "surplus_actions": Decision(
-        "actions that reach no object are dropped with a warning",
+        "actions for no object are dropped with a warning",
         "they are an error",
-        "an action that reaches nobody is a mistake, and in a loop a warning is easily missed",
+        "such an action is a mistake, and in a loop a warning is easily missed",
         "section 12.2",
     ),
     "done_modes": Decision(
         "done() returns None for an unknown mode", "an unknown mode is an error", "None is false", "section 12.1"
     ),
     "scattered_obstacles": Decision(
-        "random_obstacle_position keeps overlaps when it finds no place, and refreshes no sensor",
-        "no place is an error that moves nobody; flags and scans follow",
+        "random_obstacle_position keeps overlaps if it finds no place, and updates no sensor",
+        "it raises an error and moves nothing if there is no place; flags and scans are updated",
         "non_overlapping promises it",
         "defect 18",
     ),
@@ -135,27 +135,27 @@ DECISIONS = {
         "8.4",
     ),
     "orca_commanded": Decision(
-        "a member commanded by hand is thought to follow orca's plan for it",
-        "it is seen as it moves",
-        "it does what it was told",
+        "orca assumes that a member commanded by hand follows its plan",
+        "orca sees its actual velocity",
+        "it follows its command, not the plan",
         "8.4",
     ),
     "field_of_view": Decision(
         "a body that is wider than the field of view is missed straight ahead",
-        "bearing less half the width that it covers must lie within half the view",
-        "an absolute value too many",
+        "the bearing minus half the width that the body covers must lie within half the view",
+        "IR-SIM takes one absolute value too many",
         "D40",
     ),
     "half_a_view": Decision(
         "fov without fov_radius crashes when it is used, fov_radius without fov is ignored",
-        "the missing one is the lidar's; without a lidar it is an error",
+        "the lidar gives the missing one; without a lidar it is an error",
         "a silently ignored key costs its author hours",
         "section 7",
     ),
     "map_in_view": Decision(
         "the map counts as a disc around the origin",
         "a field of view never detects the map",
-        "it is everywhere, so that says nothing",
+        "the map is everywhere, so detection has no meaning",
         "section 7",
     ),
     "angle_noise": Decision(
@@ -171,45 +171,46 @@ DECISIONS = {
         "defect 18",
     ),
     "touching_sensor": Decision(
-        "a beam that begins on an edge passes it",
+        "a beam that begins on an edge passes through it",
         "it reads 0",
         "a sensor that touches a wall is blocked",
         "section 6",
     ),
     "fmcw_drawing": Decision(
         "drawing options of fmcw_lidar2d may stand under plot or beside it",
-        "they stand under plot",
+        "they must stand under plot",
         "one way to write it",
         "section 6",
     ),
     "map_without_holes": Decision(
-        "a body within a block of occupied cells touches nothing, near a cell's corners its bounding box touches",
+        "a body within a block of occupied cells touches nothing; near a cell's corners its bounding box touches",
         "a body touches a map where its outline meets an occupied cell; touching counts",
         "cells are exact, closed rectangles",
         "defect 11",
     ),
     "map_is_no_disc": Decision(
         "rvo and sfm see a map as one disc about its centroid, or not at all when that is far away",
-        "its walls: rvo those within neighbor_threshold, sfm the nearest on each of four sides, once to each side",
-        "the disc covers the whole world, and who stands near its centre finds no way out",
+        "they see its walls: rvo those within neighbor_threshold, sfm the nearest on each of four sides, once to "
+        "each side",
+        "the disc covers the whole world, and a robot near its centre finds no way out",
         "defect 12",
     ),
     "map_flag": Decision(
-        "the map's own collision flag looks at its boundary lines only",
-        "the map is in collision with whoever is in collision with it",
+        "the map's own collision flag checks its boundary lines only",
+        "the map collides with every body that collides with it",
         "contact is mutual",
         "section 11",
     ),
     "map_names": Decision(
         "cave.png and hm3d_1.png to hm3d_9.png come with the package",
-        "they are taken from an installed ir-sim; without one they are refused with the names of maps that are shipped",
-        "they are not ours to ship, and another map under the same name would be a trap",
+        "they are read from an installed ir-sim; without one, an error lists the shipped maps",
+        "we may not ship them, and another map under the same name would mislead",
         "section 11",
     ),
     "map_zero_one": Decision(
         "a map of the numbers 0 and 1 has no occupied cell, since occupied is above 50",
-        "it is refused: truth values, or 0 to 100",
-        "it is never meant",
+        "it is an error: use truth values, or 0 to 100",
+        "such a map is always a mistake",
         "section 11",
     ),
     "perlin_seed": Decision(
@@ -232,7 +233,7 @@ DECISIONS = {
     ),
     "compound_seams": Decision(
         "a sensor inside a compound sees the boundary of the union",
-        "it sees the circles of the compound by themselves",
+        "it sees each circle of the compound",
         "circles stay exact discs",
         "compound shapes",
     ),
@@ -244,7 +245,7 @@ DECISIONS = {
     ),
     "drawing_defaults": Decision(
         "pictures of 1000 x 800 pixels; gold arrows, red or thick beams, black obstacles, half clear goals",
-        "as large as the world asks for; colours of one theme, opaque goals; what is given is drawn as given",
+        "the world sets the size; colours of one theme, opaque goals; given values are used as they are",
         "a world without margins, legible at any size",
         "drawing defaults",
     ),
@@ -257,7 +258,7 @@ DECISIONS = {
     "drawn_paths": Decision(
         "a path is a band as wide as the body, at the lowest layer",
         "a thin line that fades towards its beginning, above fixed bodies; a band with traj_width",
-        "paths of several bodies can be told apart",
+        "paths of several bodies can be distinguished",
         "section 13",
     ),
     "drawn_images": Decision(
@@ -265,71 +266,70 @@ DECISIONS = {
         "whatever its colour",
         "our own images under these names; car_green.png for rectangular acker robots whose entry gives no colour "
         "and no line style",
-        "a fleet can be told apart by its colours",
+        "robots of a fleet can be distinguished by colour",
         "section 13",
     ),
     "drawn_fog": Decision(
-        "with `fog_map`, fog has hard edges and covers everything but what is drawn later",
-        "it covers the map and bodies that never move, and is softer towards what was seen; goals, robots, paths and "
-        "scans lie above it",
-        "it says what is not known of the world, not who drives in it",
+        "with `fog_map`, fog has hard edges and covers everything except what is drawn later",
+        "it covers the map and bodies that never move, with soft edges; goals, robots, paths and scans lie above it",
+        "fog shows what is unknown of the world, not which robots drive in it",
         "section 13",
     ),
     "collision_tint": Decision(
-        "a collision changes the title alone",
-        "the edges of what collides are red, and the world is tinted when a robot collides",
-        "it is seen in a film",
+        "a collision changes the title only",
+        "the edges of colliding bodies are red, and the world is tinted when a robot collides",
+        "a collision is visible in a film",
         "section 13",
     ),
     "drawn_title": Decision(
-        "the title tells time and status",
-        "world's name on the left, status and time on the right; title takes the place of all three",
+        "the title shows time and status",
+        "the world's name is on the left, status and time on the right; title replaces all three",
         "one line",
         "section 13",
     ),
     "flat_arrays": Decision(
         "states, velocities and goals are columns, state[0, 0], and writing into state moves the body",
-        "they are flat, state[0], and read-only, or read-only columns with load(columns=True); set_state, set_velocity "
-        "and set_goal change a body; a flat one that meets a column is an error",
-        "one index for one number, no change that goes unnoticed, and no matrix where a difference is meant",
+        "they are flat, state[0], and read-only, or read-only columns with load(columns=True); set_state, "
+        "set_velocity and set_goal change a body; combining a flat one with a column is an error",
+        "one index per number, no unnoticed change, and no matrix instead of a difference",
         "section 12.3",
     ),
     "picture_options": Decision(
-        "render(show_goal=True) changes nothing, render(obj_color='red') one picture, and words that nobody knows pass",
-        "keys of plot count for one picture and the frames that are kept until the next; a word that changes nothing "
-        "is warned of",
-        "what is asked for is seen, or told",
+        "render(show_goal=True) changes nothing, render(obj_color='red') changes one picture, and unknown "
+        "arguments pass",
+        "keys of plot apply to one picture and to the frames kept until the next; an argument without effect warns",
+        "every argument has an effect or a warning",
         "measured with 2.12.0",
     ),
     "random_goals": Decision(
-        "set_random_goal draws from the environment's generator, and logs that it found no place",
+        "set_random_goal draws from the environment's generator, and logs if it finds no place",
         "it draws from the world's stream, and warns",
         "a run can be repeated",
         "section 10.4",
     ),
     "no_window": Decision(
-        "make opens a window unless it is told not to; log_level and so on are arguments",
-        "a window opens when it is asked for (`render_mode='human'`, `display=True`); a name that is not here is an "
-        "error that says what to use",
-        "most worlds run where nobody looks; a silently ignored call costs its author hours",
+        "make opens a window by default; log_level and others are arguments",
+        "a window opens on request (`render_mode='human'`, `display=True`); an unsupported name is an error that "
+        "says what to use",
+        "most worlds run without a viewer; a silently ignored call costs its author hours",
         "section 12.5",
     ),
     "goals_of_one": Decision(
         "for one body, `goal: [[5, 1], [5, 5]]` silently means its first goal",
-        "it means both, in order",
+        "both goals, in order",
         "the documentation describes this form as several goals",
         "documentation of goals",
     ),
     "angle_range": Decision(
         "a range not exactly 2 pi wide crashes at the first step",
-        "a width within 0.01 of 2 pi, such as [-3.14, 3.14], is a full turn from its lower end on; others are refused",
-        "everyone writes 3.14, and a narrower range has no meaning for a heading that wraps",
+        "a width within 0.01 of 2 pi, such as [-3.14, 3.14], is a full turn from its lower end; others are rejected",
+        "3.14 is a common value, and a narrower range has no meaning for a heading that wraps",
         "section 4",
     ),
     "driveless_behavior": Decision(
         "a body with a behavior but no kinematics stands still",
-        "likewise, with a warning that names the line",
-        "documented for static objects; but nobody writes a behavior for a wall",
+        "the same, with a warning that names the line",
+        "documented for static objects, but a behavior for a wall is a likely mistake",
         "documentation of static",
     ),
     "warnings": Decision(

@@ -73,7 +73,7 @@ WORLD = {
     "inside the wrapper": ("irsim:\n  world:\n    width: -1", "3 irsim.world.width: must be > 0, got -1"),
     "twice with the wrapper": (
         "world: {}\nirsim:\n  world: {}",
-        "3 irsim.world: given outside the wrapper key as well",
+        "3 irsim.world: given both inside and outside the wrapper key",
     ),
     "unknown in the wrapper": ("irsim:\n  robt: {}", "2 irsim.robt: unknown key (did you mean 'robot'?)"),
     "plot for all": ("plot: {obj_alpha: 2}", "1 plot.obj_alpha: must be <= 1, got 2"),
@@ -119,7 +119,7 @@ ENTRIES = {
     ),
     "third dimension": (
         "robot:\n  distribution: {name: random, 3d: true}",
-        "2 robot.distribution.3d: the world is flat: only false is possible",
+        "2 robot.distribution.3d: the world is two-dimensional: only false is allowed",
     ),
     "drive": (
         "robot:\n  - kinematics: {name: dif}",
@@ -284,7 +284,7 @@ ENTRIES = {
     "threshold": ("robot: {goal_threshold: -1}", "1 robot.goal_threshold: must be >= 0, got -1"),
     "thresholds": (
         "robot: {number: 3, goal_threshold: [0.1, 0.2]}",
-        "1 robot.goal_threshold: must be one value, or a list of 3 (one for each body), got [0.1, 0.2]",
+        "1 robot.goal_threshold: must be one value, or a list of 3 (one per body), got [0.1, 0.2]",
     ),
     "static": ("robot: {static: 'no'}", "1 robot.static: must be true or false, got 'no'"),
     "arrive mode": ("robot: {arrive_mode: pose}", "1 robot.arrive_mode: must be 'position' or 'state', got 'pose'"),
@@ -371,11 +371,11 @@ ENTRIES = {
     ),
     "field of view without depth": (
         "robot:\n  fov: pi/2",
-        "2 robot.fov: needs fov_radius too, or a lidar to take it from",
+        "2 robot.fov: needs fov_radius too, or a lidar that defines it",
     ),
     "depth of view without width": (
         "robot:\n  fov_radius: 5",
-        "2 robot.fov_radius: needs fov too, or a lidar to take it from",
+        "2 robot.fov_radius: needs fov too, or a lidar that defines it",
     ),
     "no field of view": (
         "robot:\n  fov: 0\n  fov_radius: -1",
@@ -413,7 +413,7 @@ DRIVES = {
     ),
     "car without axles": (
         "robot:\n  - state: [1, 1]\n    kinematics: {name: acker}",
-        "3 robot[0].kinematics.wheelbase: is required for 'acker', here or in the shape: the distance of the axles",
+        "3 robot[0].kinematics.wheelbase: is required for 'acker', here or in the shape: the axle distance",
     ),
     "three variances for two velocities": (
         "robot: {kinematics: {name: omni, alpha: [0.1, 0.1, 0.1]}}",

@@ -55,28 +55,27 @@ KEYS = {
 SYNTAX = {
     "a key further in": (
         CAR + "     state: [1, 1]",
-        "3 not valid YAML: indented by 5, but by 4 in line 2: what belongs together begins in the same column",
+        "3 not valid YAML: indented by 5, but by 4 in line 2: items of one block must begin in the same column",
     ),
     "a key further out": (
         "world:\n  height: 10\n width: 10",
-        "3 not valid YAML: indented by 1, but by 0 in line 1: what belongs together begins in the same column",
+        "3 not valid YAML: indented by 1, but by 0 in line 1: items of one block must begin in the same column",
     ),
     "a list that goes on as a mapping": (
         CAR + "  state: [1, 1]",
-        "3 not valid YAML: this line does not go on what begins in line 2: "
-        "either all of its parts begin with '-', or none",
+        "3 not valid YAML: this line does not continue line 2: either all items begin with '-', or none",
     ),
     "below a value": (
         "world:\n  height: 10\n   width: 10",
-        "3 not valid YAML: indented deeper than line 2, whose key has a value already",
+        "3 not valid YAML: indented deeper than line 2, whose key already has a value",
     ),
     "a colon that sticks": (
         "world:\n  height:10\n  width: 10",
-        "3 not valid YAML: line 2, above this one, is no 'key: value' with a space behind the ':'",
+        "3 not valid YAML: line 2, above this one, is not a 'key: value' with a space after the ':'",
     ),
     "two colons": (
         "world:\n  name: a: b",
-        "2 not valid YAML: a second ':' in one line: text that holds ': ' has to be quoted",
+        "2 not valid YAML: a second ':' in one line: text that contains ': ' must be quoted",
     ),
     "an open brace": (
         "robot:\n  - kinematics: {name: diff\n    state: [1, 1]",
@@ -88,19 +87,19 @@ SYNTAX = {
     ),
     "a bracket too many": (
         "robot:\n  - state: [1, 1]]\n    goal: [2, 2]",
-        "2 not valid YAML: ']' does not belong behind what stands before it: one mark too many, or two lines in one",
+        "2 not valid YAML: ']' cannot follow the text before it: there is an extra mark, or two lines are joined",
     ),
     "an open quotation": (
         "robot:\n  - name: 'abc\n    goal: [2, 2]\n",
-        "2 not valid YAML: the quotation mark that opens here is never closed",
+        "2 not valid YAML: the quotation mark that opens here is not closed",
     ),
     "a list beside its key": (
         "robot: - {name: a}",
-        "1 not valid YAML: the first '-' of a list stands on a line of its own, below the key",
+        "1 not valid YAML: put the first '-' of a list on its own line, below the key",
     ),
     "a character with a meaning": (
         "world:\n  name: @home",
-        "2 not valid YAML: text that begins with this character has to be quoted",
+        "2 not valid YAML: text that begins with this character must be quoted",
     ),
 }
 

@@ -36,7 +36,7 @@ TOLD = (
     (6, "robot[0].behavior.vymax", "only rvo reads it"),
     (7, "robot[0].sensors[0].reso", "angle_range and number"),
     (8, "robot[0].plot.show_goals", "show_goal draws the goal"),
-    (11, "obstacle[0].distribution.non_overlapping", "nothing that is placed at random overlaps anything"),
+    (11, "obstacle[0].distribution.non_overlapping", "random placement never overlaps"),
     (12, "obstacle[0].behavior.accer", "rvo has acce"),
 )
 
@@ -146,7 +146,7 @@ def test_collision_modes_that_mean_unobstructed_in_ir_sim(mode: str, tmp_path: P
     assert scenario.world.collision_mode == "unobstructed"
     (problem,) = warning.problems
     assert (problem.line, problem.path) == (2, "world.collision_mode")
-    assert "nobody stops" in problem.message
+    assert "do not stop" in problem.message
 
 
 def test_another_collision_mode_is_an_error_unless_the_reader_is_lenient(tmp_path: Path) -> None:
@@ -178,7 +178,7 @@ def test_a_wheelbase_of_nothing_moves_nothing(shape: str, tmp_path: Path) -> Non
         (part.discs[0, 0] if shape == "circle" else part.segments[:, 0].mean()) for part in (moved, still)
     )
     assert (x_moved, x_still) == (1.5, 0.0)
-    with pytest.raises(ScenarioError, match="the distance of the axles"):
+    with pytest.raises(ScenarioError, match="the axle distance"):
         load_scenario(write(tmp_path, text.format("acker", shape, 0)))
 
 
@@ -189,7 +189,7 @@ def test_of_sections_given_twice_the_last_one_holds(tmp_path: Path) -> None:
     (problem,) = warning.problems
     assert type(warning) is ScenarioWarning
     assert (problem.line, problem.path) == (4, "robot")
-    assert problem.message == "given twice (first in line 1): the last one holds alone"
+    assert problem.message == "given twice (first in line 1): only the last one counts"
 
 
 def test_blocks_of_an_entry_given_twice(tmp_path: Path) -> None:
@@ -205,7 +205,7 @@ def test_a_value_given_twice_is_an_error_unless_the_reader_is_lenient(tmp_path: 
         load_scenario(write(tmp_path, text))
     scenario, (warning,) = load(tmp_path, text, strict=False)
     assert scenario.world.width == 4.0
-    assert "given twice (first in line 2): the last one holds alone" in str(warning)
+    assert "given twice (first in line 2): only the last one counts" in str(warning)
 
 
 def test_a_group_behavior_of_somebody_else(tmp_path: Path) -> None:

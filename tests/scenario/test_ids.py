@@ -69,7 +69,7 @@ def command(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
         ("irsim_gym/clutered_room-v0", r"did you mean 'irsim_gym/cluttered_room-v0'\?"),
         ("irsim_gym/qqq-v0", "`irsim-gym list` shows"),
         ("lab/mine-v0", r"nothing is registered as 'lab/\.\.\.' in this process.* each worker process"),
-        ("no_such_module:lab/mine-v0", "there is no module 'no_such_module' to import first"),
+        ("no_such_module:lab/mine-v0", "cannot import module 'no_such_module'"),
     ],
 )
 def test_an_id_that_is_none_is_the_same_error_everywhere(face: Callable[[Any], Any], name: str, said: str) -> None:
@@ -129,9 +129,9 @@ def test_ids_that_stand_for_more_or_for_less_than_a_scenario() -> None:
     with pytest.raises(IrsimGymError, match=r"'lab/short-v0' was registered with max_steps as well"):
         irsim_gym.make_batch("lab/short-v0")
     assert IDS.scenario("lab/plain-v0") == {"robot": {}}
-    with pytest.raises(IrsimGymError, match="stands for plain data: write it into a file"):
+    with pytest.raises(IrsimGymError, match="is plain data: save it to a file"):
         scenario_name("lab/plain-v0")
-    with pytest.raises(UnknownNameError, match="'CartPole-v1' is registered, but it is no scenario of irsim_gym"):
+    with pytest.raises(UnknownNameError, match="'CartPole-v1' is registered, but is not a scenario of irsim_gym"):
         irsim_gym.load("CartPole-v1")
 
 

@@ -125,15 +125,15 @@ def test_lines_stay_right(problems: Callable[[str], list[str]]) -> None:
         ),
         (
             "parameters: {n: {default: 4, meaning: x}}\nrobot: {name: 'r$n'}",
-            ["2 robot.name: is no expression; within text it is written ${n}, got 'r$n'"],
+            ["2 robot.name: is not an expression; within text, write ${n}, got 'r$n'"],
         ),
         (
             "parameters: {n: {default: 4, meaning: x}}\nrobot: {number: 8 / ($n - 4)}",
-            ["2 robot.number: cannot be worked out with n = 4, got '8 / ($n - 4)'"],
+            ["2 robot.number: cannot be evaluated with n = 4, got '8 / ($n - 4)'"],
         ),
         (
             "parameters: {d: {default: diff, meaning: x}}\nworld: {width: 2 * $d}",
-            ["2 world.width: 'd' is 'diff', which is no number"],
+            ["2 world.width: 'd' is 'diff', which is not a number"],
         ),
         ("parameters:\n  n: {default: 4, meaning: x}", ["2 parameters.n: is declared but never used"]),
         (
@@ -149,7 +149,7 @@ def test_lines_stay_right(problems: Callable[[str], list[str]]) -> None:
             "parameters: {2n: {default: 4, meaning: x}, task: {default: 4, meaning: x}}",
             [
                 "1 parameters.2n: a name consists of letters, digits and _, and does not begin with a digit",
-                "1 parameters.task: environments have an argument of this name: choose another one",
+                "1 parameters.task: environments have an argument of this name; choose another one",
             ],
         ),
         (
@@ -185,7 +185,7 @@ def test_lines_stay_right(problems: Callable[[str], list[str]]) -> None:
         ),
         (
             "parameters: {m: {default: 4, meaning: x}, n: {default: $m, meaning: x}}\nworld: {width: $n, height: $m}",
-            ["1 parameters.n.default: a parameter cannot be made of others"],
+            ["1 parameters.n.default: a parameter cannot depend on other parameters"],
         ),
     ],
 )
@@ -259,7 +259,7 @@ def test_a_whole_default_among_bounds_that_are_not_is_a_number(bounds: str, tmp_
 
 
 def test_a_name_in_braces_has_to_be_quoted_within_braces(problems: Callable[[str], list[str]]) -> None:
-    hint = 'within { } or [ ], text with ${...} in it has to be quoted: "${name}"'
+    hint = 'within { } or [ ], text with ${...} in it must be quoted: "${name}"'
     for text in ("robot: {shape: {name: ${n}tangle}}", "robot:\n  color: [red, ${n}]"):
         (problem,) = problems(text)
         assert hint in problem

@@ -117,7 +117,7 @@ def test_each_row_has_all_cells() -> None:
         (
             "robot:\n- number: 3\n  group_behavior: {name: orca}",
             3,
-            "nothing to drive, so the body stands still: add kinematics or remove the group_behavior",
+            "the body has no kinematics, so it stands still: add kinematics or remove the group_behavior",
         ),
     ],
 )
@@ -149,7 +149,7 @@ def test_a_goal_outside_of_the_world_is_noted_only(load: Load) -> None:
         "  - {kinematics: {name: diff}, number: 2, goal: [9, 9]}"
     )
     scenario = load(text)  # a warning would be an error here
-    where = "outside of the world, which goes from (-2, 1) to (6, 7)"
+    where = "outside the world, which extends from (-2, 1) to (6, 7)"
     told = [(3, "(6.5, 3)"), (3, "(0, 0.5)"), (4, "(9, 9)")]
     assert {(note.line, note.message) for note in notes(scenario)} == {
         (line, f"the goal {goal} is {where}") for line, goal in told

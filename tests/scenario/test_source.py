@@ -30,13 +30,13 @@ UNREADABLE = {
         b"robot:\n  - shape: {name: circle}\n  \tstate: [1, 2]\n",
         "3 tabs cannot indent YAML: use spaces",
     ),
-    "two documents": (b"world: {}\n---\nworld: {}\n", "2 one document per file: a second '---' begins here"),
+    "two documents": (b"world: {}\n---\nworld: {}\n", "2 only one document per file: a second '---' begins here"),
     "indentation": (
         b"world:\n  width: 3\n   height: 4\n",
-        "3 not valid YAML: indented deeper than line 2, whose key has a value already",
+        "3 not valid YAML: indented deeper than line 2, whose key already has a value",
     ),
-    "NUL": (b"world:\n  name: \x00\n", "2 not YAML: it holds a character that is not text"),
-    "control character": (b"world:\n  name: a\x07b\n", "2 not YAML: it holds a character that is not text"),
+    "NUL": (b"world:\n  name: \x00\n", "2 not YAML: it contains a character that is not text"),
+    "control character": (b"world:\n  name: a\x07b\n", "2 not YAML: it contains a character that is not text"),
     "latin-1": (b"world:\n  name: caf\xe9\n", "2 not UTF-8 text (byte 0xe9)"),
     "utf-16": ("world: {}".encode("utf-16"), "1 not UTF-8 text (byte 0xff)"),
     "open brackets": (b"a: " + b"[" * 5000, "1 nested deeper than 40 levels"),
@@ -58,7 +58,7 @@ UNREADABLE = {
     "true as key": (b"world:\n  yes: 2\n", "2 world: keys must be text, got true"),
     "huge integer": (
         b"world:\n  width: " + b"9" * 5000 + b"\n",
-        "2 world.width: not a number that can be read: " + "9" * 40,
+        "2 world.width: not a readable number: " + "9" * 40,
     ),
     "merge of a number": (b"world:\n  <<: 3\n", "2 world: '<<' merges mappings only"),
 }

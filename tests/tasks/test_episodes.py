@@ -232,5 +232,5 @@ def test_copies_go_on_by_themselves(duplicate: object) -> None:
 
 def test_the_simulation_must_command_the_learners() -> None:
     spec = scenario()
-    with pytest.raises(ValueError, match=r"the simulation commands bodies \(\), the task \(0,\)"):
+    with pytest.raises(ValueError, match=r"the simulation's agents are \(\), the task \(0,\)"):
         Episodes(compile(spec), load_task(spec))

@@ -57,6 +57,6 @@ def test_check_notes_a_learner_that_sees_nothing(tmp_path: Path) -> None:
     file.write_text(yaml.safe_dump(data))
     told = CliRunner().invoke(app, ["check", str(file)])
     assert told.exit_code == 0
-    assert "robot_0: whoever learns here observes nothing of the obstacles: a sensor" in told.output
+    assert "robot_0: the learner observes nothing of the obstacles: a sensor" in told.output
     file.write_text(yaml.safe_dump(data | {"task": {"name": "navigation"}}))
     assert "observes nothing" not in CliRunner().invoke(app, ["check", str(file)]).output

@@ -116,7 +116,7 @@ def test_files_build_upon_files(tmp_path: Path) -> None:
     assert load_task(load_scenario(tmp_path / "world.yaml")).max_steps == 900
     (tmp_path / "loop_a.yaml").write_text("name: loop_b.yaml\n")
     (tmp_path / "loop_b.yaml").write_text("name: loop_a.yaml\n")
-    with pytest.raises(ScenarioError, match="build upon each other"):
+    with pytest.raises(ScenarioError, match="extend each other"):
         load_task(scenario(), tmp_path / "loop_a.yaml")
 
 
@@ -153,10 +153,10 @@ def test_who_cannot_learn() -> None:
         f"task.agents: 'walkers' is a group: name its robots, {first} and 2 others"
     ]
     assert messages(scenario(TWO, {**BALL, "name": "ball"}, {"agents": ["ann", "ball"]})) == [
-        "task.agents[1]: 'ball' is an obstacle; only robots learn"
+        "task.agents[1]: 'ball' is an obstacle; only robots can learn"
     ]
     assert messages(scenario(TWO, task={"agents": ["ann", "ann"]})) == ["task.agents[1]: 'ann' is named twice"]
-    assert messages(load_scenario({"obstacle": BALL})) == ["robot: there is no robot, so nobody can learn"]
+    assert messages(load_scenario({"obstacle": BALL})) == ["robot: there is no robot that can learn"]
     static = {"kinematics": None, "shape": {"name": "circle"}, "goal": [8, 5]}
     assert any("it never moves" in text for text in messages(load_scenario({"robot": static})))
 
@@ -198,7 +198,7 @@ def test_learners_need_the_same_beams() -> None:
     (told, *_) = messages(scenario([ROBOT, other], task={"agents": "all"}))
     assert "with the same beams, all noisy or none: robot_0 has {name: lidar2d, number: " in told
     assert "robot_1 has {name: lidar2d, number: 90, angle_range: 3.14159, noise: false, has_velocity: false}" in told
-    assert told.endswith("task: {agents: [NAME, ...]} says who learns")
+    assert told.endswith("task: {agents: [NAME, ...]} selects the learners")
 
 
 # --- the layout of the parts
@@ -280,7 +280,7 @@ def test_a_task_file_that_is_missing_is_told_where_it_is_named(tmp_path: Path) -
     file.write_text("robot: {kinematics: {name: diff}, goal: [8, 5]}\ntask:\n  name: mine.yaml\n")
     with pytest.raises(FileNotFoundError) as caught:
         load_task(load_scenario(file))
-    assert f"{file}:3   task.name: no such file, neither beside this file nor as given: 'mine.yaml'" in str(
+    assert f"{file}:3   task.name: no such file, neither beside this file nor at the given path: 'mine.yaml'" in str(
         caught.value
     )
 
@@ -293,7 +293,7 @@ def test_a_task_file_that_is_missing_is_told_where_it_is_named(tmp_path: Path) -
         ({"name": "blank"}, "task.name: there is no observation: a task needs at least one"),
         ({"observations": [{"name": "scan", "without_sensor": "nearest_bodys"}]},
          "no observation named 'nearest_bodys' (did you mean 'nearest_bodies'?)"),
-        ({"endings": [{"name": "arrived", "use": False}]}, "rewards[1]: never paid: it needs the ending 'arrived'"),
+        ({"endings": [{"name": "arrived", "use": False}]}, "rewards[1]: never applies: it needs the ending 'arrived'"),
         ({"name": "navigashun"}, "task.name: no task named 'navigashun' (did you mean 'navigation'?)"),
         ({"name": 3}, "task.name: must be the name or the file of a task, got 3"),
         ({"observations": ["velocity", "velocity"]}, "task.observations[1]: observation 'velocity' is given twice"),
@@ -318,11 +318,11 @@ def test_what_is_said_to_be_used_is_used_whatever_lists_a_task_lacks() -> None:
 def test_rewards_that_make_a_crash_pay_are_refused() -> None:
     found = messages(scenario(task={"rewards": [{"name": "time", "weight": 4.5}]}))
     assert len(found) == 2
-    assert all("one that goes on can cost 5.5" in text for text in found)
+    assert all("one that continues can cost 5.5" in text for text in found)
     assert all("raise the former above 5.5, lower the latter, or say" in text for text in found)
     without = {"rewards": [{"name": "collision", "use": False}]}
     assert messages(scenario(task=without)) == [
-        "task.rewards: an episode that ends as 'collided' costs 0, one that goes on can cost 3 "
+        "task.rewards: an episode that ends as 'collided' costs 0, one that continues can cost 3 "
         "(time 2 + clearance 0.8 + smoothness 0.2): add {name: collision, weight: ...} above 3 to rewards, "
         "lower the latter, or say 'audit: false'"
     ]

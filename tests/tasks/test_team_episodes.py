@@ -104,7 +104,7 @@ def test_a_share_that_makes_crashing_cheap_is_refused() -> None:
     assert (len(others), problem.path) == (1, "team_reward")
     assert problem.message == (
         "an episode that ends as 'collided' costs 2 (collision 4, of which a share of 0.5 is the robot's own: "
-        "team_reward 1, 2 learners), one that goes on can cost 3 (time 2 + clearance 0.8 + smoothness 0.2): "
+        "team_reward 1, 2 learners), one that continues can cost 3 (time 2 + clearance 0.8 + smoothness 0.2): "
         "raise the former above 6, lower the latter or team_reward, or say 'audit: false'"
     )
 

@@ -10,7 +10,11 @@ from irsim_gym.world.state import WorldState
 
 @kernel
 def copy_flag(worlds: Ints, agents: Ints, column: int, state: WorldState, episode: EpisodeState) -> None:
-    """Copy the agents' entries of a flag of bodies, ``(n_worlds, n_bodies)``, into a column of ``ending``."""
+    """Copy the agents' entries of a flag of bodies, ``(n_worlds, n_bodies)``, into a column of ``ending``.
+
+    Reads: state (arrived).
+    Writes: episode (ending).
+    """
     for w in worlds:
         for a in range(agents.shape[0]):
             episode.ending[w, a, column] = state.arrived[w, agents[a]]

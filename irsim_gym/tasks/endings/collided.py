@@ -33,8 +33,9 @@ class Collided:
     bodies: tuple[Touched, ...] = option(
         ("obstacle", "moving_obstacle", "robot", "map"),
         min_length=1,
-        meaning="Which bodies end the episode: obstacle (one that stands still), moving_obstacle, robot, map.",
-        consequence="Where collisions do not end it, a robot in collision mode stop may be held for the whole episode.",
+        meaning="Bodies that end the episode: obstacle (a standing one), moving_obstacle, robot, map.",
+        consequence="If collisions do not end the episode, a robot in collision mode stop may stay stuck for the "
+        "whole episode.",
     )
 
     def arrays(self, simulation: object, agents: Ints) -> dict[str, Flags]:
@@ -45,7 +46,7 @@ class Collided:
 
     def when(self, term: Term) -> str:
         """Return when it applies."""
-        names = {"obstacle": "an obstacle that stands", "moving_obstacle": "one that moves", "robot": "a robot"}
+        names = {"obstacle": "a standing obstacle", "moving_obstacle": "one that moves", "robot": "a robot"}
         return f"it touches {', '.join(names.get(name, 'the map') for name in self.bodies)}"
 
     @staticmethod
@@ -56,7 +57,11 @@ class Collided:
 
 @kernel
 def find_hits(worlds: Ints, agents: Ints, column: int, counts: Flags, state: WorldState, episode: EpisodeState) -> None:
-    """Write a column of ``ending``: the agent touches a body of a kind that counts."""
+    """Write a column of ``ending``: the agent touches a body of a kind that counts.
+
+    Reads: state (collided), episode (hit_kind).
+    Writes: episode (ending).
+    """
     for w in worlds:
         for a in range(agents.shape[0]):
             episode.ending[w, a, column] = state.collided[w, agents[a]] and counts[episode.hit_kind[w, a]]

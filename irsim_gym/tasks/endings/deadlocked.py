@@ -35,7 +35,11 @@ class Deadlocked:
 
 @kernel
 def copy_deadlocks(worlds: Ints, column: int, episode: EpisodeState) -> None:
-    """Copy the flag of each agent into a column of ``ending``."""
+    """Copy the flag of each agent into a column of ``ending``.
+
+    Reads: episode (deadlocked).
+    Writes: episode (ending).
+    """
     for w in worlds:
         for a in range(episode.deadlocked.shape[1]):
             episode.ending[w, a, column] = episode.deadlocked[w, a]

@@ -26,7 +26,7 @@ class LeftWorld:
 
     def when(self, term: Term) -> str:
         """Return when it applies."""
-        return "it is outside of the world's rectangle by more than its own reach"
+        return "it is outside the world's rectangle by more than its own reach"
 
     @staticmethod
     def ends(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
@@ -38,7 +38,11 @@ class LeftWorld:
 def find_outside(
     worlds: Ints, agents: Ints, column: int, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
-    """Write a column of ``ending``: the body's origin is further outside ``bounds`` than its reach [m]."""
+    """Write a column of ``ending``: the body's origin is further outside ``bounds`` than its reach [m].
+
+    Reads: model (bounds, reach), state (pose).
+    Writes: episode (ending).
+    """
     x_min, y_min, x_max, y_max = model.bounds[0], model.bounds[1], model.bounds[2], model.bounds[3]
     for w in worlds:
         for a in range(agents.shape[0]):

@@ -57,7 +57,7 @@ class Directions(Struct):
 
 @kind
 class ExactFreeTravel:
-    """What ``free_travel`` says, for agents without a range sensor: measured from the outlines and the map.
+    """``free_travel`` for agents without a range sensor, computed from outlines and the map.
 
     It sees through walls and in all directions. Bodies that are ``unobstructed`` are not seen.
     """
@@ -66,11 +66,13 @@ class ExactFreeTravel:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
-    directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first one is straight behind.")
-    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Longest way; what lies farther away is not looked at.")
+    directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
+    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Greatest distance; farther obstacles are ignored.")
     margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
-    code: Code = option("inverse", meaning="How a way becomes a number; see scan, with horizon for range_max.")
-    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: way at which the code has half its slope.")
+    code: Code = option("inverse", meaning="How to encode a distance; see scan, with horizon for range_max.")
+    near: float = option(
+        0.5, gt=0.0, unit="m", meaning="With code inverse, the distance at which the slope is half its maximum."
+    )
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (way + near) that becomes 0.")
 
     def problems(self) -> list[tuple[str, str]]:
@@ -108,7 +110,12 @@ def write_ways(
     state: WorldState,
     episode: EpisodeState,
 ) -> None:
-    """Write the free way in each direction, encoded."""
+    """Write the free way in each direction, encoded.
+
+    Reads: term (agents, column, options), ways (ahead_x, ahead_y, radius), model (disc_count, disc_start, present,
+        reach, segment_count, segment_start, unobstructed), state (discs, pose, segments), episode (observation).
+    Writes: episode (observation).
+    """
     options, column, far = term.options[0], term.column, term.options[0].horizon
     near, zero = np.float32(options.near), np.float32(options.zero)
     for w in worlds:
@@ -137,7 +144,11 @@ def write_ways(
 
 @kernel
 def stop_at_disc(disc: Floats, place: Place, far: float, ways: Directions, row: Rays) -> None:
-    """Shorten the ways that another disc blocks."""
+    """Shorten the ways that another disc blocks.
+
+    Reads: ways (ahead_x, ahead_y).
+    Writes: row.
+    """
     dx, dy, radius = disc[0] - place.x, disc[1] - place.y, disc[2] + place.radius
     x = np.float32(dx * place.cosine + dy * place.sine)
     y = np.float32(dy * place.cosine - dx * place.sine)
@@ -146,7 +157,11 @@ def stop_at_disc(disc: Floats, place: Place, far: float, ways: Directions, row: 
 
 @kernel
 def stop_at_segment(segment: Floats, place: Place, far: float, ways: Directions, row: Rays) -> None:
-    """Shorten the ways that a segment blocks: its two ends, and what lies between them."""
+    """Shorten the ways that a segment blocks: its two ends, and what lies between them.
+
+    Reads: ways (ahead_x, ahead_y).
+    Writes: row.
+    """
     cosine, sine, own, ahead_x, ahead_y = place.cosine, place.sine, place.radius, ways.ahead_x, ways.ahead_y
     ax, ay = segment[0] - place.x, segment[1] - place.y
     ux, uy = segment[2] - segment[0], segment[3] - segment[1]
@@ -175,7 +190,11 @@ def stop_at_segment(segment: Floats, place: Place, far: float, ways: Directions,
 
 @kernel
 def stop_at_cells(cells: CellMap | None, place: Place, ways: Directions, row: Rays) -> None:
-    """Shorten the ways that the map blocks; each step goes as far as there is room around it."""
+    """Shorten the ways that the map blocks; each step goes as far as there is room around it.
+
+    Reads: ways (ahead_x, ahead_y).
+    Writes: row.
+    """
     if cells is None:
         return
     cosine, sine, own, ahead_x, ahead_y = place.cosine, place.sine, place.radius, ways.ahead_x, ways.ahead_y

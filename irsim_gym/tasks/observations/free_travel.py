@@ -52,7 +52,7 @@ class Ways(Struct):
 
 @kind
 class FreeTravel:
-    """Way that a disc around the agent is free to go, in directions evenly spread over a full turn, encoded.
+    """Distance that a disc around the agent can travel, in directions evenly spaced over a full turn, encoded.
 
     The obstacles are the points that the beams hit. A gap that is too narrow for the agent shows as closed, however
     few directions there are: what a pooled scan cannot tell. The codes are those of ``scan``.
@@ -62,14 +62,16 @@ class FreeTravel:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 
-    directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first one is straight behind.")
-    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Longest way; what lies farther away is not looked at.")
+    directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
+    horizon: float = option(3.0, gt=0.0, unit="m", meaning="Greatest distance; farther obstacles are ignored.")
     margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
-    code: Code = option("inverse", meaning="How a way becomes a number; see scan.")
-    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: way at which the code has half its slope.")
+    code: Code = option("inverse", meaning="How to encode a distance; see scan.")
+    near: float = option(
+        0.5, gt=0.0, unit="m", meaning="With code inverse, the distance at which the slope is half its maximum."
+    )
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (way + near) that becomes 0.")
     without_sensor: str | tuple[str, ...] = option(
-        "", meaning="Observation, or a list, in place of this one, with their defaults, where a learner has no sensor."
+        "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
     )
 
     def problems(self) -> list[tuple[str, str]]:
@@ -132,12 +134,17 @@ def way_columns(options: Any, table: Any, agent: int, far: float) -> list[Column
     ahead[0] = -np.pi
     scale = f"s = way of a disc of {float(table.radius[agent]):.3g} m around it, as {coded(options, 's', far)}"
     directions = tuple((angle, angle) for angle in ahead.tolist())
-    return [Columns("free way straight in a direction", scale, options.directions, directions)]
+    return [Columns("free distance in a direction", scale, options.directions, directions)]
 
 
 @kernel
 def measure(worlds: Ints, term: Bound, ways: Ways, episode: EpisodeState) -> None:
-    """Write the free way in each direction, encoded."""
+    """Write the free way in each direction, encoded.
+
+    Reads: term (column, options), ways (ahead_x, ahead_y, beams_x, beams_y, far, members, mount, radius, ranges,
+        sight), episode (observation).
+    Writes: episode (observation).
+    """
     options, mount, beams_x, beams_y = term.options[0], ways.mount, ways.beams_x, ways.beams_y
     column, near, zero = term.column, np.float32(options.near), np.float32(options.zero)
     for w in worlds:

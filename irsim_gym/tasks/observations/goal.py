@@ -30,7 +30,9 @@ class Goal:
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 
-    scale: float | None = option(None, gt=0.0, unit="m", meaning="Distance that counts as 1; none: world's diagonal.")
+    scale: float | None = option(
+        None, gt=0.0, unit="m", meaning="Distance that reads 1; default: the world's diagonal."
+    )
     near: float = option(1.0, gt=0.0, unit="m", meaning="Distance over which the near term falls to 1/e.")
 
     def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
@@ -57,7 +59,11 @@ class Goal:
 
 @kernel
 def write_goal(worlds: Ints, term: Bound, model: WorldModel, state: WorldState, episode: EpisodeState) -> None:
-    """Write distance, cosine and sine of the bearing (1, 0 at the goal itself) and the near term."""
+    """Write distance, cosine and sine of the bearing (1, 0 at the goal itself) and the near term.
+
+    Reads: term (agents, column, options), model (bounds), state (direction, goal, pose).
+    Writes: episode (observation).
+    """
     options, agents, column = term.options[0], term.agents, term.column
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     full = np.sqrt(width * width + height * height) if np.isnan(options.scale) else options.scale

@@ -20,7 +20,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class GoalHeading:
-    """Cosine and sine of the turn that is left to the goal's heading; both 0 where any heading will do."""
+    """Cosine and sine of the turn to the goal's heading; both 0 if any heading is allowed."""
 
     only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True
@@ -32,9 +32,9 @@ class GoalHeading:
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return what the two elements are."""
-        turn = "turn = goal's heading - own heading; both elements 0 where any heading will do"
+        turn = "turn = goal's heading - own heading; both elements 0 if any heading is allowed"
         return [
-            Columns("cosine of the turn that is left", turn),
+            Columns("cosine of the remaining turn", turn),
             Columns("sine of the turn: positive to the left", turn),
         ]
 
@@ -46,7 +46,11 @@ class GoalHeading:
 
 @kernel
 def write_goal_heading(worlds: Ints, agents: Ints, column: int, state: WorldState, episode: EpisodeState) -> None:
-    """Write cosine and sine of goal heading minus heading."""
+    """Write cosine and sine of goal heading minus heading.
+
+    Reads: state (goal, pose).
+    Writes: episode (observation).
+    """
     for w in worlds:
         for a in range(agents.shape[0]):
             turn = state.goal[w, agents[a], 2] - state.pose[w, agents[a], 2]

@@ -20,7 +20,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class GoalPosition:
-    """x and y of the next goal, scaled as ``position`` is."""
+    """x and y of the next goal, scaled like ``position``."""
 
     only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = True

@@ -37,7 +37,7 @@ class Records(Struct):
 
 @kind
 class GoalRecord:
-    """How much farther the goal is than it has been at its nearest, and for how long.
+    """How much farther the goal is than at its nearest so far, and the time since then.
 
     Both come as ``e / (e + near)`` and ``t / (t + soon)``. A policy without memory cannot tell whether it is on its way
     around an obstacle or back into the same pocket. This number alone lets a robot leave a wall where it is nearer to
@@ -69,7 +69,7 @@ class GoalRecord:
         """Return what the two elements are."""
         return [
             Columns("how much farther the goal is than at its nearest", f"e / (e + {self.near:g} m)"),
-            Columns("how long ago it was at its nearest", f"t / (t + {self.soon:g} s)"),
+            Columns("time since it was at its nearest", f"t / (t + {self.soon:g} s)"),
         ]
 
     @staticmethod
@@ -80,7 +80,11 @@ class GoalRecord:
 
 @kernel
 def write_record(worlds: Ints, term: Bound, records: Records, state: WorldState, episode: EpisodeState) -> None:
-    """Write how far and for how long the goal has been farther away than at the record; a new goal begins a new one."""
+    """Write how far and for how long the goal has been farther away than at the record; a new goal begins a new one.
+
+    Reads: term (agents, column, options), records (nearest, since, target), state (goal, goal_distance, time).
+    Writes: records (nearest, since, target), episode (observation).
+    """
     options, column = term.options[0], term.column
     for w in worlds:
         for a in range(term.agents.shape[0]):

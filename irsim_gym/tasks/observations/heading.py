@@ -43,7 +43,11 @@ class Heading:
 
 @kernel
 def write_heading(worlds: Ints, agents: Ints, column: int, state: WorldState, episode: EpisodeState) -> None:
-    """Write cosine and sine of the headings of poses ``(n_worlds, n_bodies, 3)`` [m, m, rad]."""
+    """Write cosine and sine of the headings of poses ``(n_worlds, n_bodies, 3)`` [m, m, rad].
+
+    Reads: state (pose).
+    Writes: episode (observation).
+    """
     for w in worlds:
         for a in range(agents.shape[0]):
             episode.observation[w, a, column] = np.float32(np.cos(state.pose[w, agents[a], 2]))

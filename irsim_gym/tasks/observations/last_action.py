@@ -20,7 +20,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class LastAction:
-    """The latest action, scaled to [-1, 1] as continuous actions are; that of standing still at the start."""
+    """The latest action, scaled to [-1, 1] as continuous actions are; at the start, the action for standing still."""
 
     only_kernels: ClassVar[bool] = True
     needs_goal: ClassVar[bool] = False
@@ -38,7 +38,7 @@ class LastAction:
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return what the components are; agents with fewer have zeros there."""
         words = term.components[agent]
-        named = [Columns(f"{name}, as it was asked for", "-1 to 1, as actions are") for name, _ in words]
+        named = [Columns(f"{name}, as requested", "-1 to 1, like actions") for name, _ in words]
         return [*named, *[Columns("unused")] * (term.action_size - len(words))]
 
     @staticmethod
@@ -49,7 +49,11 @@ class LastAction:
 
 @kernel
 def write_action(worlds: Ints, column: int, episode: EpisodeState) -> None:
-    """Copy the agents' actions, ``(n_worlds, n_agents, n_components)``."""
+    """Copy the agents' actions, ``(n_worlds, n_agents, n_components)``.
+
+    Reads: episode (action).
+    Writes: episode (observation).
+    """
     for w in worlds:
         for a in range(episode.action.shape[1]):
             for c in range(episode.action.shape[2]):

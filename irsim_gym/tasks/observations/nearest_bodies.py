@@ -60,10 +60,12 @@ class NearestBodies:
     needs_scan: ClassVar[bool] = False
 
     count: int = option(6, ge=1, le=64, meaning="Number of bodies observed.")
-    range: float | None = option(None, gt=0.0, unit="m", meaning="How far it sees; none: the world's diagonal.")
-    speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that counts as 1; faster is cut to it.")
-    code: Code = option("inverse", meaning="How a gap becomes a number; see scan, with range for range_max.")
-    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: gap at which the code has half its slope.")
+    range: float | None = option(None, gt=0.0, unit="m", meaning="Range of view; default: the world's diagonal.")
+    speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that reads 1; faster speeds are clipped.")
+    code: Code = option("inverse", meaning="How to encode a gap; see scan, with range for range_max.")
+    near: float = option(
+        0.5, gt=0.0, unit="m", meaning="With code inverse, the gap at which the slope is half its maximum."
+    )
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (gap + near) that becomes 0.")
 
     def problems(self) -> list[tuple[str, str]]:
@@ -123,7 +125,12 @@ def write_nearest(
     state: WorldState,
     episode: EpisodeState,
 ) -> None:
-    """Write five numbers for each of the nearest bodies; the obstacle map counts as one, at its nearest point."""
+    """Write five numbers for each of the nearest bodies; the obstacle map counts as one, at its nearest point.
+
+    Reads: term (agents, column, options), nearest (body, distance, sight, way_x, way_y), model (disc_count, disc_start,
+        present, reach, segment_count, segment_start, unobstructed), state (discs, pose, segments, stopped, twist).
+    Writes: nearest (body, distance, way_x, way_y), episode (observation).
+    """
     distance, speed, column = nearest.distance[slot], term.options[0].speed, term.column
     n_found = distance.shape[0]
     for w in worlds:
@@ -216,7 +223,11 @@ def extent_towards(segments: Floats, discs: Floats, x: float, y: float, dx: floa
 
 @kernel
 def keep(gap: float, dx: float, dy: float, body: int, slot: int, nearest: Nearest) -> None:
-    """Insert a body, and the way to its nearest point, into the sorted list of the nearest ones."""
+    """Insert a body, and the way to its nearest point, into the sorted list of the nearest ones.
+
+    Reads: nearest (body, distance, way_x, way_y).
+    Writes: nearest (body, distance, way_x, way_y).
+    """
     distance, way_x, way_y, bodies = (
         nearest.distance[slot],
         nearest.way_x[slot],
@@ -236,7 +247,12 @@ def keep(gap: float, dx: float, dy: float, body: int, slot: int, nearest: Neares
 def write_gaps(
     w: int, own: int, slot: int, nearest: Nearest, term: Bound, model: WorldModel, state: WorldState, row: Rays
 ) -> None:
-    """Write the code of the gap between each body that was found and the agent's own outline."""
+    """Write the code of the gap between each body that was found and the agent's own outline.
+
+    Reads: nearest (distance, sight, way_x, way_y), term (options), model (disc_count, disc_start, segment_count,
+        segment_start), state (discs, pose, segments).
+    Writes: row.
+    """
     options, far = term.options[0], nearest.sight
     first, last = span(model.segment_start, model.segment_count, w, own)
     segments = state.segments[w, first:last]
@@ -252,7 +268,11 @@ def write_gaps(
 
 @kernel
 def write_motions(w: int, own: int, slot: int, nearest: Nearest, speed: float, state: WorldState, row: Rays) -> None:
-    """Write direction and relative velocity of each body that was found, in the agent's frame."""
+    """Write direction and relative velocity of each body that was found, in the agent's frame.
+
+    Reads: nearest (body, way_x, way_y), state (pose, stopped, twist).
+    Writes: row.
+    """
     cosine, sine = np.cos(state.pose[w, own, 2]), np.sin(state.pose[w, own, 2])
     for k in range(nearest.distance.shape[1]):
         dx, dy, found = nearest.way_x[slot, k], nearest.way_y[slot, k], nearest.body[slot, k]
@@ -270,5 +290,8 @@ def write_motions(w: int, own: int, slot: int, nearest: Nearest, speed: float, s
 
 @kernel
 def moving(w: int, b: int, axis: int, state: WorldState) -> float:
-    """Return a component of a body's velocity; 0 when it is held in place."""
+    """Return a component of a body's velocity; 0 when it is held in place.
+
+    Reads: state (stopped, twist).
+    """
     return 0.0 if state.stopped[w, b] else state.twist[w, b, axis]

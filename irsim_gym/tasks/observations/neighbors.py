@@ -42,7 +42,7 @@ class Robots(Struct):
 
 @kind
 class Neighbors:
-    """The nearest other robots, nearest first, six numbers each; zeros for one that is not there.
+    """The nearest other robots, nearest first, six numbers each; zeros for missing ones.
 
     x, y of its origin in the agent's frame over ``range``; its velocity in the agent's frame, relative to the agent's,
     over ``speed``; its reach (radius of the disc around its origin that holds it) over ``range``; and 1 for "there is
@@ -55,8 +55,8 @@ class Neighbors:
     needs_scan: ClassVar[bool] = False
 
     count: int = option(6, ge=1, le=64, meaning="Number of robots observed.")
-    range: float | None = option(None, gt=0.0, unit="m", meaning="How far it sees; none: the world's diagonal.")
-    speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that counts as 1; faster is cut to it.")
+    range: float | None = option(None, gt=0.0, unit="m", meaning="Range of view; default: the world's diagonal.")
+    speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that reads 1; faster speeds are clipped.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Robots:
         """Return the robots, and scratch memory."""
@@ -94,7 +94,12 @@ class Neighbors:
 def write_neighbors(
     worlds: Ints, slot: int, term: Bound, robots: Robots, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
-    """Write six numbers for each of the nearest robots."""
+    """Write six numbers for each of the nearest robots.
+
+    Reads: term (agents, column, options), robots (bodies, distance, found), model (bounds, present, reach), state
+        (pose, stopped, twist).
+    Writes: robots (distance, found), episode (observation).
+    """
     options, distance, found = term.options[0], robots.distance[slot], robots.found[slot]
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     far = np.sqrt(width * width + height * height) if np.isnan(options.range) else options.range
@@ -128,7 +133,11 @@ def insert(squared: float, body: int, distance: Floats, found: Ints) -> None:
 def describe(
     w: int, own: int, body: int, far: float, speed: float, reach: Floats, state: WorldState, out: Rays
 ) -> None:
-    """Write the six numbers of a body, zeros for none (-1), cut to [-1, 1]."""
+    """Write the six numbers of a body, zeros for none (-1), cut to [-1, 1].
+
+    Reads: state (pose, stopped, twist).
+    Writes: out.
+    """
     for c in range(WIDTH):
         out[c] = np.float32(0.0)
     if body < 0:

@@ -50,7 +50,7 @@ class Tools(Struct):
 
 @kind
 class OccupancyImage:
-    """A square picture with the agent in its middle: 0 where it is free, 255 where something stands, smooth between.
+    """A square picture with the agent in its middle: 0 for free space, 255 for obstacles, with smooth edges.
 
     It is uint8 ``(pixels, pixels, n_channels)``. The first channel shows what is occupied, or, with ``from_scan``, what
     the lidar's latest scan knows: 0 free, 255 hit, 127 not seen. ``robot_channel`` adds one for other robots alone,
@@ -59,17 +59,19 @@ class OccupancyImage:
 
     only_kernels: ClassVar[bool] = True
 
-    pixels: int = option(64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 wants 36.")
-    metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of what is shown.")
-    rotated: bool = option(True, meaning="The agent's heading points up; else the world's y axis does.")
+    pixels: int = option(
+        64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs at least 36."
+    )
+    metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of the area shown.")
+    rotated: bool = option(True, meaning="The agent's heading points up; otherwise the world's y axis does.")
     bodies: bool = option(True, meaning="Show other bodies.")
     map: bool = option(True, meaning="Show the occupied cells of an obstacle map.")
-    edge: bool = option(True, meaning="What is outside of the world counts as occupied.")
-    robot_channel: bool = option(False, meaning="Show other robots in a channel of their own, and not in the first.")
-    goal_channel: bool = option(True, meaning="Show the next goal in a channel of its own, the last one.")
-    from_scan: bool = option(False, meaning="Show what the range sensor has just seen, in place of what is there.")
+    edge: bool = option(True, meaning="Space outside the world counts as occupied.")
+    robot_channel: bool = option(False, meaning="Show other robots in a separate channel instead of the first.")
+    goal_channel: bool = option(True, meaning="Show the next goal in a separate channel, the last one.")
+    from_scan: bool = option(False, meaning="Show the latest scan of the range sensor instead of the actual obstacles.")
     without_sensor: str | tuple[str, ...] = option(
-        "", meaning="With from_scan: observation, or a list, in place of this one, where there is no sensor."
+        "", meaning="With from_scan, observation, or a list, to use instead if there is no sensor."
     )
 
     @property
@@ -94,8 +96,8 @@ class OccupancyImage:
 
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return what the channels show."""
-        seen = "what the scan knows: 0 free, 127 not seen, 255 hit" if self.from_scan else "0 free, 255 occupied"
-        channels = [Columns("what stands around the robot", seen)]
+        seen = "the scan: 0 free, 127 not seen, 255 hit" if self.from_scan else "0 free, 255 occupied"
+        channels = [Columns("obstacles around the robot", seen)]
         if self.robot_channel:
             channels.append(Columns("other robots", "255 where one is"))
         if self.goal_channel:
@@ -136,6 +138,10 @@ def paint_occupied(
 ) -> None:
     """Clear the pictures, and paint what is occupied into their first channel.
 
+    Reads: term (agents, options), paints (box, colours, sheets), model (bounds, disc_count, disc_start, present, reach,
+        role, segment_count, segment_start, solid, unobstructed), state (discs, pose, segments).
+    Writes: paints (sheets), image.
+
     Args:
         worlds: The worlds to treat.
         slot: Whose sheet is used.
@@ -165,7 +171,10 @@ def paint_occupied(
 
 @kernel(inlined=True)
 def view_of(term: Bound, pose: Floats) -> View:
-    """Return the view of an agent at a pose."""
+    """Return the view of an agent at a pose.
+
+    Reads: term (options).
+    """
     options = term.options[0]
     return view_from(pose, options.rotated != 0, options.pixels / options.metres, options.pixels)
 
@@ -174,7 +183,12 @@ def view_of(term: Bound, pose: Floats) -> View:
 def paint_robots(
     worlds: Ints, slot: int, term: Bound, paints: Paints, model: WorldModel, state: WorldState, image: Bytes
 ) -> None:
-    """Paint other robots into the second channel; see ``paint_occupied``."""
+    """Paint other robots into the second channel; see ``paint_occupied``.
+
+    Reads: term (agents, options), paints (box, colours, sheets), model (disc_count, disc_start, present, reach, role,
+        segment_count, segment_start, solid, unobstructed), state (discs, pose, segments).
+    Writes: paints (sheets).
+    """
     box, sheet = paints.box, paints.sheets[slot]
     for w in worlds:
         for a in range(term.agents.shape[0]):
@@ -195,6 +209,9 @@ def paint_goal(
 
     Its disc has the radius under which it is reached, at least ``LEAST_GOAL``. Where it would not be all in the picture
     it touches the border, in the goal's direction.
+
+    Reads: term (agents, options), paints (box, colours, sheets), model (goal_threshold, has_goal), state (goal, pose).
+    Writes: paints (sheets).
     """
     box, sheet = paints.box, paints.sheets[slot]
     for w in worlds:

@@ -148,7 +148,10 @@ def is_near(canvas: Canvas, x: float, y: float, reach: float) -> bool:
 
 @kernel
 def add_body(canvas: Canvas, model: WorldModel, state: WorldState, w: int, b: int) -> None:
-    """Add a body of a world to a sheet."""
+    """Add a body of a world to a sheet.
+
+    Reads: model (disc_count, disc_start, reach, segment_count, segment_start, solid), state (discs, pose, segments).
+    """
     sheet, box, view = canvas
     reach = model.reach[row_of(model.reach, w), b]
     if not is_near(canvas, state.pose[w, b, 0], state.pose[w, b, 1], reach):

@@ -53,7 +53,7 @@ class Memory(Struct):
 
 @kind
 class PastScans:
-    """Earlier scans, seen from where the agent is now: free depth in sectors, encoded as in ``scan``.
+    """Earlier scans, seen from the agent's current pose: free depth in sectors, encoded as in ``scan``.
 
     What was hit then is put where it would be seen now, by the way that the agent itself has gone since. What stands
     still therefore reads as in the present scan, and what differs has moved: a policy without memory sees who goes
@@ -64,13 +64,15 @@ class PastScans:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 
-    ago: tuple[int, ...] = option((3, 6), unit="steps", meaning="How long ago the scans were taken, one each.")
-    sectors: int = option(36, ge=1, le=1024, meaning="Number of sectors; the first one begins straight behind.")
-    code: Code = option("inverse", meaning="How a depth becomes a number; see scan.")
-    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: depth at which the code has half its slope.")
+    ago: tuple[int, ...] = option((3, 6), unit="steps", meaning="Ages of the scans.")
+    sectors: int = option(36, ge=1, le=1024, meaning="Number of sectors; the first begins straight behind.")
+    code: Code = option("inverse", meaning="How to encode a depth; see scan.")
+    near: float = option(
+        0.5, gt=0.0, unit="m", meaning="With code inverse, the depth at which the slope is half its maximum."
+    )
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (m + near) that becomes 0.")
     without_sensor: str | tuple[str, ...] = option(
-        "", meaning="Observation, or a list, in place of this one, with their defaults, where a learner has no sensor."
+        "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
     )
 
     def problems(self) -> list[tuple[str, str]]:
@@ -113,7 +115,7 @@ class PastScans:
         scale = f"d = free depth beyond its reach, as {coded(self, 'd', far)}"
         sectors = evenly(self.sectors)
         return [
-            Columns(f"what was seen {steps} steps ago, from where it is now", scale, self.sectors, sectors)
+            Columns(f"scan of {steps} steps ago, seen from the current pose", scale, self.sectors, sectors)
             for steps in self.ago
         ]
 
@@ -126,7 +128,11 @@ class PastScans:
 
 @kernel
 def note_scans(worlds: Ints, agents: Ints, memory: Memory, state: WorldState, episode: EpisodeState) -> None:
-    """Put each agent's scan, and the pose that it was taken from, in place of the oldest one."""
+    """Put each agent's scan, and the pose that it was taken from, in place of the oldest one.
+
+    Reads: memory (members, ranges), state (pose), episode (steps).
+    Writes: memory (poses, scans).
+    """
     for w in worlds:
         for a in range(agents.shape[0]):
             slot = episode.steps[w, a] % memory.scans.shape[2]
@@ -138,7 +144,12 @@ def note_scans(worlds: Ints, agents: Ints, memory: Memory, state: WorldState, ep
 
 @kernel
 def write_past(worlds: Ints, term: Bound, memory: Memory, state: WorldState, episode: EpisodeState) -> None:
-    """Write the depths of earlier scans, encoded."""
+    """Write the depths of earlier scans, encoded.
+
+    Reads: term (agents, column, options), memory (ago, beams, far, mount, poses, reach, scans), state (pose), episode
+        (observation, steps).
+    Writes: episode (observation).
+    """
     options, ago = term.options[0], memory.ago
     sectors, near, zero = options.sectors, np.float32(options.near), np.float32(options.zero)
     for w in worlds:

@@ -20,7 +20,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Position:
-    """x and y from the world's middle, over half its longer side: the world lies within [-1, 1].
+    """x and y relative to the world's middle, divided by half its longer side: the world lies within [-1, 1].
 
     Beyond the world the numbers go on, so that places that differ stay different.
     """
@@ -54,7 +54,11 @@ def place_scale(axis: str, model: WorldModel) -> str:
 def write_place(
     worlds: Ints, agents: Ints, column: int, model: WorldModel, episode: EpisodeState, places: Floats
 ) -> None:
-    """Write x and y of the agents' places ``(n_worlds, n_bodies, 3)`` [m], scaled as the world's rectangle is."""
+    """Write x and y of the agents' places ``(n_worlds, n_bodies, 3)`` [m], scaled as the world's rectangle is.
+
+    Reads: model (bounds).
+    Writes: episode (observation).
+    """
     half = 0.5 * max(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1])
     middle_x, middle_y = 0.5 * (model.bounds[0] + model.bounds[2]), 0.5 * (model.bounds[1] + model.bounds[3])
     for w in worlds:

@@ -62,7 +62,7 @@ class Ways(Struct):
 
 @kind
 class Route:
-    """Direction of a point ahead on the shortest way to the next goal, as cosine and sine, and the way's length.
+    """Direction of a point ahead on the shortest path to the next goal, as cosine and sine, and the path's length.
 
     The way leads around what never moves, at the agent's reach, over free cells; it is found when the goal is new. The
     length comes over the world's diagonal, cut to 1. Where no way is known both are those of the straight one.
@@ -72,9 +72,9 @@ class Route:
     needs_goal: ClassVar[bool] = True
     needs_scan: ClassVar[bool] = False
 
-    ahead: float = option(1.0, gt=0.0, unit="m", meaning="How far ahead on the way the point lies.")
+    ahead: float = option(1.0, gt=0.0, unit="m", meaning="Distance of the point along the path.")
     cell: float | None = option(
-        None, gt=0.0, unit="m", meaning="Side of the cells; none: 0.1 m, or a 200th of the world's longer side."
+        None, gt=0.0, unit="m", meaning="Cell size; default: 0.1 m, or a 200th of the world's longer side."
     )
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Ways:
@@ -101,11 +101,11 @@ class Route:
     def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
         """Return what the three elements are."""
         full = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
-        point = f"of the direction of the point {self.ahead:g} m ahead on the shortest way"
+        point = f"of the direction of the point {self.ahead:g} m ahead on the shortest path"
         return [
             Columns(f"cosine {point}", "1 straight ahead, -1 straight behind"),
             Columns(f"sine {point}", "1 to the left, -1 to the right"),
-            Columns("length s of the shortest way to the next goal", f"s / {full:.3g} m, at most 1"),
+            Columns("length s of the shortest path to the next goal", f"s / {full:.3g} m, at most 1"),
         ]
 
     @staticmethod
@@ -124,7 +124,12 @@ class Route:
 def find_ways(
     worlds: Ints, slot: int, agents: Ints, ways: Ways, model: WorldModel, cells: CellMap | None, state: WorldState
 ) -> None:
-    """Write for each free cell the next one on the way to the goal and how long the way is, where the goal is new."""
+    """Write for each free cell the next one on the way to the goal and how long the way is, where the goal is new.
+
+    Reads: ways (blocked, blocks, field, grid, queue, target), model (present, reach, stands, unobstructed), state
+        (goal).
+    Writes: ways (blocks, length, onward, target).
+    """
     blocked, field, queue, blocks = ways.blocked[slot], ways.field[slot], ways.queue[slot], ways.blocks[slot]
     for w in worlds:
         for a in range(agents.shape[0]):
@@ -146,7 +151,11 @@ def find_ways(
 def write_route(
     worlds: Ints, term: Bound, ways: Ways, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
-    """Write cosine and sine of the way's direction, (1, 0) at the goal itself, and its length over the diagonal."""
+    """Write cosine and sine of the way's direction, (1, 0) at the goal itself, and its length over the diagonal.
+
+    Reads: term (agents, column, options), ways (grid, length, onward), model (bounds), state (direction, goal, pose).
+    Writes: episode (observation).
+    """
     ahead, column = term.options[0].ahead, term.column
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     for w in worlds:

@@ -58,12 +58,14 @@ class Scan:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = True
 
-    sectors: int = option(36, ge=1, meaning="Number of sectors; at most as many as there are beams are made.")
-    code: Code = option("inverse", meaning="How a depth becomes a number.")
-    near: float = option(0.5, gt=0.0, unit="m", meaning="Code inverse: depth at which the code has half its slope.")
+    sectors: int = option(36, ge=1, meaning="Number of sectors; at most the number of beams.")
+    code: Code = option("inverse", meaning="How to encode a depth.")
+    near: float = option(
+        0.5, gt=0.0, unit="m", meaning="With code inverse, the depth at which the slope is half its maximum."
+    )
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (m + near) that becomes 0.")
     without_sensor: str | tuple[str, ...] = option(
-        "", meaning="Observation, or a list, in place of this one, with their defaults, where a learner has no sensor."
+        "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
     )
 
     def problems(self) -> list[tuple[str, str]]:
@@ -153,7 +155,11 @@ def sector_beams(angles: Floats, sectors: int) -> tuple[Ints, Ints]:
 
 @kernel
 def pool(worlds: Ints, term: Bound, sectors: Sectors, episode: EpisodeState) -> None:
-    """Write each sector's least depth beyond the own outline, encoded."""
+    """Write each sector's least depth beyond the own outline, encoded.
+
+    Reads: term (column, options), sectors (extent, far, first, last, members, ranges), episode (observation).
+    Writes: episode (observation).
+    """
     options, first, last = term.options[0], sectors.first, sectors.last
     n_sectors, column = first.shape[0], term.column
     code, near, zero = options.code, np.float32(options.near), np.float32(options.zero)

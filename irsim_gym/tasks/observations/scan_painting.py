@@ -78,6 +78,10 @@ def paint_scan(
 ) -> None:
     """Paint what a scan knows into the first channel and clear the others: free, occupied, ``UNKNOWN``.
 
+    Reads: term (agents, options), beams (directions, do_touch, far, members, mount, ranges, spread), paints (box,
+        colours, sheets), state (pose).
+    Writes: paints (sheets), image.
+
     Args:
         worlds: The worlds to treat.
         slot: Whose sheet is used.
@@ -108,7 +112,10 @@ def paint_scan(
 
 @kernel
 def add_fan(canvas: Canvas, sensor: Sensor, beams: Beams, a: int, scan: Rays) -> None:
-    """Add what the beams of agent ``a`` have passed through; ``scan`` holds its ranges [m], ``(n_beams,)``."""
+    """Add what the beams of agent ``a`` have passed through; ``scan`` holds its ranges [m], ``(n_beams,)``.
+
+    Reads: beams (directions, do_touch, spread).
+    """
     x, y, cosine, sine = sensor
     directions = beams.directions[a]
     at_x, at_y = x, y
@@ -128,7 +135,10 @@ def add_fan(canvas: Canvas, sensor: Sensor, beams: Beams, a: int, scan: Rays) ->
 
 @kernel
 def add_hits(canvas: Canvas, sensor: Sensor, beams: Beams, a: int, scan: Rays) -> None:
-    """Add what the beams of a scan have hit: a piece of wall as wide as a beam, at least a pixel, behind each end."""
+    """Add what the beams of a scan have hit: a piece of wall as wide as a beam, at least a pixel, behind each end.
+
+    Reads: beams (directions, far, spread).
+    """
     x, y, cosine, sine = sensor
     directions, far, scale = beams.directions[a], beams.far[a], canvas.camera.scale
     for k in range(scan.shape[0]):

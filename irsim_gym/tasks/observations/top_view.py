@@ -44,7 +44,7 @@ NOBODY = -1
 
 @kind
 class TopView:
-    """A square picture in colours, as a camera straight above would take it; edges are smooth.
+    """A square picture in colours, seen from above, with smooth edges.
 
     It is uint8 ``(pixels, pixels, 3)``: red, green, blue. The agent, other robots, obstacles and its goal have a colour
     each, and a triangle on each robot points ahead. ``follow: robot`` keeps the agent in the middle, ``follow: world``
@@ -55,12 +55,14 @@ class TopView:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
-    pixels: int = option(64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 wants 36.")
+    pixels: int = option(
+        64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs at least 36."
+    )
     follow: Literal["robot", "world"] = option("robot", meaning="What stays in the middle of the picture.")
-    metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of what is shown around a robot.")
-    rotated: bool = option(True, meaning="Around a robot: its heading points up; else the world's y axis does.")
-    background: str = option("#f4f5f7", meaning="Colour of free ground, #rrggbb like all others.")
-    outside: str = option("#aab2bd", meaning="Colour of what is outside of the world.")
+    metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of the area around a robot.")
+    rotated: bool = option(True, meaning="Around a robot, its heading points up; otherwise the world's y axis does.")
+    background: str = option("#f4f5f7", meaning="Colour of free ground, as #rrggbb like all others.")
+    outside: str = option("#aab2bd", meaning="Colour of space outside the world.")
     obstacles: str = option("#3d4451", meaning="Colour of obstacles and maps.")
     goals: str = option("#2fb344", meaning="Colour of the agent's next goal.")
     robots: str = option("#f59f00", meaning="Colour of other robots.")
@@ -113,6 +115,10 @@ def paint_view(
     image: Bytes,
 ) -> None:
     """Paint the pictures.
+
+    Reads: term (agents, options), paints (box, colours, sheets), model (bounds, disc_count, disc_start, goal_threshold,
+        has_goal, present, reach, role, segment_count, segment_start, solid), state (discs, goal, pose, segments).
+    Writes: paints (sheets), image.
 
     Args:
         worlds: The worlds to treat.
@@ -174,7 +180,11 @@ def fill(picture: Bytes, colour: Floats) -> None:
 
 @kernel
 def add_bodies(canvas: Canvas, model: WorldModel, state: WorldState, w: int, role: int, but: int) -> None:
-    """Add the bodies of a role that are in a world, all but one, to a sheet."""
+    """Add the bodies of a role that are in a world, all but one, to a sheet.
+
+    Reads: model (disc_count, disc_start, present, reach, role, segment_count, segment_start, solid), state (discs,
+        pose, segments).
+    """
     for b in range(model.role.shape[0]):
         if model.role[b] == role and b != but and model.present[w, b]:
             add_body(canvas, model, state, w, b)
@@ -182,7 +192,10 @@ def add_bodies(canvas: Canvas, model: WorldModel, state: WorldState, w: int, rol
 
 @kernel
 def add_headings(canvas: Canvas, model: WorldModel, state: WorldState, w: int) -> None:
-    """Add a triangle that points ahead on each robot."""
+    """Add a triangle that points ahead on each robot.
+
+    Reads: model (present, reach, role), state (pose).
+    """
     for b in range(model.role.shape[0]):
         if model.role[b] != ROBOT or not model.present[w, b]:
             continue

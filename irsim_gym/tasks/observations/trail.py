@@ -35,7 +35,7 @@ class Marks(Struct):
 
 @kind
 class Trail:
-    """The nearest mark that the agent has left, by sector of its bearing: ``near / (d + near)``, 0 without one.
+    """The nearest mark that the agent has left, by sector of its bearing: ``near / (d + near)``, or 0 without one.
 
     A mark is left every ``spacing`` metres of the way; the last ones, which lie right behind, do not count. It is
     memory for a policy that has none: what has been tried already can be told from what has not.
@@ -45,10 +45,10 @@ class Trail:
     needs_goal: ClassVar[bool] = False
     needs_scan: ClassVar[bool] = False
 
-    sectors: int = option(12, ge=1, le=360, meaning="Number of sectors; the first one begins straight behind.")
-    spacing: float = option(0.5, gt=0.0, unit="m", meaning="Way between two marks.")
-    marks: int = option(32, ge=1, le=4096, meaning="Number of marks that are remembered.")
-    fresh: int = option(2, ge=0, meaning="Number of latest marks that do not count.")
+    sectors: int = option(12, ge=1, le=360, meaning="Number of sectors; the first begins straight behind.")
+    spacing: float = option(0.5, gt=0.0, unit="m", meaning="Distance driven between two marks.")
+    marks: int = option(32, ge=1, le=4096, meaning="Number of marks to remember.")
+    fresh: int = option(2, ge=0, meaning="Number of latest marks to ignore.")
     near: float = option(0.5, gt=0.0, unit="m", meaning="Distance of a mark that reads 0.5.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Marks:
@@ -79,7 +79,11 @@ class Trail:
 
 @kernel
 def write_trail(worlds: Ints, term: Bound, marks: Marks, state: WorldState, episode: EpisodeState) -> None:
-    """Write the nearness of the nearest mark in each sector."""
+    """Write the nearness of the nearest mark in each sector.
+
+    Reads: term (agents, column, options), marks (count, places), state (pose), episode (observation).
+    Writes: marks (count, places), episode (observation).
+    """
     options, size = term.options[0], marks.places.shape[2]
     for w in worlds:
         for a in range(term.agents.shape[0]):

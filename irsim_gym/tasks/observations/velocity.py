@@ -21,7 +21,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Velocity:
-    """The velocity executed in the latest step, each component over the larger of its two limits.
+    """The velocity executed in the latest step, each component divided by the larger of its two limits.
 
     For an ``omni`` drive it is the velocity in the body frame, over the length of the two largest limits.
     """
@@ -70,7 +70,11 @@ class Velocity:
 def write_velocity(
     worlds: Ints, agents: Ints, column: int, size: int, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
-    """Write ``size`` components of the velocity over max(abs(velocity_min), abs(velocity_max)); 0 when stopped."""
+    """Write ``size`` components of the velocity over max(abs(velocity_min), abs(velocity_max)); 0 when stopped.
+
+    Reads: model (drive, velocity_max, velocity_min), state (pose, stopped, velocity).
+    Writes: episode (observation).
+    """
     for w in worlds:
         slowest, fastest = (
             model.velocity_min[row_of(model.velocity_min, w)],

@@ -28,7 +28,7 @@ class Arrival:
 
     def when(self, term: Term) -> str:
         """Return when and how much it pays."""
-        return f"+{self.weight:g}, once: the episode ends with success"
+        return f"+{self.weight:g}, once, when the episode ends with success"
 
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -26,7 +26,7 @@ class Clearance:
     needs_ending: ClassVar[bool] = False
 
     weight: float = option(0.8, ge=0.0, meaning="Cost of an episode spent in contact.")
-    safe: float = option(0.3, gt=0.0, unit="m", meaning="Clearance from which on nothing is paid.")
+    safe: float = option(0.3, gt=0.0, unit="m", meaning="Clearance from which the cost is zero.")
 
     @property
     def clearance_range(self) -> float:
@@ -47,7 +47,11 @@ class Clearance:
 
 @kernel
 def pay_closeness(worlds: Ints, column: int, amount: float, safe: float, episode: EpisodeState) -> None:
-    """Write ``amount`` times the squared shortfall of the clearance [m], relative to ``safe`` [m]."""
+    """Write ``amount`` times the squared shortfall of the clearance [m], relative to ``safe`` [m].
+
+    Reads: episode (clearance).
+    Writes: episode (reward_term).
+    """
     for w in worlds:
         for a in range(episode.clearance.shape[1]):
             short = max(0.0, 1.0 - episode.clearance[w, a] / safe)

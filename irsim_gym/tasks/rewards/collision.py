@@ -21,7 +21,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Collision:
-    """Penalty ``-weight`` in the step in which the agent begins to touch another body, or ends by that."""
+    """Penalty ``-weight`` in the step in which the agent begins to touch another body, or ends because of it."""
 
     only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "penalty"
@@ -30,9 +30,9 @@ class Collision:
     needs_ending: ClassVar[bool] = False
 
     weight: float = option(4.0, ge=0.0, meaning="Penalty for a collision.")
-    robot: float | None = option(None, ge=0.0, meaning="Penalty when it is with a robot; none: weight.")
-    obstacle: float | None = option(None, ge=0.0, meaning="Penalty when it is with an obstacle; none: weight.")
-    map: float | None = option(None, ge=0.0, meaning="Penalty when it is with the obstacle map; none: weight.")
+    robot: float | None = option(None, ge=0.0, meaning="Penalty for a collision with a robot; default: weight.")
+    obstacle: float | None = option(None, ge=0.0, meaning="Penalty for a collision with an obstacle; default: weight.")
+    map: float | None = option(None, ge=0.0, meaning="Penalty for a collision with the obstacle map; default: weight.")
 
     def least(self, bodies: Iterable[str] | None = None) -> float:
         """Return the penalty of the cheapest collision: with any body, or with kinds as ``collided`` names them."""
@@ -76,7 +76,11 @@ class Collision:
 def pay_onset(
     worlds: Ints, agents: Ints, column: int, amounts: Floats, state: WorldState, episode: EpisodeState, touching: Flags
 ) -> None:
-    """Write the amount for what is touched where a collision begins or ends the episode; remember who collides."""
+    """Write the amount for what is touched where a collision begins or ends the episode; remember who collides.
+
+    Reads: state (collided), episode (hit_kind, outcome).
+    Writes: episode (reward_term), touching.
+    """
     for w in worlds:
         for a in range(agents.shape[0]):
             now = state.collided[w, agents[a]]

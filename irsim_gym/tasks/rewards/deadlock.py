@@ -16,7 +16,7 @@ from irsim_gym.world.state import WorldState
 
 @kind
 class Deadlock:
-    """Penalty ``-weight``, once, when the episode ends because the agent has stood still for too long."""
+    """Penalty ``-weight``, once, when the episode ends because the agent has stalled for too long."""
 
     only_kernels: ClassVar[bool] = True
     role: ClassVar[Role] = "penalty"
@@ -28,7 +28,7 @@ class Deadlock:
 
     def when(self, term: Term) -> str:
         """Return when and how much it pays."""
-        return f"-{self.weight:g}, once: the episode ends as it has stood still for too long"
+        return f"-{self.weight:g}, once, when the episode ends in a deadlock"
 
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

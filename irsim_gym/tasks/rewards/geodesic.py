@@ -68,7 +68,11 @@ def note_fields(term: Term, model: WorldModel, state: WorldState, episode: Episo
 
 @kernel
 def mark_standing(model: WorldModel, w: int, own: int, blocks: Flags) -> None:
-    """Write which other bodies stand in the way of a body and never move."""
+    """Write which other bodies stand in the way of a body and never move.
+
+    Reads: model (present, stands, unobstructed).
+    Writes: blocks.
+    """
     for b in range(blocks.shape[0]):
         blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != own
 
@@ -87,6 +91,10 @@ def draw_fields(
     """Write field, noted goal and distance [m] where the goal is new or the episode begins.
 
     Where the field knows no way from the agent the straight distance takes its place.
+
+    Reads: fields (blocked, blocks, field, grid, queue, target), model (present, reach, stands, unobstructed), state
+        (goal, pose), episode (began).
+    Writes: fields (blocks, potential, target).
     """
     grid, blocked, queue, blocks = fields.grid, fields.blocked[slot], fields.queue[slot], fields.blocks[slot]
     for w in worlds:
@@ -109,7 +117,11 @@ def draw_fields(
 def pay_field_gain(
     worlds: Ints, term: Bound, fields: Fields, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
-    """Write the weighted loss of distance over the diagonal of ``bounds``; nothing where the field knows no way."""
+    """Write the weighted loss of distance over the diagonal of ``bounds``; nothing where the field knows no way.
+
+    Reads: term (agents, column, options), fields (field, grid, potential), model (bounds), state (pose).
+    Writes: fields (potential), episode (reward_term).
+    """
     grid, potential = fields.grid, fields.potential
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     rate = term.options[0].weight / np.sqrt(width * width + height * height)

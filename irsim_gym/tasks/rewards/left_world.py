@@ -28,7 +28,7 @@ class LeftWorldPenalty:
 
     def when(self, term: Term) -> str:
         """Return when and how much it pays."""
-        return f"-{self.weight:g}, once: the episode ends outside of the world"
+        return f"-{self.weight:g}, once, when the episode ends outside the world"
 
     @staticmethod
     def pay(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -9,7 +9,11 @@ from irsim_gym.tasks.state import EpisodeState
 
 @kernel
 def pay_outcome(worlds: Ints, column: int, wanted: int, amount: float, episode: EpisodeState) -> None:
-    """Write ``amount`` where the outcome is the wanted one, else 0."""
+    """Write ``amount`` where the outcome is the wanted one, else 0.
+
+    Reads: episode (outcome).
+    Writes: episode (reward_term).
+    """
     for w in worlds:
         for a in range(episode.outcome.shape[1]):
             episode.reward_term[w, a, column] = amount if episode.outcome[w, a] == wanted else 0.0

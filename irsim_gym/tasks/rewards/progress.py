@@ -35,7 +35,7 @@ class Potentials(Struct):
 
 @kind
 class Progress:
-    """``weight`` times the way gained towards the goal in the step, over the world's diagonal.
+    """``weight`` times the progress towards the goal in the step, divided by the world's diagonal.
 
     The way is measured to the goal that was next before the step, so that a change of goal costs nothing.
     """
@@ -46,11 +46,12 @@ class Progress:
     needs_goal: ClassVar[bool] = True
     needs_ending: ClassVar[bool] = False
 
-    weight: float = option(4.0, ge=0.0, meaning="Reward for a gain of one diagonal of the world.")
+    weight: float = option(4.0, ge=0.0, meaning="Reward for progress of one diagonal of the world.")
     potential: Literal["euclidean", "geodesic"] = option(
-        "euclidean", meaning="The way: straight, or around everything that never moves, at the agent's reach."
+        "euclidean",
+        meaning="Distance to the goal: straight, or around everything that never moves, with room for the agent.",
     )
-    cell: float = option(0.1, gt=0.0, unit="m", meaning="Geodesic: side of the cells in which ways are measured.")
+    cell: float = option(0.1, gt=0.0, unit="m", meaning="With geodesic, the cell size for distances.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Potentials | Fields:
         """Return the memory: each agent's goal and its distance, one step ago."""
@@ -91,7 +92,11 @@ def distance(pose: Floats, target: Floats) -> float:
 
 @kernel
 def note(worlds: Ints, agents: Ints, memory: Potentials, state: WorldState) -> None:
-    """Write where each agent's goal is and how far away [m]."""
+    """Write where each agent's goal is and how far away [m].
+
+    Reads: memory (target), state (goal, pose).
+    Writes: memory (distance, target).
+    """
     for w in worlds:
         for a in range(agents.shape[0]):
             b, target = agents[a], memory.target[w, a]
@@ -103,7 +108,11 @@ def note(worlds: Ints, agents: Ints, memory: Potentials, state: WorldState) -> N
 def pay_gain(
     worlds: Ints, term: Bound, memory: Potentials, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
-    """Write the weighted loss of distance to the noted goal, over the diagonal of ``bounds``; note what is new."""
+    """Write the weighted loss of distance to the noted goal, over the diagonal of ``bounds``; note what is new.
+
+    Reads: term (agents, column, options), memory (distance, target), model (bounds), state (goal, pose).
+    Writes: memory (distance, target), episode (reward_term).
+    """
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
     rate = term.options[0].weight / np.sqrt(width * width + height * height)
     for w in worlds:

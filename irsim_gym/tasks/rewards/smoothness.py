@@ -25,11 +25,11 @@ class Smoothness:
     needs_goal: ClassVar[bool] = False
     needs_ending: ClassVar[bool] = False
 
-    weight: float = option(0.2, ge=0.0, meaning="Cost of an episode in which every action swings from end to end.")
+    weight: float = option(0.2, ge=0.0, meaning="Cost of an episode in which every action jumps between its bounds.")
 
     def when(self, term: Term) -> str:
         """Return when and how much it pays."""
-        most = f"-{self.weight / term.max_steps:.3g} a step for a swing from end to end"
+        most = f"-{self.weight / term.max_steps:.3g} per step for a change between the bounds"
         return f"the action changes: at most {most}, with the square of the change"
 
     @staticmethod
@@ -40,7 +40,11 @@ class Smoothness:
 
 @kernel
 def pay_change(worlds: Ints, column: int, amount: float, sizes: Ints, episode: EpisodeState) -> None:
-    """Write ``amount`` times the squared change of the action, scaled to [0, 1]; actions lie in [-1, 1]."""
+    """Write ``amount`` times the squared change of the action, scaled to [0, 1]; actions lie in [-1, 1].
+
+    Reads: episode (action, previous_action).
+    Writes: episode (reward_term).
+    """
     for w in worlds:
         for a in range(episode.action.shape[1]):
             squared = 0.0
