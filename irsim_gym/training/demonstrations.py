@@ -141,7 +141,7 @@ def _what_is_wrong(path: Path, error: Exception) -> str:
     if not path.is_file() or zipfile.is_zipfile(path):
         return str(error)
     found = "it is empty" if path.stat().st_size == 0 else "it is not a complete .npz archive"
-    return f"{found}; irsim-gym play --record writes such files"
+    return f"{found}; irsim-gym play --record writes such files, and creates one that does not exist"
 
 
 def save_demonstrations(path: Path, found: Demonstrations) -> None:

@@ -127,7 +127,7 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
         with pytest.raises(DemonstrationError, match="not a file of demonstrations"):
             irsim_gym.load_demonstrations(tmp_path / name)
     for name, what in (("text.npz", "it is not a complete .npz archive"), ("empty.npz", "it is empty")):
-        with pytest.raises(DemonstrationError, match=f"{what}.*begins a new one where there is none"):
+        with pytest.raises(DemonstrationError, match=f"{what}.*creates one that does not exist"):
             irsim_gym.load_demonstrations(tmp_path / name)
     np.savez(tmp_path / "newer.npz", about=np.array('{"format": 99}'))
     with pytest.raises(DemonstrationError, match="format 99, this version reads 1"):
