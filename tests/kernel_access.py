@@ -14,8 +14,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1] / "irsim_gym"
 LINE = 120
-ACCESS = re.compile(r"\n+    (?:Reads|Writes): (?:[^\n]|\n    (?!\S+:|\n|\"\"\"))*")
-"""The paragraph in a docstring."""
+
 
 Root = tuple[str, str]
 """A parameter, and the field of it, which is empty for a parameter that is an array."""
@@ -52,8 +51,17 @@ class Kernel:
 
     def found(self) -> str:
         """Return the lines that its docstring holds."""
-        match = ACCESS.search("\n\n" + (ast.get_docstring(self.tree, clean=False) or ""))
-        return match.group().strip("\n").rstrip() if match else ""
+        _, lines = _separated(ast.get_docstring(self.tree, clean=False) or "")
+        return "\n".join(lines)
+
+
+def _separated(docstring: str) -> tuple[str, list[str]]:
+    """Return a docstring without the lines on what is read and written, and these lines."""
+    kept, taken, is_inside = [], [], False
+    for line in docstring.split("\n"):
+        is_inside = line.startswith(("    Reads: ", "    Writes: ")) or (is_inside and line.startswith(" " * 8))
+        (taken if is_inside else kept).append(line)
+    return re.sub(r"\n\n\n+", "\n\n", "\n".join(kept)), taken
 
 
 def _line(word: str, roots: set[Root], kernel: Kernel) -> str:
@@ -231,7 +239,7 @@ def _rewritten(text: str, kernel: Kernel) -> str:
     node = kernel.tree.body[0]
     docstring = "".join(lines[node.lineno - 1 : node.end_lineno])
     inside = docstring.strip().removeprefix('"""').removesuffix('"""').rstrip()
-    inside = ACCESS.sub("", inside)
+    inside = _separated(inside)[0].rstrip()
     match = re.search(r"\n\n    (Args|Returns|Raises):\n", inside)
     at = match.start() if match else len(inside)
     new = f'    """{inside[:at]}\n\n{kernel.expected()}{inside[at:]}\n    """\n'

@@ -10,7 +10,7 @@ import numpy as np
 from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.orca_crowd import Crowd, lay_squares
 from irsim_gym.behaviors.orca_map import SIGHT
-from irsim_gym.behaviors.orca_neighbors import Obstacles
+from irsim_gym.behaviors.orca_neighbors import OrcaObstacles
 from irsim_gym.behaviors.orca_planning import OrcaTables, command_plans, plan_velocities
 from irsim_gym.behaviors.surroundings import most_map_walls
 from irsim_gym.geometry.linear_program import HALF_PLANE
@@ -64,7 +64,7 @@ class OrcaGroup:
             OrcaTables(
                 deciding=deciding,
                 crowd=Crowd.reserve(members, squares, seen, plans, most),
-                obstacles=Obstacles.reserve(is_wall, n_parts, n_sides),
+                obstacles=OrcaObstacles.reserve(is_wall, n_parts, n_sides),
                 planes=np.zeros(n_parts + n_sides + most, HALF_PLANE),
                 spare=np.zeros(n_parts + n_sides + most, HALF_PLANE),
             )

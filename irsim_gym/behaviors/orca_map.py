@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from irsim_gym.arraytypes import Records
-from irsim_gym.behaviors.orca_neighbors import Obstacles, put_in_order
+from irsim_gym.behaviors.orca_neighbors import OrcaObstacles, put_in_order
 from irsim_gym.behaviors.orca_walls import add_edge, see_edge
 from irsim_gym.behaviors.surroundings import Ego, map_walls
 from irsim_gym.geometry.segments import point_segment_distance2
@@ -16,7 +16,7 @@ SIGHT = 3.0
 
 @kernel
 def add_map(
-    model: WorldModel, ego: Ego, horizon: float, within: float, obstacles: Obstacles, planes: Records, count: int
+    model: WorldModel, ego: Ego, horizon: float, within: float, obstacles: OrcaObstacles, planes: Records, count: int
 ) -> int:
     """Append the half-planes of the map's walls to ``planes``, nearest first; return how many those are now.
 

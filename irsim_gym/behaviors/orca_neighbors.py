@@ -21,7 +21,7 @@ FEW_WALLS = 64
 
 
 @dataclass
-class Obstacles(Struct):
+class OrcaObstacles(Struct):
     """What never moves. Memory of one shard.
 
     Attributes:
@@ -79,7 +79,7 @@ def put_in_order(item: int, key: float, items: Ints, keys: Floats, count: int) -
 
 
 @kernel
-def find_walls(model: WorldModel, state: WorldState, w: int, b: int, within: float, obstacles: Obstacles) -> int:
+def find_walls(model: WorldModel, state: WorldState, w: int, b: int, within: float, obstacles: OrcaObstacles) -> int:
     """Write sides and discs of bodies that never move, nearest first, up to some distance; return their number.
 
     Reads: model (bucket_frame, disc_count, disc_start, present, reach, segment_count, segment_start), state

@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Ints, Records
 from irsim_gym.behaviors.orca_crowd import Crowd, find_nearest, sort_members
 from irsim_gym.behaviors.orca_lines import LANES, Other, away, disc_plane, disc_planes
 from irsim_gym.behaviors.orca_map import SIGHT, add_map
-from irsim_gym.behaviors.orca_neighbors import Obstacles, find_walls
+from irsim_gym.behaviors.orca_neighbors import OrcaObstacles, find_walls
 from irsim_gym.behaviors.orca_walls import add_edge, see_edge
 from irsim_gym.behaviors.steering import Turning, goal_offset, to_command
 from irsim_gym.behaviors.surroundings import Ego
@@ -52,7 +52,7 @@ class OrcaTables(Struct):
 
     deciding: Ints
     crowd: Crowd
-    obstacles: Obstacles
+    obstacles: OrcaObstacles
     planes: Records
     spare: Records
 

@@ -158,16 +158,16 @@ class Pictures:
 
     def now(self, w: int) -> Bytes:
         """Return a fresh picture ``(height, width, 3)`` of a world as it is."""
-        from irsim_gym.render.picture import Picture
+        from irsim_gym.render.picture import NotebookPicture
 
-        return self._renderer(None).frame(w, world_status(self._episodes, w)).view(Picture)
+        return self._renderer(None).frame(w, world_status(self._episodes, w)).view(NotebookPicture)
 
     def several(self, worlds: Sequence[int], size: Size = None) -> tuple[Bytes, ...]:
         """Return fresh pictures of several worlds as they are, of a width and height [pixel] or of their own."""
-        from irsim_gym.render.picture import Picture
+        from irsim_gym.render.picture import NotebookPicture
 
         statuses = [world_status(self._episodes, w) for w in worlds]
-        return tuple(frame.view(Picture) for frame in self._renderer(size).frames(worlds, statuses))
+        return tuple(frame.view(NotebookPicture) for frame in self._renderer(size).frames(worlds, statuses))
 
     def tiled(
         self, columns: int | None = None, worlds: Sequence[int] | None = None, room: tuple[int, int] = ROOM
@@ -182,7 +182,7 @@ class Pictures:
         Raises:
             ValueError: No world, or one that is not there, or no columns.
         """
-        from irsim_gym.render.picture import Picture
+        from irsim_gym.render.picture import NotebookPicture
         from irsim_gym.render.tiles import grid
 
         self._refuse_without_mode()
@@ -192,7 +192,7 @@ class Pictures:
         if columns is not None and columns < 1:
             raise ValueError(f"columns must be at least 1, got {columns}")
         in_a_row, size = self._tile(len(chosen), columns, room)
-        return grid(self.several(chosen, size), in_a_row).view(Picture)
+        return grid(self.several(chosen, size), in_a_row).view(NotebookPicture)
 
     def show(self) -> None:
         """Show all worlds as they are in a window, whatever the mode; the picture before is given a second at most."""

@@ -53,9 +53,9 @@ class Camera:
 
     def frame(self, status: str) -> Bytes:
         """Return a picture, uint8, shape ``(height, width, 3)``."""
-        from irsim_gym.render.picture import Picture
+        from irsim_gym.render.picture import NotebookPicture
 
-        return self._ready().frame(0, status).view(Picture)
+        return self._ready().frame(0, status).view(NotebookPicture)
 
     def show(self, status: str) -> Bytes:
         """Return a picture that somebody is going to see: what was drawn over the world for one picture is in it.

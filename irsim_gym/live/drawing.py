@@ -87,7 +87,7 @@ class Drawing:
             ValueError: These are no points, or there is no such format, colour, width, opacity or layer.
         """
         look = looks.parsed(format)
-        ink = strokes.Ink.of(color if color is not None else look.color or PATH, alpha, layer)
+        ink = strokes.StrokeInk.of(color if color is not None else look.color or PATH, alpha, layer)
         return self.add(strokes.line(places.rows(points), look, ink, width), once)
 
     def points(
@@ -145,7 +145,7 @@ class Drawing:
         Raises:
             ValueError: These are not three points, or there is no such colour, width, style, opacity or layer.
         """
-        edge = strokes.Ink.of(color, alpha, layer)
+        edge = strokes.StrokeInk.of(color, alpha, layer)
         return self.add(strokes.area(places.rows(points), edge, fill, looks.line_style(style), width), once)
 
     def arrows(
@@ -182,7 +182,7 @@ class Drawing:
             raise ValueError(f"each arrow has a tail and a vector, got {len(begins)} tails and {len(ways)} vectors")
         size = None if length is None else looks.number("length", length)
         thick = None if width is None else looks.number("width", width)
-        ink = strokes.Ink.of(color, alpha, layer)
+        ink = strokes.StrokeInk.of(color, alpha, layer)
         outlines = arrows.outlines(np.hstack([begins, ways]), size, thick)
         marks = [LineMark(way, ink.color, ink.alpha, 0.0, "solid", True, ink.color, ink.layer) for way in outlines]
         return self.add(marks if ink.is_seen else [], once)
@@ -219,7 +219,7 @@ class Drawing:
         if align not in ("left", "center", "right"):
             raise ValueError(f"align is 'left', 'center' or 'right', got {align!r}")
         across, up = (looks.number(name, value, least=-np.inf) for name, value in (("x", x), ("y", y)))
-        ink, high = strokes.Ink.of(color, alpha, layer), looks.number("size", size, least=1.0, most=LARGEST_TEXT)
+        ink, high = strokes.StrokeInk.of(color, alpha, layer), looks.number("size", size, least=1.0, most=LARGEST_TEXT)
         mark = TextMark(across, up, _line(words), ink.color, ink.alpha, high, align, ink.layer)
         return self.add([mark] if words.strip() else [], once)
 

@@ -74,7 +74,7 @@ class IrSimDrawing:
             raise ValueError("show_direction needs the heading of each point as its third coordinate: x, y, heading")
         given = looks.known_as("draw_trajectory", kwargs, LINE_WORDS)
         named = looks.parsed(traj_type)
-        ink = strokes.Ink.of(_first(given.get("color"), named.color, PATH), *_look(given, LINE_LAYER))
+        ink = strokes.StrokeInk.of(_first(given.get("color"), named.color, PATH), *_look(given, LINE_LAYER))
         style = looks.line_style(given["style"]) if "style" in given else named.style
         marker = looks.marker(given["marker"]) if "marker" in given else named.marker
         look = looks.Format(named.color, style, marker)
@@ -121,7 +121,7 @@ class IrSimDrawing:
             ValueError: These are not three points, or there is no such look.
         """
         look = looks.parsed(color)
-        ink = strokes.Ink.of(look.color or PATH, 1.0, LINE_LAYER)
+        ink = strokes.StrokeInk.of(look.color or PATH, 1.0, LINE_LAYER)
         corners = places.rows(vertex, columns=True)
         marks = strokes.area(corners, ink, None, look.style, 1.5)
         if look.marker:
@@ -166,7 +166,7 @@ class IrSimDrawing:
 
     def _draw_quivers(self, points: ArrayLike, given: Mapping[str, Any], once: bool) -> None:
         rows = places.rows(points, least=4)
-        ink = strokes.Ink.of(given.get("color", ARROW), *_look(given, GROUND_LAYER))
+        ink = strokes.StrokeInk.of(given.get("color", ARROW), *_look(given, GROUND_LAYER))
         self._drawing.add(strokes.forms(rows, ink, "o", ORIGIN_SIZE**0.5 + MARKER_EDGE), once)
         for row in rows:
             self._draw_arrows(row[None], THICK, given, once)

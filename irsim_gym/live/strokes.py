@@ -19,7 +19,7 @@ MARKER_SIZE, MARKER_WIDTH = 6.0, 1.5
 
 
 @dataclass(frozen=True)
-class Ink:
+class StrokeInk:
     """Colour, opacity and layer of marks."""
 
     color: str
@@ -42,7 +42,7 @@ class Ink:
         return self.color.lower() != "none"
 
 
-def line(points: Floats, look: looks.Format, ink: Ink, width: object, size: object = MARKER_SIZE) -> list[Mark]:
+def line(points: Floats, look: looks.Format, ink: StrokeInk, width: object, size: object = MARKER_SIZE) -> list[Mark]:
     """Return a line through points, and forms at them.
 
     Args:
@@ -66,7 +66,7 @@ def line(points: Floats, look: looks.Format, ink: Ink, width: object, size: obje
     return marks + (forms(points, ink, look.marker, large) if look.marker else [])
 
 
-def forms(points: Floats, ink: Ink, marker: str, size: float, width: float = MARKER_WIDTH) -> list[Mark]:
+def forms(points: Floats, ink: StrokeInk, marker: str, size: float, width: float = MARKER_WIDTH) -> list[Mark]:
     """Return forms at points [m], shape ``(n, d)``; none where there are no points.
 
     Args:
@@ -94,14 +94,14 @@ def points(
     """
     form = looks.marker(marker) or "o"
     large, thick = looks.number("size", size), looks.number("width", width)
-    inks = [Ink.of(one, alpha, layer) for one in _colors(color, len(rows))]
+    inks = [StrokeInk.of(one, alpha, layer) for one in _colors(color, len(rows))]
     if len(inks) == 1:
         return forms(rows, inks[0], form, large, thick)
     numbers = {ink: np.array([one == ink for one in inks]) for ink in dict.fromkeys(inks)}
     return [mark for ink, chosen in numbers.items() for mark in forms(rows[chosen], ink, form, large, thick)]
 
 
-def area(corners: Floats, edge: Ink, fill: Color | None, style: str, width: object) -> list[Mark]:
+def area(corners: Floats, edge: StrokeInk, fill: Color | None, style: str, width: object) -> list[Mark]:
     """Return a polygon; nothing without corners.
 
     Args:

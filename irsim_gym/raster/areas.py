@@ -11,7 +11,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.jit import kernel
-from irsim_gym.raster.records import Canvas
+from irsim_gym.raster.records import RasterCanvas
 from irsim_gym.raster.sheets import note, paint, scan_edge
 
 Place = tuple[float, float]
@@ -210,7 +210,7 @@ def _add_arc(sheet: Rays, box: Ints, px: float, py: float, x: float, y: float, a
 
 
 @kernel
-def paint_disc(canvas: Canvas, x: float, y: float, radius: float, colour: Floats) -> None:
+def paint_disc(canvas: RasterCanvas, x: float, y: float, radius: float, colour: Floats) -> None:
     """Paint a disc with its middle at x, y [pixel]."""
     picture, sheet, box = canvas
     add_disc(sheet, box, x, y, radius, 1.0)
@@ -218,7 +218,7 @@ def paint_disc(canvas: Canvas, x: float, y: float, radius: float, colour: Floats
 
 
 @kernel
-def paint_ring(canvas: Canvas, x: float, y: float, radius: float, width: float, colour: Floats) -> None:
+def paint_ring(canvas: RasterCanvas, x: float, y: float, radius: float, width: float, colour: Floats) -> None:
     """Paint a circle as a line of a width, half of it on each side [pixel]."""
     picture, sheet, box = canvas
     add_disc(sheet, box, x, y, radius + 0.5 * width, 1.0)
@@ -227,7 +227,7 @@ def paint_ring(canvas: Canvas, x: float, y: float, radius: float, width: float, 
 
 
 @kernel
-def paint_polygon(canvas: Canvas, points: Floats, first: int, count: int, even_odd: bool, colour: Floats) -> None:
+def paint_polygon(canvas: RasterCanvas, points: Floats, first: int, count: int, even_odd: bool, colour: Floats) -> None:
     """Paint a polygon; see ``add_polygon`` for its corners and ``paint`` for the rule."""
     picture, sheet, box = canvas
     add_polygon(sheet, box, points, first, count)
@@ -236,7 +236,14 @@ def paint_polygon(canvas: Canvas, points: Floats, first: int, count: int, even_o
 
 @kernel
 def paint_line(
-    canvas: Canvas, points: Floats, first: int, count: int, width: float, closed: bool, round_ends: bool, colour: Floats
+    canvas: RasterCanvas,
+    points: Floats,
+    first: int,
+    count: int,
+    width: float,
+    closed: bool,
+    round_ends: bool,
+    colour: Floats,
 ) -> None:
     """Paint a thick line through points; see ``add_line``."""
     picture, sheet, box = canvas

@@ -10,7 +10,7 @@ from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc, add_polygon, is_near
 from irsim_gym.raster.masks import paint_mask
-from irsim_gym.raster.records import AREA, EDGE, Canvas, Prints
+from irsim_gym.raster.records import AREA, EDGE, Prints, RasterCanvas
 from irsim_gym.raster.sheets import note, paint, scan_edge
 
 MOST_BEAMS = 100
@@ -33,7 +33,7 @@ def load_beams(points: Floats, scan: Any, pose: Floats, angles: Floats, ranges: 
 
 @kernel
 def paint_scan(
-    canvas: Canvas,
+    canvas: RasterCanvas,
     points: Floats,
     item: Any,
     scan: Any,
@@ -85,7 +85,7 @@ def _add_beam(sheet: Rays, box: Ints, points: Floats, i: int, width: float) -> N
 
 @kernel
 def _paint_velocities(
-    canvas: Canvas,
+    canvas: RasterCanvas,
     points: Floats,
     item: Any,
     scan: Any,
@@ -118,7 +118,7 @@ def _mix(colour: Floats, scan: Any, speed: float, opacity: float) -> None:
 
 @kernel
 def paint_hits(
-    canvas: Canvas,
+    canvas: RasterCanvas,
     points: Floats,
     item: Any,
     scan: Any,

@@ -19,10 +19,10 @@ from irsim_gym.raster.records import (
     OTHER,
     RECTANGLE,
     WINDSCREEN,
-    Canvas,
     Desk,
-    Outline,
     Prints,
+    RasterCanvas,
+    RasterOutline,
 )
 from irsim_gym.raster.sheets import paint
 from irsim_gym.raster.ways import add_way, paint_outline
@@ -64,7 +64,7 @@ def extent(
 
 
 @kernel
-def paint_footprint(canvas: Canvas, desk: Desk, item: Any, outline: Outline, solid: bool) -> None:
+def paint_footprint(canvas: RasterCanvas, desk: Desk, item: Any, outline: RasterOutline, solid: bool) -> None:
     """Paint a body; one of several parts has no edges where they overlap."""
     n_segments, n_discs = outline.segment_rows[1], outline.disc_rows[1]
     is_area = item.filled and (n_discs > 0 or (n_segments > 0 and solid))
@@ -168,7 +168,7 @@ def load_around(points: Floats, form: int, segments: Floats, segment_rows: tuple
 
 
 @kernel
-def paint_ghost(canvas: Canvas, desk: Desk, item: Any, outline: Outline, solid: bool) -> None:
+def paint_ghost(canvas: RasterCanvas, desk: Desk, item: Any, outline: RasterOutline, solid: bool) -> None:
     """Paint what a body left behind: its outline, or a simpler shape around it."""
     if item.form not in (CIRCLE, RECTANGLE):
         paint_footprint(canvas, desk, item, outline, solid and item.form != CURVE)
@@ -279,7 +279,7 @@ def _thin(points: Floats, count: int, view: Floats) -> int:
 
 @kernel
 def paint_goal(
-    canvas: Canvas, item: Any, goal: Floats, threshold: float, arrived: bool, view: Floats, colour: Floats
+    canvas: RasterCanvas, item: Any, goal: Floats, threshold: float, arrived: bool, view: Floats, colour: Floats
 ) -> None:
     """Paint the circle of a goal's tolerance; it is fuller once the goal is reached.
 

@@ -52,14 +52,14 @@ from irsim_gym.raster.records import (
     SHADOW,
     SHAPE,
     WHOLE,
-    Canvas,
     Desk,
     Look,
     Model,
-    Outline,
     Past,
     Prints,
-    Source,
+    RasterCanvas,
+    RasterOutline,
+    RasterSource,
     State,
 )
 from irsim_gym.raster.sheets import paint
@@ -78,7 +78,7 @@ def draw_items(
     frames: Ints,
     worlds: Ints,
     items: Any,
-    source: Source,
+    source: RasterSource,
     look: Look,
     desk: Desk,
 ) -> None:
@@ -101,7 +101,7 @@ def draw_items(
             kind, b, box = item.kind, item.body, look.boxes[f, item.box]
             if b >= 0 and not model.present[w, b]:
                 continue
-            canvas = Canvas(picture, desk.sheet, box)
+            canvas = RasterCanvas(picture, desk.sheet, box)
             if kind in (SCAN, HITS):
                 _draw_scan(canvas, item, source, w, f, view, desk)
             elif kind in (GHOSTS, PATH):
@@ -140,7 +140,7 @@ def _find_struck(w: int, model: Model, state: State, desk: Desk) -> None:
 
 
 @kernel
-def _draw_body(canvas: Canvas, item: Any, source: Source, w: int, view: Floats, desk: Desk) -> None:
+def _draw_body(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, desk: Desk) -> None:
     """Draw a footprint, its shadow, image, heading or impact."""
     picture, _, box = canvas
     model, state, prints = source.model, source.state, source.prints
@@ -157,7 +157,7 @@ def _draw_body(canvas: Canvas, item: Any, source: Source, w: int, view: Floats, 
         set_place(place, view, state.pose[w, b, 0], state.pose[w, b, 1], heading)
     else:
         set_place(place, view, 0.0, 0.0, 0.0)
-    outline = Outline(segments, segment_rows, discs, disc_rows)
+    outline = RasterOutline(segments, segment_rows, discs, disc_rows)
     if kind == FOOTPRINT:
         paint_footprint(canvas, desk, item, outline, model.solid[b])
     elif kind == HEADING:
@@ -185,7 +185,7 @@ def _draw_body(canvas: Canvas, item: Any, source: Source, w: int, view: Floats, 
 
 
 @kernel
-def _draw_past(canvas: Canvas, item: Any, source: Source, w: int, view: Floats, desk: Desk) -> None:
+def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, desk: Desk) -> None:
     """Draw the path of a body, or the outlines that it has left behind, from the oldest on."""
     model, past = source.model, source.past
     b, n_slots, count = item.body, past.noted.shape[1], 0
@@ -202,7 +202,7 @@ def _draw_past(canvas: Canvas, item: Any, source: Source, w: int, view: Floats, 
             set_place(desk.place, view, pose[0], pose[1], pose[2])
             segments = model.local_segments[row_of(model.local_segments, w)]
             discs = model.local_discs[row_of(model.local_discs, w)]
-            paint_ghost(canvas, desk, item, Outline(segments, segment_rows, discs, disc_rows), model.solid[b])
+            paint_ghost(canvas, desk, item, RasterOutline(segments, segment_rows, discs, disc_rows), model.solid[b])
     if item.kind == PATH:
         paint_path(canvas.picture, desk.sheet, canvas.box, desk.points, item, count, view, desk.colour)
 
@@ -246,7 +246,7 @@ def _was_there(past: Past, w: int, step: int, item: Any) -> bool:
 
 
 @kernel
-def _draw_scan(canvas: Canvas, item: Any, source: Source, w: int, f: int, view: Floats, desk: Desk) -> None:
+def _draw_scan(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, f: int, view: Floats, desk: Desk) -> None:
     """Draw what a sensor sees, or the points that its beams hit."""
     scan, readings = source.scans[item.row], source.readings
     ranges, speeds, points = readings.ranges[f, scan.first :], readings.speeds[f, 0:], desk.points
@@ -260,7 +260,7 @@ def _draw_scan(canvas: Canvas, item: Any, source: Source, w: int, f: int, view: 
 
 
 @kernel
-def _draw_goal(canvas: Canvas, item: Any, source: Source, w: int, view: Floats, desk: Desk) -> None:
+def _draw_goal(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, desk: Desk) -> None:
     """Draw the circle of a goal, or its flag and the goals after it."""
     model, state, prints = source.model, source.state, source.prints
     b, goal = item.body, state.goal[w, item.body]
@@ -278,7 +278,7 @@ def _draw_goal(canvas: Canvas, item: Any, source: Source, w: int, view: Floats, 
 
 
 @kernel
-def _draw_shape(canvas: Canvas, item: Any, source: Source, w: int, view: Floats, desk: Desk) -> None:
+def _draw_shape(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, desk: Desk) -> None:
     """Draw a shape of the table at its body or at the body's goal."""
     picture, sheet, box = canvas
     model, state, prints = source.model, source.state, source.prints
@@ -301,7 +301,7 @@ def _draw_shape(canvas: Canvas, item: Any, source: Source, w: int, view: Floats,
 
 
 @kernel
-def _draw_label(picture: Bytes, item: Any, source: Source, w: int, f: int, look: Look, desk: Desk) -> None:
+def _draw_label(picture: Bytes, item: Any, source: RasterSource, w: int, f: int, look: Look, desk: Desk) -> None:
     """Draw a label: that of a goal below it; that of a body at its place or above it, below it where a flag stands."""
     model, state, prints = source.model, source.state, source.prints
     b, view, box = item.body, look.views[f], desk.colour
@@ -328,7 +328,7 @@ def _draw_label(picture: Bytes, item: Any, source: Source, w: int, f: int, look:
 
 @kernel
 def _meets_flag(
-    w: int, x: float, y: float, half: float, height: float, source: Source, look: Look, view: Floats
+    w: int, x: float, y: float, half: float, height: float, source: RasterSource, look: Look, view: Floats
 ) -> bool:
     """Return whether a label over x, y [m] would stand on the flag of a goal."""
     model, state, meets = source.model, source.state, False

@@ -95,7 +95,7 @@ BEAMS = np.dtype(
 """One sensor: its body, its beams in the tables of readings, its place on the body, and how velocities look."""
 
 
-class Canvas(NamedTuple):
+class RasterCanvas(NamedTuple):
     """Where something is painted.
 
     Attributes:
@@ -109,7 +109,7 @@ class Canvas(NamedTuple):
     box: Ints
 
 
-class Outline(NamedTuple):
+class RasterOutline(NamedTuple):
     """The outline of a body.
 
     Attributes:
@@ -208,7 +208,7 @@ class Prints(NamedTuple):
     corners: Floats
 
 
-class Source(NamedTuple):
+class RasterSource(NamedTuple):
     """What is read of a simulation.
 
     Attributes:

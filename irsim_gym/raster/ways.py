@@ -7,7 +7,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import FINENESS, MOST_CORNERS, add_disc, add_line, add_polygon, is_near
-from irsim_gym.raster.records import Canvas, Outline
+from irsim_gym.raster.records import RasterCanvas, RasterOutline
 from irsim_gym.raster.sheets import paint
 
 SOLID, DASHED, DASHDOT, DOTTED = 0, 1, 2, 3
@@ -77,9 +77,9 @@ def add_way(
 
 @kernel
 def paint_outline(
-    canvas: Canvas,
+    canvas: RasterCanvas,
     points: Floats,
-    outline: Outline,
+    outline: RasterOutline,
     place: Floats,
     inks: tuple[Floats, Floats],
     stroke: tuple[float, int, bool],

@@ -9,7 +9,7 @@ import numpy as np
 from irsim_gym.arraytypes import Bytes, Floats, Ints, Rays
 from irsim_gym.raster.areas import paint_line, paint_polygon
 from irsim_gym.raster.masks import paint_mask
-from irsim_gym.raster.records import Canvas
+from irsim_gym.raster.records import RasterCanvas
 from irsim_gym.render import theme
 from irsim_gym.render.colours import colour
 from irsim_gym.render.layout import Layout, Limits, tick_positions
@@ -42,7 +42,7 @@ class Card:
         picture[:] = np.rint(colour(theme.PAPER, 1.0)[:3]).astype(np.uint8)
         corners = _snapped([_place(layout, x, y) for x, y in _corners(layout)], 0.8 * self._point)
         box = plot_box(layout)
-        canvas = Canvas(picture, sheet, box)
+        canvas = RasterCanvas(picture, sheet, box)
         paint_polygon(canvas, corners, 0, 4, False, np.array(colour(theme.CARD, 1.0)))
         rule = np.array(colour(theme.RULE if self._axis else theme.CARD, 1.0))
         paint_line(canvas, corners, 0, 4, 0.8 * self._point, True, True, rule)
@@ -81,7 +81,7 @@ class Card:
         axis = int(points[0, 0] == points[1, 0])
         order = 1.0 if points[1, axis] > points[0, axis] else -1.0
         points[:, axis] += np.array([-0.5, 0.5]) * order * width
-        canvas, ink = Canvas(picture, sheet, plot_box(layout)), np.array(colour(theme.GRID, 1.0))
+        canvas, ink = RasterCanvas(picture, sheet, plot_box(layout)), np.array(colour(theme.GRID, 1.0))
         paint_line(canvas, points, 0, 2, width, False, False, ink)
 
 

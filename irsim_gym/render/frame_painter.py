@@ -207,7 +207,7 @@ class FramePainter:
         whole, rim = np.array([0, 0, layout.width, layout.height]), np.array([0, 0, 1, 1])
         return np.array([*inner, plot, whole, np.minimum(inner[0] + rim, whole[[2, 3, 2, 3]])], np.int64)
 
-    def source(self, worlds: Ints) -> records.Source:
+    def source(self, worlds: Ints) -> records.RasterSource:
         """Return what kernels read of the simulation."""
         model, state, groups = self._model, self._state, self.plan.groups
         rows = [group.arrays["ranges"][worlds].reshape(len(worlds), -1) for group in groups]
@@ -219,7 +219,7 @@ class FramePainter:
                 found = group.arrays["radial_velocity"][worlds].reshape(row.shape)
                 speeds[:, first : first + row.shape[1]] = found
             first += row.shape[1]
-        return records.Source(
+        return records.RasterSource(
             self.plan.scans,
             records.Model(*(getattr(model, name) for name in records.Model._fields)),
             records.State(*(getattr(state, name) for name in records.State._fields)),

@@ -17,7 +17,7 @@ from irsim_gym.arraytypes import Bytes
 RGB = 3
 
 
-class Picture(np.ndarray[Any, Any]):
+class NotebookPicture(np.ndarray[Any, Any]):
     """An array that Jupyter and IPython show as the picture it holds, as the last expression of a cell.
 
     In all else it is a NumPy array. What is cut out of it is shown too as long as it is uint8 ``(height, width, 3)``,

@@ -364,7 +364,7 @@ def _dot(masks: Masks, radius: float) -> int:
     return masks.drawn(
         radius + 0.5,
         lambda picture, sheet, box, corner: paint_disc(
-            records.Canvas(picture, sheet, box), corner + 0.5, corner + 0.5, radius, WHITE
+            records.RasterCanvas(picture, sheet, box), corner + 0.5, corner + 0.5, radius, WHITE
         ),
     )
 
@@ -375,13 +375,13 @@ def _flag(masks: Masks, point: float) -> int:
     number = masks.drawn(
         10.0 * point,
         lambda picture, sheet, box, middle: paint_line(
-            records.Canvas(picture, sheet, box), pole + middle, 0, 2, 1.3 * point, False, False, WHITE
+            records.RasterCanvas(picture, sheet, box), pole + middle, 0, 2, 1.3 * point, False, False, WHITE
         ),
     )
     masks.drawn(
         10.0 * point,
         lambda picture, sheet, box, middle: paint_polygon(
-            records.Canvas(picture, sheet, box), pennant + middle, 0, 3, False, WHITE
+            records.RasterCanvas(picture, sheet, box), pennant + middle, 0, 3, False, WHITE
         ),
     )
     return number

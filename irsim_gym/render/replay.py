@@ -10,7 +10,7 @@ import numpy as np
 from irsim_gym.arraytypes import Floats
 from irsim_gym.render import theme, vocabulary
 from irsim_gym.render.packing import METRE, packed
-from irsim_gym.render.replay_items import Items, Shared
+from irsim_gym.render.replay_items import Items, SharedItems
 from irsim_gym.render.replay_tracks import BodyTrack, Changes, FogTrack, ScanTrack, Seen, map_figure, marks_seen
 from irsim_gym.render.scene import BodyView, Scene
 from irsim_gym.world.marks import Overlay
@@ -153,7 +153,7 @@ class Recording:
         """Take other marks for the latest moment: those of this scene."""
         self._overlays[-1], self._last = scene.overlay, scene
 
-    def data(self, shared: Shared | None = None) -> dict[str, Any]:
+    def data(self, shared: SharedItems | None = None) -> dict[str, Any]:
         """Return the episode as JSON.
 
         Args:
@@ -162,7 +162,7 @@ class Recording:
         Raises:
             ValueError: Nothing was noted.
         """
-        last, count, shared = self.last, len(self._times), shared or Shared()
+        last, count, shared = self.last, len(self._times), shared or SharedItems()
         centers, bodies = np.array(self._centers), [track for tracks in self._bodies.values() for track in tracks]
         titles = Changes()
         for moment, overlay in enumerate(self._overlays):

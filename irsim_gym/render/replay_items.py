@@ -21,7 +21,7 @@ FINE = 1e-4
 RANK_NUMBERS = {name: number for number, name in enumerate(RANKS)}
 
 
-class Shared:
+class SharedItems:
     """Pens, shapes and pictures (PNG images as data URLs) of all episodes of a page; equal ones are held once."""
 
     def __init__(self) -> None:
@@ -48,7 +48,7 @@ class Items:
         shared: Pens, shapes and pictures of the page.
     """
 
-    def __init__(self, shared: Shared) -> None:
+    def __init__(self, shared: SharedItems) -> None:
         self._shared = shared
         self._rows: list[tuple[float, int, dict[str, Any]]] = []
 
@@ -70,7 +70,7 @@ def css(ink: Ink) -> str:
     return "#" + bytes([*parts, round(255.0 * opacity)]).hex().removesuffix("ff" if opacity >= 1.0 else "")
 
 
-def _given(thing: Any, shared: Shared) -> dict[str, Any]:
+def _given(thing: Any, shared: SharedItems) -> dict[str, Any]:
     """Return the fields of a primitive, a pen or a shape as JSON, without those that are at their defaults."""
     data = {}
     for name, value in thing._asdict().items():
@@ -80,7 +80,7 @@ def _given(thing: Any, shared: Shared) -> dict[str, Any]:
     return data
 
 
-def _plain(value: Any, shared: Shared) -> Any:
+def _plain(value: Any, shared: SharedItems) -> Any:
     match value:
         case Ink():
             return css(value)

@@ -15,7 +15,7 @@ from typing import Any
 from irsim_gym.render import vocabulary
 from irsim_gym.render.files import whole_file
 from irsim_gym.render.replay import Recording
-from irsim_gym.render.replay_items import Shared
+from irsim_gym.render.replay_items import SharedItems
 
 SCHEMA, VERSION = "irsim_gym replay", 2
 SCRIPTS = ("data", "primitives", "world", "chart", "player", "input")
@@ -71,7 +71,7 @@ def read_html(path: str | Path) -> dict[str, Any]:
 
 def _recorded(recordings: Sequence[Recording], title: str) -> dict[str, Any]:
     """Return all that a page knows."""
-    shared = Shared()
+    shared = SharedItems()
     episodes = [recording.data(shared) for recording in recordings]
     return {
         "schema": SCHEMA,

@@ -13,7 +13,7 @@ from irsim_gym.render import vocabulary
 from irsim_gym.render.outlines import placed
 from irsim_gym.render.packing import METRE, RADIAN, packed
 from irsim_gym.render.primitives import Figure, Ink, Pen, Shape
-from irsim_gym.render.replay_items import Items, Shared
+from irsim_gym.render.replay_items import Items, SharedItems
 from irsim_gym.render.scene import BodyView, FogView, Form, MapView, ScanView
 from irsim_gym.world.marks import Mark, Overlay
 
@@ -107,7 +107,7 @@ class BodyTrack:
             image=None,
         )
 
-    def data(self, count: int, shared: Shared) -> dict[str, Any]:
+    def data(self, count: int, shared: SharedItems) -> dict[str, Any]:
         """Return the body as JSON, with a pose for each of ``count`` moments."""
         rows = np.full((count, 4), np.nan)
         for moment, row in self._rows.items():

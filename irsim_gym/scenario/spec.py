@@ -55,15 +55,10 @@ class WorldSpec:
         consequence="If shorter than step_time, every step is a frame.",
     )
     offset: tuple[Coordinate, Coordinate] = option(
-        (0.0, 0.0),
-        unit="m",
-        meaning="Lower left corner of the world.",
-        consequence="It does not shift the poses in the file.",
+        (0.0, 0.0), unit="m", meaning="Lower left corner of the world.", consequence="It does not shift given poses."
     )
     control_mode: Literal["auto", "keyboard"] = option(
-        "auto",
-        meaning="What drives in irsim_gym.load: behaviours (auto) or the keyboard. Without a window, "
-        "behaviours drive. No effect on learners.",
+        "auto", meaning="What drives in irsim_gym.load: behaviours, or the keyboard of a window. No effect on learners."
     )
     collision_mode: Literal["stop", "unobstructed", "unobstructed_obstacles"] = option(
         "stop",
@@ -78,10 +73,7 @@ class WorldSpec:
         meaning="Occupied cells, stretched over the world: an image file, or a mapping with the name of a kind.",
     )
     mdownsample: int = option(
-        1,
-        ge=1,
-        meaning="Keep every n-th column and row of the map.",
-        consequence="Walls thinner than n cells may vanish.",
+        1, ge=1, meaning="Keep every n-th column and row of the map.", consequence="Thinner walls may vanish."
     )
     plot: WorldPlot = option(defaults(WorldPlot), meaning="Drawing options of the world.")
     step_mode: Literal["internal", "external"] = option(

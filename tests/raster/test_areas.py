@@ -10,7 +10,7 @@ import shapely
 
 from irsim_gym.arraytypes import Bytes, Floats
 from irsim_gym.raster.areas import add_disc, add_line, add_polygon, paint_disc, paint_line, paint_polygon, paint_ring
-from irsim_gym.raster.records import Canvas
+from irsim_gym.raster.records import RasterCanvas
 from irsim_gym.raster.sheets import add_edge, new_sheet, paint
 
 SIDE = 32
@@ -31,7 +31,7 @@ class Drawing:
     def draws(self, kernel: Any, *arguments: Any) -> Bytes:
         """Draw white on black; the sheet has to be empty again."""
         self.picture[:] = 0
-        kernel(Canvas(self.picture, self.sheet, BOX), *arguments)
+        kernel(RasterCanvas(self.picture, self.sheet, BOX), *arguments)
         assert not self.sheet.any()
         return self.picture[:, :, 0]
 
@@ -126,21 +126,23 @@ def test_colours_are_blended_in_each_channel(channels: int) -> None:
     drawing = Drawing(channels)
     drawing.picture[:] = 100
     colour = np.array([*(50.0 * np.arange(channels)), 0.25])
-    paint_polygon(Canvas(drawing.picture, drawing.sheet, BOX), SQUARE, 0, 4, False, colour)
+    paint_polygon(RasterCanvas(drawing.picture, drawing.sheet, BOX), SQUARE, 0, 4, False, colour)
     expected = [int(0.75 * 100 + 0.25 * 50 * channel + 0.5) for channel in range(channels)]
     assert drawing.picture[10, 10].tolist() == expected
     assert (drawing.picture[4] == 100).all()
     inside = (drawing.picture != 100).any(axis=2)
     assert inside.sum() == 16 * 20
-    paint_polygon(Canvas(drawing.picture, drawing.sheet, BOX), SQUARE, 0, 4, False, np.array([*colour[:-1], 7.0]))
+    paint_polygon(RasterCanvas(drawing.picture, drawing.sheet, BOX), SQUARE, 0, 4, False, np.array([*colour[:-1], 7.0]))
     assert drawing.picture[10, 10].tolist() == colour[:-1].tolist()  # an opacity above one is one
 
 
 def test_nothing_is_painted_outside_the_box() -> None:
     drawing, box = Drawing(), np.array([6, 3, 19, 14])
     for paint_one in (
-        lambda: paint_disc(Canvas(drawing.picture, drawing.sheet, box), 12.0, 9.0, 30.0, WHITE),
-        lambda: paint_polygon(Canvas(drawing.picture, drawing.sheet, box), 2.0 * SQUARE - 15.0, 0, 4, False, WHITE),
+        lambda: paint_disc(RasterCanvas(drawing.picture, drawing.sheet, box), 12.0, 9.0, 30.0, WHITE),
+        lambda: paint_polygon(
+            RasterCanvas(drawing.picture, drawing.sheet, box), 2.0 * SQUARE - 15.0, 0, 4, False, WHITE
+        ),
     ):
         drawing.picture[:] = 0
         paint_one()

@@ -16,14 +16,14 @@ import torch
 from PIL import Image
 
 import irsim_gym
-from irsim_gym.render.picture import Picture, PictureList
+from irsim_gym.render.picture import NotebookPicture, PictureList
 
 WORLD = {"plot": {"figure_pixels": [120, 100]}, "sample_time": 0.2}
 SCENARIO = {"world": WORLD, "robot": {"kinematics": {"name": "diff"}, "state": [1, 5, 0], "goal": [9, 5, 0]}}
 
 
 @pytest.fixture
-def picture() -> Picture:
+def picture() -> NotebookPicture:
     env = irsim_gym.make(SCENARIO, render_mode="rgb_array")
     env.reset(seed=0)
     return env.render()
@@ -33,7 +33,7 @@ def decoded(content: bytes) -> np.ndarray:
     return np.asarray(Image.open(io.BytesIO(content)))
 
 
-def test_what_render_returns_is_shown(picture: Picture) -> None:
+def test_what_render_returns_is_shown(picture: NotebookPicture) -> None:
     assert isinstance(picture, np.ndarray)
     content = picture._repr_png_()
     assert content is not None
@@ -44,15 +44,15 @@ def test_what_render_returns_is_shown(picture: Picture) -> None:
         assert np.array_equal(decoded(shown._repr_png_()), shown)
 
 
-def test_parts_are_shown_where_they_are_pictures(picture: Picture) -> None:
+def test_parts_are_shown_where_they_are_pictures(picture: NotebookPicture) -> None:
     part = picture[10:50, ::2]
     assert np.array_equal(decoded(part._repr_png_()), np.asarray(part))
     for other in (picture[0], picture[..., 0], picture.astype(np.float32), picture[:0], picture[None]):
         assert other._repr_png_() is None
-        assert "Picture" in repr(other)
+        assert "NotebookPicture" in repr(other)
 
 
-def test_what_is_computed_is_a_plain_array(picture: Picture) -> None:
+def test_what_is_computed_is_a_plain_array(picture: NotebookPicture) -> None:
     plain = np.asarray(picture)
     for made, expected in (
         (picture / 255, plain / 255),
@@ -70,9 +70,9 @@ def test_what_is_computed_is_a_plain_array(picture: Picture) -> None:
     assert np.array_equal(np.asarray(Image.fromarray(picture)), plain)
 
 
-def test_copies_are_pictures(picture: Picture) -> None:
+def test_copies_are_pictures(picture: NotebookPicture) -> None:
     for copied in (picture.copy(), copy.deepcopy(picture), pickle.loads(pickle.dumps(picture))):
-        assert type(copied) is Picture
+        assert type(copied) is NotebookPicture
         assert not np.shares_memory(copied, picture)
         assert np.array_equal(copied, picture)
 
@@ -95,7 +95,7 @@ def test_lists_are_shown_as_films(tmp_path: Path) -> None:
     assert pickle.loads(pickle.dumps(pictures)).fps == pictures.fps == 5.0
 
 
-def test_lists_of_other_things_are_shown_as_lists(picture: Picture) -> None:
+def test_lists_of_other_things_are_shown_as_lists(picture: NotebookPicture) -> None:
     assert PictureList()._repr_html_() is None
     assert PictureList([picture, picture[1:]])._repr_html_() is None
     assert PictureList([picture[0]])._repr_html_() is None

@@ -16,7 +16,7 @@ from irsim_gym.live.drawing import Drawing
 from irsim_gym.render import primitives, vocabulary
 from irsim_gym.render.packing import packed, unpacked
 from irsim_gym.render.replay import Recording
-from irsim_gym.render.replay_items import Items, Shared, css
+from irsim_gym.render.replay_items import Items, SharedItems, css
 from irsim_gym.render.replay_page import read_html, save_html
 from irsim_gym.render.replay_tracks import FogTrack, map_figure, marks_seen
 from irsim_gym.render.scene import FogView, GoalView, MapView
@@ -40,7 +40,7 @@ def recorded(world: World, moves: list[tuple[float, float, float]], **options) -
 
 def drawn(recording: Recording) -> tuple[dict, list[dict]]:
     """Return an episode, and its items with the pens and shapes that they have."""
-    shared = Shared()
+    shared = SharedItems()
     data = recording.data(shared)
     tables = shared.data()
     known = {"pen": tables["pens"], "shape": tables["shapes"]}
@@ -259,7 +259,7 @@ def test_the_script_draws_every_primitive() -> None:
 def test_an_arrow_at_a_goal_is_a_shape_with_a_least_length() -> None:
     """Its shaft ends at the circle, but is at least 7 points long; its head is 6 points long."""
     view = GoalView(3.0, 4.0, 1.5, 0.25, np.zeros((0, 2)), False, "robot_0", BodyStyle("C0", goal_colour="#102030"))
-    shared = Shared()
+    shared = SharedItems()
     items = Items(shared)
     for thing in vocabulary.goal(view):
         items.add(thing, spans=[0, 1])

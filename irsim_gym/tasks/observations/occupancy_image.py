@@ -28,7 +28,7 @@ from irsim_gym.tasks.observations.painting import (
     image_row,
     view_from,
 )
-from irsim_gym.tasks.observations.scan_painting import Beams, beams_of, paint_scan
+from irsim_gym.tasks.observations.scan_painting import ScanBeams, beams_of, paint_scan
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
@@ -45,7 +45,7 @@ class Tools(Struct):
     """What an occupancy image is painted with, and the scans where it shows them."""
 
     paints: Paints
-    beams: Beams | None
+    beams: ScanBeams | None
 
 
 @kind

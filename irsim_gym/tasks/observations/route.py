@@ -36,7 +36,7 @@ ENTRY = 4
 
 
 @dataclass
-class Ways(Struct):
+class RouteWays(Struct):
     """The ways to the agents' goals, over a grid of cells, and what they are found with.
 
     Attributes:
@@ -77,7 +77,7 @@ class Route:
         None, gt=0.0, unit="m", meaning="Cell size; default: 0.1 m, or a 200th of the world's longer side."
     )
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> Ways:
+    def arrays(self, simulation: Simulation, agents: Ints) -> RouteWays:
         """Return the ways, and scratch memory."""
         bounds = simulation.model.bounds
         side = max(float(bounds[2] - bounds[0]), float(bounds[3] - bounds[1]))
@@ -85,7 +85,7 @@ class Route:
         slots, n_agents = simulation.shards.n_slots, len(agents)
         shape = (simulation.n_worlds, n_agents, grid.rows * grid.columns)
         search = grid.search()
-        return Ways(
+        return RouteWays(
             grid=grid,
             onward=np.full(shape, -1, np.int32),
             length=np.full(shape, np.inf, np.float32),
@@ -122,7 +122,7 @@ class Route:
 
 @kernel
 def find_ways(
-    worlds: Ints, slot: int, agents: Ints, ways: Ways, model: WorldModel, cells: CellMap | None, state: WorldState
+    worlds: Ints, slot: int, agents: Ints, ways: RouteWays, model: WorldModel, cells: CellMap | None, state: WorldState
 ) -> None:
     """Write for each free cell the next one on the way to the goal and how long the way is, where the goal is new.
 
@@ -149,7 +149,7 @@ def find_ways(
 
 @kernel
 def write_route(
-    worlds: Ints, term: Bound, ways: Ways, model: WorldModel, state: WorldState, episode: EpisodeState
+    worlds: Ints, term: Bound, ways: RouteWays, model: WorldModel, state: WorldState, episode: EpisodeState
 ) -> None:
     """Write cosine and sine of the way's direction, (1, 0) at the goal itself, and its length over the diagonal.
 

@@ -24,7 +24,7 @@ WIDEST = 0.05
 
 
 @dataclass
-class Beams(Struct):
+class ScanBeams(Struct):
     """The agents' live ranges and beams.
 
     Attributes:
@@ -55,13 +55,13 @@ class Sensor(NamedTuple):
     sine: float
 
 
-def beams_of(simulation: Simulation, agents: Ints, name: str) -> Beams:
+def beams_of(simulation: Simulation, agents: Ints, name: str) -> ScanBeams:
     """Return the agents' live ranges and beams."""
     group, members = shared_sensors(simulation, agents, name)
     angles, mounts = group.arrays["angles"], [group.options[k] for k in members]
     half = 0.5 * (angles[-1] - angles[0]) / (len(angles) - 1) if len(angles) > 1 else np.inf
     turned = np.array([angles + mount.offset[2] for mount in mounts])
-    return Beams(
+    return ScanBeams(
         ranges=group.arrays["ranges"],
         members=members,
         mount=np.array([mount.offset[:2] for mount in mounts], np.float64),
@@ -74,7 +74,7 @@ def beams_of(simulation: Simulation, agents: Ints, name: str) -> Beams:
 
 @kernel
 def paint_scan(
-    worlds: Ints, slot: int, term: Bound, beams: Beams, paints: Paints, state: WorldState, image: Bytes
+    worlds: Ints, slot: int, term: Bound, beams: ScanBeams, paints: Paints, state: WorldState, image: Bytes
 ) -> None:
     """Paint what a scan knows into the first channel and clear the others: free, occupied, ``UNKNOWN``.
 
@@ -111,7 +111,7 @@ def paint_scan(
 
 
 @kernel
-def add_fan(canvas: Canvas, sensor: Sensor, beams: Beams, a: int, scan: Rays) -> None:
+def add_fan(canvas: Canvas, sensor: Sensor, beams: ScanBeams, a: int, scan: Rays) -> None:
     """Add what the beams of agent ``a`` have passed through; ``scan`` holds its ranges [m], ``(n_beams,)``.
 
     Reads: beams (directions, do_touch, spread).
@@ -134,7 +134,7 @@ def add_fan(canvas: Canvas, sensor: Sensor, beams: Beams, a: int, scan: Rays) ->
 
 
 @kernel
-def add_hits(canvas: Canvas, sensor: Sensor, beams: Beams, a: int, scan: Rays) -> None:
+def add_hits(canvas: Canvas, sensor: Sensor, beams: ScanBeams, a: int, scan: Rays) -> None:
     """Add what the beams of a scan have hit: a piece of wall as wide as a beam, at least a pixel, behind each end.
 
     Reads: beams (directions, far, spread).
