@@ -516,24 +516,10 @@ KINDS_TWICE = {"arrival", "circle", "clearance", "geodesic", "left_world"}
 PUBLIC_TWICE = {"sb3"}
 # To be emptied: each is renamed with the work on its folder.
 MODULES_TWICE = {
-    *(
-        "contract",
-        "layout",
-        "masks",
-        "noise",
-        "outlines",
-        "parts",
-        "play",
-        "replay",
-        "state",
-        "tables",
-        "views",
-        "watch",
-    ),
+    *("contract", "layout", "masks", "noise", "outlines", "parts"),
+    *("play", "replay", "state", "tables", "views", "watch"),
 }
-CLASSES_TWICE = {
-    *("Bodies", "BodyView", "Desk", "Head", "Images", "Layout", "Panel", "Plan", "Scene", "Trails", "Watch"),
-}
+CLASSES_TWICE = {"BodyView", "Layout", "Panel", "Plan", "Watch"}
 
 
 def _twice(found: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
