@@ -124,7 +124,7 @@ def test_on_the_plain_path_a_step_goes_through_every_phase() -> None:
     use_plain_path(worlds)
     with watching(worlds, watch):
         worlds.step(np.zeros((1, 2, 2), np.float32))
-    assert {"act", "decide", "move", "sense", "contact", "clearance", "books", "pay", "observe"} <= watch.calls.keys()
+    assert {"act", "decide", "move", "sense", "contact", "clearance", "count", "pay", "observe"} <= watch.calls.keys()
 
 
 def test_more_obstacles_keep_their_density() -> None:

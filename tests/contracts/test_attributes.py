@@ -95,7 +95,7 @@ def test_what_is_one_for_a_batch_cannot_be_set_for_one_world():
     with pytest.raises(ValueError, match="all 3 worlds of a batch have one max_steps"):
         vec.set_attr("max_steps", 4, indices=0)
     for env in (native, vec):
-        with pytest.raises(AttributeError, match="'render_mode' is one for all worlds of a batch"):
+        with pytest.raises(AttributeError, match="'render_mode' is shared by all worlds of a batch"):
             env.set_attr("render_mode", "human")
     with pytest.raises(AttributeError, match=r"worlds of a batch step together: call step\(\) of the batch"):
         native.call("step", np.zeros(2))
