@@ -171,7 +171,8 @@ def fill_in(source: Source, given: Mapping[str, object], *, strict: bool = True)
     """
     report = Report(source, strict=strict)
     declared = _declarations(source, report)
-    values = _chosen(source, declared, {name: value for name, value in given.items() if RETIRED.get(name) != value})
+    asked = {name: value for name, value in given.items() if name not in RETIRED or RETIRED[name] != value}
+    values = _chosen(source, declared, asked)
     filler = _Filler(declared, values, report)
     data = filler.sections(source.data, ())
     for place, name in _sections(source.data):

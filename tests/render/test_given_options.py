@@ -70,4 +70,4 @@ def test_a_black_obstacle_is_black() -> None:
 def test_the_table_tells_what_is_drawn() -> None:
     """An option without a default says in its meaning what is drawn, or is a colour: then it is the body's own."""
     for row in option_rows(ObjectPlot):
-        assert row.default or "y default" in row.meaning or row.key.endswith("color"), row.key
+        assert row.default or "efault" in row.meaning or row.key.endswith("color"), row.key
