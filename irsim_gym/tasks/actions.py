@@ -185,7 +185,7 @@ def take_choice(worlds: Ints, grid: Floats, episode: EpisodeState) -> None:
 
 
 @kernel
-def command(worlds: Ints, agents: Ints, model: WorldModel, state: WorldState, episode: EpisodeState) -> None:
+def write_commands(worlds: Ints, agents: Ints, model: WorldModel, state: WorldState, episode: EpisodeState) -> None:
     """Map actions in [-1, 1] affinely to the agents' velocity limits; an agent whose episode is over stands still.
 
     Reads: model (velocity_max, velocity_min), episode (action, outcome).

@@ -285,7 +285,7 @@ class Episodes:
     def _act(self, shard: Shard) -> None:
         model, state = self.simulation.model, self.state
         self._action.options.act(self._action, model, self.simulation.state, state, shard)
-        actions.command(shard.worlds, self._agents, model, self.simulation.state, state)
+        actions.write_commands(shard.worlds, self._agents, model, self.simulation.state, state)
         if len(self._turned):
             actions.turn_commands(shard.worlds, self._turned, self.simulation.state)
 

@@ -114,7 +114,7 @@ def test_optima_are_kept_between_evaluations(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(Optima, "_measure", None)
     again = evaluate(reference_policy("random"), episodes, 3, "dev", optima=optima)
     assert [row.optimum for row in first] == [row.optimum for row in again]
-    with pytest.raises(ValueError, match="of 'dev'"):
+    with pytest.raises(ValueError, match="split 'dev'"):
         evaluate(reference_policy("random"), episodes, 3, "test", optima=optima)
 
 

@@ -74,7 +74,7 @@ def test_outcomes_of_agents_add_up() -> None:
         summarize_team("some", [level(0, agent("running", 1.0), agent("success", 1.0))])
     with pytest.raises(AssertionError, match="must have a kind"):
         summarize_team("some", [level(0, agent("collision", 1.0, hit="ghost"))])
-    with pytest.raises(AssertionError, match="as many agents"):
+    with pytest.raises(AssertionError, match="same number of agents"):
         summarize_team("some", [ALL_ARRIVE, level(1, agent("success", 1.0))])
 
 

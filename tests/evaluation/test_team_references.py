@@ -130,7 +130,7 @@ def test_everything_that_moves_is_seen_by_orca() -> None:
     _, policy = begun("orca", scenario)
     group = policy._groups[0]
     assert group.members.tolist() == [0, 1, 2, 3, 5]
-    assert group.arrays["deciding"].tolist() == [0, 1, 2, 3]
+    assert group.members[group.arrays["decides"]].tolist() == [0, 1, 2, 3]
 
 
 @pytest.mark.parametrize("name", ["rvo", "orca"])

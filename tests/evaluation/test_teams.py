@@ -183,7 +183,7 @@ def test_mistakes() -> None:
         evaluate(reference_policy("dash"), team(lanes()), 1)
     with pytest.raises(ValueError, match=r"must have shape \(2, 8, 2\), got \(2, 8, 1\)"):
         evaluate_team(lambda seen: np.zeros((len(seen), 1)), team(lanes(), 2), 2)
-    with pytest.raises(ValueError, match="of 'dev'"):
+    with pytest.raises(ValueError, match="split 'dev'"):
         evaluate_team(Script(), team(lanes()), 1, "test", optima=Optima("dev"))
 
 
