@@ -102,9 +102,9 @@ def test_cells_as_numbers() -> None:
         ({"name": "perlin", "resolution": 1, "fill": 2}, "fill: must be <= 1"),
         ([], "must be a table of numbers"),
         ([[1, 2], [3]], "must be columns of equal length"),
-        ([[0, 1]], "holds 0 and 1 only"),
+        ([[0, 1]], "contains only 0 and 1"),
         ([[0, 101]], "must be occupancies from 0 to 100"),
-        (3, "must be the name of a picture"),
+        (3, "must be the name of an image"),
     ],
 )
 def test_what_is_told(obstacle_map: Any, message: str) -> None:
@@ -122,7 +122,7 @@ def test_a_map_beside_the_scenario_and_its_line(tmp_path: Path) -> None:
         if name == "here.png":
             assert load_scenario(tmp_path / "world.yaml").occupied.tolist() == [[True], [False]]
         else:
-            with pytest.raises(ScenarioError, match=r"world.yaml:3 .*cannot be read as a picture"):
+            with pytest.raises(ScenarioError, match=r"world.yaml:3 .*cannot be read as an image"):
                 load_scenario(tmp_path / "world.yaml")
 
 

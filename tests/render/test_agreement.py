@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from irsim_gym.scenario.looks import saved_with
 from pixels import of_renderer
 from skimage.metrics import structural_similarity
 
@@ -13,6 +12,7 @@ from irsim_gym.engine import compile
 from irsim_gym.render import Renderer
 from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.library import scenario_names
+from irsim_gym.scenario.plot_overrides import saved_with
 from irsim_gym.scenario.plot_spec import trailing
 from irsim_gym.world.trails import Trails
 
