@@ -69,8 +69,8 @@ def steps(here: World, count: int) -> None:
 def test_keys_drive_while_they_are_held(backend: str, make: Make, screen: Screen, kept_picture) -> None:
     here = make(backend)
     robot, other = here.robots
-    assert here._driver is not None
-    assert here._driver.keyboard.backend == backend
+    assert here._viewer.driver is not None
+    assert here._viewer.driver.keyboard.backend == backend
     steps(here, 3)
     assert here.status == "Running (keyboard)"
     assert robot.state.tolist() == [3, 3, 0]
@@ -99,8 +99,8 @@ def test_keys_drive_while_they_are_held(backend: str, make: Make, screen: Screen
 @pytest.mark.parametrize("backend", ["mpl", "pynput"])
 def test_keys_choose_the_robot_and_the_speeds(backend: str, make: Make, screen: Screen) -> None:
     here = make(backend)
-    assert here._driver is not None
-    keyboard = here._driver.keyboard
+    assert here._viewer.driver is not None
+    keyboard = here._viewer.driver.keyboard
     screen.type("alt+1", "e", "c", "c", "z", "shift+c", "shift+c", "shift+z", "q", "e")
     go(here, lambda: keyboard.key_lv_max == 1.4)
     assert (here.key_id, keyboard.key_lv_max, keyboard.key_ang_max) == (1, 1.4, 1.7)
@@ -304,7 +304,7 @@ def test_pictures_come_as_often_as_samples(make: Make) -> None:
 
 def test_watching_changes_nothing(make: Make) -> None:
     watched = make(robots=[{**ROBOT, "goal": [9, 9], "behavior": {"name": "dash"}}], world={"control_mode": "auto"})
-    alone = irsim_gym.load(watched._source)
+    alone = irsim_gym.load(watched._levels._source)
     for _ in range(10):
         watched.step()
         watched.render(0.0)
