@@ -107,7 +107,7 @@ def test_a_body_without_a_scanner_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=expected):
         ig.load_scenario(file)
     blind = {**robot(1, goal=[1, 1]), "sensors": []}
-    del blind["behavior"]
+    del blind["behavior"], blind["vel_max"], blind["vel_min"]
     with pytest.raises(UnfitBehaviorError, match="'fetch' reads a scan, but 'robot_0' has no range sensor"):
         BehaviorPolicy("fetch").check(Worlds({"robot": blind}).episodes)
 
