@@ -168,7 +168,9 @@ def evaluate(
     scenario: Scenario,
     policies: Annotated[
         list[str] | None,
-        typer.Argument(help="Folders of runs or policy.zip files, from people whom you trust (SECURITY.md)."),
+        typer.Argument(
+            help="Folders of runs or policy.zip files, from people whom you trust (SECURITY.md), or names of behaviors."
+        ),
     ] = None,
     levels: Levels = 1000,
     split: Split = "test",
@@ -197,7 +199,9 @@ def evaluate(
 @app.command()
 def record(
     scenario: Scenario,
-    policies: Annotated[list[str], typer.Argument(help="Folders of runs, policy.zip files, random, dash, rvo, orca.")],
+    policies: Annotated[
+        list[str], typer.Argument(help="Folders of runs, policy.zip files, random, behaviors such as dash, sfm, orca.")
+    ],
     level: Annotated[
         list[int] | None, typer.Option(min=0, max=LAST_LEVEL, help="Number of a level; may be repeated (default: 0).")
     ] = None,
