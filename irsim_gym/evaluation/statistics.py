@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -81,9 +82,11 @@ def probability_of_improvement(first: Scores, second: Scores, confidence: float 
     if len(first) != len(second):
         raise ValueError(f"both methods need scores of the same tasks, got {len(first)} and {len(second)} tasks")
 
+    rank = partial(mannwhitneyu, method="asymptotic")  # its p value is not used
+
     def share(*samples: Floats, axis: int = -1) -> Any:
         pairs = zip(samples[: len(first)], samples[len(first) :], strict=True)
-        won = [mannwhitneyu(a, b, axis=axis, method="asymptotic").statistic / (a.shape[axis] * b.shape[axis]) for a, b in pairs]
+        won = [rank(a, b, axis=axis).statistic / (a.shape[axis] * b.shape[axis]) for a, b in pairs]
         return np.mean(won, axis=0)
 
     return _estimate(share, [*_strata(first), *_strata(second)], confidence)
