@@ -163,9 +163,9 @@ def _values(levels: LevelSet, arrays: Found) -> Iterator[Mistake]:
         bad = (np.diff(offsets, axis=1) < 0) | (offsets[:, :-1] < 0) | (offsets[:, 1:] > len(rows))
         wish = f"must not fall, and lie between 0 and {len(rows)}"
         yield from _per_level(name, bad, levels, wish, np.stack([offsets[:, :-1], offsets[:, 1:]], axis=2))
-    is_side = (np.abs(levels.segments) <= LARGEST).all(axis=1)
+    is_side = np.array((np.abs(levels.segments) <= LARGEST).all(axis=1), np.bool_)
     yield from _per_row("segments", is_side, levels.segments, "must be four numbers between -1e7 and 1e7")
-    is_disc = (np.abs(levels.discs) <= LARGEST).all(axis=1) & (levels.discs[:, 2] > 0.0)
+    is_disc = np.array((np.abs(levels.discs) <= LARGEST).all(axis=1) & (levels.discs[:, 2] > 0.0), np.bool_)
     yield from _per_row("discs", is_disc, levels.discs, "must be x, y and a radius above 0")
     cells = arrays.get("cells")
     if cells is not None and (cells > 1).any():

@@ -43,13 +43,6 @@ def parallel(data: dict[str, Any]) -> Played:
         yield env.step({agent: env.action_space(agent).sample() for agent in env.agents})
 
 
-def batch(data: dict[str, Any]) -> Played:
-    envs = ig.make_batch(data, 3)
-    yield envs.reset(seed=SEED, options={"split": "test"})
-    for _ in range(STEPS):
-        yield envs.step(np.full(envs.action_space.shape, 0.5, np.float32))
-
-
 def sb3(data: dict[str, Any]) -> Played:
     envs = ig.sb3.make_vec_env(data, 3)
     envs.seed(SEED)
@@ -74,7 +67,7 @@ def evaluated(data: dict[str, Any]) -> Played:
 FACES = [
     ("cluttered_room", "test", single), ("cluttered_room", "test", vector), ("cluttered_room", "test", sb3),
     ("cluttered_room", "test", evaluated), ("cluttered_room", "train", live),
-    ("circle_swap", "test", parallel), ("circle_swap", "test", batch),
+    ("circle_swap", "test", parallel),
 ]  # fmt: skip
 
 
@@ -88,7 +81,7 @@ def test_levels_from_a_file_are_the_drawn_ones(
     tmp_path: Path, name: str, split: str, face: Callable[[dict[str, Any]], Played]
 ) -> None:
     data = plain(name)
-    episodes = make_episodes(data, n_worlds=COUNT, team=face in (parallel, batch))
+    episodes = make_episodes(data, n_worlds=COUNT, team=face is parallel)
     (tmp_path / "levels.npz").write_bytes(draw_levels(episodes.simulation, [split], COUNT).content())
     given = {**data, "levels": str(tmp_path / "levels.npz")}
     for moment, (one, other) in enumerate(zip(face(given), face(data), strict=True)):

@@ -83,7 +83,7 @@ MISTAKES = [
      ["levels.splits: must be different ones of train, dev, test, got train, tset",
       "levels.split_start: must rise from 0 to the number of levels, 3, got [0, 1, 2]"]),
     ({"segments": np.ones((1, 4)), "segment_start": np.tile([0, 1, 1, 1], (3, 1))},
-     ["levels.segments: 'robot_0': only a random_shape, or an obstacle that stands still, takes its outline"]),
+     ["levels.segments: 'robot_0': only a random_shape or a standing obstacle takes its outline"]),
 ]  # fmt: skip
 
 
