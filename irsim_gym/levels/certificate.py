@@ -131,10 +131,10 @@ def read_certificate(file: Path) -> Certificate:
     try:
         with np.load(file, allow_pickle=False) as stored:
             said = json.loads(str(stored["about"]))
-            arrays = {name: stored[name] for name in ("hash", *MEASURES)}
-        lists = {name: tuple(said[name]) for name in ("agents", "policies")}
-        words = {name: str(said[name]) for name in ("name", "scenario_hash", "split")}
-        return Certificate(**words, **lists, **arrays, versions=said["versions"])
+            arrays: Any = {name: stored[name] for name in ("hash", *MEASURES)}
+        said |= {name: tuple(said[name]) for name in ("agents", "policies")}
+        known = {key: value for key, value in said.items() if key not in ("set_hash", "levels")}
+        return Certificate(**known, **arrays)
     except (OSError, zipfile.BadZipFile, zlib.error, ValueError, KeyError, TypeError, EOFError) as error:
         raise IrsimGymError(f"{file} is no certificate of levels: {error}") from None
 
@@ -160,7 +160,7 @@ def _candidates(scenario: Scenario) -> list[Path]:
 
 
 def shipped_certificate(scenario: Scenario) -> Path:
-    """Return where the certificate of a shipped scenario is, whether there is one or not; parameters are in its name."""
+    """Return where the certificate of a shipped scenario is, or would be; values of parameters are in its name."""
     stem = Path(scenario.file).stem if scenario.file else scenario.name
     changed = [f"-{name}={value}" for name, value in sorted(scenario.parameters.items())]
     folder = library.configs_folder() / FOLDER

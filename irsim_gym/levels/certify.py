@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
-from irsim_gym.engine import Simulation
 from irsim_gym.evaluation.certificate_measures import LevelMeasures, measure_level
 from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow
 from irsim_gym.evaluation.policy import Policy

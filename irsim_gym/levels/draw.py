@@ -50,8 +50,9 @@ def draw_levels(
             simulation.reset(first, split)
             n_new = min(simulation.n_worlds, count - first)
             taker.take(n_new)
-            for world in range(n_new) if look is not None else ():
-                look(world)
+            if look is not None:
+                for world in range(n_new):
+                    look(world)
             if on_levels is not None:
                 on_levels(n_new)
     levels = taker.levels()
