@@ -45,7 +45,7 @@ app = typer.Typer(
 
 @app.command("list")
 def list_shipped() -> None:
-    """List the shipped scenarios and tasks."""
+    """List the shipped scenarios, benchmarks and tasks."""
     print_shipped()
 
 
@@ -353,7 +353,9 @@ def draw(
 
 @app.command()
 def warmup(
-    scenarios: Annotated[list[str] | None, typer.Argument(help="Scenarios (default: all shipped ones).")] = None,
+    scenarios: Annotated[
+        list[str] | None, typer.Argument(help="Scenarios (default: all in configs/scenarios).")
+    ] = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
