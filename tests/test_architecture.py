@@ -46,7 +46,7 @@ ALLOWED: dict[str, set[str]] = {
     "engine": {"scenario", "world", "geometry", "paths", "jit", "rng", "structs", "replay", "atomics"},
     "tasks": {"engine", "world", "geometry", "scenario", "paths", "jit", "rng", "structs", "pydantic", "pydantic_core"},
     "envs": {"tasks", "engine", "scenario", "world", "render", "gymnasium"},
-    "evaluation": {"envs", "tasks", "engine", "world", "paths", "scenario", "rich"},
+    "evaluation": {"envs", "tasks", "engine", "world", "paths", "scenario", "rich", "scipy"},
     "raster": {"jit", "structs", "geometry", "world", "scenario.plot_spec"},
     "render": {
         "world",
@@ -88,6 +88,7 @@ HEAVY = {
     "imageio",
     "rich",
     "PIL",
+    "scipy",
 }
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
 RENDER_FROM = {"envs", "live", "controls", "training", "cli"}
