@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from irsim_gym.cli_arena import arena
 from irsim_gym.cli_options import (
     LAST_LEVEL,
     Algorithm,
@@ -194,6 +195,9 @@ def evaluate(
     chosen: dict[str, Any] = {"parameters": read_parameters(given), "team": team, "strict": not lenient}
     chosen["overwrite"] = overwrite
     run_evaluation(scenario, policies or [], levels, split, task, out, references, **chosen)
+
+
+app.command()(arena)
 
 
 @app.command()

@@ -65,7 +65,7 @@ ALLOWED: dict[str, set[str]] = {
     "sb3": {"envs"},
 }
 # Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.
-COMPOSERS = {"training", "cli", "__init__", "irsim", "plugins"}
+COMPOSERS = {"training", "arenas", "cli", "__init__", "irsim", "plugins"}
 # Adapters to one library each: files whose place begins so.
 ONLY_FILES = {
     "pettingzoo": "envs/parallel",
@@ -91,7 +91,7 @@ HEAVY = {
     "scipy",
 }
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
-RENDER_FROM = {"envs", "live", "controls", "training", "cli"}
+RENDER_FROM = {"envs", "live", "controls", "training", "arenas", "cli"}
 
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60

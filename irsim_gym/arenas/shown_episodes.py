@@ -90,9 +90,7 @@ def record_episodes(
 
     simulation = episodes.simulation
     parts = simulation.model, simulation.state, simulation.sensors
-    renderer = Renderer(
-        simulation.scenario, *parts, learners=simulation.agents.tolist(), explored=simulation.explored
-    )
+    renderer = Renderer(simulation.scenario, *parts, learners=simulation.agents.tolist(), explored=simulation.explored)
     for shown in chosen:
         cast = Players(episodes, [policies[shown.policy]], [board.policies[shown.policy]], renderer, split)
         recording = recorded_episode(cast, 0, int(board.levels[shown.level]))

@@ -42,7 +42,7 @@ def strata_of_peers(board: Board) -> list[Stratum]:
 
 
 def strata_of_difficulty(board: Board, difficulty: Floats) -> list[Stratum]:
-    """Return success by quarters of the levels, the easiest first; of equally hard ones the first in number count as easier.
+    """Return success by quarters of the levels, the easiest first; equally hard ones by number.
 
     Args:
         board: The results.

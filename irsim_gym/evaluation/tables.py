@@ -119,7 +119,7 @@ def read_cells(path: Path, kind: type[Row], row: Mapping[str, str], **given: obj
     """
     types = get_type_hints(kind)
     try:
-        columns = {field.name: row[field.name] for field in fields(kind) if field.name not in given}
+        columns = {name: row[name] for name in types if name not in given}
         return kind(**given, **{name: _READERS[types[name]](text) for name, text in columns.items()})
     except (KeyError, ValueError) as error:
         raise IrsimGymError(f"{path} holds no rows of {kind.__name__}: {error!r}") from error

@@ -152,7 +152,13 @@ def _moments(cast: Players, world: int, level: int) -> tuple[str, list[Bytes]]:
 
 
 def recorded_episode(cast: Players, world: int, level: int) -> Recording:
-    """Play a level and return what it looked like."""
+    """Play a level and return what it looked like.
+
+    Args:
+        cast: Who plays.
+        world: Which of them, by the number of its world.
+        level: The level.
+    """
     from irsim_gym.render.replay import Recording
 
     scenario, policy = cast.episodes.simulation.scenario, cast.names[world]
