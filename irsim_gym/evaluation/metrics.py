@@ -28,6 +28,8 @@ class EpisodeRow:
         optimum: Length of the shortest collision-free path from start to goal past the bodies that stand
             still [m]; infinite when none was found.
         min_clearance: Smallest distance between the robot's outline and another body's [m].
+        acceleration: Mean size of the derivative of the velocity vector [m/s2]; NaN where it was not measured.
+        jerk: Mean size of its second derivative [m/s3], likewise.
     """
 
     level: int
@@ -38,6 +40,8 @@ class EpisodeRow:
     path_length: float
     optimum: float
     min_clearance: float
+    acceleration: float = math.nan
+    jerk: float = math.nan
 
     @property
     def spl(self) -> float:
@@ -115,6 +119,8 @@ class Summary:
         path_length: Mean distance driven by the successes [m]; NaN without any.
         path_ratio: Mean of path length / optimum over the successes; NaN without any.
         min_clearance: Mean over all episodes of the smallest clearance [m].
+        acceleration: Mean of the mean sizes of acceleration [m/s2], over all episodes.
+        jerk: Mean of the mean sizes of its derivative [m/s3], likewise.
     """
 
     policy: str
@@ -130,6 +136,8 @@ class Summary:
     path_length: float
     path_ratio: float
     min_clearance: float
+    acceleration: float
+    jerk: float
 
 
 def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
@@ -156,6 +164,8 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
         path_length=mean([row.path_length for row in successes]),
         path_ratio=mean([row.path_ratio for row in successes]),
         min_clearance=mean([row.min_clearance for row in rows]),
+        acceleration=mean([row.acceleration for row in rows]),
+        jerk=mean([row.jerk for row in rows]),
     )
 
 
