@@ -32,6 +32,7 @@ from irsim_gym.cli_options import (
     Team,
     TeamMode,
 )
+from irsim_gym.cli_suite import suite
 from irsim_gym.cli_tools import print_options, print_shipped, progress, read_parameters
 from irsim_gym.errors import IrsimGymError
 
@@ -41,6 +42,9 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+
+
+app.add_typer(suite, name="suite")
 
 
 @app.command("list")

@@ -28,6 +28,7 @@ class EpisodeRow:
         optimum: Length of the shortest collision-free path from start to goal past the bodies that stand
             still [m]; infinite when none was found.
         min_clearance: Smallest distance between the robot's outline and another body's [m].
+        least_time: No robot with these limits of speed and acceleration takes less [s]; NaN where it was not measured.
         acceleration: Mean size of the derivative of the velocity vector [m/s2]; NaN where it was not measured.
         jerk: Mean size of its second derivative [m/s3], likewise.
     """
@@ -40,6 +41,7 @@ class EpisodeRow:
     path_length: float
     optimum: float
     min_clearance: float
+    least_time: float = math.nan
     acceleration: float = math.nan
     jerk: float = math.nan
 
@@ -54,6 +56,18 @@ class EpisodeRow:
         if not math.isfinite(self.optimum) or self.path_length <= self.optimum:
             return 1.0
         return self.optimum / self.path_length
+
+    @property
+    def sct(self) -> float:
+        """Success by completion time: least time / time (Yokoyama et al. 2021, arXiv:2103.08022).
+
+        NaN where the least time is not known.
+        """
+        if math.isnan(self.least_time):
+            return math.nan
+        if self.outcome != "success":
+            return 0.0
+        return 1.0 if self.time <= self.least_time else self.least_time / self.time
 
     @property
     def path_ratio(self) -> float:

@@ -65,7 +65,7 @@ class MotionLog:
         return found
 
 
-class Watchers:
+class JoinedWatchers:
     """Several watchers as one: a `Watcher`.
 
     Args:

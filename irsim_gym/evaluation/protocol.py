@@ -10,7 +10,7 @@ import numpy as np
 from irsim_gym.arraytypes import Ints
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import HIT_OF_KIND, EpisodeRow
-from irsim_gym.evaluation.motion import MotionLog, Watchers
+from irsim_gym.evaluation.motion import JoinedWatchers, MotionLog
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.evaluation.trajectories import Watcher
@@ -52,7 +52,7 @@ def evaluate(
         )
     found, motion = optima_of(split, optima), MotionLog(episodes)
     rows: dict[int, EpisodeRow] = {}
-    for indices, worlds, played in drive(policy, episodes, levels, split, Watchers(motion, watcher)):
+    for indices, worlds, played in drive(policy, episodes, levels, split, JoinedWatchers(motion, watcher)):
         for index, world, level in zip(indices, worlds, played, strict=True):
             rows[index] = episode_row(episodes, found, motion, world, level)
         if on_episodes is not None:
