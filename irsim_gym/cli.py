@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from irsim_gym.cli_levels import levels
 from irsim_gym.cli_options import (
     LAST_LEVEL,
     Algorithm,
@@ -45,6 +46,7 @@ app = typer.Typer(
 
 
 app.add_typer(suite, name="suite")
+app.add_typer(levels, name="levels")
 
 
 @app.command("list")
