@@ -17,7 +17,7 @@ from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.suite.members import Member
-from irsim_gym.suite.rows import write_rows
+from irsim_gym.suite.row_files import write_rows
 from irsim_gym.suite.scores import score_suite
 from irsim_gym.suite.suite_record import ROWS, SUMMARY, SuiteMethod, SuiteRecord, read_record
 from irsim_gym.tasks import Episodes

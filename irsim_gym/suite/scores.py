@@ -21,7 +21,7 @@ from irsim_gym.evaluation.statistics import (
 )
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.team_metrics import COMPARED, TEAM_HITS, TeamRow, TeamSummary, summarize_team
-from irsim_gym.suite.rows import read_rows
+from irsim_gym.suite.row_files import read_rows
 from irsim_gym.suite.suite_record import SuiteRecord
 
 WORST = (0.05, 0.01)

@@ -19,7 +19,7 @@ from irsim_gym.scenario.library import benchmark_names
 from irsim_gym.suite import playing, suite_tables
 from irsim_gym.suite.members import Member, read_suite, shipped_suite
 from irsim_gym.suite.playing import play_suite
-from irsim_gym.suite.rows import read_rows, write_rows
+from irsim_gym.suite.row_files import read_rows, write_rows
 from irsim_gym.suite.scores import overall, score_member
 from irsim_gym.suite.suite_record import SuiteMethod, read_methods, read_record
 
