@@ -14,9 +14,12 @@ from irsim_gym.engine.given import check_agents, check_scenario
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.engine.start_checks import refuse_blocked_starts
+from irsim_gym.engine.traits import drawn_fields, watching_bodies, write_traits, write_watchers
 from irsim_gym.geometry.cell_room import find_room
 from irsim_gym.geometry.cells import find_boxes, find_free_squares
+from irsim_gym.scenario.options import defaults
 from irsim_gym.scenario.spec import BodySpec, Scenario
+from irsim_gym.scenario.wander_goals import WanderGoals
 from irsim_gym.world.model import (
     KEEP_GOAL,
     LOOP,
@@ -85,18 +88,22 @@ def compile(
         "bucket": body_buckets.n_buckets(len(scenario.bodies)),
         "map_column": 1 if scenario.occupied is None else scenario.occupied.shape[0],
         "map_row": 1 if scenario.occupied is None else scenario.occupied.shape[1],
+        "watching": len(watching_bodies(scenario)),
         "waypoint": max((goals.rows for goals in plans), default=1),
     }
     is_random = any(body.shape.is_random for body in scenario.bodies)
-    model = WorldModel.allocate(sizes, per_world=RANDOM_OUTLINE if is_random else frozenset())
+    per_world = drawn_fields(scenario) | (RANDOM_OUTLINE if is_random else frozenset())
+    model = WorldModel.allocate(sizes, per_world=per_world)
     state = WorldState.allocate(sizes)
     _write_world(scenario, boxes, model)
     _write_outlines(outlines, model)
     for b, body in enumerate(scenario.bodies):
         _write_motion(b, body, model)
+        write_traits(b, body, model)
         model.driven[b] = body.behavior is not None or body.group_behavior is not None or b in agents
-        _write_goals(b, body, plans[b], model)
+        _write_goals(b, body, plans[b], is_agent=b in agents, model=model)
     _hide_map(model)
+    write_watchers(scenario, model)
     model.rigid[0] = not is_random
     model.stands[:] = ~(model.movable & model.driven)
     body_buckets.lay_out(model, np.array([body.shape.is_random for body in scenario.bodies], np.bool_))
@@ -187,16 +194,18 @@ class _GoalPlan:
         renewal: ``KEEP_GOAL``, ``WANDER`` or ``LOOP``.
         count: Goals of a round; one that loops between a single goal and its start has two.
         placed: Its distribution gives the goal.
+        keeps_first: It wanders, but only after the first goal, which it is given.
     """
 
     renewal: int
     count: int
     placed: bool
+    keeps_first: bool
 
     @property
     def rows(self) -> int:
         """Rows of ``waypoints``: one is there for bodies without a goal too, and for those that are drawn."""
-        return max(self.count, 1)
+        return 2 if self.keeps_first else max(self.count, 1)
 
 
 def _plan_goals(body: BodySpec, scenario: Scenario, *, is_agent: bool) -> _GoalPlan:
@@ -209,13 +218,24 @@ def _plan_goals(body: BodySpec, scenario: Scenario, *, is_agent: bool) -> _GoalP
     loops = bool(getattr(body.renewal, "loop", False)) and not wanders and not is_agent
     count = 1 if placed else len(body.goal)
     renewal = WANDER if wanders else LOOP if loops else KEEP_GOAL
-    return _GoalPlan(renewal, 2 if loops and count == 1 else count, placed)
+    keeps_first = wanders and count > 0 and bool(_wander_goals(body).keep_first)
+    return _GoalPlan(renewal, 2 if loops and count == 1 else count, placed, keeps_first)
 
 
-def _write_goals(b: int, body: BodySpec, plan: _GoalPlan, model: WorldModel) -> None:
+def _wander_goals(body: BodySpec) -> WanderGoals:
+    """Return where a body's goals lie when it wanders; behaviours of others may not have the option."""
+    return getattr(body.renewal, "wander_goals", defaults(WanderGoals))
+
+
+def _write_goals(b: int, body: BodySpec, plan: _GoalPlan, *, is_agent: bool, model: WorldModel) -> None:
     """Write goals, and who has any: what can move and was given some, by its entry or by its distribution."""
     if plan.renewal == WANDER:
+        goals = _wander_goals(body)
+        interval = (
+            0 if is_agent or goals.interval is None else max(1, round(goals.interval / float(model.step_time[0])))
+        )
         model.wander_low[b], model.wander_high[b] = body.renewal.range_low, body.renewal.range_high
+        model.wandering[b] = goals.radius or 0.0, goals.jitter, plan.keeps_first, interval, goals.chance
     model.waypoints[:, b, :, 2] = np.nan
     given = np.array(body.goal[: plan.rows]).reshape(-1, 3)
     model.waypoints[:, b, : len(given)] = given

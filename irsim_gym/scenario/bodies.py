@@ -125,6 +125,9 @@ def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -
         fov=fov,
         fov_radius=fov_radius,
         plot=values["plot"],
+        seen_by=values["seen_by"],
+        speed_range=values["speed_range"],
+        unyielding=values["unyielding"],
     )
 
 

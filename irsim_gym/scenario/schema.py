@@ -9,10 +9,11 @@ from pydantic import TypeAdapter
 from irsim_gym import families
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.entries import NO_DRIVE
+from irsim_gym.scenario.gui_spec import GuiSpec
 from irsim_gym.scenario.parameters import SECTION, ParameterSpec
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.source import ROLES, WRAPPER
-from irsim_gym.scenario.spec import BodyOptions, GuiSpec, WorldSpec
+from irsim_gym.scenario.spec import BodyOptions, WorldSpec
 
 Schema = dict[str, Any]
 

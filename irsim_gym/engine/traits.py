@@ -1,0 +1,87 @@
+"""What a level draws of a body besides outline and place: its speed, and whether it pays heed to others."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Ints, Records
+from irsim_gym.jit import kernel
+from irsim_gym.rng import uniform
+from irsim_gym.scenario.spec import BodySpec, Scenario
+from irsim_gym.structs import record_type
+from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, WorldModel
+from irsim_gym.world.state import WorldState
+
+TRAITS = record_type("low high least unyielding", body=np.int64, n_axes=np.int64)
+"""Bounds of a body's greatest speed [m/s] (low is NaN where it is given), the least velocity that its entry allows,
+and the probability that it ignores what moves; how many of its velocities are speeds.
+"""
+
+DRAWN_SPEEDS = frozenset({"velocity_min", "velocity_max", "drawn_speed"})
+DRAWN_HEED = frozenset({"heedless"})
+
+
+def drawn_fields(scenario: Scenario) -> frozenset[str]:
+    """Return the fields of the model that differ between worlds because of traits."""
+    speeds = any(body.speed_range is not None for body in scenario.bodies)
+    heed = any(body.unyielding > 0.0 for body in scenario.bodies)
+    return (DRAWN_SPEEDS if speeds else frozenset()) | (DRAWN_HEED if heed else frozenset())
+
+
+def collect_traits(scenario: Scenario, model: WorldModel) -> Records:
+    """Return one record of type ``TRAITS`` for each body of which something is drawn."""
+    varied = [b for b, body in enumerate(scenario.bodies) if body.speed_range is not None or body.unyielding > 0.0]
+    traits = np.zeros(len(varied), TRAITS)
+    for row, b in zip(traits, varied, strict=True):
+        body = scenario.bodies[b]
+        low, high = (np.nan, np.nan) if body.speed_range is None else body.speed_range
+        row["body"], row["low"], row["high"], row["unyielding"] = b, low, high, body.unyielding
+        row["n_axes"] = 2 if model.drive[b] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1
+        row["least"] = min(body.vel_min[: row["n_axes"]], default=0.0)
+    return traits
+
+
+def write_traits(b: int, body: BodySpec, model: WorldModel) -> None:
+    """Write what holds before a level is drawn: the fastest that the body can be."""
+    model.drawn_speed[:, b] = np.inf
+    if body.speed_range is not None:
+        n_axes = 2 if model.drive[b] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1
+        model.drawn_speed[:, b] = body.speed_range[1]
+        model.velocity_max[:, b, :n_axes] = body.speed_range[1]
+        model.velocity_min[:, b, :n_axes] = np.maximum(model.velocity_min[:, b, :n_axes], -body.speed_range[1])
+
+
+@kernel
+def draw_traits(worlds: Ints, traits: Records, model: WorldModel, state: WorldState) -> None:
+    """Draw speeds, and who ignores what moves.
+
+    Reads: state (random).
+    Writes: model (drawn_speed, heedless, velocity_max, velocity_min), state (random).
+    """
+    for w in worlds:
+        for k in range(traits.shape[0]):
+            drawn, b = traits[k], traits[k].body
+            if not np.isnan(drawn.low):
+                speed = uniform(state.random, w, drawn.low, drawn.high)
+                model.drawn_speed[w, b] = speed
+                for axis in range(drawn.n_axes):
+                    model.velocity_max[w, b, axis] = speed
+                    model.velocity_min[w, b, axis] = max(drawn.least, -speed)
+            if drawn.unyielding > 0.0:
+                model.heedless[w, b] = uniform(state.random, w, 0.0, 1.0) < drawn.unyielding
+
+
+def watching_bodies(scenario: Scenario) -> list[tuple[str, ...] | None]:
+    """Return the different values of ``seen_by``; the first is None, for all."""
+    return list(dict.fromkeys([None, *(body.seen_by for body in scenario.bodies)]))
+
+
+def write_watchers(scenario: Scenario, model: WorldModel) -> None:
+    """Write whose behaviours see whom."""
+    rows = watching_bodies(scenario)
+    for row, words in enumerate(rows):
+        for b, body in enumerate(scenario.bodies):
+            named = (body.role, body.name, body.group_name)
+            model.watchers[row, b] = words is None or any(word in words for word in named)
+    for b, body in enumerate(scenario.bodies):
+        model.seen_row[b] = rows.index(body.seen_by)
