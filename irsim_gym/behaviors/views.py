@@ -190,7 +190,8 @@ def others(group: Group, model: WorldModel, state: WorldState, world: int, looki
     if role >= 0:
         seen &= model.role == role
     seen[looking] = False
-    seen &= model.watchers[:, looking].any(axis=1)[model.seen_row]
+    visible = np.asarray(model.watchers[:, looking].any(axis=1))
+    seen &= visible[model.seen_row]
     if model.heedless[row_of(model.heedless, world), looking].all():
         seen &= ~model.movable
     if (chart := model.cells) is not None:

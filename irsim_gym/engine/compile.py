@@ -10,11 +10,11 @@ import numpy as np
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import body_buckets
 from irsim_gym.engine.collect import collect_parts
-from irsim_gym.engine.given import check_agents, check_scenario
+from irsim_gym.engine.given import check_agents, check_scenario, check_worlds
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.engine.start_checks import refuse_blocked_starts
-from irsim_gym.engine.traits import drawn_fields, watching_bodies, write_traits, write_watchers
+from irsim_gym.engine.traits import drawn_fields, watching_bodies, write_watchers
 from irsim_gym.geometry.cell_room import find_room
 from irsim_gym.geometry.cells import find_boxes, find_free_squares
 from irsim_gym.scenario.options import defaults
@@ -74,8 +74,7 @@ def compile(
     """
     check_scenario(scenario)
     agents = check_agents(agents, scenario)
-    if isinstance(n_worlds, bool) or not isinstance(n_worlds, int | np.integer) or n_worlds < 1:
-        raise ValueError(f"n_worlds must be a whole number >= 1, got {n_worlds!r}")
+    check_worlds(n_worlds)
     outlines = [body.shape.outline() for body in scenario.bodies]
     boxes = np.zeros((0, 4), np.int64) if scenario.occupied is None else find_boxes(scenario.occupied)
     plans = [_plan_goals(body, scenario, is_agent=b in agents) for b, body in enumerate(scenario.bodies)]
@@ -91,22 +90,20 @@ def compile(
         "watching": len(watching_bodies(scenario)),
         "waypoint": max((goals.rows for goals in plans), default=1),
     }
-    is_random = any(body.shape.is_random for body in scenario.bodies)
-    per_world = drawn_fields(scenario) | (RANDOM_OUTLINE if is_random else frozenset())
+    shapes_drawn = np.array([body.shape.is_random for body in scenario.bodies], np.bool_)
+    per_world = drawn_fields(scenario) | (RANDOM_OUTLINE if shapes_drawn.any() else frozenset())
     model = WorldModel.allocate(sizes, per_world=per_world)
     state = WorldState.allocate(sizes)
     _write_world(scenario, boxes, model)
     _write_outlines(outlines, model)
     for b, body in enumerate(scenario.bodies):
-        _write_motion(b, body, model)
-        write_traits(b, body, model)
-        model.driven[b] = body.behavior is not None or body.group_behavior is not None or b in agents
+        _write_motion(b, body, model, is_agent=b in agents)
         _write_goals(b, body, plans[b], is_agent=b in agents, model=model)
     _hide_map(model)
     write_watchers(scenario, model)
-    model.rigid[0] = not is_random
+    model.rigid[0] = not shapes_drawn.any()
     model.stands[:] = ~(model.movable & model.driven)
-    body_buckets.lay_out(model, np.array([body.shape.is_random for body in scenario.bodies], np.bool_))
+    body_buckets.lay_out(model, shapes_drawn)
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
     if check_starts:
@@ -158,7 +155,8 @@ def _reach(outline: Outline) -> float:
     return float(max(corners.max(initial=0.0), discs.max(initial=0.0)))
 
 
-def _write_motion(b: int, body: BodySpec, model: WorldModel) -> None:
+def _write_motion(b: int, body: BodySpec, model: WorldModel, *, is_agent: bool) -> None:
+    model.driven[b] = body.behavior is not None or body.group_behavior is not None or is_agent
     model.role[b] = ROBOT if body.role == "robot" else OBSTACLE
     model.drive[b] = getattr(body.kinematics, "drive", NO_DRIVE)
     model.wheelbase[b] = _wheelbase(body)
@@ -175,6 +173,7 @@ def _write_motion(b: int, body: BodySpec, model: WorldModel) -> None:
         (body.acce, model.acceleration_limit),
     ):
         target[:, b, : len(values)] = values
+    model.drawn_speed[:, b] = np.inf if body.speed_range is None else body.speed_range[1]
     model.initial_velocity[b, : len(body.velocity)] = body.velocity
     if body.state is not None:
         model.start[:, b] = body.state[:3]

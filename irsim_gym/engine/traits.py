@@ -7,14 +7,15 @@ import numpy as np
 from irsim_gym.arraytypes import Ints, Records
 from irsim_gym.jit import kernel
 from irsim_gym.rng import uniform
-from irsim_gym.scenario.spec import BodySpec, Scenario
+from irsim_gym.scenario.body_checks import speed_count
+from irsim_gym.scenario.spec import Scenario
 from irsim_gym.structs import record_type
-from irsim_gym.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, WorldModel
+from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
-TRAITS = record_type("low high least unyielding", body=np.int64, n_axes=np.int64)
-"""Bounds of a body's greatest speed [m/s] (low is NaN where it is given), the least velocity that its entry allows,
-and the probability that it ignores what moves; how many of its velocities are speeds.
+TRAITS = record_type("low high unyielding", body=np.int64, n_axes=np.int64, least=np.dtype((np.float64, 2)))
+"""Bounds of a body's greatest speed [m/s] (low is NaN where nothing is drawn), the probability that it ignores what
+moves, how many of its velocities are speeds, and the least of each that its entry allows.
 """
 
 DRAWN_SPEEDS = frozenset({"velocity_min", "velocity_max", "drawn_speed"})
@@ -36,19 +37,9 @@ def collect_traits(scenario: Scenario, model: WorldModel) -> Records:
         body = scenario.bodies[b]
         low, high = (np.nan, np.nan) if body.speed_range is None else body.speed_range
         row["body"], row["low"], row["high"], row["unyielding"] = b, low, high, body.unyielding
-        row["n_axes"] = 2 if model.drive[b] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1
-        row["least"] = min(body.vel_min[: row["n_axes"]], default=0.0)
+        row["n_axes"] = 0 if body.kinematics is None else speed_count(body.kinematics)
+        row["least"][: row["n_axes"]] = model.velocity_min[0, b, : row["n_axes"]]
     return traits
-
-
-def write_traits(b: int, body: BodySpec, model: WorldModel) -> None:
-    """Write what holds before a level is drawn: the fastest that the body can be."""
-    model.drawn_speed[:, b] = np.inf
-    if body.speed_range is not None:
-        n_axes = 2 if model.drive[b] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1
-        model.drawn_speed[:, b] = body.speed_range[1]
-        model.velocity_max[:, b, :n_axes] = body.speed_range[1]
-        model.velocity_min[:, b, :n_axes] = np.maximum(model.velocity_min[:, b, :n_axes], -body.speed_range[1])
 
 
 @kernel
@@ -66,7 +57,7 @@ def draw_traits(worlds: Ints, traits: Records, model: WorldModel, state: WorldSt
                 model.drawn_speed[w, b] = speed
                 for axis in range(drawn.n_axes):
                     model.velocity_max[w, b, axis] = speed
-                    model.velocity_min[w, b, axis] = max(drawn.least, -speed)
+                    model.velocity_min[w, b, axis] = max(drawn.least[axis], -speed)
             if drawn.unyielding > 0.0:
                 model.heedless[w, b] = uniform(state.random, w, 0.0, 1.0) < drawn.unyielding
 
@@ -77,11 +68,12 @@ def watching_bodies(scenario: Scenario) -> list[tuple[str, ...] | None]:
 
 
 def write_watchers(scenario: Scenario, model: WorldModel) -> None:
-    """Write whose behaviours see whom."""
-    rows = watching_bodies(scenario)
+    """Write whose behaviours see whom. A word that is a body's name is not that of a group, whose name may be equal."""
+    rows, names = watching_bodies(scenario), {body.name for body in scenario.bodies}
     for row, words in enumerate(rows):
+        groups = set(words or ()) - names
         for b, body in enumerate(scenario.bodies):
-            named = (body.role, body.name, body.group_name)
-            model.watchers[row, b] = words is None or any(word in words for word in named)
+            model.watchers[row, b] = words is None or body.name in words or body.role in words
+            model.watchers[row, b] |= body.group_name in groups
     for b, body in enumerate(scenario.bodies):
         model.seen_row[b] = rows.index(body.seen_by)

@@ -16,6 +16,9 @@ FULL_TURN = 2.0 * math.pi
 TURN_TOLERANCE = 0.01
 """How far [rad] a width may be from a full turn: [-3.14, 3.14] is one, and begins at its lower end."""
 
+TURNS = ("angular", "steer")
+"""Velocities of drives that are no speeds."""
+
 CURE = "add kinematics or remove the {key}"
 
 Values = Mapping[str, Any]
@@ -25,6 +28,11 @@ Places = Mapping[str, Place]
 def command_size(drive: Any) -> int:
     """Return the number of velocities of a drive; 2 for a body without one."""
     return 2 if drive is None else len(drive.command_names)
+
+
+def speed_count(drive: Any) -> int:
+    """Return how many of a drive's velocities are speeds [m/s]; these come first."""
+    return sum(name not in TURNS for name in drive.command_names)
 
 
 def check_body(values: Values, places: Places, report: Report) -> bool:
