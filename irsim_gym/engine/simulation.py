@@ -188,6 +188,10 @@ class Simulation:
         Raises:
             PlacementError: A level could not be drawn.
         """
+        for slot in range(self.shards.n_slots if self._promise.kinds else 0):
+            # Arrays are read-only while a promise is checked: no thread may draw a level then.
+            self._draw.prepare(slot)
+            self._start.prepare(slot)
         try:
             self.run(function, worlds)
         except RuntimeError:

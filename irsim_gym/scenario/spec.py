@@ -204,7 +204,7 @@ class BodyOptions:
     )
     seen_by: tuple[str, ...] | None = option(
         None,
-        meaning="Whose behaviours see the body: all (default), or a list of roles, names and group_names; [] for nobody.",
+        meaning="Whose behaviours see the body: all (default), or a list of roles, names and group names; [] for none.",
         consequence="Others walk into a body that they do not see. Sensors and observations are not concerned.",
     )
     speed_range: tuple[float, float] | None = option(
