@@ -14,7 +14,7 @@ from irsim_gym.engine.given import check_agents, check_scenario, check_worlds
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.engine.start_checks import refuse_blocked_starts
-from irsim_gym.engine.traits import drawn_fields, watching_bodies, write_watchers
+from irsim_gym.engine.traits import drawn_traits, watching_bodies, write_watchers
 from irsim_gym.geometry.cell_room import find_room
 from irsim_gym.geometry.cells import find_boxes, find_free_squares
 from irsim_gym.scenario.options import defaults
@@ -91,8 +91,7 @@ def compile(
         "waypoint": max((goals.rows for goals in plans), default=1),
     }
     shapes_drawn = np.array([body.shape.is_random for body in scenario.bodies], np.bool_)
-    per_world = drawn_fields(scenario) | (RANDOM_OUTLINE if shapes_drawn.any() else frozenset())
-    model = WorldModel.allocate(sizes, per_world=per_world)
+    model = WorldModel.allocate(sizes, per_world=_drawn_fields(scenario))
     state = WorldState.allocate(sizes)
     _write_world(scenario, boxes, model)
     _write_outlines(outlines, model)
@@ -109,6 +108,12 @@ def compile(
     if check_starts:
         refuse_blocked_starts(scenario, parts, model, state)
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards, fused)
+
+
+def _drawn_fields(scenario: Scenario) -> frozenset[str]:
+    """Return the fields of the model that differ between worlds."""
+    is_random = any(body.shape.is_random for body in scenario.bodies)
+    return drawn_traits(scenario) | (RANDOM_OUTLINE if is_random else frozenset())
 
 
 def _write_world(scenario: Scenario, boxes: Ints, model: WorldModel) -> None:

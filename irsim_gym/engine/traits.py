@@ -22,7 +22,7 @@ DRAWN_SPEEDS = frozenset({"velocity_min", "velocity_max", "drawn_speed"})
 DRAWN_HEED = frozenset({"heedless"})
 
 
-def drawn_fields(scenario: Scenario) -> frozenset[str]:
+def drawn_traits(scenario: Scenario) -> frozenset[str]:
     """Return the fields of the model that differ between worlds because of traits."""
     speeds = any(body.speed_range is not None for body in scenario.bodies)
     heed = any(body.unyielding > 0.0 for body in scenario.bodies)
