@@ -47,6 +47,7 @@ ALLOWED: dict[str, set[str]] = {
     "tasks": {"engine", "world", "geometry", "scenario", "paths", "jit", "rng", "structs", "pydantic", "pydantic_core"},
     "envs": {"tasks", "engine", "scenario", "world", "render", "gymnasium"},
     "evaluation": {"envs", "tasks", "engine", "world", "paths", "scenario", "rich", "scipy"},
+    "levels": {"evaluation", "tasks", "engine", "world", "paths", "scenario", "render"},
     "raster": {"jit", "structs", "geometry", "world", "scenario.plot_spec"},
     "render": {
         "world",
@@ -91,7 +92,7 @@ HEAVY = {
     "scipy",
 }
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
-RENDER_FROM = {"envs", "live", "controls", "training", "cli"}
+RENDER_FROM = {"envs", "levels", "live", "controls", "training", "cli"}
 
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60

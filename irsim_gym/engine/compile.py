@@ -11,6 +11,7 @@ from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import body_buckets
 from irsim_gym.engine.collect import collect_parts
 from irsim_gym.engine.given import check_agents, check_scenario, check_worlds
+from irsim_gym.engine.level_table import roomy_outlines, varied_outlines
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.engine.start_checks import refuse_blocked_starts
@@ -75,7 +76,7 @@ def compile(
     check_scenario(scenario)
     agents = check_agents(agents, scenario)
     check_worlds(n_worlds)
-    outlines = [body.shape.outline() for body in scenario.bodies]
+    outlines, varied = roomy_outlines(scenario), varied_outlines(scenario)
     boxes = np.zeros((0, 4), np.int64) if scenario.occupied is None else find_boxes(scenario.occupied)
     plans = [_plan_goals(body, scenario, is_agent=b in agents) for b, body in enumerate(scenario.bodies)]
     sizes = {
@@ -90,8 +91,8 @@ def compile(
         "watching": len(watching_bodies(scenario)),
         "waypoint": max((goals.rows for goals in plans), default=1),
     }
-    shapes_drawn = np.array([body.shape.is_random for body in scenario.bodies], np.bool_)
-    model = WorldModel.allocate(sizes, per_world=_drawn_fields(scenario))
+    per_world = drawn_traits(scenario) | (RANDOM_OUTLINE if varied.any() else frozenset())
+    model = WorldModel.allocate(sizes, per_world=per_world)
     state = WorldState.allocate(sizes)
     _write_world(scenario, boxes, model)
     _write_outlines(outlines, model)
@@ -100,20 +101,14 @@ def compile(
         _write_goals(b, body, plans[b], is_agent=b in agents, model=model)
     _hide_map(model)
     write_watchers(scenario, model)
-    model.rigid[0] = not shapes_drawn.any()
+    model.rigid[0] = not varied.any()
     model.stands[:] = ~(model.movable & model.driven)
-    body_buckets.lay_out(model, shapes_drawn)
+    body_buckets.lay_out(model, varied)
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
     if check_starts:
         refuse_blocked_starts(scenario, parts, model, state)
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards, fused)
-
-
-def _drawn_fields(scenario: Scenario) -> frozenset[str]:
-    """Return the fields of the model that differ between worlds."""
-    is_random = any(body.shape.is_random for body in scenario.bodies)
-    return drawn_traits(scenario) | (RANDOM_OUTLINE if is_random else frozenset())
 
 
 def _write_world(scenario: Scenario, boxes: Ints, model: WorldModel) -> None:

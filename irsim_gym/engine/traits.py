@@ -1,4 +1,4 @@
-"""What a level draws of a body besides outline and place: its speed, and whether it pays heed to others."""
+"""What is drawn of a body for a level besides outline and place: its speed, and whether it pays heed to others."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Ints, Records
 from irsim_gym.jit import kernel
-from irsim_gym.rng import uniform
+from irsim_gym.rng import mix, uniform
 from irsim_gym.scenario.body_checks import speed_count
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.structs import record_type
@@ -46,10 +46,14 @@ def collect_traits(scenario: Scenario, model: WorldModel) -> Records:
 def draw_traits(worlds: Ints, traits: Records, model: WorldModel, state: WorldState) -> None:
     """Draw speeds, and who ignores what moves.
 
+    The world's stream goes on as if nothing had been drawn: its state, which a file of levels holds, gives the numbers.
+
     Reads: state (random).
     Writes: model (drawn_speed, heedless, velocity_max, velocity_min), state (random).
     """
     for w in worlds:
+        stream = state.random[w]
+        state.random[w] = mix(stream)
         for k in range(traits.shape[0]):
             drawn, b = traits[k], traits[k].body
             if not np.isnan(drawn.low):
@@ -60,6 +64,7 @@ def draw_traits(worlds: Ints, traits: Records, model: WorldModel, state: WorldSt
                     model.velocity_min[w, b, axis] = max(drawn.least[axis], -speed)
             if drawn.unyielding > 0.0:
                 model.heedless[w, b] = uniform(state.random, w, 0.0, 1.0) < drawn.unyielding
+        state.random[w] = stream
 
 
 def watching_bodies(scenario: Scenario) -> list[tuple[str, ...] | None]:

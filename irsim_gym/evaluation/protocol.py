@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.engine import Simulation
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import HIT_OF_KIND, EpisodeRow
 from irsim_gym.evaluation.optimum import Optima
@@ -70,6 +71,17 @@ def optima_of(split: str, optima: Optima | None) -> Optima:
     return Optima(split) if optima is None else optima
 
 
+def check_count(simulation: Simulation, split: str, count: int) -> None:
+    """Refuse to play more levels than a file has, since they would be the same ones again.
+
+    Raises:
+        IrsimGymError: The levels come from a file that has fewer.
+    """
+    levels, (_, here) = simulation.scenario.levels, simulation.level_base(split)
+    if levels is not None and count > here:
+        raise IrsimGymError(f"{levels.file} has {here:,} {split} levels, but {count:,} are asked for: ask for fewer")
+
+
 def drive(
     policy: Driver,
     episodes: Episodes,
@@ -90,6 +102,7 @@ def drive(
         The places of the levels among those asked for, the worlds that played them, and the levels.
     """
     chosen = np.arange(levels, dtype=np.int64) if isinstance(levels, int) else np.asarray(levels, dtype=np.int64)
+    check_count(episodes.simulation, split, int(chosen.max(initial=-1)) + 1)
     driver = policy if isinstance(policy, Policy) else ObservationPolicy(policy)
     for indices, worlds in _run(driver, episodes, chosen, split, watcher):
         yield indices.tolist(), worlds.tolist(), chosen[indices].tolist()

@@ -41,6 +41,7 @@ def json_schema() -> Schema:
         "gui": _optional(_options(GuiSpec, definitions)),
         "plot": _optional(_options(ObjectPlot, definitions)),
         "task": _task(definitions),
+        "levels": {"anyOf": [{"type": "string"}, {"type": "null"}], "description": "File of levels, .npz."},
         "custom": {"description": "Anything; the simulator does not read it."},
         SECTION: _optional(_parameters()),
     }

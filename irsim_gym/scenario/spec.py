@@ -12,6 +12,7 @@ from pydantic import AllowInfNan, Field
 
 from irsim_gym.errors import Problem, several
 from irsim_gym.scenario.gui_spec import GuiSpec
+from irsim_gym.scenario.level_set import LevelSet
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.options import LARGEST, defaults, kind, option
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
@@ -346,6 +347,7 @@ class Scenario:
         root: Path of the wrapper key around all sections; empty without one.
         occupied: Occupied cells of the obstacle map, shape ``(columns, rows)``, columns from the left and rows from the
             bottom; None without a map, which is the last body otherwise.
+        levels: Levels that a file gives (``levels``); None where they are drawn.
         doubts: What was met while reading that is allowed but hardly ever meant.
         ignored: Keys that nobody reads and that were passed over.
         strict: Keys that nobody reads are errors, also in the section ``task``.
@@ -363,6 +365,7 @@ class Scenario:
     source: Source = field(repr=False, compare=False)
     root: Mapping[str, Place] = field(repr=False, compare=False, default_factory=dict)
     occupied: NDArray[np.bool_] | None = field(repr=False, compare=False, default=None)
+    levels: LevelSet | None = field(repr=False, compare=False, default=None)
     doubts: tuple[Problem, ...] = field(repr=False, compare=False, default=())
     ignored: tuple[Problem, ...] = field(repr=False, compare=False, default=())
     strict: bool = field(repr=False, compare=False, default=True)
