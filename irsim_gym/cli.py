@@ -33,6 +33,7 @@ from irsim_gym.cli_options import (
     Team,
     TeamMode,
 )
+from irsim_gym.cli_suite import suite
 from irsim_gym.cli_tools import print_options, print_shipped, progress, read_parameters
 from irsim_gym.errors import IrsimGymError
 
@@ -44,6 +45,7 @@ app = typer.Typer(
 )
 
 
+app.add_typer(suite, name="suite")
 app.add_typer(levels, name="levels")
 
 
