@@ -16,6 +16,7 @@ from irsim_gym.engine.level_table import given_bodies, lay_levels, varied_outlin
 from irsim_gym.engine.own_scans import with_scans
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.path_checks import reachability_check
+from irsim_gym.engine.traits import collect_traits
 from irsim_gym.engine.turns import take_turns
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
@@ -80,6 +81,7 @@ def collect_parts(
         everyone=everyone,
         measured=_measure(scenario, outlines, model, [*behaviors, *group_behaviors]),
         number_ranges=_number_ranges(scenario),
+        traits=collect_traits(scenario, model),
         loop_returns=np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal),
         ways=reachability_check(scenario, model, agents, n_slots),
         fog=lay_fog(scenario, scanners, model),
