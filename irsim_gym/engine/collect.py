@@ -53,6 +53,7 @@ def collect_parts(
     everyone = np.arange(len(bodies), dtype=np.int64)
     movers = np.flatnonzero(model.movable)
     in_order = scenario.world.update == "sequential"
+    outlined = [b for b, body in bodies if body.shape.is_random and b != model.map_frame[0].body]
     placed = [scenario.placements[body.entry].kind.gives_goal for _, body in bodies]
     single = np.array([gives or len(body.goal) <= 1 for gives, (_, body) in zip(placed, bodies, strict=True)], np.bool_)
     return Parts(
@@ -61,7 +62,8 @@ def collect_parts(
         group_behaviors=[] if external else group_behaviors,
         turns=[] if external else take_turns(movers, behaviors, kinematics, in_order=in_order),
         external=external,
-        footprints=group_members([(b, body.shape) for b, body in bodies if body.shape.is_random]),
+        footprints=group_members([(b, bodies[b][1].shape) for b in outlined]),
+        maps=_maps(scenario, model, n_slots),
         placements=placements,
         sensors=scanners,
         movers=everyone if external else movers,
@@ -130,6 +132,16 @@ def _measure(scenario: Scenario, outlines: Sequence[Outline], model: WorldModel,
         if outline.centroid is not None:
             model.centroid[:, b] = outline.centroid
     return everyone[[body.shape.is_random for body in scenario.bodies]]
+
+
+def _maps(scenario: Scenario, model: WorldModel, n_slots: int) -> list[Group]:
+    """Return the group of the occupancy map if each level draws one."""
+    b = int(model.map_frame[0].body)
+    if b < 0 or not scenario.bodies[b].shape.is_random:
+        return []
+    groups = group_members([(b, scenario.bodies[b].shape)])
+    groups[0].kind.prepare(groups[0], model, n_slots)
+    return groups
 
 
 def _sensors(members: Sequence[Member], outlines: Sequence[Outline], model: WorldModel, n_slots: int) -> list[Group]:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
+from irsim_gym.arraytypes import Flags
 from irsim_gym.engine import body_buckets
 from irsim_gym.engine.collect import collect_parts
 from irsim_gym.engine.given import check_agents, check_scenario
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.engine.start_checks import refuse_blocked_starts
-from irsim_gym.geometry.cell_room import find_room
-from irsim_gym.geometry.cells import find_boxes, find_free_squares
+from irsim_gym.geometry.cells import find_boxes
+from irsim_gym.geometry.world_maps import lay_cells, most_boxes
 from irsim_gym.scenario.spec import BodySpec, Scenario
 from irsim_gym.world.model import (
     KEEP_GOAL,
@@ -43,6 +44,7 @@ ARRIVE_MODES = {"position": POSITION, "state": STATE}
 RANDOM_OUTLINE = frozenset(
     {"local_segments", "local_discs", "segment_count", "disc_count", "reach", "radius", "centroid"}
 )
+RANDOM_MAP = frozenset({"map_squares", "map_room", "map_boxes", "map_n_boxes"})
 
 
 def compile(
@@ -74,32 +76,32 @@ def compile(
     if isinstance(n_worlds, bool) or not isinstance(n_worlds, int | np.integer) or n_worlds < 1:
         raise ValueError(f"n_worlds must be a whole number >= 1, got {n_worlds!r}")
     outlines = [body.shape.outline() for body in scenario.bodies]
-    boxes = np.zeros((0, 4), np.int64) if scenario.occupied is None else find_boxes(scenario.occupied)
+    map_shape = (1, 1) if scenario.occupied is None else scenario.occupied.shape
     plans = [_plan_goals(body, scenario, is_agent=b in agents) for b, body in enumerate(scenario.bodies)]
     sizes = {
-        "map_box": len(boxes),
+        "map_box": _count_boxes(scenario),
         "world": n_worlds,
         "body": len(scenario.bodies),
         "segment": sum(len(outline.segments) for outline in outlines),
         "disc": sum(len(outline.discs) for outline in outlines),
         "bucket": body_buckets.n_buckets(len(scenario.bodies)),
-        "map_column": 1 if scenario.occupied is None else scenario.occupied.shape[0],
-        "map_row": 1 if scenario.occupied is None else scenario.occupied.shape[1],
+        "map_column": map_shape[0],
+        "map_row": map_shape[1],
         "waypoint": max((goals.rows for goals in plans), default=1),
     }
-    is_random = any(body.shape.is_random for body in scenario.bodies)
-    model = WorldModel.allocate(sizes, per_world=RANDOM_OUTLINE if is_random else frozenset())
+    is_random = np.array([body.shape.is_random for body in scenario.bodies], np.bool_)
+    model = WorldModel.allocate(sizes, per_world=_rows_by_world(scenario, is_random))
     state = WorldState.allocate(sizes)
-    _write_world(scenario, boxes, model)
+    _write_world(scenario, model)
     _write_outlines(outlines, model)
     for b, body in enumerate(scenario.bodies):
         _write_motion(b, body, model)
         model.driven[b] = body.behavior is not None or body.group_behavior is not None or b in agents
         _write_goals(b, body, plans[b], model)
     _hide_map(model)
-    model.rigid[0] = not is_random
+    model.rigid[0] = not is_random.any()
     model.stands[:] = ~(model.movable & model.driven)
-    body_buckets.lay_out(model, np.array([body.shape.is_random for body in scenario.bodies], np.bool_))
+    body_buckets.lay_out(model, is_random)
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
     if check_starts:
@@ -107,7 +109,24 @@ def compile(
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards, fused)
 
 
-def _write_world(scenario: Scenario, boxes: Ints, model: WorldModel) -> None:
+def _rows_by_world(scenario: Scenario, is_random: Flags) -> frozenset[str]:
+    """Return the fields that need a row for each world, as their levels differ in it."""
+    if scenario.occupied is None:
+        return RANDOM_OUTLINE if is_random.any() else frozenset()
+    outlines = RANDOM_OUTLINE if is_random[:-1].any() else frozenset()
+    return outlines | (RANDOM_MAP if is_random[-1] else frozenset())
+
+
+def _count_boxes(scenario: Scenario) -> int:
+    """Return how many boxes cover the occupied cells of the map, or may cover them in any level."""
+    if scenario.occupied is None:
+        return 0
+    if scenario.bodies[-1].shape.is_random:
+        return most_boxes(*scenario.occupied.shape)
+    return int(find_boxes(scenario.occupied, np.zeros((0, 4), np.int32)))
+
+
+def _write_world(scenario: Scenario, model: WorldModel) -> None:
     world = scenario.world
     x, y = world.offset
     model.bounds[:] = [x, y, x + world.width, y + world.height]
@@ -120,10 +139,10 @@ def _write_world(scenario: Scenario, boxes: Ints, model: WorldModel) -> None:
         columns, rows = scenario.occupied.shape
         size = world.width / columns, world.height / rows
         model.map_frame[0] = x, y, *size, len(scenario.bodies) - 1
-        find_free_squares(scenario.occupied, model.map_squares)
-        model.map_boxes[:] = boxes
-    if (cells := model.cells) is not None:
-        find_room(cells, np.zeros(len(cells.room)))
+        cells: Any = model.cells
+        lay_cells(cells, 0, scenario.occupied, np.zeros(columns))
+        for field in RANDOM_MAP:
+            getattr(model, field)[1:] = getattr(model, field)[0]
 
 
 def _hide_map(model: WorldModel) -> None:

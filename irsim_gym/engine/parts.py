@@ -24,6 +24,7 @@ class Parts:
         turns: Who decides and moves when.
         external: Nothing moves but by the caller's hand (``step_mode: external``).
         footprints: Bodies whose outline is drawn anew for each level, by shape.
+        maps: The body of an occupancy map that is drawn anew for each level, if there is one.
         placements: Entries of the file, in the order in which they are placed.
         sensors: Sensors, by kind and beams.
         movers: Bodies that can move.
@@ -45,6 +46,7 @@ class Parts:
     turns: list[Turn]
     external: bool
     footprints: list[Group]
+    maps: list[Group]
     placements: list[Group]
     sensors: list[Group]
     movers: Ints

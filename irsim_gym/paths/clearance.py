@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from irsim_gym.arraytypes import CellMap, Flags
-from irsim_gym.geometry.cells import capsule_meets_cells
+from irsim_gym.arraytypes import CellMaps, Flags
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2
+from irsim_gym.geometry.world_maps import capsule_meets_map
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import outline_of
@@ -24,14 +24,14 @@ class Obstacles(NamedTuple):
         state: The moment.
         w: Which world.
         blocks: Bodies that are in the way, shape ``(n_bodies,)``.
-        cells: The occupancy map, whose occupied cells are always in the way, or None.
+        cells: The occupancy maps, whose occupied cells are always in the way, or None.
     """
 
     model: WorldModel
     state: WorldState
     w: int
     blocks: Flags
-    cells: CellMap | None
+    cells: CellMaps | None
 
 
 @kernel
@@ -65,4 +65,4 @@ def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -
                 return False
         if outline.solid and holds_point(outline, ax, ay):
             return False
-    return not capsule_meets_cells(obstacles.cells, ax, ay, bx, by, radius)
+    return not capsule_meets_map(obstacles.cells, obstacles.w, ax, ay, bx, by, radius)

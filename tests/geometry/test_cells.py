@@ -10,6 +10,7 @@ from irsim_gym.geometry.cells import (
     outline_near_cells,
     segment_cells_distance,
 )
+from irsim_gym.geometry.world_maps import most_boxes
 from tests.geometry.cell_maps import cell_map, random_map
 from tests.geometry.shapes import disc, linestring, polygon, random_shape
 
@@ -36,12 +37,19 @@ def test_free_squares_are_the_largest() -> None:
 
 def test_boxes_are_the_occupied_cells() -> None:
     occupied = np.random.default_rng(4).random((13, 8)) < 0.5
-    count = np.zeros(occupied.shape, np.int64)
-    for first_i, end_i, first_j, end_j in find_boxes(occupied):
-        count[first_i:end_i, first_j:end_j] += 1
-    assert np.array_equal(count, occupied)
-    assert find_boxes(np.ones((3, 4), np.bool_)).tolist() == [[0, 3, 0, 4]]
-    assert find_boxes(np.zeros((3, 4), np.bool_)).shape == (0, 4)
+    boxes = np.zeros((most_boxes(13, 8), 4), np.int32)
+    count = find_boxes(occupied, boxes)
+    covered = np.zeros(occupied.shape, np.int64)
+    for first_i, end_i, first_j, end_j in boxes[:count]:
+        covered[first_i:end_i, first_j:end_j] += 1
+    assert np.array_equal(covered, occupied)
+    assert boxes[:count].tolist() == sorted(boxes[:count].tolist())
+    assert find_boxes(occupied, boxes[:0]) == count  # without room it counts
+    assert find_boxes(np.ones((3, 4), np.bool_), boxes) == 1
+    assert boxes[0].tolist() == [0, 3, 0, 4]
+    assert find_boxes(np.zeros((3, 4), np.bool_), boxes) == 0
+    checkered = np.indices((5, 7)).sum(axis=0) % 2 == 0
+    assert find_boxes(checkered, boxes) == 18 <= most_boxes(5, 7)  # one for each occupied cell
 
 
 def test_capsules_against_shapely() -> None:
