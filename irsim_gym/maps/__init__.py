@@ -2,11 +2,11 @@
 
 from irsim_gym.families import MAPS
 from irsim_gym.maps.array import ArrayMap
-from irsim_gym.maps.cells import CellsMap
+from irsim_gym.maps.cells import RandomCells
 from irsim_gym.maps.image import ImageMap
 from irsim_gym.maps.perlin import PerlinMap
 
 MAPS.register("image", ImageMap)
 MAPS.register("perlin", PerlinMap)
 MAPS.register("array", ArrayMap)
-MAPS.register("cells", CellsMap)
+MAPS.register("cells", RandomCells)

@@ -22,7 +22,7 @@ from irsim_gym.world.state import WorldState
 
 
 @kind
-class CellsMap:
+class RandomCells:
     """Occupied cells at random in each level: their number is drawn first, evenly, then which they are."""
 
     is_random: ClassVar[bool] = True

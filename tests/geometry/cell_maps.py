@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import CellMap, CellMaps
-from irsim_gym.geometry.world_maps import lay_cells, map_of, most_boxes
+from irsim_gym.geometry.world_maps import lay_cells, most_boxes
 
 
 def cell_maps(occupied: Any, x: float = 0.0, y: float = 0.0, width: float = 1.0, height: float = 1.0) -> CellMaps:
@@ -25,7 +25,8 @@ def cell_maps(occupied: Any, x: float = 0.0, y: float = 0.0, width: float = 1.0,
 
 
 def cell_map(occupied: Any, x: float = 0.0, y: float = 0.0, width: float = 1.0, height: float = 1.0) -> CellMap:
-    return map_of(cell_maps([occupied], x, y, width, height), 0)
+    maps = cell_maps([occupied], x, y, width, height)
+    return CellMap(x, y, width, height, 0, maps.squares[0], maps.boxes[0], int(maps.n_boxes[0]), maps.room[0])
 
 
 def random_map(seed: int, share: float = 0.2, columns: int = 17, rows: int = 12) -> tuple[Any, Any]:
