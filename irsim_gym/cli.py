@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from irsim_gym.cli_levels import levels
 from irsim_gym.cli_options import (
     LAST_LEVEL,
     Algorithm,
@@ -32,6 +33,7 @@ from irsim_gym.cli_options import (
     Team,
     TeamMode,
 )
+from irsim_gym.cli_suite import suite
 from irsim_gym.cli_tools import print_options, print_shipped, progress, read_parameters
 from irsim_gym.errors import IrsimGymError
 
@@ -43,9 +45,13 @@ app = typer.Typer(
 )
 
 
+app.add_typer(suite, name="suite")
+app.add_typer(levels, name="levels")
+
+
 @app.command("list")
 def list_shipped() -> None:
-    """List the shipped scenarios and tasks."""
+    """List the shipped scenarios, benchmarks and tasks."""
     print_shipped()
 
 
@@ -168,7 +174,9 @@ def evaluate(
     scenario: Scenario,
     policies: Annotated[
         list[str] | None,
-        typer.Argument(help="Folders of runs or policy.zip files, from people whom you trust (SECURITY.md)."),
+        typer.Argument(
+            help="Folders of runs or policy.zip files, from people whom you trust (SECURITY.md), or names of behaviors."
+        ),
     ] = None,
     levels: Levels = 1000,
     split: Split = "test",
@@ -197,7 +205,9 @@ def evaluate(
 @app.command()
 def record(
     scenario: Scenario,
-    policies: Annotated[list[str], typer.Argument(help="Folders of runs, policy.zip files, random, dash, rvo, orca.")],
+    policies: Annotated[
+        list[str], typer.Argument(help="Folders of runs, policy.zip files, random, behaviors such as dash, sfm, orca.")
+    ],
     level: Annotated[
         list[int] | None, typer.Option(min=0, max=LAST_LEVEL, help="Number of a level; may be repeated (default: 0).")
     ] = None,
@@ -349,7 +359,9 @@ def draw(
 
 @app.command()
 def warmup(
-    scenarios: Annotated[list[str] | None, typer.Argument(help="Scenarios (default: all shipped ones).")] = None,
+    scenarios: Annotated[
+        list[str] | None, typer.Argument(help="Scenarios (default: all in configs/scenarios).")
+    ] = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:

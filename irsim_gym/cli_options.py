@@ -22,7 +22,9 @@ Steps = Annotated[
     typer.Option(min=1, help="Training steps over all worlds, instead of the file's; rounded up to whole rollouts."),
 ]
 Seed = Annotated[int, typer.Option(min=0, max=LAST_SEED, help="Seed of networks, exploration and training levels.")]
-Reference = Annotated[str, typer.Option(help="random, dash, rvo, orca, a run's folder or a policy.zip.")]
+Reference = Annotated[
+    str, typer.Option(help="random, a behavior such as dash, rvo, sfm or orca, a run's folder or a policy.zip.")
+]
 Given = Annotated[
     list[str] | None,
     typer.Option(

@@ -73,21 +73,25 @@ def _search(folder: Path) -> None:
 
 
 def print_shipped() -> None:
-    """Print the shipped scenarios and tasks: summary, number of robots, and parameters."""
+    """Print the shipped scenarios, benchmarks and tasks: summary, number of robots, and parameters."""
     from irsim_gym.envs.registration import env_id
     from irsim_gym.scenario.library import configs_folder, names
     from irsim_gym.scenario.summary import first_sentence, summarize_file
 
-    width = max(len(name) for section in ("scenarios", "tasks") for name in names(section))
-    print(f"scenarios in {configs_folder() / 'scenarios'}")
-    print(f"(in gymnasium.make: {env_id('NAME')}; with several robots, all may learn as a team)")
-    for name, file in names("scenarios").items():
-        found = summarize_file(file)
-        robots = f"{found.robots} robots" if found.robots > 1 else ""
-        print(_row(f"  {name:<{width}}  {robots:<9}  ", found.about))
-        if found.parameters:
-            values = " ".join(f"--set {key}={value}" for key, value in found.parameters.items())
-            print(f"  {'':<{width}}  {'':<9}  {values}")
+    width = max(len(name) for section in ("scenarios", "benchmarks", "tasks") for name in names(section))
+    for section, note in (
+        ("scenarios", f"in gymnasium.make: {env_id('NAME')}; with several robots, all may learn as a team"),
+        ("benchmarks", "scenarios too, evaluated by `irsim-gym suite`"),
+    ):
+        print(f"{section} in {configs_folder() / section}")
+        print(f"({note})")
+        for name, file in names(section).items():
+            found = summarize_file(file)
+            robots = f"{found.robots} robots" if found.robots > 1 else ""
+            print(_row(f"  {name:<{width}}  {robots:<9}  ", found.about))
+            if found.parameters:
+                values = " ".join(f"--set {key}={value}" for key, value in found.parameters.items())
+                print(f"  {'':<{width}}  {'':<9}  {values}")
     print(f"tasks in {configs_folder() / 'tasks'}")
     for name, file in names("tasks").items():
         print(_row(f"  {name:<{width}}  ", first_sentence(file)))

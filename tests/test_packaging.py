@@ -85,7 +85,8 @@ def test_the_sdist_holds_what_builds_and_tests(built: Path) -> None:
         "SECURITY.md",
     } <= names
     assert {"Makefile", "constraints.txt", "tests/test_packaging.py", "irsim_gym/py.typed"} <= names
-    assert {f"configs/scenarios/{file.name}" for file in (ROOT / "configs/scenarios").glob("*.yaml")} <= names
+    for folder in ("configs/scenarios", "configs/benchmarks"):
+        assert {f"{folder}/{file.name}" for file in (ROOT / folder).glob("*.yaml")} <= names
     assert not [name for name in names if name.startswith(("runs/", ".venv"))]
 
 
@@ -143,8 +144,9 @@ def test_every_dependency_has_a_lowest_version() -> None:
 def test_the_installed_command_lists_scenarios(environment: Path, tmp_path: Path) -> None:
     command = _python(environment).parent / "irsim-gym"
     listed = _run(str(command), "list", cwd=tmp_path)
-    for file in (ROOT / "configs/scenarios").glob("*.yaml"):
-        assert file.stem in listed
+    for folder in ("configs/scenarios", "configs/benchmarks"):
+        for file in (ROOT / folder).glob("*.yaml"):
+            assert file.stem in listed
 
 
 def test_the_installed_package_makes_an_env(environment: Path, tmp_path: Path) -> None:

@@ -12,6 +12,8 @@ from irsim_gym.engine import field_of_view
 from irsim_gym.engine.body_measures import measure
 from irsim_gym.engine.fog import lay_fog
 from irsim_gym.engine.guide import guide
+from irsim_gym.engine.level_table import given_bodies, lay_levels, varied_outlines
+from irsim_gym.engine.own_scans import with_scans
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.path_checks import reachability_check
 from irsim_gym.engine.turns import take_turns
@@ -23,6 +25,8 @@ from irsim_gym.world.outline import Outline
 
 Member = tuple[int, Any]
 
+_OTHER_BEAMS = "its group reads scans, so the first range sensor of each member must be of one kind with the same beams"
+
 
 def collect_parts(
     scenario: Scenario,
@@ -33,13 +37,17 @@ def collect_parts(
 ) -> Parts:
     """Return the groups and lists of a scenario whose constants are written already."""
     bodies = list(enumerate(scenario.bodies))
-    group_behaviors = _group_behaviors(scenario, model, agents, n_slots)
-    led = {*agents, *(int(b) for group in group_behaviors for b in group.members)}
-    deciding = [(b, body.behavior) for b, body in bodies if body.behavior is not None and b not in led]
-    behaviors = _behaviors([member for member in deciding if model.movable[member[0]]], model)
-    names = tuple(body.name for _, body in bodies)
     sensors = [(b, sensor) for b, body in bodies for sensor in body.sensors]
     scanners = _sensors(sensors, outlines, model, n_slots)
+    group_behaviors = _group_behaviors(scenario, scanners, model, agents, n_slots)
+    led = {*agents, *(int(b) for group in group_behaviors for b in group.members)}
+    deciding = [(b, body.behavior) for b, body in bodies if body.behavior is not None and b not in led]
+    behaviors = [
+        part
+        for group in _behaviors([member for member in deciding if model.movable[member[0]]], model)
+        for part in with_scans(group, scenario.bodies, scanners)
+    ]
+    names = tuple(body.name for _, body in bodies)
     context = WorldContext(scenario.bodies, scanners, field_of_view.detect)
     kinematics = group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]])
     placements = _placements(scenario, model, n_slots)
@@ -65,6 +73,8 @@ def collect_parts(
         footprints=group_members([(b, bodies[b][1].shape) for b in outlined]),
         maps=_maps(scenario, model, n_slots),
         placements=placements,
+        levels=lay_levels(scenario),
+        free=[group for group in placements if not given_bodies(scenario)[group.members].all()],
         sensors=scanners,
         movers=everyone if external else movers,
         fixed=everyone[:0] if external else np.flatnonzero(~model.movable),
@@ -102,10 +112,15 @@ def _behaviors(members: Sequence[Member], model: WorldModel) -> list[Group]:
     return [group for same in by_drive for group in group_members(same)]
 
 
-def _group_behaviors(scenario: Scenario, model: WorldModel, agents: tuple[int, ...], n_slots: int) -> list[Group]:
+def _group_behaviors(
+    scenario: Scenario, sensors: Sequence[Group], model: WorldModel, agents: tuple[int, ...], n_slots: int
+) -> list[Group]:
     """Return the groups that decide together, by group number; the first member says how.
 
     ``arrays["decides"]`` marks the members whose commands they write; the others are only seen by them.
+
+    Raises:
+        ScenarioError: A group reads scans, and its members' differ in their beams.
     """
     groups = []
     by_number: dict[int, list[int]] = {}
@@ -115,8 +130,15 @@ def _group_behaviors(scenario: Scenario, model: WorldModel, agents: tuple[int, .
         options = scenario.bodies[members[0]].group_behavior
         if options is None or not getattr(options, "is_known", True):
             continue
+        decides = model.movable[members] & ~np.isin(members, agents)
+        if getattr(options, "reads_scan", False) and not decides.any():
+            continue
         group = Group(type(options), [options] * len(members), np.array(members, np.int64))
-        group.arrays["decides"] = model.movable[members] & ~np.isin(members, agents)
+        group, *others = with_scans(group, scenario.bodies, sensors)
+        if others:
+            body = scenario.bodies[int(others[0].members[0])]
+            raise ScenarioError(scenario.file or scenario.name, [Problem(body.line, body.name, _OTHER_BEAMS)])
+        group.arrays["decides"] = decides
         group.kind.prepare(group, model, n_slots)
         groups.append(group)
     return groups
@@ -131,7 +153,7 @@ def _measure(scenario: Scenario, outlines: Sequence[Outline], model: WorldModel,
     for b, outline in enumerate(outlines):
         if outline.centroid is not None:
             model.centroid[:, b] = outline.centroid
-    return everyone[[body.shape.is_random for body in scenario.bodies]]
+    return everyone[varied_outlines(scenario)]
 
 
 def _maps(scenario: Scenario, model: WorldModel, n_slots: int) -> list[Group]:

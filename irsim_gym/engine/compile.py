@@ -12,6 +12,7 @@ from irsim_gym.arraytypes import Flags
 from irsim_gym.engine import body_buckets
 from irsim_gym.engine.collect import collect_parts
 from irsim_gym.engine.given import check_agents, check_scenario
+from irsim_gym.engine.level_table import roomy_outlines, varied_outlines
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.engine.start_checks import refuse_blocked_starts
@@ -75,7 +76,7 @@ def compile(
     agents = check_agents(agents, scenario)
     if isinstance(n_worlds, bool) or not isinstance(n_worlds, int | np.integer) or n_worlds < 1:
         raise ValueError(f"n_worlds must be a whole number >= 1, got {n_worlds!r}")
-    outlines = [body.shape.outline() for body in scenario.bodies]
+    outlines, varied = roomy_outlines(scenario), varied_outlines(scenario)
     map_shape = (1, 1) if scenario.occupied is None else scenario.occupied.shape
     plans = [_plan_goals(body, scenario, is_agent=b in agents) for b, body in enumerate(scenario.bodies)]
     sizes = {
@@ -89,8 +90,7 @@ def compile(
         "map_row": map_shape[1],
         "waypoint": max((goals.rows for goals in plans), default=1),
     }
-    is_random = np.array([body.shape.is_random for body in scenario.bodies], np.bool_)
-    model = WorldModel.allocate(sizes, per_world=_rows_by_world(scenario, is_random))
+    model = WorldModel.allocate(sizes, per_world=_rows_by_world(scenario, varied))
     state = WorldState.allocate(sizes)
     _write_world(scenario, model)
     _write_outlines(outlines, model)
@@ -99,9 +99,9 @@ def compile(
         model.driven[b] = body.behavior is not None or body.group_behavior is not None or b in agents
         _write_goals(b, body, plans[b], model)
     _hide_map(model)
-    model.rigid[0] = not is_random.any()
+    model.rigid[0] = not varied.any()
     model.stands[:] = ~(model.movable & model.driven)
-    body_buckets.lay_out(model, is_random)
+    body_buckets.lay_out(model, varied)
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
     if check_starts:
@@ -109,12 +109,12 @@ def compile(
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards, fused)
 
 
-def _rows_by_world(scenario: Scenario, is_random: Flags) -> frozenset[str]:
+def _rows_by_world(scenario: Scenario, varied: Flags) -> frozenset[str]:
     """Return the fields that need a row for each world, as their levels differ in it."""
     if scenario.occupied is None:
-        return RANDOM_OUTLINE if is_random.any() else frozenset()
-    outlines = RANDOM_OUTLINE if is_random[:-1].any() else frozenset()
-    return outlines | (RANDOM_MAP if is_random[-1] else frozenset())
+        return RANDOM_OUTLINE if varied.any() else frozenset()
+    outlines = RANDOM_OUTLINE if varied[:-1].any() else frozenset()
+    return outlines | (RANDOM_MAP if varied[-1] else frozenset())
 
 
 def _count_boxes(scenario: Scenario) -> int:

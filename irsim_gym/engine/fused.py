@@ -94,6 +94,9 @@ class Fused:
         Raises:
             NotRecordableError: Another function that calls this one is being recorded, but this one cannot be.
         """
+        if self._promise is not None and self._promise.is_checking:
+            self.function(shard)
+            return
         program = self._program(shard.slot)
         if program is not None:
             # Other programs hold this address, too; ``forget`` has to be called for all of them.

@@ -8,6 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine.fog import FogMap
+from irsim_gym.engine.level_table import LevelTable
 from irsim_gym.engine.path_checks import ReachabilityCheck
 from irsim_gym.engine.turns import Turn
 from irsim_gym.world.group import Group
@@ -26,6 +27,8 @@ class Parts:
         footprints: Bodies whose outline is drawn anew for each level, by shape.
         maps: The body of an occupancy map that is drawn anew for each level, if there is one.
         placements: Entries of the file, in the order in which they are placed.
+        levels: Levels that a file gives; None where they are drawn.
+        free: Entries with bodies that no file of levels places.
         sensors: Sensors, by kind and beams.
         movers: Bodies that can move.
         fixed: Bodies that cannot.
@@ -48,6 +51,8 @@ class Parts:
     footprints: list[Group]
     maps: list[Group]
     placements: list[Group]
+    levels: LevelTable | None
+    free: list[Group]
     sensors: list[Group]
     movers: Ints
     fixed: Ints

@@ -33,11 +33,13 @@ class Promise:
     Attributes:
         kinds: Kinds from outside that promise; those of the package are believed.
         is_broken: It was found that one of them does more than to call kernels.
+        is_checking: Arrays are read-only at the moment, so nothing may be packed for later.
     """
 
     def __init__(self, forget: Callable[[], None]) -> None:
         self.kinds: list[type[Any]] = []
         self.is_broken = False
+        self.is_checking = False
         self._forget = forget
 
     def among(self, kinds: Sequence[type[Any]]) -> Promise | None:
@@ -50,11 +52,14 @@ class Promise:
         """Run what records a function while no array of its owner, at any depth, can be written."""
         if self.is_broken:
             return
+        self.is_checking = True
         try:
             with _read_only(list(_arrays(owner))):
                 run()
         except Exception as error:  # whatever NumPy says
             self.break_off(f"{_place(error)}: {error}")
+        finally:
+            self.is_checking = False
 
     def break_off(self, why: str) -> None:
         """Note, and warn once, that the promise is broken."""

@@ -16,7 +16,7 @@ from irsim_gym.envs.by_hand import Environment
 from irsim_gym.envs.limits import ScenarioSpec, batch_spec, scenario_spec
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.scenario.ids import ANY, IDS, NAMESPACE
-from irsim_gym.scenario.library import SUFFIXES, scenario_names
+from irsim_gym.scenario.library import SUFFIXES, every_scenario
 
 if TYPE_CHECKING:
     from irsim_gym.envs.worlds import ScenarioSource, TaskSource
@@ -46,7 +46,7 @@ def register() -> None:
     """
     IDS.look_in(gymnasium.registry)
     _register(ANY, {})
-    for name in scenario_names():
+    for name in every_scenario():
         _register(env_id(name), {"scenario": name})
 
 
@@ -219,7 +219,7 @@ def spec_of(scenario: Any, kwargs: dict[str, Any]) -> ScenarioSpec:
 def _resolve(scenario: ScenarioSource, kwargs: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     """Return the id to make and its arguments."""
     one = IDS.find(scenario)
-    if one is None and isinstance(scenario, str) and scenario in scenario_names():
+    if one is None and isinstance(scenario, str) and scenario in every_scenario():
         one = env_id(scenario)
     if one is not None and one in gymnasium.registry:
         return one, kwargs

@@ -26,10 +26,12 @@ from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine import Shard
 from irsim_gym.engine.body_measures import measure
 from irsim_gym.engine.guide import decide, guide
+from irsim_gym.engine.own_scans import with_scans
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.drive_actions import decided_commands, to_actions
 from irsim_gym.evaluation.policy import without_lone_axis
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS, KINEMATICS
+from irsim_gym.scenario.body_checks import SCANNER, has_range_sensor
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import DIFFERENTIAL, NO_DRIVE
@@ -72,6 +74,9 @@ class BehaviorPolicy:
             if not families.commands(self.kind, drive) and not families.steers(self.kind, drive):
                 name = KINEMATICS.name_of(drive)
                 raise UnfitBehaviorError(f"'{self.name}' cannot drive kinematics '{name}' of '{spec.name}'")
+            if getattr(self.kind, "reads_scan", False) and not has_range_sensor(spec.sensors):
+                place = episodes.simulation.parts.places[body]
+                raise UnfitBehaviorError(f"'{self.name}' reads a scan, but {place} has no range sensor; {SCANNER}")
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
         """Look at the drives, and at the sizes of the bodies.
@@ -88,6 +93,10 @@ class BehaviorPolicy:
                 self.kind.prepare(group, simulation.model, simulation.shards.n_slots)
                 guide(group, simulation.scenario.bodies, simulation.parts.kinematics, simulation.model)
             self._episodes = episodes
+        if hasattr(self.kind, "begin"):
+            shard = Shard(np.ascontiguousarray(worlds))
+            for group in self._groups:
+                self.kind.begin(group, shard)
         if self.kind.reads_neighbors:
             measure(worlds, simulation.parts.everyone, simulation.model)
 
@@ -112,7 +121,8 @@ def _groups_by_drive(name: str, kind: object, episodes: Episodes) -> list[Group]
     for drive in np.unique(drives):
         members = simulation.agents[drives == drive]
         options = [_options(episodes, body, "behavior", name, kind) for body in members.tolist()]
-        groups.append(Group(kind, options, members, names=simulation.parts.names))
+        group = Group(kind, options, members, names=simulation.parts.names)
+        groups += with_scans(group, simulation.scenario.bodies, simulation.sensors)
     return groups
 
 
@@ -122,6 +132,10 @@ def _one_group(name: str, kind: object, episodes: Episodes) -> list[Group]:
     options = _options(episodes, int(simulation.agents[0]), "group_behavior", name, kind)
     members = np.flatnonzero(simulation.model.movable)
     group = Group(kind, [options] * len(members), members, names=simulation.parts.names)
+    group, *others = with_scans(group, simulation.scenario.bodies, simulation.sensors)
+    if others:
+        place = simulation.parts.places[int(others[0].members[0])]
+        raise UnfitBehaviorError(f"'{name}' reads scans with the same beams, but {place} has another range sensor")
     group.arrays["decides"] = np.isin(members, simulation.agents)
     return [group]
 

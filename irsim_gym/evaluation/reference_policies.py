@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from irsim_gym import families
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.errors import UnknownNameError, suggestion
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
 from irsim_gym.evaluation.policy import without_lone_axis
+from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 from irsim_gym.tasks import Episodes
 
 DRAWS = 64
@@ -57,12 +59,22 @@ class RandomPolicy:
         return rows
 
 
+def policy_kinds() -> tuple[str, ...]:
+    """Return the names of policies that need no file: ``random``, and every registered behaviour and group behaviour.
+
+    Those of plugins are among them once their modules are imported.
+    """
+    families.load()
+    return tuple(dict.fromkeys((*REFERENCES, *BEHAVIORS.names(), *GROUP_BEHAVIORS.names())))
+
+
 def reference_policy(name: str) -> RandomPolicy | BehaviorPolicy:
-    """Make a reference policy.
+    """Make the policy that acts at random, or one that drives as a behaviour or group behaviour does.
 
     Raises:
         UnknownNameError: There is none of that name.
     """
-    if name not in REFERENCES:
-        raise UnknownNameError(f"no reference policy named '{name}'{suggestion(name, REFERENCES)}")
+    known = policy_kinds()
+    if name not in known:
+        raise UnknownNameError(f"no reference policy named '{name}'{suggestion(name, known)}")
     return RandomPolicy() if name == "random" else BehaviorPolicy(name)

@@ -24,6 +24,7 @@ from irsim_gym.geometry.cells import (
     find_boxes,
     find_free_squares,
     outline_near_cells,
+    segment_cells_distance,
 )
 from irsim_gym.jit import kernel
 
@@ -69,6 +70,14 @@ def capsule_meets_map(
     if cells is None:
         return False
     return bool(capsule_meets_cells(map_of(cells, w), ax, ay, bx, by, radius))
+
+
+@kernel
+def map_distance(cells: CellMaps | None, w: int, x: float, y: float, limit: float) -> float:
+    """Return the distance [m] of a point from the occupied cells of world w, ``limit`` if it is not smaller."""
+    if cells is None:
+        return limit
+    return float(segment_cells_distance(map_of(cells, w), x, y, x, y, limit))
 
 
 @kernel

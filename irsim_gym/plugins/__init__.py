@@ -50,21 +50,23 @@ from irsim_gym.world.kinds import (
     FootprintKind,
     MapKind,
     PlacementKind,
+    ReadsScan,
     Reports,
     SensorKind,
     Steers,
 )
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import Outline
+from irsim_gym.world.own_scan import OwnScan, find_hits
 from irsim_gym.world.state import WorldState
 
 __all__ = [
     "ACTIONS", "BEHAVIORS", "ENDINGS", "FOOTPRINTS", "GROUP_BEHAVIORS", "KINEMATICS", "MAPS", "OBSERVATIONS",
     "PLACEMENTS", "REWARDS", "SENSORS", "ActionKind", "AgentView", "Begins", "BehaviorKind", "BodyView", "Columns",
-    "Draws", "DriveKind", "EgoView", "EndingKind", "EpisodeState", "FootprintKind", "Group", "HasArrays", "HasBounds",
-    "HasUnused", "HitKind", "IsImage", "MapKind", "MindsClearance", "ObservationKind", "Outcome", "Outline",
-    "PlacementKind", "Remembers", "Reports", "RewardKind", "SensorKind", "Shard", "Steers", "TellsActions",
-    "TellsColumns", "TellsWhen", "Term", "WorldModel", "WorldState", "action", "behavior", "drive", "ending",
-    "group_behavior", "integer", "kernel", "kind", "normal", "observation", "option", "placement", "reward", "sensor",
-    "uniform",
+    "Draws", "DriveKind", "EgoView", "EndingKind", "EpisodeState", "FootprintKind", "Group", "HasArrays",
+    "HasBounds", "HasUnused", "HitKind", "IsImage", "MapKind", "MindsClearance", "ObservationKind", "Outcome",
+    "Outline", "OwnScan", "PlacementKind", "ReadsScan", "Remembers", "Reports", "RewardKind", "SensorKind", "Shard",
+    "Steers", "TellsActions", "TellsColumns", "TellsWhen", "Term", "WorldModel", "WorldState", "action", "behavior",
+    "drive", "ending", "find_hits", "group_behavior", "integer", "kernel", "kind", "normal", "observation",
+    "option", "placement", "reward", "sensor", "uniform",
 ]  # fmt: skip

@@ -16,6 +16,9 @@ FULL_TURN = 2.0 * math.pi
 TURN_TOLERANCE = 0.01
 """How far [rad] a width may be from a full turn: [-3.14, 3.14] is one, and begins at its lower end."""
 
+SCANNER = "add sensors: [{name: lidar2d}] to it"
+"""What to do where a scan is missing."""
+
 CURE = "add kinematics or remove the {key}"
 
 Values = Mapping[str, Any]
@@ -31,6 +34,7 @@ def check_body(values: Values, places: Places, report: Report) -> bool:
     """Make each check whose values could be read; return whether all could, and none found anything."""
     needs = {
         check_drive: ("kinematics", "behavior", "group_behavior", "static"),
+        check_scan: ("kinematics", "behavior", "group_behavior", "static", "sensors"),
         check_dimensions: ("kinematics", "state_dim", "vel_dim", "vel_min", "vel_max", "acce", "velocity"),
         check_limits: ("kinematics", "vel_min", "vel_max"),
         check_angle_range: ("angle_range",),
@@ -62,6 +66,23 @@ def check_drive(values: Values, places: Places, report: Report) -> bool:
             report.add(places[key], f"'{behavior_name}' cannot drive kinematics '{name}'; it drives {drives}")
             good = False
     return good
+
+
+def check_scan(values: Values, places: Places, report: Report) -> bool:
+    """Tell a behaviour that reads its body's scan where the body has no range sensor."""
+    if values["static"] or values["kinematics"] is None or has_range_sensor(values["sensors"] or ()):
+        return True
+    families: tuple[tuple[str, Registry], ...] = (("behavior", BEHAVIORS), ("group_behavior", GROUP_BEHAVIORS))
+    blind = [(key, registry) for key, registry in families if getattr(values[key], "reads_scan", False)]
+    for key, registry in blind:
+        name = registry.name_of(type(values[key]))
+        report.add(places[key], f"'{name}' reads the body's own scan, but the body has no range sensor; {SCANNER}")
+    return not blind
+
+
+def has_range_sensor(sensors: Sequence[Any]) -> bool:
+    """Return whether some sensors have one among them that behaviours can read: it tells the angles of its ranges."""
+    return any(getattr(sensor, "reading", "") == "ranges" and hasattr(sensor, "angles") for sensor in sensors)
 
 
 def check_dimensions(values: Values, places: Places, report: Report) -> bool:

@@ -21,7 +21,11 @@ def configs_folder() -> Path:
 
 
 def names(section: str = "scenarios") -> dict[str, Path]:
-    """Return the shipped configs of a section (``scenarios`` or ``tasks``), in alphabetical order. No file is read."""
+    """Return the shipped configs of a section, in alphabetical order. No file is read.
+
+    Args:
+        section: ``scenarios`` (examples), ``benchmarks`` (scenarios of the suite) or ``tasks``.
+    """
     folder = configs_folder() / section
     files = sorted(folder.iterdir()) if folder.is_dir() else []
     return {file.stem: file for file in files if file.suffix in SUFFIXES}
@@ -40,8 +44,23 @@ def images() -> Mapping[str, Path]:
 
 
 def scenario_names() -> tuple[str, ...]:
-    """Return the names of the shipped scenarios."""
+    """Return the names of the shipped scenarios, without those of the benchmarks."""
     return tuple(names("scenarios"))
+
+
+def benchmark_names() -> tuple[str, ...]:
+    """Return the names of the shipped scenarios in ``configs/benchmarks``."""
+    return tuple(names("benchmarks"))
+
+
+def suite_file() -> Path:
+    """Return the file that lists the benchmarks of the suite."""
+    return configs_folder() / "suite.yaml"
+
+
+def every_scenario() -> dict[str, Path]:
+    """Return all shipped scenarios, those of the benchmarks behind the others."""
+    return {**names("scenarios"), **names("benchmarks")}
 
 
 def find(name: str | Path, section: str = "scenarios") -> Path:
@@ -55,7 +74,7 @@ def find(name: str | Path, section: str = "scenarios") -> Path:
     path = Path(name)
     if isinstance(name, Path) or path.suffix in SUFFIXES or len(path.parts) != 1:
         return path
-    shipped = names(section)
+    shipped = every_scenario() if section == "scenarios" else names(section)
     if str(name) in shipped:
         return shipped[str(name)]
     if path.is_file() or path.is_dir():

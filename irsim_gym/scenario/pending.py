@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NoReturn
 from irsim_gym.errors import BehaviorError, ScenarioError, UnknownNameError
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 from irsim_gym.registry import Registry
-from irsim_gym.scenario.body_checks import check_drive
+from irsim_gym.scenario.body_checks import check_drive, check_scan
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import BodySpec, Scenario
@@ -123,6 +123,8 @@ def _resolved(body: BodySpec, made: dict[int, Any], report: Report) -> BodySpec:
     if not new or any(value is BAD for value in new.values()):
         return body
     resolved = replace(body, **new)
-    values = {key: getattr(resolved, key) for key in ("kinematics", "static", *FAMILIES)}
-    check_drive(values, {key: getattr(getattr(body, key), "place", ()) for key in FAMILIES}, report)
+    values = {key: getattr(resolved, key) for key in ("kinematics", "static", "sensors", *FAMILIES)}
+    places = {key: getattr(getattr(body, key), "place", ()) for key in FAMILIES}
+    for check in (check_drive, check_scan):
+        check(values, places, report)
     return resolved

@@ -31,11 +31,11 @@ def evaluate(
 ) -> Evaluation | TeamEvaluation:
     """Let policies drive the same levels, each once, and return rates, times and path lengths; print it to read them.
 
-    A policy is a function, a model of Stable-Baselines3, a ``policy.zip``, the folder of a run, a name such as
-    ``"dash"``, or an ``irsim_gym.evaluation.policy.Policy``, if it has a memory. A function gets what the environment
-    observes, stacked for n robots (float32 ``(n, n_features)``, or a dict of such arrays), and returns the actions of
-    ``env.step``, ``(n, action_dim)`` or ``(n,)``. A ``ChangedScenarioWarning`` tells of a scenario that
-    has changed since a run was trained in it.
+    A policy is a function, a model of Stable-Baselines3, a ``policy.zip``, the folder of a run, ``"random"``, the name
+    of a behaviour such as ``"dash"``, or an ``irsim_gym.evaluation.policy.Policy``, if it has a memory. A function gets
+    what the environment observes, stacked for n robots (float32 ``(n, n_features)``, or a dict of such arrays), and
+    returns the actions of ``env.step``, ``(n, action_dim)`` or ``(n,)``. A ``ChangedScenarioWarning`` tells of a
+    scenario that has changed since a run was trained in it.
 
     Args:
         scenario: Shipped name, id, path of a YAML file, plain data or a loaded scenario.

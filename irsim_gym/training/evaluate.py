@@ -20,7 +20,7 @@ from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN
 from irsim_gym.evaluation.tables import percent, summary_table, table_text, write_episodes, write_json, write_text
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.episode_setup import conditions, make_episodes
-from irsim_gym.training.policies import Source, load_policy, policy_names
+from irsim_gym.training.policies import Source, load_policies, load_policy, policy_names
 from irsim_gym.training.run import machine
 from irsim_gym.training.trajectory_figures import Atlas
 
@@ -116,7 +116,7 @@ def named_policies(
 ) -> dict[str, Policy]:
     """Load policies and, behind them, those reference policies that are not among them."""
     labels = policy_names(sources) if names is None else names
-    chosen = {label: load_policy(source) for label, source in zip(labels, sources, strict=True)}
+    chosen = dict(zip(labels, load_policies(sources), strict=True))
     return {**chosen, **{name: load_policy(name) for name in references if name not in chosen}}
 
 

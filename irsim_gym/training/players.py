@@ -14,7 +14,7 @@ from irsim_gym.envs.replays import agent_values
 from irsim_gym.evaluation.policy import Policy, by_agent
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.training.episode_setup import make_episodes
-from irsim_gym.training.policies import load_policy, policy_names
+from irsim_gym.training.policies import load_policies, policy_names
 
 if TYPE_CHECKING:
     from irsim_gym.render import Renderer
@@ -111,7 +111,7 @@ def players(
     """
     from irsim_gym.render import Renderer
 
-    loaded = [load_policy(source) for source in sources]
+    loaded = load_policies(sources)
     made: dict[str, Any] = {"task": task, "parameters": parameters, "team": team, "strict": strict}
     episodes = make_episodes(scenario, n_worlds=len(loaded), **made)
     simulation = episodes.simulation

@@ -22,7 +22,7 @@ from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
 from irsim_gym.errors import IrsimGymError, suggestion
 from irsim_gym.evaluation.policy import ObservationPolicy, Policy, by_world, percepts
-from irsim_gym.evaluation.reference_policies import REFERENCES, reference_policy
+from irsim_gym.evaluation.reference_policies import policy_kinds, reference_policy
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint import NORMALIZATION, POLICY, newest_checkpoint
@@ -34,6 +34,23 @@ Source = str | Path | BaseAlgorithm | Policy | Callable[[Any], Any]
 
 CHUNK = 64
 """Rows of one pass through the network: always as many, since sums may be rounded otherwise in another size."""
+
+
+class UnfitPolicyError(IrsimGymError):
+    """A policy that was trained with other observations or actions than those of the task."""
+
+
+class UnknownPolicyError(IrsimGymError):
+    """There is no policy of a name, and no file or folder.
+
+    Args:
+        source: What was asked for.
+        problem: What is said of it, without what would be right.
+    """
+
+    def __init__(self, source: str | Path, problem: str) -> None:
+        super().__init__(f"{problem}; use a .zip, a run's folder, or one of {', '.join(policy_kinds())}")
+        self.source, self.problem = source, problem
 
 
 OFF_POLICY = ("sac", "td3", "tqc", "dqn")
@@ -57,7 +74,7 @@ class SavedPolicy:
         """Forget what was in these worlds.
 
         Raises:
-            IrsimGymError: The policy was trained with other observations or actions than these of the task.
+            UnfitPolicyError: The policy was trained with other observations or actions than these of the task.
         """
         self._check(episodes)
         if self._shape is None:
@@ -83,7 +100,7 @@ class SavedPolicy:
             ("actions", model.action_space, acted),
         ):
             if form_of(learnt) not in (form_of(here), form_of(_channels_first(here))):
-                raise IrsimGymError(
+                raise UnfitPolicyError(
                     f"the policy was trained with {what} {form_of(learnt)}, but those of task '{episodes.task.name}' "
                     f"in '{episodes.simulation.scenario.name}' are {form_of(here)}"
                 )
@@ -138,9 +155,9 @@ def load_policy(source: Source) -> Policy:
     runs code of whoever made the file.
 
     Args:
-        source: The name of a reference policy, a file ``policy.zip``, a run's folder (its newest checkpoint if it is
-            not finished), a model of Stable-Baselines3, a function of observations as ``ObservationPolicy`` takes it,
-            or a ``Policy``.
+        source: ``"random"``, the name of a behaviour or group behaviour, a file ``policy.zip``, a run's folder (its
+            newest checkpoint if it is not finished), a model of Stable-Baselines3, a function of observations as
+            ``ObservationPolicy`` takes it, or a ``Policy``.
 
     Raises:
         IrsimGymError: There is no such policy.
@@ -153,11 +170,29 @@ def load_policy(source: Source) -> Policy:
         return ObservationPolicy(source)
     if not isinstance(source, str | Path):
         raise TypeError(f"a policy is a function, a model, a file or a name, got {type(source).__name__}")
-    if str(source) in REFERENCES:
+    if str(source) in policy_kinds():
         return reference_policy(str(source))
     path = policy_file(source)
     model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
     return SavedPolicy(model, _normalization(path.parent / NORMALIZATION))
+
+
+def load_policies(sources: Sequence[Source]) -> list[Policy]:
+    """Return what drives, for each source, see ``load_policy``.
+
+    Raises:
+        UnknownPolicyError: There is no such policy; the message names all that are missing.
+    """
+    loaded: list[Policy] = []
+    missing: list[UnknownPolicyError] = []
+    for source in sources:
+        try:
+            loaded.append(load_policy(source))
+        except UnknownPolicyError as error:
+            missing.append(error)
+    if missing:
+        raise UnknownPolicyError(missing[0].source, "\n".join(error.problem for error in missing))
+    return loaded
 
 
 def policy_file(source: str | Path) -> Path:
@@ -167,17 +202,15 @@ def policy_file(source: str | Path) -> Path:
         source: The file itself, or a run's folder: its policy, or the newest checkpoint's if it is not finished.
 
     Raises:
-        IrsimGymError: There is none.
+        UnknownPolicyError: There is none.
     """
     path = Path(source)
     if path.is_dir():
         newest = newest_checkpoint(Run(path).checkpoints)
         path = path / POLICY if (path / POLICY).is_file() or newest is None else newest / POLICY
     if not path.is_file():
-        near = suggestion(str(source), REFERENCES)
-        raise IrsimGymError(
-            f"no policy at {source}{near}; use a .zip, a run's folder, or one of {', '.join(REFERENCES)}"
-        )
+        near = suggestion(str(source), policy_kinds())
+        raise UnknownPolicyError(source, f"no policy at {source}{near}")
     return path
 
 

@@ -31,10 +31,10 @@ WARMUP_STEPS = 3
 
 
 def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
-    """Compile the kernels of scenarios, those of all shipped ones where none is named, and say where they are kept.
+    """Compile the kernels of scenarios, and say where they are kept.
 
     Args:
-        names: Shipped names, environment ids or paths of scenario files.
+        names: Shipped names, environment ids or paths of scenario files; none for all in ``configs/scenarios``.
         strict: False ignores keys that nobody reads.
     """
     begun, watch = time.perf_counter(), compilation()

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.world.own_scan import OwnScan
 
 
 @dataclass
@@ -40,6 +41,7 @@ class Group:
         names: Names of all bodies, for kinds that tell them; may be empty.
         context: Specifications and sensors of all bodies, for kinds that show them; may be None.
         guide: The members that a behaviour drives through velocities (``engine.guide``); None without any.
+        scan: The members' own scans, for behaviours with ``reads_scan``; else None.
     """
 
     kind: Any
@@ -51,6 +53,7 @@ class Group:
     names: tuple[str, ...] = ()
     context: WorldContext | None = None
     guide: Any = None
+    scan: OwnScan | None = None
 
     def __post_init__(self) -> None:
         if self.params is None:
@@ -64,8 +67,14 @@ class Group:
         options = [self.options[k] for k in chosen]
         params = self.params[chosen]
         members = self.members[chosen]
-        guide = None if self.guide is None else self.guide.among(members)
-        return Group(self.kind, options, members, params, self.arrays, self.tables, self.names, self.context, guide)
+        return replace(
+            self,
+            options=options,
+            members=members,
+            params=params,
+            guide=None if self.guide is None else self.guide.among(members),
+            scan=None if self.scan is None else self.scan.select(chosen),
+        )
 
 
 @dataclass(frozen=True)

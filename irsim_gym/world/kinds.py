@@ -65,6 +65,16 @@ class BehaviorKind(Protocol):
 
 
 @runtime_checkable
+class ReadsScan(Protocol):
+    """A behaviour that reads its own robot's scan: ``group.scan`` has those of its members (``OwnScan``).
+
+    The members of its groups then read sensors with the same beams. A body without a range sensor is refused.
+    """
+
+    reads_scan: ClassVar[Annotated[bool, "True if its members need a range sensor, else False"]]
+
+
+@runtime_checkable
 class Begins(Protocol):
     """A behaviour or sensor that takes note of the start of an episode."""
 
@@ -173,7 +183,7 @@ class Reports(Protocol):
 
 
 DRIVE = Contract(DriveKind, (Steers,))
-BEHAVIOR = Contract(BehaviorKind, (Begins,))
+BEHAVIOR = Contract(BehaviorKind, (ReadsScan, Begins))
 FOOTPRINT = Contract(FootprintKind, (Draws,))
 PLACEMENT = Contract(PlacementKind)
 MAP = Contract(MapKind, (DrawsMaps,))

@@ -14,7 +14,7 @@ from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.scenario.library import find
 from irsim_gym.training.hyperparameters import Hyperparameters
-from irsim_gym.training.policies import SavedPolicy, load_policy, policy_names
+from irsim_gym.training.policies import SavedPolicy, load_policies, load_policy, policy_names
 from irsim_gym.training.run import Settings
 from irsim_gym.training.train import train
 
@@ -52,8 +52,23 @@ def test_it_acts_as_the_algorithm_predicts(tmp_path: Path) -> None:
     assert policy.normalization.training is False
 
 
+def test_all_unknown_policies_are_named_at_once() -> None:
+    with pytest.raises(IrsimGymError) as refused:
+        load_policies(["dsh", "dash", "runs/nowhere", "orcs"])
+    problems, cure = str(refused.value).split("; ")
+    assert problems.splitlines() == [
+        "no policy at dsh (did you mean 'dash'?)",
+        "no policy at runs/nowhere",
+        "no policy at orcs (did you mean 'orca'?)",
+    ]
+    assert {"random", "dash", "rvo", "sfm", "orca"} <= set(
+        cure.removeprefix("use a .zip, a run's folder, or one of ").split(", ")
+    )
+
+
 def test_sources() -> None:
-    assert isinstance(load_policy("dash"), BehaviorPolicy)
+    for name in ("dash", "rvo", "sfm", "orca"):  # behaviours of one body, then of a group
+        assert isinstance(load_policy(name), BehaviorPolicy)
     assert policy_names(["runs/a", "runs/b/policy.zip", "best.zip", "dash"]) == ["a", "b", "best", "dash"]
     assert policy_names(["x/policy.zip", "dash", "y/x"]) == ["x-1", "dash", "x-2"]
 

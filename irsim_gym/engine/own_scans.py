@@ -1,0 +1,56 @@
+"""Which range sensor the members of a group read, where their behaviour reads its own scan (``reads_scan``)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Ints
+from irsim_gym.world.group import Group, find_sensor
+from irsim_gym.world.own_scan import OwnScan
+
+RANGES = "ranges"
+"""What range sensors call their reading."""
+
+
+def with_scans(group: Group, bodies: Sequence[Any], sensors: Sequence[Group]) -> list[Group]:
+    """Return a group that decides as groups whose members read sensors of one group each.
+
+    A member without a range sensor, which nobody but one that cannot move may be, is in the first of them.
+
+    Args:
+        group: A group whose kind has not prepared anything yet; it comes back as it is if its kind reads no scans.
+        bodies: What the file says of each body.
+        sensors: The groups of sensors, with their readings.
+    """
+    if not getattr(group.kind, "reads_scan", False):
+        return [group]
+    found = [find_sensor(bodies, sensors, b, RANGES) for b in group.members.tolist()]
+    own = list({id(item[0]): item[0] for item in found if item is not None}.values())
+    numbers = np.array([-1 if item is None else item[1] for item in found], np.int64)
+    place = np.array([0 if item is None else own.index(item[0]) for item in found], np.int64)
+    return [_part(group, np.flatnonzero(place == i), numbers, scanners) for i, scanners in enumerate(own)]
+
+
+def _part(group: Group, chosen: Ints, numbers: Ints, sensors: Group) -> Group:
+    """Return some members of a group, with their scans, as a group of its own."""
+    scan = _scan(sensors, numbers[chosen])
+    return Group(group.kind, [group.options[k] for k in chosen], group.members[chosen], names=group.names, scan=scan)
+
+
+def _scan(sensors: Group, members: Ints) -> OwnScan:
+    """Return the scans that some members of a group of range sensors write."""
+    offset = np.array([getattr(one, "offset", (0.0, 0.0, 0.0)) for one in sensors.options], np.float64)
+    angles = np.array([one.angles() for one in sensors.options], np.float64) + offset[:, 2:]
+    return OwnScan(
+        sensors=members,
+        ranges=sensors.arrays[RANGES],
+        angles=angles,
+        beams_x=np.cos(angles),
+        beams_y=np.sin(angles),
+        offset=offset,
+        range_min=np.array([getattr(one, "range_min", 0.0) for one in sensors.options], np.float64),
+        range_max=np.array([getattr(one, "range_max", np.inf) for one in sensors.options], np.float64),
+    )

@@ -1,0 +1,162 @@
+"""What several runs of a method are worth: robust means, intervals, comparisons.
+
+The recommendations of Agarwal et al. 2021 (Deep reinforcement learning at the edge of the statistical precipice,
+arXiv:2108.13264), by SciPy: a score is one number per run (a seed of a method) and task (a scenario); resampling draws
+runs within each task, so that every task keeps its weight.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.evaluation.metrics import CONFIDENCE
+
+RESAMPLES = 2000
+CUT = 0.25
+"""Share of the scores that an interquartile mean leaves out at either end."""
+BLOCK = 2**22
+"""Numbers that are resampled at a time."""
+
+Scores = Sequence[ArrayLike]
+"""One list of scores for each task, an entry for each run; the tasks may have different numbers of runs."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A figure with its bootstrap interval.
+
+    Attributes:
+        value: The figure.
+        low: Lower end of the interval; NaN where there are too few scores for one.
+        high: Upper end, likewise.
+    """
+
+    value: float
+    low: float
+    high: float
+
+
+def interquartile_mean(scores: Scores, confidence: float = CONFIDENCE) -> Estimate:
+    """Return the mean of the middle half of all scores, with its stratified bootstrap interval.
+
+    Args:
+        scores: One list for each task, e.g. the success of each seed.
+        confidence: Probability of the interval.
+    """
+    from scipy.stats import trim_mean
+
+    def middle(*samples: Floats, axis: int = -1) -> Any:
+        return trim_mean(np.concatenate(samples, axis=axis), CUT, axis=axis)
+
+    return _estimate(middle, _strata(scores), confidence)
+
+
+def stratified_mean(scores: Scores, confidence: float = CONFIDENCE) -> Estimate:
+    """Return the mean over tasks of the mean over runs, with its stratified bootstrap interval."""
+    return _estimate(_mean_of_means, _strata(scores), confidence)
+
+
+def probability_of_improvement(first: Scores, second: Scores, confidence: float = CONFIDENCE) -> Estimate:
+    """Return the probability that a run of the first method beats one of the second in a task, the mean over tasks.
+
+    A draw counts half (the statistic of Mann and Whitney over the number of pairs).
+
+    Args:
+        first: One list of scores for each task; greater ones are better.
+        second: Likewise, for the same tasks.
+        confidence: Probability of the interval.
+
+    Raises:
+        ValueError: They are of different numbers of tasks.
+    """
+    from scipy.stats import mannwhitneyu
+
+    if len(first) != len(second):
+        raise ValueError(f"both methods need scores of the same tasks, got {len(first)} and {len(second)} tasks")
+
+    rank = partial(mannwhitneyu, method="asymptotic")  # its p value is not used
+
+    def share(*samples: Floats, axis: int = -1) -> Any:
+        pairs = zip(samples[: len(first)], samples[len(first) :], strict=True)
+        won = [rank(a, b, axis=axis).statistic / (a.shape[axis] * b.shape[axis]) for a, b in pairs]
+        return np.mean(won, axis=0)
+
+    return _estimate(share, [*_strata(first), *_strata(second)], confidence)
+
+
+def paired_difference(first: ArrayLike, second: ArrayLike, confidence: float = CONFIDENCE) -> Estimate:
+    """Return the mean of first - second over the levels that both played, with its bootstrap interval.
+
+    Args:
+        first: One number per level, such as its success.
+        second: Likewise, of the same levels in the same order.
+        confidence: Probability of the interval.
+
+    Raises:
+        ValueError: They are of different numbers of levels.
+    """
+    a, b = np.asarray(first, np.float64), np.asarray(second, np.float64)
+    if a.shape != b.shape or a.ndim != 1:
+        raise ValueError(f"both need one number for each level, got shapes {a.shape} and {b.shape}")
+    return _estimate(_mean_of_means, [a - b], confidence)
+
+
+def worst_share(success: ArrayLike, share: float) -> float:
+    """Return the success on the worst levels: CVaR at ``share``, without the bias of choosing and scoring at once.
+
+    The levels are chosen by one half of the repetitions and scored by the other, both ways round; the mean counts.
+    Levels of the same success are chosen in the order of their numbers.
+
+    Args:
+        success: One row per repetition (seeds of one method, or runs of one policy that draws), one column per level.
+        share: Which share of the levels, e.g. 0.05; at least one level is chosen.
+
+    Returns:
+        The success on them; NaN with fewer than two repetitions.
+    """
+    rows = np.asarray(success, np.float64)
+    if len(rows) < 2 or rows.shape[1] == 0:
+        return math.nan
+    count = max(1, math.ceil(share * rows.shape[1] - 1e-9))
+    halves = rows[::2].mean(axis=0), rows[1::2].mean(axis=0)
+    worst = [np.argsort(half, kind="stable")[:count] for half in halves]
+    return float(0.5 * (halves[1][worst[0]].mean() + halves[0][worst[1]].mean()))
+
+
+def _strata(scores: Scores) -> list[Floats]:
+    strata = [np.asarray(task, np.float64) for task in scores]
+    if not strata or any(task.ndim != 1 or not task.size for task in strata):
+        raise ValueError("scores are one list of numbers for each task, none of them empty")
+    return strata
+
+
+def _mean_of_means(*samples: Floats, axis: int = -1) -> Any:
+    return np.mean([sample.mean(axis=axis) for sample in samples], axis=0)
+
+
+def _estimate(statistic: Callable[..., Any], samples: Sequence[Floats], confidence: float) -> Estimate:
+    """Return a statistic with its percentile interval; the resamples are the same in each call."""
+    from scipy.stats import bootstrap
+
+    value = float(statistic(*samples, axis=-1))
+    if any(sample.size < 2 for sample in samples):
+        return Estimate(value, math.nan, math.nan)
+    found = bootstrap(
+        samples,
+        statistic,
+        n_resamples=RESAMPLES,
+        batch=max(1, BLOCK // sum(sample.size for sample in samples)),
+        vectorized=True,
+        confidence_level=confidence,
+        method="percentile",
+        rng=np.random.default_rng(0),
+    ).confidence_interval
+    return Estimate(value, float(found.low), float(found.high))
