@@ -37,7 +37,7 @@ ALLOWED: dict[str, set[str]] = {
     "world": {"jit", "structs"},
     "scenario": {"pydantic", "pydantic_core", "yaml", "PIL"},
     "kinematics": KIND,
-    "behaviors": KIND,
+    "behaviors": KIND | {"scenario.wander_goals"},
     "footprints": KIND | {"shapely"},
     "placements": KIND | {"paths"},
     "sensors": KIND,
@@ -66,7 +66,7 @@ ALLOWED: dict[str, set[str]] = {
     "sb3": {"envs"},
 }
 # Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.
-COMPOSERS = {"training", "suite", "cli", "__init__", "irsim", "plugins"}
+COMPOSERS = {"training", "arenas", "suite", "cli", "__init__", "irsim", "plugins"}
 # Adapters to one library each: files whose place begins so.
 ONLY_FILES = {
     "pettingzoo": "envs/parallel",
@@ -92,7 +92,7 @@ HEAVY = {
     "scipy",
 }
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
-RENDER_FROM = {"envs", "levels", "live", "controls", "training", "cli"}
+RENDER_FROM = {"envs", "levels", "live", "controls", "training", "arenas", "cli"}
 
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60

@@ -92,11 +92,16 @@ def most_map_walls(model: WorldModel, threshold: float) -> int:
 
 @kernel
 def is_seen(model: WorldModel, w: int, b: int, q: int, target_roles: int) -> bool:
-    """Return whether body b pays heed to body q: another one that is there and has the role, unobstructed or not.
+    """Return whether body b pays heed to body q, unobstructed or not.
 
-    Reads: model (present, role).
+    It does if q is another one that is there, has the role, and is seen by b; one that ignores what moves only sees
+    what never does.
+
+    Reads: model (heedless, movable, present, role, seen_row, watchers).
     """
-    if q == b or not model.present[w, q]:
+    if q == b or not model.present[w, q] or not model.watchers[model.seen_row[q], b]:
+        return False
+    if model.movable[q] and model.heedless[row_of(model.heedless, w), b]:
         return False
     return bool(target_roles == ALL_ROLES or model.role[q] == target_roles - 1)
 
@@ -108,7 +113,9 @@ def is_map_seen(model: WorldModel, w: int, target_roles: int) -> bool:
     Reads: model (map_frame, present, role).
     """
     chart = model.map_frame[0].body
-    return chart >= 0 and is_seen(model, w, -1, chart, target_roles)
+    return bool(
+        chart >= 0 and model.present[w, chart] and (target_roles == ALL_ROLES or model.role[chart] == target_roles - 1)
+    )
 
 
 @kernel
@@ -179,9 +186,9 @@ def look_around(
     A body is the disc around its centroid, seen when that is nearer than ``sight`` [m]. One that stands and has sides
     is its outline, seen when any of that is nearer. A chain of segments is always seen, the walls of a map when near.
 
-    Reads: model (bucket_frame, centroid, disc_count, disc_start, map_frame, map_squares, movable, present, radius,
-        reach, role, segment_count, segment_start, solid), state (bucket_first, bucket_next, discs, pose, segments,
-        twist), seen (lines, nearby).
+    Reads: model (bucket_frame, centroid, disc_count, disc_start, heedless, map_frame, map_squares, movable, present,
+        radius, reach, role, seen_row, segment_count, segment_start, solid, watchers), state (bucket_first, bucket_next,
+        discs, pose, segments, twist), seen (lines, nearby).
     Writes: seen (nearby, rounds, sides).
 
     Args:

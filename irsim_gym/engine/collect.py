@@ -16,6 +16,7 @@ from irsim_gym.engine.level_table import given_bodies, lay_levels, varied_outlin
 from irsim_gym.engine.own_scans import with_scans
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.path_checks import reachability_check
+from irsim_gym.engine.traits import collect_traits
 from irsim_gym.engine.turns import take_turns
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
@@ -61,7 +62,6 @@ def collect_parts(
     everyone = np.arange(len(bodies), dtype=np.int64)
     movers = np.flatnonzero(model.movable)
     in_order = scenario.world.update == "sequential"
-    outlined = [b for b, body in bodies if body.shape.is_random and b != model.map_frame[0].body]
     placed = [scenario.placements[body.entry].kind.gives_goal for _, body in bodies]
     single = np.array([gives or len(body.goal) <= 1 for gives, (_, body) in zip(placed, bodies, strict=True)], np.bool_)
     return Parts(
@@ -70,7 +70,7 @@ def collect_parts(
         group_behaviors=[] if external else group_behaviors,
         turns=[] if external else take_turns(movers, behaviors, kinematics, in_order=in_order),
         external=external,
-        footprints=group_members([(b, bodies[b][1].shape) for b in outlined]),
+        footprints=_footprints(scenario, model),
         maps=_maps(scenario, model, n_slots),
         placements=placements,
         levels=lay_levels(scenario),
@@ -82,6 +82,7 @@ def collect_parts(
         everyone=everyone,
         measured=_measure(scenario, outlines, model, [*behaviors, *group_behaviors]),
         number_ranges=_number_ranges(scenario),
+        traits=collect_traits(scenario, model),
         loop_returns=np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal),
         ways=reachability_check(scenario, model, agents, n_slots),
         fog=lay_fog(scenario, scanners, model),
@@ -154,6 +155,12 @@ def _measure(scenario: Scenario, outlines: Sequence[Outline], model: WorldModel,
         if outline.centroid is not None:
             model.centroid[:, b] = outline.centroid
     return everyone[varied_outlines(scenario)]
+
+
+def _footprints(scenario: Scenario, model: WorldModel) -> list[Group]:
+    """Return the groups of bodies whose outline each level draws; a map has none."""
+    shapes = [(b, body.shape) for b, body in enumerate(scenario.bodies) if b != model.map_frame[0].body]
+    return group_members([(b, shape) for b, shape in shapes if shape.is_random])
 
 
 def _maps(scenario: Scenario, model: WorldModel, n_slots: int) -> list[Group]:

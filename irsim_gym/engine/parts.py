@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
+from irsim_gym.arraytypes import Ints, Records
 from irsim_gym.engine.fog import FogMap
 from irsim_gym.engine.level_table import LevelTable
 from irsim_gym.engine.path_checks import ReachabilityCheck
@@ -36,6 +36,7 @@ class Parts:
         everyone: All bodies.
         measured: Bodies whose radius and centroid change with their outline, and are asked for.
         number_ranges: First body, fewest, most: entries with ``number_range``, shape ``(n, 3)``.
+        traits: What a level draws of bodies besides outlines and places, records of type ``traits.TRAITS``.
         loop_returns: Bodies that loop between one goal and their start.
         ways: Agents whose way to the goal is checked when a level is drawn.
         fog: What the robots have explored; None unless the file asks for it.
@@ -60,6 +61,7 @@ class Parts:
     everyone: Ints
     measured: Ints
     number_ranges: Ints
+    traits: Records
     loop_returns: Ints
     ways: ReachabilityCheck
     fog: FogMap | None

@@ -7,6 +7,7 @@ import numpy as np
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Simulation, arrival, body_buckets, body_measures, compile, contact, restart
 from irsim_gym.engine.step import sense
+from irsim_gym.engine.traits import draw_traits
 from irsim_gym.errors import PlacementError
 from irsim_gym.live.goal_writer import make_room
 from irsim_gym.scenario import Scenario
@@ -15,7 +16,7 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 HOLD_INDICES = ("segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit")
-NOT_CARRIED = frozenset({*HOLD_INDICES, "nearby", "radius", "centroid"})
+NOT_CARRIED = frozenset({*HOLD_INDICES, "nearby", "radius", "centroid", "watchers", "seen_row"})
 """Fields about bodies that hold row numbers, bodies or buckets, or that not every world asks for; worked out anew."""
 
 START_TRIES = 20
@@ -118,6 +119,7 @@ def _draw(new: Simulation, added: Ints) -> None:
     for _ in range(START_TRIES):
         failed[0] = 0
         state.placed[0, added] = False
+        draw_traits(shard.worlds, parts.traits[np.isin(parts.traits["body"], added)], model, state)
         for group in parts.footprints:
             chosen = np.flatnonzero(np.isin(group.members, added))
             if len(chosen):

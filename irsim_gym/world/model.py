@@ -29,6 +29,23 @@ NO_DRIVE, DIFFERENTIAL, OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR, ACKERMANN = -1, 0, 
 """How a body's command reads. OMNI_WORLD takes velocities in the world frame, OMNI_BODY in the body frame."""
 
 
+WANDERING = np.dtype(
+    (
+        np.record,
+        [
+            ("radius", np.float64),
+            ("jitter", np.float64),
+            ("keeps_first", np.bool_),
+            ("interval", np.int64),
+            ("chance", np.float64),
+        ],
+    )
+)
+"""Where the goals of a wandering body lie [m] (radius 0: between its bounds), whether its first one is given, and every
+how many steps it gives up its goal with the probability ``chance`` (0: never).
+"""
+
+
 @dataclass(repr=False)
 class WorldModel(Arrays):
     """Constants of the episode, first axis the world (length 1: shared by all worlds).
@@ -55,9 +72,14 @@ class WorldModel(Arrays):
     goal_renewal: Ints = column("body", np.int64, "", "KEEP_GOAL, WANDER or LOOP after arrival")
     wander_low: Floats = column("body 3", np.float64, "m, m, rad", "lower bounds of a wandering body's goals")
     wander_high: Floats = column("body 3", np.float64, "m, m, rad", "upper bounds of a wandering body's goals")
+    wandering: Records = column("body", WANDERING, "", "where and when a wandering body gets its goals, see WANDERING")
     goal_threshold: Floats = column("world* body", np.float64, "m", "distance under which a goal is reached")
     velocity_min: Floats = column("world* body 3", np.float64, "m/s or rad/s", "lower limits, drive coordinates")
     velocity_max: Floats = column("world* body 3", np.float64, "m/s or rad/s", "upper limits, drive coordinates")
+    drawn_speed: Floats = column("world* body", np.float64, "m/s", "greatest speed drawn for the level; inf: none")
+    heedless: Flags = column("world* body", np.bool_, "", "its behaviour ignores what moves")
+    watchers: Flags = column("watching body", np.bool_, "", "whose behaviour sees the bodies with this row; row 0: all")
+    seen_row: Ints = column("body", np.int64, "", "row of watchers that says whose behaviour sees the body")
     acceleration_limit: Floats = column("world* body 3", np.float64, "m/s2 or rad/s2", "largest change; may be inf")
     heading_low: Floats = column("body", np.float64, "rad", "lower end of the interval that headings wrap into")
     wraps_heading: Flags = column("body", np.bool_, "", "headings wrap into [heading_low, heading_low + 2 pi]")
