@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Ints
+from irsim_gym.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
 from irsim_gym.scenario.spec import Scenario
@@ -43,6 +43,7 @@ def reachability_check(
     varied = [spec.kind.is_random for spec in scenario.placements]
     stands = [bool(model.stands[list(spec.members)].any()) for spec in scenario.placements]
     walls_vary = any(random and standing for random, standing in zip(varied, stands, strict=True))
+    walls_vary = walls_vary or (scenario.occupied is not None and scenario.bodies[-1].shape.is_random)
     guarded = []
     for b in agents:
         spec = scenario.placements[scenario.bodies[b].entry]
@@ -76,7 +77,7 @@ def check_ways(
     slot: int,
     ways: ReachabilityCheck,
     tables: WayTables,
-    cells: CellMap | None,
+    cells: CellMaps | None,
     model: WorldModel,
     state: WorldState,
     failed: Ints,
@@ -92,8 +93,7 @@ def check_ways(
         for own in ways.agents:
             if failed[w] > 0 or model.goal_renewal[own] != KEEP_GOAL:
                 continue
-            for b in range(blocks.shape[0]):
-                blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b]
+            mark_standing(model, w, own, blocks)
             obstacles, radius = Obstacles(model, state, w, blocks, cells), model.reach[row_of(model.reach, w), own]
             here = (state.pose[w, own, 0], state.pose[w, own, 1])
             for g in range(model.waypoint_count[w, own]):

@@ -12,16 +12,18 @@ from irsim_gym.errors import ScenarioError, nearest, suggestion
 from irsim_gym.scenario import library, notes
 from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of, with_map
 from irsim_gym.scenario.entries import read_entry
+from irsim_gym.scenario.gui_spec import GuiSpec
 from irsim_gym.scenario.ids import IDS
+from irsim_gym.scenario.level_checks import misfits, read_level_file, tell
 from irsim_gym.scenario.map_cells import read_cells, read_map
-from irsim_gym.scenario.messages import CONTACT_MESSAGE, literal_values, show
+from irsim_gym.scenario.messages import CONTACT_MESSAGE, choices, literal_values, show
 from irsim_gym.scenario.needless import UNOBSTRUCTED_MODES
 from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.parameters import fill_in
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import split_entries, split_sections
 from irsim_gym.scenario.source import ROLES, SECTIONS, WRAPPER, Place, Source, read_file, read_mapping
-from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, GuiSpec, PlacementSpec, Scenario, WorldSpec
+from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenario, WorldSpec
 from irsim_gym.scenario.validation import BAD, Report, build
 from irsim_gym.scenario.whereabouts import unknown_key
 
@@ -82,6 +84,9 @@ def read_scenario(
     gui = build(GuiSpec, sections.get("gui"), places["gui"], report)
     task = _task(sections.get("task"), places["task"], report)
     bodies, placements = _bodies(sections, places, report)
+    levels = read_level_file(sections.get("levels"), places["levels"], source, report)
+    if levels is not None and not report.problems:
+        tell(list(misfits(levels, bodies, placements)), places["levels"], report, levels.file)
     _check_viewpoint(world, bodies, (*places["world"], "plot", "viewpoint"), report)
     map_place = (*places["world"], "obstacle_map")
     occupied = read_cells(world, map_place, source, report) if world is not None else None
@@ -106,6 +111,7 @@ def read_scenario(
         source=source,
         root=roots,
         occupied=occupied,
+        levels=levels,
         doubts=tuple(report.doubts),
         ignored=tuple(report.ignored),
         strict=strict,
@@ -192,6 +198,7 @@ def _bodies(
     placements: list[PlacementSpec] = []
     total, next_group = 0, 0
     names: list[tuple[Place, str]] = []
+    watchers: list[tuple[Place, Any]] = []
     for role in ROLES:
         raws = split_entries(role, sections.get(role), places[role], report)
         entries = [read_entry(raw, plot, report) for raw in raws]
@@ -203,11 +210,23 @@ def _bodies(
             if entry.count:
                 placements.append(placement_of(entry, total, report))
             names.extend(name_of(entry, i, total + i) for i in range(entry.count))
+            watchers.extend(entry.values.get("seen_by", ()))
             total += entry.count
             bodies.extend(made)
         next_group = 1 + max((body.group for body in bodies), default=len(entries) - 1)
     _check_names(names, report)
+    _check_watchers(watchers, bodies, report)
     return tuple(bodies), tuple(placements)
+
+
+def _check_watchers(watchers: list[tuple[Place, Any]], bodies: list[BodySpec], report: Report) -> None:
+    """Tell words of ``seen_by`` that nobody answers to; only once the bodies themselves are right."""
+    known = list(dict.fromkeys([*ROLES, *(body.name for body in bodies), *(body.group_name for body in bodies)]))
+    for place, words in [] if report.problems else watchers:
+        for word in words or ():
+            if word not in known:
+                near = suggestion(word[:40], known)
+                report.add(place, f"no role, body or group named {show(word)}{near or '; a role is ' + choices(ROLES)}")
 
 
 def _check_names(names: list[tuple[Place, str]], report: Report) -> None:

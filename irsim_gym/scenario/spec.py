@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from pydantic import AllowInfNan, Field
 
 from irsim_gym.errors import Problem, several
+from irsim_gym.scenario.gui_spec import GuiSpec
+from irsim_gym.scenario.level_set import LevelSet
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.options import LARGEST, defaults, kind, option
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
@@ -201,6 +203,22 @@ class BodyOptions:
         meaning="Collisions and sensors ignore the body; rvo, sfm and Python functions still see it.",
         consequence="The body drives through everything, and everything drives through it.",
     )
+    seen_by: tuple[str, ...] | None = option(
+        None,
+        meaning="Whose behaviours see the body: all (default), or a list of roles, names and group names; [] for none.",
+        consequence="Others walk into a body that they do not see. Sensors and observations are not concerned.",
+    )
+    speed_range: tuple[float, float] | None = option(
+        None,
+        unit="m/s",
+        meaning="Bounds of the body's greatest speed, drawn anew in each level; it replaces the speeds of vel_max.",
+    )
+    unyielding: float = option(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        meaning="Probability, for each body and level, that its behaviour ignores everything that moves.",
+    )
     plot: ObjectPlot = option(defaults(ObjectPlot), meaning="Drawing options of the body.")
     state_dim: int | None = option(None, ge=1, meaning="Number of state variables; must match the drive.")
     vel_dim: int | None = option(None, ge=1, meaning="Number of velocities; must match the drive.")
@@ -210,40 +228,6 @@ class BodyOptions:
     fov_radius: float | None = option(
         None, gt=0.0, unit="m", meaning="Depth of the field of view; default: that of the lidar."
     )
-
-
-@kind
-class KeyboardSpec:
-    """The section ``gui.keyboard``."""
-
-    backend: Literal["pynput", "mpl"] = option(
-        "pynput",
-        meaning="Source of key presses; if pynput does not work, the window (mpl).",
-    )
-    global_hook: bool = option(False, meaning="Listen to keys while another window has the focus (pynput).")
-    key_lv_max: float = option(
-        3.0, ge=0.0, unit="m/s", meaning="Speed while a key is held.", consequence="No effect above vel_max."
-    )
-    key_ang_max: float = option(1.0, ge=0.0, unit="rad/s", meaning="Turn rate while a key is held.")
-    key_lv: float = option(0.0, unit="m/s", meaning="Speed at the start.")
-    key_ang: float = option(0.0, unit="rad/s", meaning="Turn rate at the start.")
-    key_rot: float = option(0.0, unit="rad/s", meaning="Turn rate of an omnidirectional body at the start.")
-    key_id: int = option(0, ge=0, meaning="Index of the robot that the keys drive.")
-
-
-@kind
-class MouseSpec:
-    """The section ``gui.mouse``."""
-
-    zoom_factor: float = option(1.1, gt=1.0, meaning="Zoom factor per step of the wheel.")
-
-
-@kind
-class GuiSpec:
-    """The section ``gui``."""
-
-    keyboard: KeyboardSpec = option(defaults(KeyboardSpec), meaning="Options of the keyboard.")
-    mouse: MouseSpec = option(defaults(MouseSpec), meaning="Options of the mouse.")
 
 
 @dataclass(frozen=True)
@@ -279,6 +263,9 @@ class BodySpec:
         fov: Width of the field of view [rad], of its first range sensor if not given; None without either.
         fov_radius: Depth of the field of view [m], likewise.
         plot: Drawing options.
+        seen_by: Roles, names and names of groups of those whose behaviours see it; None for all.
+        speed_range: Bounds of its greatest speed [m/s], drawn for each level; None for that of ``vel_max``.
+        unyielding: Probability that it ignores what moves, drawn for each level.
     """
 
     name: str
@@ -309,6 +296,9 @@ class BodySpec:
     fov: float | None
     fov_radius: float | None
     plot: ObjectPlot
+    seen_by: tuple[str, ...] | None = None
+    speed_range: tuple[float, float] | None = None
+    unyielding: float = 0.0
 
     @property
     def renewal(self) -> Any:
@@ -357,6 +347,7 @@ class Scenario:
         root: Path of the wrapper key around all sections; empty without one.
         occupied: Occupied cells of the obstacle map, shape ``(columns, rows)``, columns from the left and rows from the
             bottom; None without a map, which is the last body otherwise.
+        levels: Levels that a file gives (``levels``); None where they are drawn.
         doubts: What was met while reading that is allowed but hardly ever meant.
         ignored: Keys that nobody reads and that were passed over.
         strict: Keys that nobody reads are errors, also in the section ``task``.
@@ -374,6 +365,7 @@ class Scenario:
     source: Source = field(repr=False, compare=False)
     root: Mapping[str, Place] = field(repr=False, compare=False, default_factory=dict)
     occupied: NDArray[np.bool_] | None = field(repr=False, compare=False, default=None)
+    levels: LevelSet | None = field(repr=False, compare=False, default=None)
     doubts: tuple[Problem, ...] = field(repr=False, compare=False, default=())
     ignored: tuple[Problem, ...] = field(repr=False, compare=False, default=())
     strict: bool = field(repr=False, compare=False, default=True)

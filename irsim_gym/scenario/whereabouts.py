@@ -8,10 +8,12 @@ from typing import Any
 from irsim_gym import families
 from irsim_gym.errors import nearest
 from irsim_gym.registry import Registry
+from irsim_gym.scenario.gui_spec import KeyboardSpec, MouseSpec
 from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure, WorldPlot
 from irsim_gym.scenario.source import SECTIONS
-from irsim_gym.scenario.spec import BodyOptions, KeyboardSpec, MouseSpec, WorldSpec
+from irsim_gym.scenario.spec import BodyOptions, WorldSpec
+from irsim_gym.scenario.wander_goals import WanderGoals
 
 MOST_NAMES, MOST_PLACES = 24, 3
 SURE = 0.85
@@ -23,6 +25,7 @@ _SPECS: dict[str, type[Any]] = {
     "world.plot.saved_figure": SavedFigure,
     "robot and obstacle": BodyOptions,
     "plot": ObjectPlot,
+    "wander_goals": WanderGoals,
     "gui.keyboard": KeyboardSpec,
     "gui.mouse": MouseSpec,
 }

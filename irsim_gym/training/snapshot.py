@@ -15,6 +15,7 @@ from typing import Any
 
 import yaml
 
+from irsim_gym.envs.worlds import TaskSource
 from irsim_gym.evaluation.tables import write_bytes, write_text
 from irsim_gym.scenario.image_files import image_file
 from irsim_gym.scenario.load import load_scenario
@@ -42,7 +43,7 @@ class Snapshot:
         task_name: Name of the task.
         scenario: The file's sections, without parameters and the section ``task``.
         task: All that the task's files and the scenario's section say, laid over each other.
-        pictures: Files that the scenario refers to, by their names in the copy.
+        pictures: Pictures and levels that the scenario refers to, by their names in the copy.
     """
 
     file: str
@@ -85,11 +86,17 @@ def take_snapshot(
     Raises:
         IrsimGymError: They cannot be used.
     """
-    loaded = load_scenario(scenario, parameters, strict=strict, warn=False)
+    return snapshot_of(load_scenario(scenario, parameters, strict=strict, warn=False), task)
+
+
+def snapshot_of(loaded: Scenario, task: TaskSource) -> Snapshot:
+    """Return how a loaded scenario and a task (a name, a path, plain data, None for the scenario's own) are now."""
     name, merged = merged_task(loaded, task)
     sections = _sections(loaded.source.data)
     pictures: dict[str, Path] = {}
     _take_map(loaded, sections, pictures)
+    if loaded.levels is not None:
+        sections["levels"] = _kept(Path(loaded.levels.file), pictures)
     for role in ROLES:
         sections[role] = [_with_pictures(entry, loaded.file, pictures) for entry in sections.get(role, [])]
     plain = {key: value for key, value in sections.items() if key not in ("task", "parameters") and value != []}

@@ -7,10 +7,10 @@ from typing import Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, CellMaps, Flags, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import distance_field, field_at
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.structs import Struct
@@ -67,24 +67,13 @@ def note_fields(term: Term, model: WorldModel, state: WorldState, episode: Episo
 
 
 @kernel
-def mark_standing(model: WorldModel, w: int, own: int, blocks: Flags) -> None:
-    """Write which other bodies stand in the way of a body and never move.
-
-    Reads: model (present, stands, unobstructed).
-    Writes: blocks.
-    """
-    for b in range(blocks.shape[0]):
-        blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != own
-
-
-@kernel
 def draw_fields(
     worlds: Ints,
     slot: int,
     agents: Ints,
     fields: Fields,
     model: WorldModel,
-    cells: CellMap | None,
+    cells: CellMaps | None,
     state: WorldState,
     episode: EpisodeState,
 ) -> None:
