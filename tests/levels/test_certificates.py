@@ -1,4 +1,4 @@
-"""Certificates against an independent search: SciPy on a grid over shapely's shapes; and shipped ones against levels."""
+"""Certificates against an independent search, SciPy's on a grid over shapely's shapes; shipped ones against levels."""
 
 from __future__ import annotations
 
