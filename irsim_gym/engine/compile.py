@@ -159,6 +159,7 @@ def _write_motion(b: int, body: BodySpec, model: WorldModel, *, is_agent: bool) 
     model.driven[b] = body.behavior is not None or body.group_behavior is not None or is_agent
     model.role[b] = ROBOT if body.role == "robot" else OBSTACLE
     model.drive[b] = getattr(body.kinematics, "drive", NO_DRIVE)
+    model.speed_bound[b] = getattr(body.kinematics, "bound", "") == "speed"
     model.wheelbase[b] = _wheelbase(body)
     model.initial_steering[b] = body.steering
     model.movable[b] = body.kinematics is not None and not body.static

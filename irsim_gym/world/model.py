@@ -75,6 +75,7 @@ class WorldModel(Arrays):
     goal_threshold: Floats = column("world* body", np.float64, "m", "distance under which a goal is reached")
     velocity_min: Floats = column("world* body 3", np.float64, "m/s or rad/s", "lower limits, drive coordinates")
     velocity_max: Floats = column("world* body 3", np.float64, "m/s or rad/s", "upper limits, drive coordinates")
+    speed_bound: Flags = column("body", np.bool_, "", "the first of velocity_max bounds the speed in any direction too")
     drawn_speed: Floats = column("world* body", np.float64, "m/s", "greatest speed drawn for the level; inf: none")
     heedless: Flags = column("world* body", np.bool_, "", "its behaviour ignores what moves")
     watchers: Flags = column("watching body", np.bool_, "", "whose behaviour sees the bodies with this row; row 0: all")
