@@ -15,7 +15,8 @@ from irsim_gym.world.state import WorldState
 def limit_velocity(worlds: Ints, movers: Ints, model: WorldModel, state: WorldState) -> None:
     """Write ``state.velocity``: the command clipped to [max(v_min, v - a dt), min(v_max, v + a dt)] in each component.
 
-    With ``speed_bound`` the speed is held to the first of v_max as well. The upper end wins where the interval is empty. Stopped bodies stand still, and so do those that nobody commands.
+    With ``speed_bound`` the speed is held to the first of v_max as well.
+    The upper end wins where the interval is empty. Stopped bodies stand still, and so do those that nobody commands.
 
     Reads: model (acceleration_limit, driven, present, speed_bound, step_time, velocity_max, velocity_min), state
         (command, stopped, velocity).

@@ -15,7 +15,7 @@ from irsim_gym.engine.level_table import roomy_outlines, varied_outlines
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.engine.start_checks import refuse_blocked_starts
-from irsim_gym.engine.traits import drawn_traits, watching_bodies, write_watchers
+from irsim_gym.engine.traits import drawn_traits, watching_bodies, write_people
 from irsim_gym.geometry.cell_room import find_room
 from irsim_gym.geometry.cells import find_boxes, find_free_squares
 from irsim_gym.scenario.options import defaults
@@ -100,7 +100,7 @@ def compile(
         _write_motion(b, body, model, is_agent=b in agents)
         _write_goals(b, body, plans[b], is_agent=b in agents, model=model)
     _hide_map(model)
-    write_watchers(scenario, model)
+    write_people(scenario, model)
     model.rigid[0] = not varied.any()
     model.stands[:] = ~(model.movable & model.driven)
     body_buckets.lay_out(model, varied)

@@ -95,13 +95,14 @@ class CirclePlacement:
         radius = float(np.min(high[:2] - low[:2])) / 2.0 if options.radius is None else options.radius
         if radius <= 0.0:
             return f"needs a radius: half of the world's shorter side, less {MARGIN} m, is {radius:g} m"
-        for k, b in enumerate(group.members):
-            angle = 2.0 * np.pi * k / len(group.members)
-            arm = radius * np.array([np.cos(angle), np.sin(angle)])
-            model.start[:, b] = [*(center + arm), angle - np.pi]
-            model.waypoints[:, b, 0] = [*(center - arm), angle - np.pi]
         angles = np.zeros(len(model.role))
-        angles[group.members] = 2.0 * np.pi * np.arange(len(group.members)) / len(group.members)
+        leaders, place = np.unique(model.leader[group.members], return_inverse=True)
+        angles[group.members] = 2.0 * np.pi * place / len(leaders)
+        for b in group.members:
+            angle = angles[b]
+            arm, aside = radius * np.array([np.cos(angle), np.sin(angle)]), np.array([np.sin(angle), -np.cos(angle)])
+            model.start[:, b] = [*(center + arm + model.abreast[b] * aside), angle - np.pi]
+            model.waypoints[:, b, 0] = [*(center - arm + model.abreast[b] * aside), angle - np.pi]
         everyone = np.arange(len(model.role))
         x, y, jitter = float(center[0]), float(center[1]), float(options.jitter)
         clearance = options.clearance if options.scatter or jitter > 0.0 else 0.0
@@ -139,9 +140,9 @@ def draw_shifted(
 ) -> None:
     """Turn the circle, then shift the start and the goal of one member after the other until they are free.
 
-    Reads: circle (angles, clearance, everyone, jitter, radius, scatter, turn, x, y), model (disc_count, disc_start,
-        goal_renewal, has_goal, local_discs, local_segments, present, reach, segment_count, segment_start, solid,
-        stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
+    Reads: circle (angles, clearance, everyone, jitter, radius, scatter, turn, x, y), model (abreast, disc_count,
+        disc_start, goal_renewal, has_goal, leader, local_discs, local_segments, present, reach, segment_count,
+        segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
     Writes: model (waypoints), state (discs, placed, pose, random, segments), failed.
     """
     placed = state.placed
@@ -165,16 +166,21 @@ def shift_start(
 ) -> float:
     """Draw a pose near body b's place on the circle, facing the centre; return the place's angle, NaN if none is free.
 
-    Reads: circle (clearance, everyone, jitter, radius, scatter, x, y), model (disc_count, disc_start, goal_renewal,
-        has_goal, local_discs, local_segments, present, reach, segment_count, segment_start, solid, stands,
-        waypoint_count, waypoints), state (discs, placed, pose, random, segments).
+    Reads: circle (clearance, everyone, jitter, radius, scatter, x, y), model (abreast, disc_count, disc_start,
+        goal_renewal, has_goal, leader, local_discs, local_segments, present, reach, segment_count, segment_start,
+        solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
     Writes: state (discs, pose, random, segments).
     """
     pose = state.pose[w, b]
     for _ in range(TRIES):
-        if circle.scatter:
+        if circle.scatter and model.leader[b] == b:
             angle = uniform(state.random, w, 0.0, 2.0 * np.pi)
-        x, y = shifted(w, circle.radius * np.cos(angle), circle.radius * np.sin(angle), circle.jitter, state)
+        elif circle.scatter:
+            first = state.pose[w, model.leader[b]]
+            angle = np.arctan2(first[1] - circle.y, first[0] - circle.x)
+        cosine, sine, aside = np.cos(angle), np.sin(angle), model.abreast[b]
+        place_x, place_y = circle.radius * cosine + aside * sine, circle.radius * sine - aside * cosine
+        x, y = shifted(w, place_x, place_y, circle.jitter, state)
         pose[0], pose[1], pose[2] = circle.x + x, circle.y + y, np.arctan2(-y, -x)
         place_outline(model, state, w, b)
         if is_start_free(w, b, circle.everyone, circle.clearance, model, state, cells):
@@ -195,13 +201,16 @@ def shift_goal(
 ) -> bool:
     """Draw a goal near the place opposite of body b's, headed away from the centre; return whether one is free.
 
-    Reads: circle (clearance, jitter, radius, x, y), model (disc_count, disc_start, goal_renewal, has_goal, present,
-        reach, segment_count, segment_start, solid, stands, waypoints), state (discs, placed, pose, random, segments).
+    Reads: circle (clearance, jitter, radius, x, y), model (abreast, disc_count, disc_start, goal_renewal, has_goal,
+        present, reach, segment_count, segment_start, solid, stands, waypoints), state (discs, placed, pose, random,
+        segments).
     Writes: model (waypoints), state (random).
     """
     clearance, goal = circle.clearance, model.waypoints[w, b, 0]
     for _ in range(TRIES):
-        x, y = shifted(w, -circle.radius * np.cos(angle), -circle.radius * np.sin(angle), circle.jitter, state)
+        cosine, sine, aside = np.cos(angle), np.sin(angle), model.abreast[b]
+        place_x, place_y = aside * sine - circle.radius * cosine, -circle.radius * sine - aside * cosine
+        x, y = shifted(w, place_x, place_y, circle.jitter, state)
         goal[0], goal[1], goal[2] = circle.x + x, circle.y + y, np.arctan2(y, x)
         if are_goals_apart(w, b, members, clearance, model, state) and is_goal_free(
             w, b, clearance, model, state, cells

@@ -78,6 +78,8 @@ class WorldModel(Arrays):
     speed_bound: Flags = column("body", np.bool_, "", "the first of velocity_max bounds the speed in any direction too")
     drawn_speed: Floats = column("world* body", np.float64, "m/s", "greatest speed drawn for the level; inf: none")
     heedless: Flags = column("world* body", np.bool_, "", "its behaviour ignores what moves")
+    leader: Ints = column("body", np.int64, "", "first body of those that walk together with it; itself if it is alone")
+    abreast: Floats = column("body", np.float64, "m", "how far to the left of its leader it walks")
     watchers: Flags = column("watching body", np.bool_, "", "whose behaviour sees the bodies with this row; row 0: all")
     seen_row: Ints = column("body", np.int64, "", "row of watchers that says whose behaviour sees the body")
     acceleration_limit: Floats = column("world* body 3", np.float64, "m/s2 or rad/s2", "largest change; may be inf")
