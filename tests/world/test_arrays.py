@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.world import arrays
 from irsim_gym.world.group import records
 from irsim_gym.world.model import WorldModel
