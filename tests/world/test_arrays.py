@@ -21,6 +21,7 @@ SIZES = {
     "segment": 5,
     "disc": 1,
     "waypoint": 4,
+    "watching": 1,
     "bucket": 1,
     "map_column": 1,
     "map_row": 1,
