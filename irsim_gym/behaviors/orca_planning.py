@@ -189,7 +189,7 @@ def add_obstacles(
         n_parts = find_walls(model, state, w, b, within, obstacles)
         count = add_walls(model, state, w, ego, horizon, n_parts, tables)
     if model.map_frame[0].body >= 0:
-        count = add_map(model, ego, horizon, min(within, SIGHT), obstacles, planes, count)
+        count = add_map(model, w, ego, horizon, min(within, SIGHT), obstacles, planes, count)
     return count
 
 

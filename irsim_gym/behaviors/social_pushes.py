@@ -280,7 +280,7 @@ def push_of_map(
     reach = FADED * options.sigma_obstacle + r
     for way in range(4):
         nearest[way].gap2 = reach * reach
-    for k in range(map_walls(model, x, y, reach, sides, 0)):
+    for k in range(map_walls(model, w, x, y, reach, sides, 0)):
         ax, ay, bx, by = sides[k]
         if side(ax, ay, bx, by, x, y) < 0.0:
             continue

@@ -85,7 +85,7 @@ def most_map_walls(model: WorldModel, threshold: float) -> int:
         return 0
     cells = [
         min(float(count), 2.0 * threshold / side + 2.0)
-        for count, side in zip(chart.room.shape, (chart.width, chart.height), strict=True)
+        for count, side in zip(chart.room.shape[1:], (chart.width, chart.height), strict=True)
     ]
     return int(2.0 * (cells[0] + 1.0) * (cells[1] + 1.0)) + 1
 
@@ -220,7 +220,7 @@ def look_around(
         if is_seen(model, w, b, q, target_roles):
             n_sides = copy_sides(model, state, w, q, seen.sides, n_sides)
     if is_map_seen(model, w, target_roles):
-        n_sides = map_walls(model, x, y, sight, seen.sides, n_sides)
+        n_sides = map_walls(model, w, x, y, sight, seen.sides, n_sides)
     return n_rounds, n_sides
 
 
@@ -259,7 +259,7 @@ def copy_sides(model: WorldModel, state: WorldState, w: int, q: int, sides: Floa
 
 
 @kernel
-def map_walls(model: WorldModel, x: float, y: float, threshold: float, sides: Floats, n_sides: int) -> int:
+def map_walls(model: WorldModel, w: int, x: float, y: float, threshold: float, sides: Floats, n_sides: int) -> int:
     """Append the borders between occupied and free cells near a point to ``sides``; return how many those are now.
 
     Borders in a line are one segment, with the free cells to its left. What lies outside of the map is free. Those for
@@ -270,13 +270,14 @@ def map_walls(model: WorldModel, x: float, y: float, threshold: float, sides: Fl
 
     Args:
         model: The map.
+        w: The world.
         x: The point [m].
         y: The point [m].
         threshold: Borders of cells that are nearer than this [m].
         sides: Written, x0, y0, x1, y1 [m], shape ``(n, 4)``.
         n_sides: Number of rows in use.
     """
-    frame, squares = model.map_frame[0], model.map_squares
+    frame, squares = model.map_frame[0], model.map_squares[row_of(model.map_squares, w)]
     for axis in range(2):
         low, across = (frame.y, frame.x) if axis == 0 else (frame.x, frame.y)
         pitch, width = (frame.height, frame.width) if axis == 0 else (frame.width, frame.height)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
+from irsim_gym.arraytypes import Flags
 from irsim_gym.engine import body_buckets
 from irsim_gym.engine.collect import collect_parts
 from irsim_gym.engine.given import check_agents, check_scenario, check_worlds
@@ -16,8 +17,8 @@ from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.engine.start_checks import refuse_blocked_starts
 from irsim_gym.engine.traits import drawn_traits, watching_bodies, write_watchers
-from irsim_gym.geometry.cell_room import find_room
-from irsim_gym.geometry.cells import find_boxes, find_free_squares
+from irsim_gym.geometry.cells import find_boxes
+from irsim_gym.geometry.world_maps import lay_cells, most_boxes
 from irsim_gym.scenario.options import defaults
 from irsim_gym.scenario.spec import BodySpec, Scenario
 from irsim_gym.scenario.wander_goals import WanderGoals
@@ -47,6 +48,7 @@ ARRIVE_MODES = {"position": POSITION, "state": STATE}
 RANDOM_OUTLINE = frozenset(
     {"local_segments", "local_discs", "segment_count", "disc_count", "reach", "radius", "centroid"}
 )
+RANDOM_MAP = frozenset({"map_squares", "map_room", "map_boxes", "map_n_boxes"})
 
 
 def compile(
@@ -77,24 +79,24 @@ def compile(
     agents = check_agents(agents, scenario)
     check_worlds(n_worlds)
     outlines, varied = roomy_outlines(scenario), varied_outlines(scenario)
-    boxes = np.zeros((0, 4), np.int64) if scenario.occupied is None else find_boxes(scenario.occupied)
+    map_shape = (1, 1) if scenario.occupied is None else scenario.occupied.shape
     plans = [_plan_goals(body, scenario, is_agent=b in agents) for b, body in enumerate(scenario.bodies)]
     sizes = {
-        "map_box": len(boxes),
+        "map_box": _count_boxes(scenario),
         "world": n_worlds,
         "body": len(scenario.bodies),
         "segment": sum(len(outline.segments) for outline in outlines),
         "disc": sum(len(outline.discs) for outline in outlines),
         "bucket": body_buckets.n_buckets(len(scenario.bodies)),
-        "map_column": 1 if scenario.occupied is None else scenario.occupied.shape[0],
-        "map_row": 1 if scenario.occupied is None else scenario.occupied.shape[1],
+        "map_column": map_shape[0],
+        "map_row": map_shape[1],
         "watching": len(watching_bodies(scenario)),
         "waypoint": max((goals.rows for goals in plans), default=1),
     }
-    per_world = drawn_traits(scenario) | (RANDOM_OUTLINE if varied.any() else frozenset())
+    per_world = drawn_traits(scenario) | _rows_by_world(scenario, varied)
     model = WorldModel.allocate(sizes, per_world=per_world)
     state = WorldState.allocate(sizes)
-    _write_world(scenario, boxes, model)
+    _write_world(scenario, model)
     _write_outlines(outlines, model)
     for b, body in enumerate(scenario.bodies):
         _write_motion(b, body, model, is_agent=b in agents)
@@ -111,7 +113,24 @@ def compile(
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards, fused)
 
 
-def _write_world(scenario: Scenario, boxes: Ints, model: WorldModel) -> None:
+def _rows_by_world(scenario: Scenario, varied: Flags) -> frozenset[str]:
+    """Return the fields that need a row for each world, as their levels differ in it."""
+    if scenario.occupied is None:
+        return RANDOM_OUTLINE if varied.any() else frozenset()
+    outlines = RANDOM_OUTLINE if varied[:-1].any() else frozenset()
+    return outlines | (RANDOM_MAP if varied[-1] else frozenset())
+
+
+def _count_boxes(scenario: Scenario) -> int:
+    """Return how many boxes cover the occupied cells of the map, or may cover them in any level."""
+    if scenario.occupied is None:
+        return 0
+    if scenario.bodies[-1].shape.is_random:
+        return most_boxes(*scenario.occupied.shape)
+    return int(find_boxes(scenario.occupied, np.zeros((0, 4), np.int32)))
+
+
+def _write_world(scenario: Scenario, model: WorldModel) -> None:
     world = scenario.world
     x, y = world.offset
     model.bounds[:] = [x, y, x + world.width, y + world.height]
@@ -124,10 +143,10 @@ def _write_world(scenario: Scenario, boxes: Ints, model: WorldModel) -> None:
         columns, rows = scenario.occupied.shape
         size = world.width / columns, world.height / rows
         model.map_frame[0] = x, y, *size, len(scenario.bodies) - 1
-        find_free_squares(scenario.occupied, model.map_squares)
-        model.map_boxes[:] = boxes
-    if (cells := model.cells) is not None:
-        find_room(cells, np.zeros(len(cells.room)))
+        cells: Any = model.cells
+        lay_cells(cells, 0, scenario.occupied, np.zeros(columns))
+        for field in RANDOM_MAP:
+            getattr(model, field)[1:] = getattr(model, field)[0]
 
 
 def _hide_map(model: WorldModel) -> None:

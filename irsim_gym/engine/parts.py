@@ -25,6 +25,7 @@ class Parts:
         turns: Who decides and moves when.
         external: Nothing moves but by the caller's hand (``step_mode: external``).
         footprints: Bodies whose outline is drawn anew for each level, by shape.
+        maps: The body of an occupancy map that is drawn anew for each level, if there is one.
         placements: Entries of the file, in the order in which they are placed.
         levels: Levels that a file gives; None where they are drawn.
         free: Entries with bodies that no file of levels places.
@@ -49,6 +50,7 @@ class Parts:
     turns: list[Turn]
     external: bool
     footprints: list[Group]
+    maps: list[Group]
     placements: list[Group]
     levels: LevelTable | None
     free: list[Group]

@@ -137,13 +137,13 @@ def copy_words(worlds: Ints, model: WorldModel, state: WorldState) -> None:
 
 
 def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Draw presence, outlines and placements, and write ``state.failed``; copy them where a file gives the levels."""
+    """Draw presence, maps, outlines and placements, and write ``state.failed``; copy what a file of levels gives."""
     if parts.levels is not None:
         take_level(parts, parts.levels, model, state, shard)
         return
     failed = state.failed
     draw_presence(shard.worlds, parts.number_ranges, model, state, failed)
-    for group in parts.footprints:
+    for group in (*parts.maps, *parts.footprints):
         group.kind.draw(group, model, state, shard)
     for group in parts.placements:
         group.kind.draw(group, model, state, shard, failed)

@@ -26,7 +26,7 @@ from irsim_gym.evaluation.metrics import HITS, EpisodeRow, Rate, Summary
 
 WIDTH = 160
 Row = TypeVar("Row")
-EPISODE_COLUMNS = (*(field.name for field in fields(EpisodeRow)), "spl", "path_ratio")
+EPISODE_COLUMNS = (*(field.name for field in fields(EpisodeRow)), "spl", "sct", "path_ratio")
 
 
 def write_text(path: Path, text: str) -> None:

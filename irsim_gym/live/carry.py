@@ -72,6 +72,7 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
             rows = int(getattr(old.model, count)[0, was])
             first, target = int(getattr(old.model, start)[was]), int(getattr(new.model, start)[b])
             getattr(new.model, table)[:, target : target + rows] = getattr(old.model, table)[:, first : first + rows]
+    _carry_map(old, new)
     _carry_fog(old, new)
     _carry_memories(old, new, dict(zip(here.tolist(), there.tolist(), strict=True)))
     new.state.placed[0, here] = True
@@ -80,6 +81,14 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
         [np.setdiff1d(new.parts.loop_returns, here), here[np.isin(there, old.parts.loop_returns)]]
     )
     new.place(here)
+
+
+def _carry_map(old: Simulation, new: Simulation) -> None:
+    """Copy the map, which may be that of the level."""
+    before, now = old.model.cells, new.model.cells
+    if before is not None and now is not None:
+        for field in ("squares", "boxes", "n_boxes", "room"):
+            getattr(now, field)[:] = getattr(before, field)
 
 
 def _carry_fog(old: Simulation, new: Simulation) -> None:

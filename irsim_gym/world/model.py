@@ -10,12 +10,13 @@ from irsim_gym.arraytypes import (
     BUCKET_FRAME,
     MAP_FRAME,
     Bytes,
-    CellMap,
+    CellMaps,
     Flags,
     Floats,
     Ints,
     Rays,
     Records,
+    Spans,
     Words,
 )
 from irsim_gym.world.arrays import Arrays, column
@@ -56,7 +57,7 @@ class WorldModel(Arrays):
 
     bounds: Floats = column("4", np.float64, "m", "world rectangle: x_min, y_min, x_max, y_max")
     step_time: Floats = column("1", np.float64, "s", "duration of a step")
-    rigid: Flags = column("1", np.bool_, "", "no outline is drawn anew for each level")
+    rigid: Flags = column("1", np.bool_, "", "neither outlines nor maps are drawn anew for each level")
     collision_mode: Ints = column("1", np.int64, "", "STOP, UNOBSTRUCTED or UNOBSTRUCTED_OBSTACLES")
     role: Ints = column("body", np.int64, "", "ROBOT or OBSTACLE")
     movable: Flags = column("body", np.bool_, "", "False for a body that never moves")
@@ -92,9 +93,14 @@ class WorldModel(Arrays):
     radius: Floats = column("world* body", np.float64, "m", "radius of the least circle around the footprint")
     centroid: Floats = column("world* body 2", np.float64, "m", "centre of the footprint's area, in the body frame")
     map_frame: Records = column("1", MAP_FRAME, "m", "where the occupancy map lies; body -1: no map")
-    map_squares: Bytes = column("4 map_column map_row", np.uint8, "", "free square by quadrant, cells; 0: occupied")
-    map_room: Rays = column("map_column map_row", np.float32, "m", "distance of each cell's centre from the occupied")
-    map_boxes: Ints = column("map_box 4", np.int64, "", "what is occupied: first, end column; first, end row")
+    map_squares: Bytes = column(
+        "world* 4 map_column map_row", np.uint8, "", "free square by quadrant, cells; 0: occupied"
+    )
+    map_room: Rays = column(
+        "world* map_column map_row", np.float32, "m", "distance of each cell's centre from the occupied"
+    )
+    map_boxes: Spans = column("world* map_box 4", np.int32, "", "what is occupied: first, end column; first, end row")
+    map_n_boxes: Ints = column("world*", np.int64, "", "how many of these boxes count")
     bucket_frame: Records = column("1", BUCKET_FRAME, "m", "where the squares of the buckets lie; columns 0: none")
     bucketed: Flags = column("body", np.bool_, "", "small enough to be found through the buckets")
     present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
@@ -115,8 +121,8 @@ class WorldModel(Arrays):
     static_known: Flags = column("world", np.bool_, "", "static contacts were found, and none has to be found anew")
 
     @property
-    def cells(self) -> CellMap | None:
-        """The occupancy map; None without one."""
+    def cells(self) -> CellMaps | None:
+        """The occupancy maps of all worlds; None without one."""
         x, y, width, height, body = self.map_frame.item()
-        arrays = self.map_squares, self.map_boxes, self.map_room
-        return CellMap(x, y, width, height, body, *arrays) if body >= 0 else None
+        arrays = self.map_squares, self.map_boxes, self.map_n_boxes, self.map_room
+        return CellMaps(x, y, width, height, body, *arrays) if body >= 0 else None
