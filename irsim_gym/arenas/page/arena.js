@@ -18,7 +18,7 @@ class Arena {
     this.addClose();
     this.listen();
     this.arrange();
-    this.choose(this.matrix.shown[0] ?? 0, null);
+    this.choose(this.matrix.shown.find((level) => this.replaysOf(level).size) ?? 0, null);
     this.follow();
   }
 
