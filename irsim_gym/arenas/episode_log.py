@@ -10,7 +10,7 @@ from irsim_gym.envs.replays import agent_values
 from irsim_gym.tasks import Episodes
 
 if TYPE_CHECKING:
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
 
 
 class EpisodeLog:
@@ -36,7 +36,7 @@ class EpisodeLog:
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
         """Begin recordings."""
-        from irsim_gym.render.replay import Recording
+        from irsim_gym.render.replay_data import Recording
 
         levels = episodes.view.infos["level"][worlds, 0].tolist()
         for world, level in zip(worlds.tolist(), levels, strict=True):

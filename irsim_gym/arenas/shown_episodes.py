@@ -15,7 +15,7 @@ from irsim_gym.evaluation.protocol import drive
 from irsim_gym.tasks import Episodes, Outcome
 
 if TYPE_CHECKING:
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.players import Players, players
 
 if TYPE_CHECKING:
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
 
 FILMS = (".mp4", ".gif")
 REPLAYS = (".html",)
@@ -153,7 +153,7 @@ def _moments(cast: Players, world: int, level: int) -> tuple[str, list[Bytes]]:
 
 def _recorded(cast: Players, world: int, level: int) -> Recording:
     """Play a level and return what it looked like."""
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
 
     scenario, policy = cast.episodes.simulation.scenario, cast.names[world]
     details = {"policy": policy, "level": f"{level} ({cast.split})"}
