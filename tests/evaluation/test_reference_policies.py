@@ -130,7 +130,7 @@ def test_a_behaviour_that_cannot_drive_the_learner_is_refused() -> None:
 
 
 def test_options_of_a_policy_by_name() -> None:
-    """On an empty way rvo takes the sample next to its own top speed, or next to that of the drive without the option."""
+    """On an empty way rvo takes the sample next to its own top speed, or, without the option, to that of the drive."""
     open_way = scenario(kinematics={"name": "omni"}, state=[2, 5, 0], goal=[8, 5, 0], vel_min=[-1, -1], vel_max=[1, 1])
     for name, speed in (("rvo:vxmax=0.5", 0.5), ("rvo", 1.0)):
         episodes, policy = Worlds(open_way, 1).episodes, reference_policy(name)
