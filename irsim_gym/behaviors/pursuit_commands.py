@@ -71,10 +71,17 @@ def spin(moving: Moving, axis: int, error: float) -> float:
 def differential_command(
     options: Record, moving: Moving, ahead: float, aside: float, room: float, remaining: float, share: float
 ) -> Command:
-    """Return speed and turn rate: on the spot where the point lies aside or behind, else along the arc to it."""
+    """Return speed and turn rate: on the spot where the point lies aside or behind, else along the arc to it.
+
+    A body whose turn rate changes slowly goes by the heading that it would have when it came to rest.
+    """
+    rate = moving.velocity[1]
+    past = 0.5 * rate * np.abs(rate) / moving.change[1] if moving.change[1] > 0.0 else 0.0
     error = np.arctan2(aside, ahead)
-    if np.abs(error) > options.turn_angle:
+    if max(np.abs(error), np.abs(error - past)) > options.turn_angle:
         return 0.0, spin(moving, 1, error), 0.0
+    cosine, sine = np.cos(past), np.sin(past)
+    ahead, aside = cosine * ahead + sine * aside, cosine * aside - sine * ahead
     curvature = arc_curvature(ahead, aside)
     speed = share * regulated_speed(options, min(moving.high[0], options.speed), curvature, room, remaining)
     sharpest = moving.high[1] if curvature > 0.0 else -moving.low[1]
@@ -100,8 +107,12 @@ def ackermann_command(
         speed = max(
             share * regulated_speed(options, min(-moving.low[0], options.speed), 0.0, room, np.inf), moving.low[0]
         )
-        steering = right if aside > 0.0 else left
-        return speed, -steering if moving.by_rate else steering, 0.0
+        to_left = aside > 0.0
+        if moving.velocity[0] < 0.0 and ahead < -np.abs(aside):  # straight behind, either way will do: keep to one
+            to_left = moving.velocity[1] > 0.0 if moving.by_rate else moving.velocity[1] < 0.0
+        if moving.by_rate:
+            return speed, left if to_left else right, 0.0
+        return speed, right if to_left else left, 0.0
     curvature = arc_curvature(ahead, aside)
     speed = min(moving.high[0], options.speed)
     if not moving.by_rate:

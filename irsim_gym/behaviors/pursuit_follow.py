@@ -22,8 +22,10 @@ SLOWEST = 0.05
 """The least share of the regulated speed that is tried."""
 STRAIGHT = 1e-3
 """A body that is to turn on the spot before it goes on looks ahead up to this [rad]."""
-BEHIND, AHEAD = 0.5 * np.pi, 0.25 * np.pi
-"""A car that can goes back while its way leads behind, until it leads ahead [rad]."""
+BEHIND, AHEAD = 0.5 * np.pi, 0.1
+"""A car that can goes back where its way leads behind, and at most until it leads ahead [rad]."""
+BACK_STEPS = 15
+"""For so many steps it does so."""
 SIGHT = 1.0
 """Obstacles farther away than this do not matter to how fast a body drives [m], unless ``proximity`` is more."""
 
@@ -54,9 +56,9 @@ def follow(
     reach: float,
     moving: Moving,
     course: Course,
-    back: bool,
-) -> tuple[bool, int, bool, Command]:  # fmt: skip
-    """Return whether the way can be followed, the side where the body is, whether it drives back, and its command.
+    back: int,
+) -> tuple[bool, int, int, Command]:  # fmt: skip
+    """Return whether the way can be followed, the side where the body is, how long it drives back, and its command.
 
     The body aims at a point ahead to which the straight way is free. If it could not stop on the arc to it before it
     touches something, nearer points are tried, then slower speeds, and at last it stops. Where no point ahead is free,
@@ -71,7 +73,7 @@ def follow(
         reach: Radius of the body [m].
         moving: What it does and can do.
         course: The way.
-        back: It drives back.
+        back: Steps for which it drives back.
     """
     x, y, way, count = moving.pose[0], moving.pose[1], course.points, course.count
     side, near_x, near_y = place_on_way(way, count, course.side, x, y)
@@ -93,11 +95,12 @@ def follow(
             break
         command = command_to(options, moving, point, room, remaining, 1.0)
         if can_stop(everything, radius, slack, moving, command):
-            return True, side, False, command
+            return True, side, 0, command
     if not found:
-        return False, side, False, braking_command(moving)
-    back, command = careful_command(everything, options, radius, slack, moving, target, room, remaining)
-    return True, side, back, command
+        return False, side, 0, braking_command(moving)
+    backs, command = careful_command(everything, options, radius, slack, moving, target, room, remaining)
+    more = back - 1 if back > 0 else BACK_STEPS
+    return True, side, more if backs else 0, command
 
 
 @kernel
@@ -108,11 +111,11 @@ def bearing_to(moving: Moving, target: tuple[float, float]) -> float:
 
 
 @kernel
-def wants_back(moving: Moving, target: tuple[float, float], back: bool) -> bool:
+def wants_back(moving: Moving, target: tuple[float, float], back: int) -> bool:
     """Return whether a car is to drive back: the point lies behind it, or not ahead yet while it does so."""
     if moving.drive != ACKERMANN or moving.low[0] >= 0.0:
         return False
-    return bool(bearing_to(moving, target) > (AHEAD if back else BEHIND))
+    return bool(bearing_to(moving, target) > (AHEAD if back > 0 else BEHIND))
 
 
 @kernel

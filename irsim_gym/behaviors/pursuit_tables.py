@@ -22,8 +22,8 @@ COARSE, FINE = 0.5, 0.25
 """Side of the cells in which ways are looked for, as a share of the smallest member's reach."""
 PATIENCE = 10
 """Steps after which a body looks for a way again where it found none, or could not follow it."""
-HALVINGS = 2
-"""How often the distance to keep is halved where there is no way, before none is kept."""
+HALVINGS = 3
+"""How often the distance to keep is halved where there is no way, first on the coarse cells, then on the fine ones."""
 
 
 class WayGrid(NamedTuple):
@@ -68,7 +68,7 @@ class PursuitTables(Struct):
         whole: All of its points are kept.
         margin: How far it keeps the body's surface from what stands [m].
         side: The side of the way on which the body is.
-        back: The body drives back.
+        back: Steps for which a car goes on to drive back.
         retry: The step from which on a way may be looked for again.
         standing: Scratch: what stands in the way, shape ``(n_slots, n_bodies)``.
         everything: Scratch: that, and what moves, shape ``(n_slots, n_bodies)``.
@@ -83,7 +83,7 @@ class PursuitTables(Struct):
     whole: Flags
     margin: Floats
     side: Ints
-    back: Flags
+    back: Ints
     retry: Ints
     standing: Flags
     everything: Flags
@@ -108,7 +108,7 @@ class PursuitTables(Struct):
             whole=np.zeros(shape, np.bool_),
             margin=np.zeros(shape),
             side=np.zeros(shape, np.int64),
-            back=np.zeros(shape, np.bool_),
+            back=np.zeros(shape, np.int64),
             retry=np.zeros(shape, np.int64),
             standing=np.zeros((n_slots, n_bodies), np.bool_),
             everything=np.zeros((n_slots, n_bodies), np.bool_),
@@ -123,7 +123,7 @@ def forget_ways(worlds: Ints, tables: PursuitTables) -> None:
     """
     for w in worlds:
         for m in range(tables.retry.shape[1]):
-            tables.goal[w, m, 0], tables.retry[w, m], tables.back[w, m] = np.nan, 0, False
+            tables.goal[w, m, 0], tables.retry[w, m], tables.back[w, m] = np.nan, 0, 0
 
 
 @kernel
@@ -138,7 +138,7 @@ def find_way(
 ) -> None:
     """Write a member's way from its place to its goal, as far from what stands as asked for if there is one.
 
-    Else at half the distance, at a quarter, and then as near as it gets, on finer cells at last.
+    Else at half the distance, at a quarter, and on finer cells at less and less; at last as near as it gets.
 
     Reads: tables (coarse, fine).
     Writes: tables (coarse, count, fine, goal, margin, points, side, whole).
@@ -154,15 +154,19 @@ def find_way(
     """
     w, count, coarse, fine = obstacles.w, 0, tables.coarse, tables.fine
     search, path = Search(coarse.blocked[slot], coarse.field[slot], coarse.queue[slot]), coarse.path[slot]
-    for attempt in range(HALVINGS + 2):
-        margin = 0.5 * margin if 0 < attempt <= HALVINGS else margin
-        margin = 0.0 if attempt > HALVINGS else margin
+    for _ in range(HALVINGS):
         count = shortest_path(obstacles, reach + margin, ends[0], ends[1], coarse.grid, search, path)
-        if count > 0 or margin == 0.0:
+        if count > 0:
             break
+        margin *= 0.5
     if count == 0:
         search, path = Search(fine.blocked[slot], fine.field[slot], fine.queue[slot]), fine.path[slot]
-        count = shortest_path(obstacles, reach, ends[0], ends[1], fine.grid, search, path)
+    for attempt in range(HALVINGS):
+        if count > 0:
+            break
+        margin = margin * 0.5 if 0 < attempt < HALVINGS - 1 else margin
+        margin = 0.0 if attempt == HALVINGS - 1 else margin
+        count = shortest_path(obstacles, reach + margin, ends[0], ends[1], fine.grid, search, path)
     kept = min(count, MOST_POINTS)
     for i in range(kept):
         tables.points[w, m, i, 0], tables.points[w, m, i, 1] = path[i, 0], path[i, 1]

@@ -51,7 +51,8 @@ def remaining_length(way: Floats, count: int, side: int, x: float, y: float) -> 
 def point_at_distance(way: Floats, count: int, side: int, x: float, y: float, distance: float) -> tuple[float, float]:
     """Return the first point of the way [m], from one of its sides on, that is so far away from a body; else its end.
 
-    Where a side leaves the circle about the body, the point is where they meet.
+    Where a side leaves the circle about the body, the point is where they meet; one that passes by the circle has the
+    point nearest to it.
 
     Args:
         way: The points [m], shape ``(n_points, 2)``.
@@ -69,7 +70,7 @@ def point_at_distance(way: Floats, count: int, side: int, x: float, y: float, di
         dx, dy = bx - ax, by - ay
         a, b, c = dx * dx + dy * dy, ax * dx + ay * dy, ax * ax + ay * ay - distance * distance
         root = b * b - a * c
-        share = (np.sqrt(root) - b) / a if root >= 0.0 and a > 0.0 else 0.0
+        share = (np.sqrt(max(root, 0.0)) - b) / a if a > 0.0 else 0.0
         share = min(max(share, 0.0), 1.0)
         return x + ax + share * dx, y + ay + share * dy
     return way[count - 1, 0], way[count - 1, 1]
