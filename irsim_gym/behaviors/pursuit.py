@@ -7,7 +7,8 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Ints, Record
+from irsim_gym.arraytypes import CellMaps, Flags, Ints, Record
+from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.pursuit_commands import spin
 from irsim_gym.behaviors.pursuit_follow import Course, follow
 from irsim_gym.behaviors.pursuit_motion import moving_of
@@ -17,7 +18,7 @@ from irsim_gym.behaviors.surroundings import is_seen
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
-from irsim_gym.scenario.options import crossed_bounds, kind, option
+from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import DIFFERENTIAL, OMNI_ANGULAR, STATE, WorldModel
 from irsim_gym.world.rows import row_of
@@ -47,6 +48,7 @@ class Pursuit:
     range_high: tuple[float, float, float] = option(
         (10.0, 10.0, np.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
     )
+    wander_goals: renewal.WanderGoals = renewal.GOALS
     clearance: float = option(
         0.1,
         ge=0.0,
@@ -90,7 +92,7 @@ class Pursuit:
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from crossed_bounds(self.range_low, self.range_high)
+        yield from renewal.renewal_problems(self)
         if self.lookahead_max is not None and self.lookahead_max < self.lookahead_min:
             yield "lookahead_max", f"must be >= lookahead_min, {self.lookahead_min:g}, got {self.lookahead_max:g}"
 
@@ -121,13 +123,14 @@ def pursue_known(
     params: Any,
     tables: PursuitTables,
     model: WorldModel,
-    cells: CellMap | None,
+    cells: CellMaps | None,
     state: WorldState,
 ) -> None:
     """Write the commands of bodies that know all that stands.
 
     Reads: tables (back, by_rate, coarse, count, everything, fine, goal, margin, points, retry, side, standing, whole),
-        model (has_goal, present, role, stands, unobstructed), state (arrived, goal, stopped).
+        model (has_goal, heedless, movable, present, role, seen_row, stands, unobstructed, watchers), state (arrived,
+        goal, stopped).
     Writes: tables (back, coarse, count, everything, fine, goal, margin, points, retry, side, standing, whole), state
         (command).
     """
@@ -175,7 +178,7 @@ def turns_at_goal(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
 def mark_moving(model: WorldModel, w: int, own: int, target_roles: int, standing: Flags, everything: Flags) -> None:
     """Write what stands in the way of a body, and what moves.
 
-    Reads: model (present, role, stands, unobstructed).
+    Reads: model (heedless, movable, present, role, seen_row, stands, unobstructed, watchers).
     Writes: everything.
     """
     for b in range(standing.shape[0]):

@@ -10,7 +10,7 @@ from irsim_gym.arraytypes import Floats, Record
 from irsim_gym.behaviors.pursuit_commands import braking_command, command_to, turn_command
 from irsim_gym.behaviors.pursuit_formulas import lookahead_distance
 from irsim_gym.behaviors.pursuit_motion import Command, Moving, can_stop
-from irsim_gym.behaviors.pursuit_way import place_on_way, point_at_distance, remaining_length
+from irsim_gym.behaviors.pursuit_way import WINDOW, place_on_way, point_at_distance, remaining_length
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, room_at, way_is_free
@@ -77,6 +77,8 @@ def follow(
     """
     x, y, way, count = moving.pose[0], moving.pose[1], course.points, course.count
     side, near_x, near_y = place_on_way(way, count, course.side, x, y)
+    if abs(near_x - x) > WINDOW or abs(near_y - y) > WINDOW:  # it was put elsewhere
+        return False, side, 0, braking_command(moving)
     remaining = np.inf if course.goes_on else remaining_length(way, count, side, near_x, near_y)
     room = room_at(everything, x, y, reach + max(options.proximity, SIGHT)) - reach
     radius = reach + 0.5 * min(course.margin, max(room, 0.0))

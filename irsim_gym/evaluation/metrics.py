@@ -28,6 +28,9 @@ class EpisodeRow:
         optimum: Length of the shortest collision-free path from start to goal past the bodies that stand
             still [m]; infinite when none was found.
         min_clearance: Smallest distance between the robot's outline and another body's [m].
+        least_time: No robot with these limits of speed and acceleration takes less [s]; NaN where it was not measured.
+        acceleration: Mean size of the derivative of the velocity vector [m/s2]; NaN where it was not measured.
+        jerk: Mean size of its second derivative [m/s3], likewise.
     """
 
     level: int
@@ -38,6 +41,9 @@ class EpisodeRow:
     path_length: float
     optimum: float
     min_clearance: float
+    least_time: float = math.nan
+    acceleration: float = math.nan
+    jerk: float = math.nan
 
     @property
     def spl(self) -> float:
@@ -50,6 +56,18 @@ class EpisodeRow:
         if not math.isfinite(self.optimum) or self.path_length <= self.optimum:
             return 1.0
         return self.optimum / self.path_length
+
+    @property
+    def sct(self) -> float:
+        """Success by completion time: least time / time (Yokoyama et al. 2021, arXiv:2103.08022).
+
+        NaN where the least time is not known.
+        """
+        if math.isnan(self.least_time):
+            return math.nan
+        if self.outcome != "success":
+            return 0.0
+        return 1.0 if self.time <= self.least_time else self.least_time / self.time
 
     @property
     def path_ratio(self) -> float:
@@ -111,10 +129,13 @@ class Summary:
         left_world: Share that left the world's rectangle.
         deadlock: Share that the task's ending ``deadlocked`` ended.
         spl: Mean of success weighted by path length, over all episodes.
+        sct: Mean of success weighted by completion time, over all episodes.
         time: Mean duration of the successes [s]; NaN without any.
         path_length: Mean distance driven by the successes [m]; NaN without any.
         path_ratio: Mean of path length / optimum over the successes; NaN without any.
         min_clearance: Mean over all episodes of the smallest clearance [m].
+        acceleration: Mean of the mean sizes of acceleration [m/s2], over all episodes.
+        jerk: Mean of the mean sizes of its derivative [m/s3], likewise.
     """
 
     policy: str
@@ -126,10 +147,13 @@ class Summary:
     left_world: Rate
     deadlock: Rate
     spl: float
+    sct: float
     time: float
     path_length: float
     path_ratio: float
     min_clearance: float
+    acceleration: float
+    jerk: float
 
 
 def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
@@ -152,10 +176,13 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
         left_world=rate(counts["left_world"], total),
         deadlock=rate(counts["deadlock"], total),
         spl=mean([row.spl for row in rows]),
+        sct=mean([row.sct for row in rows]),
         time=mean([row.time for row in successes]),
         path_length=mean([row.path_length for row in successes]),
         path_ratio=mean([row.path_ratio for row in successes]),
         min_clearance=mean([row.min_clearance for row in rows]),
+        acceleration=mean([row.acceleration for row in rows]),
+        jerk=mean([row.jerk for row in rows]),
     )
 
 

@@ -11,6 +11,7 @@ from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Simulation
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import HIT_OF_KIND, EpisodeRow
+from irsim_gym.evaluation.motion import JoinedWatchers, MotionLog
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.evaluation.trajectories import Watcher
@@ -50,11 +51,11 @@ def evaluate(
         raise IrsimGymError(
             f"this evaluation is for one agent per world, but the task has {episodes.n_agents}: evaluate it as a team"
         )
-    found = optima_of(split, optima)
+    found, motion = optima_of(split, optima), MotionLog(episodes)
     rows: dict[int, EpisodeRow] = {}
-    for indices, worlds, played in drive(policy, episodes, levels, split, watcher):
+    for indices, worlds, played in drive(policy, episodes, levels, split, JoinedWatchers(found, motion, watcher)):
         for index, world, level in zip(indices, worlds, played, strict=True):
-            rows[index] = episode_row(episodes, found, world, level)
+            rows[index] = episode_row(episodes, found, motion, world, level)
         if on_episodes is not None:
             on_episodes(len(worlds))
     return [rows[index] for index in sorted(rows)]
@@ -143,7 +144,13 @@ def _run(
 
 
 def episode_row(
-    episodes: Episodes, optima: Optima, world: int, level: int, agent: int = 0, hits: Sequence[str] = HIT_OF_KIND
+    episodes: Episodes,
+    optima: Optima,
+    motion: MotionLog,
+    world: int,
+    level: int,
+    agent: int = 0,
+    hits: Sequence[str] = HIT_OF_KIND,
 ) -> EpisodeRow:
     """Return the row of an agent whose episode has ended; ``hits`` are the words for each ``HitKind``."""
     infos = {name: values[world, agent] for name, values in episodes.view.infos.items()}
@@ -158,4 +165,7 @@ def episode_row(
         path_length=float(infos["path_length"]),
         optimum=optima.of(episodes, world, level, agent),
         min_clearance=float(infos["min_clearance"]),
+        least_time=optima.least_time(level, agent),
+        acceleration=motion.acceleration(world, agent),
+        jerk=motion.jerk(world, agent),
     )

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Floats, Ints
+from irsim_gym.arraytypes import CellMaps, Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.placements.manual import put_on_start, world_box
@@ -123,7 +123,7 @@ def draw_shifted(
     circle: CircleTables,
     model: WorldModel,
     state: WorldState,
-    cells: CellMap | None,
+    cells: CellMaps | None,
     failed: Ints,
 ) -> None:
     """Turn the circle, then shift the start and the goal of one member after the other until they are free.
@@ -149,7 +149,7 @@ def draw_shifted(
 
 @kernel
 def shift_start(
-    w: int, b: int, angle: float, circle: CircleTables, model: WorldModel, state: WorldState, cells: CellMap | None
+    w: int, b: int, angle: float, circle: CircleTables, model: WorldModel, state: WorldState, cells: CellMaps | None
 ) -> bool:
     """Draw a pose near body b's place on the circle, facing the centre; return whether one is free.
 
@@ -177,7 +177,7 @@ def shift_goal(
     circle: CircleTables,
     model: WorldModel,
     state: WorldState,
-    cells: CellMap | None,
+    cells: CellMaps | None,
 ) -> bool:
     """Draw a goal near the place opposite of body b's, headed away from the centre; return whether one is free.
 

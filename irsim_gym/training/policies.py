@@ -36,6 +36,10 @@ CHUNK = 64
 """Rows of one pass through the network: always as many, since sums may be rounded otherwise in another size."""
 
 
+class UnfitPolicyError(IrsimGymError):
+    """A policy that was trained with other observations or actions than those of the task."""
+
+
 class UnknownPolicyError(IrsimGymError):
     """There is no policy of a name, and no file or folder.
 
@@ -70,9 +74,9 @@ class SavedPolicy:
         """Forget what was in these worlds.
 
         Raises:
-            IrsimGymError: The policy was trained with other observations or actions than these of the task.
+            UnfitPolicyError: The policy was trained with other observations or actions than these of the task.
         """
-        self._check(episodes)
+        self.check(episodes)
         if self._shape is None:
             return
         size = (2, self._shape[0], episodes.n_worlds * episodes.n_agents, self._shape[2])
@@ -88,7 +92,12 @@ class SavedPolicy:
         chunks = [self._chunk(layout.formed(seen.each(partial(_padded, part=part))), slots[part]) for part in parts]
         return by_world(np.concatenate(chunks), episodes)
 
-    def _check(self, episodes: Episodes) -> None:
+    def check(self, episodes: Episodes) -> None:
+        """Refuse a task with other observations or actions than the policy was trained with.
+
+        Raises:
+            IrsimGymError: It has.
+        """
         model = self.model
         observed, acted = observation_space(episodes), action_space(episodes)
         for what, learnt, here in (
@@ -96,7 +105,7 @@ class SavedPolicy:
             ("actions", model.action_space, acted),
         ):
             if form_of(learnt) not in (form_of(here), form_of(_channels_first(here))):
-                raise IrsimGymError(
+                raise UnfitPolicyError(
                     f"the policy was trained with {what} {form_of(learnt)}, but those of task '{episodes.task.name}' "
                     f"in '{episodes.simulation.scenario.name}' are {form_of(here)}"
                 )
