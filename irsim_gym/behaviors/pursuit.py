@@ -144,8 +144,8 @@ def pursue_known(
             mark_standing(model, w, b, standing)
             mark_moving(model, w, b, params[k].target_roles, standing, everything)
             fixed, all_there = (
-                Obstacles(model, state, w, standing, cells),
-                Obstacles(model, state, w, everything, cells),
+                Obstacles(model, state, w, standing, cells, None),
+                Obstacles(model, state, w, everything, cells, None),
             )
             pursue(fixed, all_there, params[k], tables, slot, b)
 

@@ -147,4 +147,4 @@ def _point(values: Point) -> tuple[float, float]:
 
 def _obstacles(model: WorldModel, state: WorldState, world: int, blocks: Flags | None) -> Obstacles:
     chosen = standing_bodies(model, world) if blocks is None else np.ascontiguousarray(blocks, np.bool_)
-    return Obstacles(model, state, int(world), chosen, model.cells)
+    return Obstacles(model, state, int(world), chosen, model.cells, None)
