@@ -47,7 +47,7 @@ ALLOWED: dict[str, set[str]] = {
     "tasks": {"engine", "world", "geometry", "scenario", "paths", "jit", "rng", "structs", "pydantic", "pydantic_core"},
     "envs": {"tasks", "engine", "scenario", "world", "render", "gymnasium"},
     "evaluation": {"envs", "tasks", "engine", "world", "paths", "scenario", "rich", "scipy"},
-    "levels": {"evaluation", "tasks", "engine", "world", "paths", "scenario", "render"},
+    "levels": {"evaluation", "tasks", "engine", "world", "paths", "scenario", "render", "rich", "shapely"},
     "raster": {"jit", "structs", "geometry", "world", "scenario.plot_spec"},
     "render": {
         "world",

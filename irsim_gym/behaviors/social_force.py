@@ -29,6 +29,13 @@ NEIGHBORS = option(10.0, ge=0.0, unit="m", meaning="Bodies farther away than thi
 SPEED = option(1.5, gt=0.0, unit="m/s", meaning="Desired and greatest speed.")
 SAFETY = option(0.0, ge=0.0, unit="m", meaning="Distance added around each body.")
 
+INTERACTION = option(
+    "moussaid",
+    meaning="How others push: by position and velocity (Moussaid et al. 2009), or straight away, fading with the "
+    "gap between the discs (circular; Helbing and Molnar 1995).",
+)
+RANGE = option(1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades.")
+
 NO_FORCE = 0.0, 0.0
 
 
@@ -62,6 +69,8 @@ class SocialForce:
     n_angular: float = ANGULAR
     n_velocity: float = VELOCITY
     safety_radius: float = SAFETY
+    interaction: Literal["moussaid", "circular"] = INTERACTION
+    interaction_range: float = RANGE
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""

@@ -49,6 +49,8 @@ class SocialForceGroup:
     n_angular: float = social_force.ANGULAR
     n_velocity: float = social_force.VELOCITY
     safety_radius: float = social_force.SAFETY
+    interaction: Literal["moussaid", "circular"] = social_force.INTERACTION
+    interaction_range: float = social_force.RANGE
     target_roles: Literal["all", "robot", "obstacle"] = option(
         "all", meaning="Which bodies outside of the group are avoided."
     )

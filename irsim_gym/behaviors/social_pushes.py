@@ -41,6 +41,9 @@ from irsim_gym.world.state import WorldState
 FADED = 5.0
 """Walls farther away than this many decay lengths do not push."""
 
+CIRCULAR = 1
+"""``interaction: circular``."""
+
 TOUCHING = 1e-9
 """Nearer than this [m] a wall has no direction: it pushes along x."""
 
@@ -190,7 +193,12 @@ def push_of_bodies(
             px, py = (pose[q, 0], pose[q, 1]) if among[q] else centroid_of(model, state, w, q)
             if (x - px) * (x - px) + (y - py) * (y - py) < sight * sight:
                 ux, uy = vx - twist[q, 0], vy - twist[q, 1]
-                fx, fy = push_of_body(px - x, py - y, ux, uy, options, tables.by_hypot)
+                if options.interaction == CIRCULAR:
+                    both = model.radius[row_of(model.radius, w), b] + model.radius[row_of(model.radius, w), q]
+                    both += 2.0 * options.safety_radius
+                    fx, fy = push_of_disc(px - x, py - y, both, options.interaction_range)
+                else:
+                    fx, fy = push_of_body(px - x, py - y, ux, uy, options, tables.by_hypot)
                 others_x, others_y = others_x + fx, others_y + fy
     return others_x, others_y, walls_x, walls_y
 
@@ -222,6 +230,19 @@ def push_of_body(dx: float, dy: float, ux: float, uy: float, options: Any, by_hy
     brake = -np.exp(fading - braking * braking)
     turn = -np.sign(angle) * np.exp(fading - turning * turning)
     return brake * tx - turn * ty, brake * ty + turn * tx
+
+
+@kernel
+def push_of_disc(dx: float, dy: float, both: float, fading: float) -> tuple[float, float]:
+    """Return the push of another disc at (dx, dy) [m] away from it: exp(-gap / fading), with both radii ``both`` [m].
+
+    This is the circular form of Helbing and Molnar (1995). Discs that overlap push each other harder.
+    """
+    distance = np.sqrt(dx * dx + dy * dy)
+    if distance < TOUCHING:
+        return 0.0, 0.0
+    size = np.exp((both - distance) / fading)
+    return -size * dx / distance, -size * dy / distance
 
 
 @kernel

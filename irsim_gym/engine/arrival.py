@@ -12,6 +12,9 @@ from irsim_gym.world.model import KEEP_GOAL, STATE, WANDER, WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
+SAME_PLACE = 1e-6
+"""Goals nearer than this [m] are the same."""
+
 
 @kernel(inlined=True)
 def goal_gap(pose: Floats, goal: Floats, with_heading: bool) -> float:
@@ -65,20 +68,32 @@ def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Worl
 
     On the way between one goal and the start headings do not matter, unless they do on arrival.
 
-    Reads: model (arrive_mode, goal_renewal, present, wander_high, wander_low, wandering, waypoint_count, waypoints),
-        state (arrived, random, step, stopped, waypoint_end).
+    Reads: model (abreast, arrive_mode, goal_renewal, leader, present, wander_high, wander_low, wandering,
+        waypoint_count, waypoints), state (arrived, goal, pose, random, step, stopped, waypoint_end).
     Writes: model (waypoints), state (arrived, goal, random, waypoint, waypoint_end).
     """
     for w in worlds:
         for b in goal_bodies:
             if state.stopped[w, b] or model.goal_renewal[b] == KEEP_GOAL:
                 continue
-            if state.arrived[w, b] or gives_up(w, b, model, state):
+            walks_along = model.leader[b] != b and model.present[w, model.leader[b]]
+            if lags(w, b, model, state) if walks_along else state.arrived[w, b] or gives_up(w, b, model, state):
                 begin_round(w, b, False, model, state)
                 state.arrived[w, b] = False
         for b in loop_returns:
             if model.arrive_mode[b] != STATE and state.waypoint_end[w, b] > 1:
                 state.goal[w, b, 2] = np.nan
+
+
+@kernel
+def lags(w: int, b: int, model: WorldModel, state: WorldState) -> bool:
+    """Return whether the first of those that walk together has another goal than body b, which goes beside it.
+
+    Reads: model (abreast, leader), state (goal).
+    """
+    shared, own, aside = state.goal[w, model.leader[b]], state.goal[w, b], np.abs(model.abreast[b]) + SAME_PLACE
+    dx, dy = shared[0] - own[0], shared[1] - own[1]
+    return bool(dx * dx + dy * dy > aside * aside)
 
 
 @kernel
@@ -100,7 +115,8 @@ def begin_round(w: int, b: int, first: bool, model: WorldModel, state: WorldStat
 
     A first goal that is kept stays in its row, as the level may begin again.
 
-    Reads: model (goal_renewal, wander_high, wander_low, wandering, waypoint_count, waypoints), state (random).
+    Reads: model (abreast, goal_renewal, leader, present, wander_high, wander_low, wandering, waypoint_count,
+        waypoints), state (goal, pose, random).
     Writes: model (waypoints), state (goal, random, waypoint, waypoint_end).
     """
     wanders, row = model.goal_renewal[b] == WANDER, 0
@@ -109,10 +125,27 @@ def begin_round(w: int, b: int, first: bool, model: WorldModel, state: WorldStat
         row, wanders = 0 if first else 1, not first
         state.waypoint_end[w, b] = row + 1
     state.waypoint[w, b] = row
-    if wanders:
+    if wanders and model.leader[b] != b and model.present[w, model.leader[b]]:
+        share_goal(w, b, model.waypoints[w, b, row], model, state)
+    elif wanders:
         draw_goal(w, b, model.waypoints[w, b, row], model, state)
     for axis in range(3):
         state.goal[w, b, axis] = model.waypoints[w, b, row, axis]
+
+
+@kernel
+def share_goal(w: int, b: int, goal: Floats, model: WorldModel, state: WorldState) -> None:
+    """Write the goal of a body that walks with others: beside that of the first, seen on the way there.
+
+    Reads: model (abreast, leader), state (goal, pose).
+    Writes: goal.
+    """
+    shared = state.goal[w, model.leader[b]]
+    dx, dy = shared[0] - state.pose[w, b, 0], shared[1] - state.pose[w, b, 1]
+    distance = max(np.sqrt(dx * dx + dy * dy), 1e-9)
+    goal[0] = shared[0] - model.abreast[b] * dy / distance
+    goal[1] = shared[1] + model.abreast[b] * dx / distance
+    goal[2] = shared[2]
 
 
 @kernel

@@ -16,7 +16,7 @@ from irsim_gym.engine.level_table import roomy_outlines, varied_outlines
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.engine.start_checks import refuse_blocked_starts
-from irsim_gym.engine.traits import drawn_traits, watching_bodies, write_watchers
+from irsim_gym.engine.traits import drawn_traits, watching_bodies, write_people
 from irsim_gym.geometry.cells import find_boxes
 from irsim_gym.geometry.world_maps import lay_cells, most_boxes
 from irsim_gym.scenario.options import defaults
@@ -102,7 +102,7 @@ def compile(
         _write_motion(b, body, model, is_agent=b in agents)
         _write_goals(b, body, plans[b], is_agent=b in agents, model=model)
     _hide_map(model)
-    write_watchers(scenario, model)
+    write_people(scenario, model)
     model.rigid[0] = not varied.any()
     model.stands[:] = ~(model.movable & model.driven)
     body_buckets.lay_out(model, varied)
@@ -178,6 +178,7 @@ def _write_motion(b: int, body: BodySpec, model: WorldModel, *, is_agent: bool) 
     model.driven[b] = body.behavior is not None or body.group_behavior is not None or is_agent
     model.role[b] = ROBOT if body.role == "robot" else OBSTACLE
     model.drive[b] = getattr(body.kinematics, "drive", NO_DRIVE)
+    model.speed_bound[b] = getattr(body.kinematics, "bound", "") == "speed"
     model.wheelbase[b] = _wheelbase(body)
     model.initial_steering[b] = body.steering
     model.movable[b] = body.kinematics is not None and not body.static

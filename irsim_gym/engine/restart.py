@@ -209,8 +209,8 @@ def write_first_goals(
 ) -> None:
     """Set each body's first goal (NaN for an absent body); wanderers draw theirs, loopers with one come back.
 
-    Reads: model (arrive_mode, goal_renewal, present, start, wander_high, wander_low, wandering, waypoint_count,
-        waypoints), state (pose, random).
+    Reads: model (abreast, arrive_mode, goal_renewal, leader, present, start, wander_high, wander_low, wandering,
+        waypoint_count, waypoints), state (goal, pose, random).
     Writes: model (start, waypoints), state (goal, random, waypoint, waypoint_end).
     """
     for w in worlds:

@@ -18,6 +18,9 @@ TRAITS = record_type("low high unyielding", body=np.int64, n_axes=np.int64, leas
 moves, how many of its velocities are speeds, and the least of each that its entry allows.
 """
 
+PARTY_GAP = 0.3
+"""Distance between the outlines of bodies that walk side by side [m]."""
+
 DRAWN_SPEEDS = frozenset({"velocity_min", "velocity_max", "drawn_speed"})
 DRAWN_HEED = frozenset({"heedless"})
 
@@ -72,7 +75,13 @@ def watching_bodies(scenario: Scenario) -> list[tuple[str, ...] | None]:
     return list(dict.fromkeys([None, *(body.seen_by for body in scenario.bodies)]))
 
 
-def write_watchers(scenario: Scenario, model: WorldModel) -> None:
+def write_people(scenario: Scenario, model: WorldModel) -> None:
+    """Write who sees whom, and who walks with whom."""
+    _write_watchers(scenario, model)
+    _write_parties(scenario, model)
+
+
+def _write_watchers(scenario: Scenario, model: WorldModel) -> None:
     """Write whose behaviours see whom. A word that is a body's name is not that of a group, whose name may be equal."""
     rows, names = watching_bodies(scenario), {body.name for body in scenario.bodies}
     for row, words in enumerate(rows):
@@ -82,3 +91,15 @@ def write_watchers(scenario: Scenario, model: WorldModel) -> None:
             model.watchers[row, b] |= body.group_name in groups
     for b, body in enumerate(scenario.bodies):
         model.seen_row[b] = rows.index(body.seen_by)
+
+
+def _write_parties(scenario: Scenario, model: WorldModel) -> None:
+    """Write who walks with whom: side by side, as small groups do (Moussaid et al. 2010), the first in the middle."""
+    model.leader[:] = np.arange(len(scenario.bodies))
+    for spec in scenario.placements:
+        for k, b in enumerate(spec.members):
+            party = scenario.bodies[b].party
+            first, place = spec.members[k - k % party], k % party
+            model.leader[b] = first
+            side = (place + 1) // 2 * (1 if place % 2 else -1)
+            model.abreast[b] = side * (2.0 * float(model.reach[:, b].max()) + PARTY_GAP)

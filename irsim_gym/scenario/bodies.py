@@ -130,6 +130,7 @@ def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -
         seen_by=values["seen_by"],
         speed_range=values["speed_range"],
         unyielding=values["unyielding"],
+        party=values["party"],
     )
 
 

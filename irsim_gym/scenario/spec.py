@@ -213,6 +213,13 @@ class BodyOptions:
         unit="m/s",
         meaning="Bounds of the body's greatest speed, drawn anew in each level; it replaces the speeds of vel_max.",
     )
+    party: int = option(
+        1,
+        ge=1,
+        le=100,
+        meaning="So many bodies of the entry, one after another, walk together: a circle puts them side by side, and "
+        "those that wander share the goals of the first.",
+    )
     unyielding: float = option(
         0.0,
         ge=0.0,
@@ -266,6 +273,7 @@ class BodySpec:
         seen_by: Roles, names and names of groups of those whose behaviours see it; None for all.
         speed_range: Bounds of its greatest speed [m/s], drawn for each level; None for that of ``vel_max``.
         unyielding: Probability that it ignores what moves, drawn for each level.
+        party: So many bodies of its entry walk together.
     """
 
     name: str
@@ -299,6 +307,7 @@ class BodySpec:
     seen_by: tuple[str, ...] | None = None
     speed_range: tuple[float, float] | None = None
     unyielding: float = 0.0
+    party: int = 1
 
     @property
     def renewal(self) -> Any:

@@ -164,6 +164,65 @@ def test_arrivals_draw_goals_on_the_circle_too() -> None:
     assert max(gaps) <= 3.5
 
 
+def test_parties_walk_side_by_side() -> None:
+    circle = {"name": "circle", "center": [0, 0], "radius": 8, "scatter": True}
+    behavior = {
+        "name": "orca",
+        "wander": True,
+        "range_low": [-1, -1, 0],
+        "range_high": [1, 1, 0],
+        "wander_goals": {"keep_first": True, "radius": 8.0},
+    }
+    people = {**OMNI, "number": 8, "party": 3, "goal_threshold": 0.5, "distribution": circle}
+    world = {"width": 24, "height": 24, "offset": [-12, -12]}
+    sim = ig.compile(ig.load_scenario({"world": world, "obstacle": {**people, "group_behavior": behavior}}), 4)
+    sim.reset(seed=2)
+    abreast = 2 * 0.2 + 0.3  # two radii and the gap
+    for first in (0, 3, 6):
+        middle = sim.state.pose[:, first, :2]
+        assert np.hypot(*middle.T) == pytest.approx(8.0)
+        for other in range(first + 1, min(first + 3, 8)):
+            offset = sim.state.pose[:, other, :2] - middle
+            assert np.hypot(*offset.T) == pytest.approx(abreast)
+            assert (offset * middle).sum(axis=1) == pytest.approx(0.0, abs=1e-9)  # beside it, on its way to the centre
+    goals = set()
+    for _ in range(400):
+        sim.step()
+        goals.update(np.round(sim.state.goal[0, :, 0], 6).tolist())
+    between = sim.state.goal[:, [1, 2, 4, 5, 7], :2] - sim.state.goal[:, [0, 0, 3, 3, 6], :2]
+    assert np.hypot(between[..., 0], between[..., 1]) == pytest.approx(abreast)
+    assert len(goals) > 16  # all have had more than one
+
+
+def test_a_bound_of_the_speed_holds_in_any_direction() -> None:
+    drive = {"name": "omni", "bound": "speed"}
+    sim = ig.compile(
+        ig.load_scenario({"robot": {"kinematics": drive, "state": [1, 1], "vel_max": [1.5, 1.5]}}), agents=[0]
+    )
+    sim.reset(seed=0)
+    sim.step(np.array([[[1.5, 0.9]]]))
+    velocity = sim.state.velocity[0, 0, :2]
+    assert np.hypot(*velocity) == pytest.approx(1.5)
+    assert velocity[1] / velocity[0] == pytest.approx(0.6)
+
+
+def test_circular_forces_are_those_of_helbing_and_molnar() -> None:
+    # At rest, 1 m apart, radii 0.2: pull (1 - 0) / 0.5 s to the goal, push 3 exp((0.4 - 1) / 0.7) along -x; dt 0.1 s.
+    force = {
+        "name": "sfm",
+        "interaction": "circular",
+        "interaction_range": 0.7,
+        "force_factor_social": 3.0,
+        "vmax": 1.0,
+    }
+    robot = {**OMNI, "state": [1, 1], "goal": [1, 9], "behavior": force}
+    sim = ig.compile(ig.load_scenario({"robot": robot, "obstacle": {"state": [2, 1]}}))
+    sim.reset(seed=0)
+    sim.step()
+    push = 3.0 * np.exp((0.4 - 1.0) / 0.7)
+    assert sim.state.velocity[0, 0, :2] == pytest.approx([-0.1 * push, 0.1 * 1.0 / 0.5])
+
+
 BAD = {
     "obstacle: {seen_by: [robots]}": "no role, body or group named 'robots' (did you mean 'robot'",
     "obstacle: {seen_by: 3}": "must be a list of texts",

@@ -67,6 +67,7 @@ obstacle:
     distribution: {name: random}
     speed_range: [0.4, 1.2]
     unyielding: 0.4
+    party: 2
     seen_by: [robot_0, obstacle]
     behavior:
       name: rvo
