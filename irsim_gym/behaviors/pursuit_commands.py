@@ -63,7 +63,7 @@ def spin(moving: Moving, axis: int, error: float) -> float:
     """Return the turn rate [rad/s] that turns a body by an angle [rad] soon, without going too far."""
     fastest = moving.high[axis] if error > 0.0 else -moving.low[axis]
     rate = braked_rate(max(fastest, 0.0), moving.change[axis], moving.step, np.abs(error))
-    rate = min(rate, np.abs(error) / moving.step)
+    rate = float(min(rate, np.abs(error) / moving.step))
     return rate if error > 0.0 else -rate
 
 

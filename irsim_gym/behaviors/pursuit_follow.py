@@ -10,6 +10,7 @@ from irsim_gym.arraytypes import Floats, Record
 from irsim_gym.behaviors.pursuit_commands import braking_command, command_to, turn_command
 from irsim_gym.behaviors.pursuit_formulas import lookahead_distance
 from irsim_gym.behaviors.pursuit_motion import Command, Moving, can_stop
+from irsim_gym.behaviors.pursuit_tables import TIGHT
 from irsim_gym.behaviors.pursuit_way import WINDOW, place_on_way, point_at_distance, remaining_length
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
@@ -35,14 +36,14 @@ class Course(NamedTuple):
 
     Attributes:
         points: Points of the way [m], shape ``(n_points, 2)``.
-        count: Number of points, at least 2.
+        n_points: Number of points, at least 2.
         side: The side on which the body was.
         margin: How far from what stands the way keeps the body's surface [m].
         goes_on: The way leads on behind its end: there is no slowing down.
     """
 
     points: Floats
-    count: int
+    n_points: int
     side: int
     margin: float
     goes_on: bool
@@ -75,13 +76,13 @@ def follow(
         course: The way.
         back: Steps for which it drives back.
     """
-    x, y, way, count = moving.pose[0], moving.pose[1], course.points, course.count
+    x, y, way, count = moving.pose[0], moving.pose[1], course.points, course.n_points
     side, near_x, near_y = place_on_way(way, count, course.side, x, y)
     if abs(near_x - x) > WINDOW or abs(near_y - y) > WINDOW:  # it was put elsewhere
         return False, side, 0, braking_command(moving)
     remaining = np.inf if course.goes_on else remaining_length(way, count, side, near_x, near_y)
     room = room_at(everything, x, y, reach + max(options.proximity, SIGHT)) - reach
-    radius = reach + 0.5 * min(course.margin, max(room, 0.0))
+    radius = reach + 0.5 * min(course.margin, room) if room > 0.0 else TIGHT * (reach + room)
     slack = max(room + reach - radius, 0.0)
     speed = np.abs(moving.velocity[0])
     if moving.drive not in (DIFFERENTIAL, ACKERMANN):

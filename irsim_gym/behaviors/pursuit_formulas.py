@@ -17,7 +17,7 @@ def lookahead_distance(options: Record, speed: float) -> float:
         speed: The speed at which it drives [m/s].
     """
     most = options.lookahead_max if options.lookahead_max == options.lookahead_max else np.inf
-    return max(min(speed * options.lookahead_time, most), options.lookahead_min)
+    return float(max(min(speed * options.lookahead_time, most), options.lookahead_min))
 
 
 @kernel
@@ -54,4 +54,4 @@ def regulated_speed(options: Record, speed: float, curvature: float, room: float
     regulated = max(min(by_curvature, by_proximity), min(options.min_speed, speed))
     if remaining < options.approach:
         regulated = min(regulated, max(speed * remaining / options.approach, min(options.approach_speed, speed)))
-    return regulated
+    return float(regulated)

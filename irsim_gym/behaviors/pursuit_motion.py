@@ -70,7 +70,7 @@ def executed(moving: Moving, axis: int, asked: float, now: float) -> float:
     """Return what becomes of one number of a command, from what is executed now, as ``engine.command_limits`` does."""
     least = max(moving.low[axis], now - moving.change[axis] * moving.step)
     most = min(moving.high[axis], now + moving.change[axis] * moving.step)
-    return min(max(asked, least), most)
+    return float(min(max(asked, least), most))
 
 
 @kernel

@@ -9,9 +9,10 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, Point
+from irsim_gym.paths.clearance import Obstacles, Point, room_at
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid, Search
+from irsim_gym.paths.points import PointMap
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import WorldModel
@@ -20,8 +21,12 @@ MOST_POINTS = 256
 """Points of a way that are kept; a longer one is found anew where they end."""
 COARSE, FINE = 0.5, 0.25
 """Side of the cells in which ways are looked for, as a share of the smallest member's reach."""
+SEEN = 0.25
+"""Side of the cells that hold a point each of what was seen, as a share of the smallest member's reach."""
 PATIENCE = 10
 """Steps after which a body looks for a way again where it found none, or could not follow it."""
+TIGHT = 0.999
+"""Where a body stands too near to something, it keeps this share of the distance."""
 HALVINGS = 3
 """How often the distance to keep is halved where there is no way, first on the coarse cells, then on the fine ones."""
 
@@ -70,6 +75,9 @@ class PursuitTables(Struct):
         side: The side of the way on which the body is.
         back: Steps for which a car goes on to drive back.
         retry: The step from which on a way may be looked for again.
+        seen: What the members' scans have hit: ``places`` have the shape ``(n_worlds, n_members, columns, rows, 2)``;
+            none without scans.
+        hits: Scratch: what one scan hits, shape ``(n_slots, 2, n_beams)``.
         standing: Scratch: what stands in the way, shape ``(n_slots, n_bodies)``.
         everything: Scratch: that, and what moves, shape ``(n_slots, n_bodies)``.
     """
@@ -85,6 +93,8 @@ class PursuitTables(Struct):
     side: Ints
     back: Ints
     retry: Ints
+    seen: PointMap
+    hits: Floats
     standing: Flags
     everything: Flags
 
@@ -110,6 +120,8 @@ class PursuitTables(Struct):
             side=np.zeros(shape, np.int64),
             back=np.zeros(shape, np.int64),
             retry=np.zeros(shape, np.int64),
+            seen=PointMap.over(model.bounds, reach * SEEN, (0, 0) if group.scan is None else shape),
+            hits=np.zeros((n_slots, 2, 0 if group.scan is None else group.scan.ranges.shape[2])),
             standing=np.zeros((n_slots, n_bodies), np.bool_),
             everything=np.zeros((n_slots, n_bodies), np.bool_),
         )
@@ -117,13 +129,15 @@ class PursuitTables(Struct):
 
 @kernel
 def forget_ways(worlds: Ints, tables: PursuitTables) -> None:
-    """Forget all ways of some worlds.
+    """Forget all ways of some worlds, and what was seen there.
 
-    Writes: tables (back, goal, retry).
+    Writes: tables (back, goal, retry, seen).
     """
     for w in worlds:
         for m in range(tables.retry.shape[1]):
             tables.goal[w, m, 0], tables.retry[w, m], tables.back[w, m] = np.nan, 0, 0
+            if tables.seen.places.shape[0] > 0:
+                tables.seen.places[w, m, :, :, :] = np.nan
 
 
 @kernel
@@ -167,6 +181,10 @@ def find_way(
         margin = margin * 0.5 if 0 < attempt < HALVINGS - 1 else margin
         margin = 0.0 if attempt == HALVINGS - 1 else margin
         count = shortest_path(obstacles, reach + margin, ends[0], ends[1], fine.grid, search, path)
+    if count == 0:
+        room = TIGHT * room_at(obstacles, ends[0][0], ends[0][1], reach)
+        if room < TIGHT * reach:  # the disc about the body, or what was seen, overlaps something: as wide as it can
+            count = shortest_path(obstacles, room, ends[0], ends[1], fine.grid, search, path)
     kept = min(count, MOST_POINTS)
     for i in range(kept):
         tables.points[w, m, i, 0], tables.points[w, m, i, 1] = path[i, 0], path[i, 1]

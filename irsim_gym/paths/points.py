@@ -30,7 +30,7 @@ class PointMap(NamedTuple):
     places: Rays
 
     @classmethod
-    def frame(cls, bounds: Sequence[float] | Floats, side: float, shape: tuple[int, ...]) -> Self:
+    def over(cls, bounds: Sequence[float] | Floats, side: float, shape: tuple[int, ...]) -> Self:
         """Return maps without points over x_min, y_min, x_max, y_max [m], ``shape`` of them: ``places`` has more axes.
 
         Cells are larger than asked for where there would be more than ``MOST_POINT_CELLS`` of them.
