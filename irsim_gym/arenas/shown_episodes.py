@@ -15,7 +15,7 @@ from irsim_gym.training.players import Players
 from irsim_gym.training.record import recorded_episode
 
 if TYPE_CHECKING:
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
 
 
 @dataclass(frozen=True)

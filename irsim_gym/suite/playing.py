@@ -16,6 +16,7 @@ from irsim_gym.evaluation.behavior_policies import UnfitBehaviorError
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.levels.played import played_levels
 from irsim_gym.suite.members import Member
 from irsim_gym.suite.row_files import write_rows
 from irsim_gym.suite.scores import score_suite
@@ -94,6 +95,7 @@ def _play_member(
     chosen: dict[str, Any] = {"parameters": dict(member.parameters), "team": member.team}
     episodes = make_episodes(member.scenario, n_worlds=min(WORLDS, levels), **chosen)
     conditions = team_conditions(episodes, record.split, levels)
+    conditions |= played_levels(episodes.simulation, record.split, levels).conditions()
     record.members[member.name]["conditions"] = plain(conditions)
     optima = Optima(record.split)
     for method in methods:

@@ -14,7 +14,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.players import Players, players
 
 if TYPE_CHECKING:
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
 
 FILMS = (".mp4", ".gif")
 REPLAYS = (".html",)
@@ -159,7 +159,7 @@ def recorded_episode(cast: Players, world: int, level: int) -> Recording:
         world: Which of them, by the number of its world.
         level: The level.
     """
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
 
     scenario, policy = cast.episodes.simulation.scenario, cast.names[world]
     details = {"policy": policy, "level": f"{level} ({cast.split})"}
