@@ -103,7 +103,7 @@ ENTRIES = {
     ),
     "distribution without name": (
         "robot:\n  distribution: {range_low: [0, 0, 0]}",
-        "2 robot.distribution.name: is required: 'manual', 'circle' or 'random'",
+        "2 robot.distribution.name: is required: 'manual', 'circle', 'random' or 'cells'",
     ),
     "distribution text": (
         "robot:\n  distribution: random",
