@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
-from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.clearance import Obstacles, way_is_free
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.occupancy import mark_touched
@@ -92,6 +92,22 @@ def has_free_path(
     grid, obstacles = Grid.over(model.bounds, cell), _obstacles(model, state, world, blocks)
     ends = _point(start), _point(goal)
     return bool(is_reachable(obstacles, float(radius), *ends, grid, grid.blocked(), grid.runs()))
+
+
+def blocking_bodies(
+    model: WorldModel, state: WorldState, world: int, radius: float, place: Point, blocks: Flags
+) -> list[int | None]:
+    """Return which of some bodies a disc touches, None for the obstacle map; arguments as for ``free_path``."""
+    touched: list[int | None] = []
+    for b in (*np.flatnonzero(blocks).tolist(), None):
+        alone = np.zeros_like(blocks)
+        alone[[] if b is None else b] = True
+        obstacles = _obstacles(model, state, world, alone)
+        if b is not None:
+            obstacles = obstacles._replace(cells=None)
+        if not way_is_free(obstacles, float(radius), _point(place), _point(place)):
+            touched.append(b)
+    return touched
 
 
 def touched_cells(
