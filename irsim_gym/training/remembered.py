@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.reference_policies import policy_kinds
+from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.training.run import Run, lasting, scenario_name
@@ -31,7 +31,7 @@ def remembered_parameters(
         strict: False ignores unused keys.
     """
     asked = dict(given or {})
-    runs = [_trained_with(scenario, Path(source)) for source in sources if str(source) not in policy_kinds()]
+    runs = [_trained_with(scenario, Path(source)) for source in sources if not is_named_policy(source)]
     if not any(runs):
         return asked
     defaults = load_scenario(scenario_name(scenario), asked, strict=strict, warn=False).parameters
@@ -60,7 +60,7 @@ def changes_since(
     """
     run = _run_of(source)
     before = run.snapshot()
-    if before is None or str(source) in policy_kinds():
+    if before is None or is_named_policy(source):
         return []
     settings = run.settings()
     named = lasting(scenario_name(str(scenario)))
