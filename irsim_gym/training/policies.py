@@ -44,7 +44,7 @@ class UnknownPolicyError(IrsimGymError):
     """There is no policy of a name, and no file or folder.
 
     Args:
-        source: What was asked for.
+        source: The given name or path.
         problem: What is said of it, without what would be right.
     """
 
@@ -157,7 +157,7 @@ def load_policy(source: Source) -> Policy:
     """Return what drives.
 
     Of a file the weights are read, and objects of known, harmless classes; for others it warns, because loading them
-    runs code of whoever made the file.
+    runs code from the file.
 
     Args:
         source: ``"random"``, the name of a behaviour or group behaviour (``"dwa"``, ``"pursuit:known=seen"``), a file

@@ -27,8 +27,8 @@ def remembered_parameters(
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
         sources: Policies as ``load_policy`` takes them.
-        given: Values that were asked for; they stay.
-        strict: False ignores keys that nobody reads.
+        given: Values that the user set; they are kept.
+        strict: False ignores unused keys.
     """
     asked = dict(given or {})
     runs = [_trained_with(scenario, Path(source)) for source in sources if not is_named_policy(source)]
@@ -56,7 +56,7 @@ def changes_since(
         scenario: Shipped name, environment id, or path of a scenario file.
         source: A run's folder, or a policy in it. Nothing is known of other policies, nor of another scenario's.
         task: Shipped name or path of a task; that of the run is compared where it is the same one.
-        strict: False ignores keys that nobody reads.
+        strict: False ignores unused keys.
     """
     run = _run_of(source)
     before = run.snapshot()
