@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from textwrap import fill
 
 from irsim_gym.evaluation.tables import plain, write_text
 from irsim_gym.scenario.library import references_file
@@ -18,6 +19,7 @@ from irsim_gym.suite.suite_record import SuiteRecord, read_record
 PAGE = Path(__file__).parent / "benchmarks.md"
 MARK = "<!-- Below: made by docs/benchmark_page.py. Do not edit. -->\n"
 ROUNDED = 6
+WIDTH = 120
 
 
 def main(folder: Path | None = None) -> None:
@@ -49,7 +51,11 @@ def tables() -> str:
         parts.append(f"### {name}\n\n{member.asks}\n\n![Levels of {name}](benchmarks/{name}.png)\n")
         if name in record.figures:
             parts.append(suite_tables.member_markdown(record, name).split("\n", 2)[2])
-    return "\n" + "\n".join(parts)
+    return "\n" + "\n".join(_wrapped(line) for line in "\n".join(parts).split("\n"))
+
+
+def _wrapped(line: str) -> str:
+    return line if line[:1] in ("|", "!", "#") else fill(line, WIDTH, break_on_hyphens=False)
 
 
 def _made(record: SuiteRecord) -> str:
@@ -58,8 +64,8 @@ def _made(record: SuiteRecord) -> str:
     return (
         f"`irsim-gym suite run full,shift,singletons {methods} --levels {record.levels}`\n\n"
         f"irsim_gym {machine['versions']['irsim_gym']}, {machine['processor']}. `random` draws each action, `dash`\n"
-        "drives straight at its goal. Behaviours know the state of the world (`pursuit:known=seen` and `dwa`: what they\n"
-        "have scanned), and learn nothing.\n"
+        "drives straight at its goal. Behaviours know the state of the world (`pursuit:known=seen` and `dwa`:\n"
+        "what they have scanned), and learn nothing.\n"
     )
 
 
