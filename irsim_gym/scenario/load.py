@@ -86,12 +86,12 @@ def read_scenario(
     task = _task(sections.get("task"), places["task"], report)
     step_time = float(option_fields(WorldSpec)["step_time"].default) if world is None else world.step_time
     bodies, placements = _bodies(sections, places, step_time, report)
-    levels = read_level_file(sections.get("levels"), places["levels"], source, report)
-    if levels is not None and not report.problems:
-        tell(list(misfits(levels, bodies, placements)), places["levels"], report, levels.file)
     _check_viewpoint(world, bodies, (*places["world"], "plot", "viewpoint"), report)
     map_place = (*places["world"], "obstacle_map")
     occupied = read_cells(world, map_place, source, report) if world is not None else None
+    levels = read_level_file(sections.get("levels"), places["levels"], source, report)
+    if world is not None and levels is not None and not report.problems:
+        tell(list(misfits(levels, bodies, placements, world, occupied)), places["levels"], report, levels.file)
     if world is not None and occupied is not None:
         bodies, placements = with_map(world, bodies, placements, source.line(map_place))
     if report.problems:
