@@ -61,14 +61,15 @@ def collect_parts(
     external = scenario.world.step_mode == "external"
     everyone = np.arange(len(bodies), dtype=np.int64)
     movers = np.flatnonzero(model.movable)
-    in_order = scenario.world.update == "sequential"
     placed = [scenario.placements[body.entry].kind.gives_goal for _, body in bodies]
     single = np.array([gives or len(body.goal) <= 1 for gives, (_, body) in zip(placed, bodies, strict=True)], np.bool_)
     return Parts(
         kinematics=kinematics,
         behaviors=behaviors,
         group_behaviors=[] if external else group_behaviors,
-        turns=[] if external else take_turns(movers, behaviors, kinematics, in_order=in_order),
+        turns=[]
+        if external
+        else take_turns(movers, behaviors, kinematics, in_order=scenario.world.update == "sequential"),
         visitors=[] if external else [group for group in behaviors if hasattr(group.kind, "appear")],
         external=external,
         footprints=_footprints(scenario, model),

@@ -21,7 +21,7 @@ class BadRecordingError(ValueError):
     """A file that cannot be read as a recording; the message names line, what was found and what would be right."""
 
 
-class Recording(NamedTuple):
+class PersonTracks(NamedTuple):
     """What a file holds.
 
     Attributes:
@@ -35,7 +35,7 @@ class Recording(NamedTuple):
     first: float
 
 
-def read_recording(file: Path) -> Recording:
+def read_recording(file: Path) -> PersonTracks:
     """Read a file: rows of four numbers, time, id, x and y, parted by blanks, tabs or commas.
 
     Empty lines and those that begin with # are left out. Rows may be in any order.
@@ -48,7 +48,7 @@ def read_recording(file: Path) -> Recording:
 
 
 @lru_cache(maxsize=16)
-def _read(file: Path, stamp: int) -> Recording:
+def _read(file: Path, stamp: int) -> PersonTracks:
     rows: dict[int, dict[float, tuple[float, float]]] = {}
     lines: dict[tuple[int, float], int] = {}
     try:
@@ -69,7 +69,7 @@ def _read(file: Path, stamp: int) -> Recording:
     if not rows:
         raise BadRecordingError("holds no rows: each must be time, id, x, y, such as 0.4 1 3.25 -1.5")
     tracks = tuple(np.array([(t, *points[t]) for t in sorted(points)]) for points in rows.values())
-    return Recording(tuple(rows), tracks, min(float(track[0, 0]) for track in tracks))
+    return PersonTracks(tuple(rows), tracks, min(float(track[0, 0]) for track in tracks))
 
 
 def _numbers(cells: Sequence[str], number: int, line: str) -> tuple[float, int, float, float]:
