@@ -67,9 +67,7 @@ def collect_parts(
         kinematics=kinematics,
         behaviors=behaviors,
         group_behaviors=[] if external else group_behaviors,
-        turns=[]
-        if external
-        else take_turns(movers, behaviors, kinematics, in_order=scenario.world.update == "sequential"),
+        turns=[] if external else take_turns(movers, behaviors, kinematics, in_order=in_order),
         visitors=[] if external else [group for group in behaviors if hasattr(group.kind, "appear")],
         external=external,
         footprints=_footprints(scenario, model),
