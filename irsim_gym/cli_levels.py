@@ -69,3 +69,30 @@ def certify(
     wanted = Wanted(scenario, task, team, read_parameters(given), not lenient)
     chosen = None if policies is None else [name.strip() for name in policies.split(",") if name.strip()]
     run_certify(wanted, split, count, chosen, out)
+
+
+imports = typer.Typer(help="Convert levels of others, from your own copy.", no_args_is_help=True)
+levels.add_typer(imports, name="import")
+
+
+@imports.command()
+def barn(
+    path: Annotated[Path, typer.Argument(help="Folder of world_N.world files, or an .npz of cylinders.")], out: Out
+) -> None:
+    """Convert the worlds of the BARN challenge: the cylinders become the outline of an obstacle `cylinders`."""
+    from irsim_gym.levels.barn import import_barn
+    from irsim_gym.training.level_commands import write_levels
+
+    write_levels(import_barn(path), out)
+
+
+@imports.command()
+def jaxnav(
+    path: Annotated[Path, typer.Argument(help="Pickle of states (.pkl), or an .npz with cells, starts and goals.")],
+    out: Out,
+) -> None:
+    """Convert levels of JaxNav. A pickle is read without loading any of its classes."""
+    from irsim_gym.levels.jaxnav import import_jaxnav
+    from irsim_gym.training.level_commands import write_levels
+
+    write_levels(import_jaxnav(path), out)

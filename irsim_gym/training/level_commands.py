@@ -102,9 +102,16 @@ def run_draw(wanted: Wanted, splits: Sequence[str], count: int, out: Path) -> Le
     simulation = wanted.simulation(min(WORLDS, count))
     with bar("drawing", count * len(splits)) as advance:
         drawn = draw_levels(simulation, splits, count, advance)
-    write_bytes(out, drawn.content())
-    print(f"{out}: {several(drawn.count, 'level')} of {', '.join(splits)}, hash {set_hash(drawn.hashes())}")
+    write_levels(drawn, out)
     return drawn
+
+
+def write_levels(levels: LevelSet, out: Path) -> None:
+    """Write levels, and say how many they are."""
+    check_suffix(out)
+    write_bytes(out, levels.content())
+    split = "" if "all" in levels.splits else f" of {', '.join(levels.splits)}"
+    print(f"{out}: {several(levels.count, 'level')}{split}, hash {set_hash(levels.hashes())}")
 
 
 def run_certify(
