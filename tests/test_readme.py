@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
 CONTRIBUTING = ROOT / "CONTRIBUTING.md"
 PICTURE = ROOT / "docs" / "cluttered_room.png"
-LONG = {"make", "train", "evaluate", "record", "demo", "play", "bench"}
+LONG = {"make", "train", "evaluate", "arena", "record", "demo", "play", "bench"}
 LARGEST_DIFFERENCE = 8.0
 PROGRAM = [sys.executable, "-c", "from irsim_gym.cli import main; main()"]
 

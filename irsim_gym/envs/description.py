@@ -15,9 +15,9 @@ from gymnasium.spaces import Box, Dict
 from irsim_gym.arraytypes import Floats
 from irsim_gym.envs.spaces import action_space, observation_key, observation_space
 from irsim_gym.tasks import Episodes, HitKind, Outcome
-from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import IsImage, Term
-from irsim_gym.tasks.watch import kind_of
+from irsim_gym.tasks.term_watch import kind_of
 from irsim_gym.tasks.words import Columns, Sectors, TellsActions, TellsColumns, TellsWhen, first_sentence, turning
 
 STATE_NAMES = {"is_success": "success"}

@@ -18,7 +18,7 @@ from irsim_gym.engine.given import LEVELS
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.moment import Bodies
 from irsim_gym.envs.pictures import RENDER_MODES, render_warning
-from irsim_gym.envs.spaces import Layout, Observation, action_space, observation_layout, observation_space
+from irsim_gym.envs.spaces import Observation, ObservationLayout, action_space, observation_layout, observation_space
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.errors import UnknownNameError, suggestion
 
@@ -137,7 +137,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         self.possible_agents: list[str] = list(worlds.agent_names)
         self.agents: list[str] = []
         self._indices = {name: a for a, name in enumerate(self.possible_agents)}
-        self._layouts: dict[str, Layout] = {}
+        self._layouts: dict[str, ObservationLayout] = {}
         self.observation_spaces: dict[str, Space[Any]] = {}
         self.action_spaces: dict[str, Space[Any]] = {}
         for name, a in self._indices.items():

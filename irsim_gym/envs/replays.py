@@ -13,7 +13,7 @@ from irsim_gym.tasks import Episodes, Outcome
 
 if TYPE_CHECKING:
     from irsim_gym.render import Renderer
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
 
 
 def agent_values(episodes: Episodes, world: int) -> list[dict[str, Any]]:
@@ -61,7 +61,7 @@ class RecordReplay(gymnasium.Wrapper[Any, Any, Any, Any]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode, and its recording."""
         from irsim_gym.render import Renderer
-        from irsim_gym.render.replay import Recording
+        from irsim_gym.render.replay_data import Recording
 
         begun = self.env.reset(seed=seed, options=options)
         worlds = self._worlds

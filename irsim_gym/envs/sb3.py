@@ -25,7 +25,7 @@ from irsim_gym.envs.sb3_masked import MaskedA2C, MaskedPPO
 from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
 from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
 from irsim_gym.envs.spaces import Observation
-from irsim_gym.envs.views import WorldView
+from irsim_gym.envs.world_view import WorldView
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
 
 __all__ = [

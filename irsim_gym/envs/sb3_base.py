@@ -17,7 +17,7 @@ from irsim_gym.arraytypes import Bytes, Flags, Ints
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.infos import Record
 from irsim_gym.envs.sb3_keywords import MonitorFiles
-from irsim_gym.envs.views import WorldView, common_limit
+from irsim_gym.envs.world_view import WorldView, common_limit
 from irsim_gym.envs.worlds import Worlds
 
 Indices = None | int | Iterable[int]

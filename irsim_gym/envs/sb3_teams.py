@@ -21,7 +21,7 @@ from irsim_gym.envs.infos import reward_keys
 from irsim_gym.envs.sb3_base import NativeVecEnv, checked_mode
 from irsim_gym.envs.sb3_buffers import MaskedDictReplayBuffer, MaskedReplayBuffer, team_below
 from irsim_gym.envs.spaces import Observation
-from irsim_gym.envs.views import WorldView
+from irsim_gym.envs.world_view import WorldView
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.errors import WaitingRobotsWarning
 from irsim_gym.tasks import Outcome

@@ -22,7 +22,7 @@ VECTOR = "vector"
 
 
 @dataclass(frozen=True)
-class Layout:
+class ObservationLayout:
     """Where each observation term stands in the flat observation, and which form the user asked for.
 
     Attributes:
@@ -81,7 +81,7 @@ class Layout:
         return {name: np.array(seen.images[name][place], order="C") for name in self.images}
 
 
-def observation_layout(episodes: Episodes, agent: int | None = None) -> Layout:
+def observation_layout(episodes: Episodes, agent: int | None = None) -> ObservationLayout:
     """Return the layout of the observations of a task.
 
     Args:
@@ -102,7 +102,7 @@ def observation_layout(episodes: Episodes, agent: int | None = None) -> Layout:
     if episodes.task.observation_form == "goal":
         columns = {part: _joined(columns, names) for part, names in _goal_parts(columns).items()}
     is_flat = episodes.task.observation_form == "flat"
-    return Layout(columns, None if every else np.concatenate(picked), is_flat, tuple(episodes.view.images))
+    return ObservationLayout(columns, None if every else np.concatenate(picked), is_flat, tuple(episodes.view.images))
 
 
 def observation_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:

@@ -22,7 +22,7 @@ from irsim_gym.envs.moment import RobotMoments, WorldMoment
 from irsim_gym.envs.pictures import RENDER_MODES, ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.specs import plain_spec
-from irsim_gym.envs.views import WorldView, common_limit
+from irsim_gym.envs.world_view import WorldView, common_limit
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.tasks.task import checked_limit
 

@@ -13,7 +13,7 @@ from irsim_gym.render import theme
 from irsim_gym.render.body_reader import BodyReader, labels
 from irsim_gym.render.scan_reader import ScanReader
 from irsim_gym.render.scene import (
-    BodyView,
+    DrawnBody,
     FieldView,
     FogView,
     GoalView,
@@ -71,7 +71,7 @@ class SceneReader:
         self._fog: tuple[int, FogView] | None = None
         self._overlays: dict[int, Overlay] = {}
         self._map: MapView | None = None
-        self._fixed: tuple[object, tuple[BodyView, ...]] = None, ()
+        self._fixed: tuple[object, tuple[DrawnBody, ...]] = None, ()
         if trails is None:
             trails = Trails(np.array(trailing(scenario.bodies, learners), np.int64), len(state.pose))
         self.trails = trails
@@ -129,7 +129,7 @@ class SceneReader:
             return "arrived"
         return "collision" if bool(state.collided[world, robots].any()) else "running"
 
-    def _fixed_views(self, world: int, present: Flags) -> tuple[BodyView, ...]:
+    def _fixed_views(self, world: int, present: Flags) -> tuple[DrawnBody, ...]:
         """Return the views of the fixed bodies: while one world is read, the same tuple until an outline changes."""
         bodies = [body for body in self._fixed_bodies if present[body]]
         key = world, self._bodies.signature(world, bodies)
@@ -137,7 +137,7 @@ class SceneReader:
             self._fixed = key, tuple(self._bodies.view(world, body) for body in bodies)
         return self._fixed[1]
 
-    def _struck(self, world: int, views: tuple[BodyView, ...]) -> tuple[BodyView, ...]:
+    def _struck(self, world: int, views: tuple[DrawnBody, ...]) -> tuple[DrawnBody, ...]:
         state = self._state
         robots = self._robots[state.collided[world, self._robots]]
         bodies = {*robots.tolist(), *state.hit[world, robots].tolist()}

@@ -14,7 +14,7 @@ from irsim_gym.render import theme
 from irsim_gym.render.colours import colour
 from irsim_gym.render.files import whole_file
 from irsim_gym.render.film import caption_strip
-from irsim_gym.render.layout import REFERENCE_SIDE
+from irsim_gym.render.frame_layout import REFERENCE_SIDE
 from irsim_gym.render.packing import PackedFrame
 from irsim_gym.render.tiles import grid
 

@@ -17,8 +17,8 @@ from irsim_gym.arraytypes import Bytes, Flags, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Ended, Outcome
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.world.group import Group, records
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState

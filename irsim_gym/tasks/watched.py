@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.contract import refuse
 from irsim_gym.engine import Shard, Simulation
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 
 CLOSELY = 3

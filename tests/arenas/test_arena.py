@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,8 @@ from irsim_gym.arenas.board import Board
 from irsim_gym.arenas.crossplay import MixedPolicy, meetings
 from irsim_gym.arenas.page_file import read_page
 from irsim_gym.arenas.shown_episodes import ShownEpisode, choose_episodes
-from irsim_gym.arenas.strata import strata_of_difficulty, strata_of_peers
+from irsim_gym.arenas.standings import stand
+from irsim_gym.arenas.strata import strata_of_peers, strata_of_quarters
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import EpisodeRow
@@ -27,6 +29,8 @@ from irsim_gym.evaluation.policy import ObservationPolicy
 from irsim_gym.evaluation.reference_policies import reference_policy
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
 from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.levels.certificate import Certificate
+from irsim_gym.levels.played import PlayedLevels
 
 ROOM: dict[str, Any] = {
     "world": {"height": 4, "width": 6, "step_time": 0.25},
@@ -87,7 +91,7 @@ def test_easy_and_hard_levels() -> None:
         ("2 of 2 fail", (2, 2, 1)),
     ]
     assert [[share.count for share in each.success] for each in peers] == [[1, 1, 1], [0, 0, 0], [1, 1, 0]]
-    quarters = strata_of_difficulty(found, np.array([0.7, 0.2, 0.5, 0.1]))
+    quarters = strata_of_quarters(found, np.array([3, 1, 2, 0]))
     assert [[share.value for share in each.success] for each in quarters] == [
         [0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0],
@@ -95,6 +99,28 @@ def test_easy_and_hard_levels() -> None:
         [1.0, 1.0, 1.0],
     ]
     assert strata_of_peers(board(a="st")) == []
+
+
+def test_certified_levels_are_easy_or_hard_by_their_certificate() -> None:
+    """Levels that the reference fails are the harder ones; among equals, those that take longer."""
+    unknown = np.zeros((4, 1), np.float32)
+    certificate = Certificate(
+        *("room", "", "test", ("robot",), ("dash",)),
+        hash=np.zeros(4, np.uint64),
+        reachable=unknown > 0,
+        **dict.fromkeys(("length", "straight", "clearance"), unknown),
+        least_time=np.array([[5], [1], [4], [2]], np.float32),
+        density=unknown[:, 0],
+        outcome=np.array([[[1], [0], [2], [0]]], np.uint8),
+        time=unknown[None],
+    )
+    rows = {"a": [row(i, x) for i, x in enumerate("tsts")], "b": [row(i, x) for i, x in enumerate("stts")]}
+    levels = PlayedLevels(4, "", "", certificate)
+    found = stand(rows, ["a", "b"], team=False, meetings=[], level_set=levels)
+    assert found.strata_by == "by how many of dash fail, in quarters"
+    assert [[share.count for share in each.success] for each in found.strata] == [[1, 0], [1, 1], [0, 0], [0, 1]]
+    bare = stand(rows, ["a", "b"], team=False, meetings=[], level_set=replace(levels, certificate=None))
+    assert bare.strata_by == "by how many of the other policies fail"
 
 
 def test_which_episodes_are_shown() -> None:

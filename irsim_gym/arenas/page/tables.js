@@ -128,8 +128,8 @@ function showStrata({ strata, policies, alone }) {
     return tint(cell, value);
   })]);
   section.querySelector(".wide").replaceChildren(table([head("policy"), ...strata.rows.map(({ name }) => head(name))], rows));
-  section.querySelector(".note").textContent = strata.by.startsWith("quartiles")
-    ? `Success [%] by ${strata.by}.`
+  section.querySelector(".note").textContent = !strata.by.includes("other policies")
+    ? `Success [%] ${strata.by}: the difficulty that the certificate of the levels states.`
     : "Success [%] by how many of the other policies in this arena fail on the level: there is no level set that says how hard "
       + "levels are. A policy's own failures do not count, so its columns hold other levels than those of another policy.";
 }

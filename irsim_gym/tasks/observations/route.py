@@ -18,8 +18,8 @@ from irsim_gym.paths.grid import Grid, Search, centre
 from irsim_gym.paths.spread import PARENT
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.scaling import unit
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term, forget
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel

@@ -14,7 +14,7 @@ from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import distance_field, field_at
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.structs import Struct
-from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of

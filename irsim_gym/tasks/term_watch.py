@@ -34,7 +34,7 @@ MAKERS: dict[str, type[Watched]] = {
 }
 
 
-class Watch:
+class TermWatch:
     """Watches the terms of a task that are not the package's own.
 
     Args:
