@@ -19,13 +19,12 @@ from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.reference_policies import policy_kinds
 from irsim_gym.evaluation.tables import write_bytes
-from irsim_gym.levels.certificate import SUFFIX, Certificate
+from irsim_gym.levels.certificate import SUFFIX, Certificate, shipped_certificate
 from irsim_gym.levels.certify import certify
 from irsim_gym.levels.draw import draw_levels
 from irsim_gym.scenario import Scenario, load_scenario
-from irsim_gym.scenario.level_checks import with_levels
-from irsim_gym.scenario.level_reading import read_levels
 from irsim_gym.scenario.level_set import LevelSet, set_hash
+from irsim_gym.suite.members import shipped_suite
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import make_episodes
@@ -73,23 +72,8 @@ class Wanted:
         return make_episodes(loaded or self.loaded(), n_worlds=n_worlds, **chosen)
 
     def loaded(self) -> Scenario:
-        """Return the scenario; for a file of levels, the one that it names, with these levels.
-
-        Raises:
-            IrsimGymError: The file does not name a scenario that is here.
-        """
-        if Path(self.scenario).suffix != ".npz":
-            return load_scenario(self.scenario, self.parameters, strict=self.strict)
-        about = read_levels(self.scenario).about
-        try:
-            drawn = load_scenario(
-                str(about["scenario"]), {**about["parameters"], **(self.parameters or {})}, warn=False
-            )
-        except (KeyError, TypeError, IrsimGymError) as error:
-            raise IrsimGymError(
-                f"{self.scenario} names no scenario that is here: name a YAML file that has levels: {self.scenario}"
-            ) from error
-        return with_levels(drawn, read_levels(self.scenario))
+        """Return the scenario."""
+        return load_scenario(self.scenario, self.parameters, strict=self.strict)
 
 
 def run_draw(wanted: Wanted, splits: Sequence[str], count: int, out: Path) -> LevelSet:
@@ -129,15 +113,38 @@ def run_certify(
     path = Path(wanted.scenario).with_suffix(SUFFIX) if out is None else out
     check_suffix(path)
     check_split(split)
-    episodes = wanted.episodes(min(WORLDS, count))
-    chosen = _fitting(episodes) if policies is None else {name: load_policy(name) for name in policies}
-    with bar("certifying", count * (1 + len(chosen))) as advance:
-        made = certify(episodes, split, count, chosen, advance)
-    write_bytes(path, made.content())
+    made = _certified(wanted.episodes(min(WORLDS, count)), split, count, policies)
     for line in _said(made):
         print(line)
-    print(f"{path}: {several(count, 'level')} of {split}, hash {made.set_hash}")
+    _write_certificate(made, path)
     return made
+
+
+def run_certify_suite(names: Sequence[str], count: int, policies: Sequence[str] | None) -> None:
+    """Write the shipped certificates of benchmarks, for their ``test`` levels.
+
+    Args:
+        names: Tiers or single benchmarks of the suite.
+        count: How many levels, of benchmarks that have so many.
+        policies: The reference policies; None for those that fit.
+    """
+    for member in shipped_suite().chosen(names):
+        wanted = Wanted(member.scenario, team=member.team, parameters=member.parameters)
+        n_levels = min(count, member.levels or count)
+        episodes = wanted.episodes(min(WORLDS, n_levels))
+        made = _certified(episodes, "test", n_levels, policies)
+        _write_certificate(made, shipped_certificate(episodes.simulation.scenario))
+
+
+def _certified(episodes: Episodes, split: str, count: int, policies: Sequence[str] | None) -> Certificate:
+    chosen = _fitting(episodes) if policies is None else {name: load_policy(name) for name in policies}
+    with bar("certifying", count * (1 + len(chosen))) as advance:
+        return certify(episodes, split, count, chosen, advance)
+
+
+def _write_certificate(made: Certificate, path: Path) -> None:
+    write_bytes(path, made.content())
+    print(f"{path}: {several(made.count, 'level')} of {made.split}, hash {made.set_hash}", flush=True)
 
 
 def _fitting(episodes: Episodes) -> dict[str, Policy]:
