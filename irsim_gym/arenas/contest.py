@@ -95,7 +95,7 @@ def arena(
         resume: Go on with the arena in the folder: policies that have finished do not play again, new ones join.
         overwrite: Replace the arena in the folder.
         parameters: Values for the scenario's parameters.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
 
     Raises:

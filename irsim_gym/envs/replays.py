@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def agent_values(episodes: Episodes, world: int) -> list[dict[str, Any]]:
-    """Return what a replay tells of each agent now: how it fares, its action, its rewards, how its episode stands."""
+    """Return what a replay shows of each agent: outcome, action, rewards and the state of its episode."""
     simulation, view = episodes.simulation, episodes.view
     begun = bool(simulation.state.step[world])
     found = []

@@ -75,7 +75,7 @@ def make_vec_env(
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         env_kwargs: More of these keywords, and values for parameters.
         start_index: Number of the first world in the files of ``monitor_dir``.
         monitor_dir: Folder for a file ``<number>.monitor.csv`` of each world's episodes, as ``Monitor`` writes them.
@@ -83,7 +83,7 @@ def make_vec_env(
         **parameters: Values for the scenario's parameters.
 
     Raises:
-        IrsimGymError: Something is asked for that a batch does not do; the message says who does it.
+        IrsimGymError: A batch does not support an argument; the message names what does.
     """
     refuse_for_singles(parameters)
     asked = {"task": task, "max_steps": max_steps, "max_episode_steps": max_episode_steps, **parameters}

@@ -23,7 +23,7 @@ VECTOR = "vector"
 
 @dataclass(frozen=True)
 class ObservationLayout:
-    """Where each observation term stands in the flat observation, and which form the user asked for.
+    """The place of each observation term in the flat observation, and the form that the user chose.
 
     Attributes:
         columns: Columns of each term, by name, in order.
@@ -65,7 +65,7 @@ class ObservationLayout:
         return {**pictures, VECTOR: vector} if self.columns else pictures
 
     def formed(self, seen: Percepts) -> Observation:
-        """Return observations that nobody else holds in the declared form, themselves where that is theirs."""
+        """Return unshared observations in the declared form; the given arrays where these have it."""
         return seen.observation if self.plain else self.fresh(seen)
 
     def each(self, seen: Percepts | Transition, worlds: Ints, agent: int) -> Sequence[Observation]:

@@ -166,7 +166,7 @@ class Worlds:
         """Begin an episode in each of the given worlds.
 
         A seed begins level ``seed`` of the split (``train`` unless the options say otherwise), the option ``level``
-        exactly that level. Without either the world goes on with the next level of its chain, and a
+        exactly that level. Without either the world continues with the next level of its chain, and a
         world that has none yet, or changes to another split, starts one.
 
         Args:

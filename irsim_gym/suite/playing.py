@@ -25,6 +25,7 @@ from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import make_episodes, team_conditions
 from irsim_gym.training.evaluate import WORLDS
+from irsim_gym.training.folders import as_name
 from irsim_gym.training.policies import UnfitPolicyError, load_policy
 
 
@@ -103,7 +104,7 @@ def _play_member(
         for number in range(len(done), len(method.sources)):
             label = f"{member.name}: {method.name}" + (f" {number}" if len(method.sources) > 1 else "")
             line = bar.add_task(label, total=levels)
-            file = f"{ROWS}/{member.name}/{method.name}-{number}.csv"
+            file = f"{ROWS}/{member.name}/{as_name(method.name)}-{number}.csv"
             done.append(_play_policy(method.sources[number], episodes, levels, optima, folder / file, bar, line))
             record.write(folder)
             bar.remove_task(line)

@@ -28,8 +28,8 @@ from irsim_gym.world.model import OMNI_WORLD
 class Episodes:
     """A task played in all worlds of a simulation; every world has its own episode.
 
-    Nothing restarts by itself: ``begin`` and ``begin_next`` say where an episode begins. An agent whose episode has
-    ended is told to stand still, is paid nothing more and keeps its flags until its world begins again.
+    Nothing restarts automatically: ``begin`` and ``begin_next`` start episodes. An agent whose episode has
+    ended is commanded to stand still, gets no more reward and keeps its flags until its world restarts.
 
     Attributes:
         simulation: The worlds, compiled with ``agents=task.agents``.

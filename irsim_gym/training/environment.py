@@ -36,7 +36,7 @@ def build_environment(settings: Settings, normalization: Path | None = None) -> 
 
     Args:
         settings: What the run trains.
-        normalization: Saved statistics of ``VecNormalize`` to go on with.
+        normalization: Saved statistics of ``VecNormalize`` to start from.
     """
     wanted = settings.hyperparameters
     env: VecEnv = make_worlds(settings, wanted.n_envs)

@@ -1,4 +1,4 @@
-"""Models of Stable-Baselines3 for the settings of a run: new ones, and those that go on."""
+"""Models of Stable-Baselines3 for the settings of a run: new ones, and those of checkpoints."""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ def take_snapshot(
         scenario: Shipped name, or path of a scenario file.
         task: Shipped name or path of a task; None for the scenario's own.
         parameters: Values for the scenario's parameters.
-        strict: False ignores keys that nobody reads.
+        strict: False ignores unused keys.
 
     Raises:
         IrsimGymError: They cannot be used.

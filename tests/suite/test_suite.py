@@ -68,6 +68,7 @@ def test_all_mistakes_of_a_suite_are_named_at_once(tmp_path: Path) -> None:
 def test_methods_are_policies_or_named_seeds() -> None:
     methods = read_methods(["dash", "ppo=runs/a,runs/b", "x/policy.zip"])
     assert methods == [DASH, SuiteMethod("ppo", ("runs/a", "runs/b")), SuiteMethod("x", ("x/policy.zip",))]
+    assert read_methods(["seen=pursuit:known=seen", "rvo:vxmax=1"])[0] == SuiteMethod("seen", ("pursuit:known=seen",))
     with pytest.raises(IrsimGymError, match="two methods are named 'dash'"):
         read_methods(["dash", "dash=orca"])
     with pytest.raises(IrsimGymError, match="needs policies, divided by commas, got 'a,'"):

@@ -141,7 +141,7 @@ WHEN_USED: list[tuple[str, str, str, str]] = [
     ("reward", OWN_COLUMN, "return paid", rf"pay\(\) returns ndarray of shape \(\d, 1\) and writes nothing: {INTO}"),
     ("reward", OWN_COLUMN, "pass", r"leaves episode.reward_term.* as it was"),
     ("reward", "] = paid", "] += paid", r"leaves episode.reward_term.* as it was"),
-    ("reward", OWN_COLUMN, f"{OWN_COLUMN}\n        return paid", "returns ndarray .*, which nobody reads"),
+    ("reward", OWN_COLUMN, f"{OWN_COLUMN}\n        return paid", "returns ndarray .*, which is not used"),
     ("reward", ":, term.column]", ":]", r"pay\(\) writes column \d, which is another term's; its own column: 1,"),
     (
         "reward",

@@ -23,7 +23,7 @@ from irsim_gym.world.state import WorldState
 
 @dataclass
 class Ways(Struct):
-    """Directions that are looked into, and what the sensor tells of them.
+    """Observed directions, and the sensor's readings in them.
 
     Attributes:
         ahead_x: Directions in the body frame, shape ``(n_directions,)``.

@@ -22,7 +22,7 @@ from irsim_gym.world.state import WorldState
 class Position:
     """x and y relative to the world's middle, divided by half its longer side: the world lies within [-1, 1].
 
-    Beyond the world the numbers go on, so that places that differ stay different.
+    The numbers continue beyond the world's edge, so that different places stay different.
     """
 
     only_kernels: ClassVar[bool] = True

@@ -1,4 +1,4 @@
-"""Route: where the shortest way to the goal leads, as somebody knows who has a map."""
+"""Route: the direction of the shortest way to the goal, from the map."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class Route:
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Forget the goals, so that all ways are found anew."""
+        """Forget the goals, so that all routes are searched again."""
         forget(term.arrays.target, np.nan, episode, shard)
 
     @staticmethod
