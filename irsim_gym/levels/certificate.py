@@ -158,8 +158,13 @@ def find_certificate(scenario: Scenario, agents: Sequence[str], split: str, hash
 def _candidates(scenario: Scenario) -> list[Path]:
     """Return the files in which a certificate may be."""
     files = [scenario.levels.file] if scenario.levels is not None else []
-    beside = [Path(file).with_suffix("").with_suffix(SUFFIX) for file in (*files, scenario.file) if file]
+    beside = [certificate_beside(Path(file)) for file in (*files, scenario.file) if file]
     return [*beside, shipped_certificate(scenario)]
+
+
+def certificate_beside(file: Path) -> Path:
+    """Return where the certificate of a file of levels, or of a scenario's own file, is or would be."""
+    return file.with_name(file.stem + SUFFIX)
 
 
 def shipped_certificate(scenario: Scenario) -> Path:

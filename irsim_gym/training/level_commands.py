@@ -19,7 +19,7 @@ from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.reference_policies import policy_kinds
 from irsim_gym.evaluation.tables import write_bytes
-from irsim_gym.levels.certificate import SUFFIX, Certificate, shipped_certificate
+from irsim_gym.levels.certificate import Certificate, certificate_beside, shipped_certificate
 from irsim_gym.levels.certify import certify
 from irsim_gym.levels.draw import draw_levels
 from irsim_gym.scenario import Scenario, load_scenario
@@ -108,12 +108,15 @@ def run_certify(
         split: ``train``, ``dev`` or ``test``.
         count: How many levels.
         policies: The reference policies, as ``load_policy`` takes them; None for those that fit.
-        out: The file; None for one beside that of the levels, or beside the scenario's in the current folder.
+        out: The file; None for one beside that of the levels or of the scenario; in this folder for a shipped one.
     """
-    path = Path(wanted.scenario).with_suffix(SUFFIX) if out is None else out
-    check_suffix(path)
+    if out is not None:
+        check_suffix(out)
     check_split(split)
-    made = _certified(wanted.episodes(min(WORLDS, count)), split, count, policies)
+    episodes = wanted.episodes(min(WORLDS, count))
+    made = _certified(episodes, split, count, policies)
+    own = Path(wanted.scenario)
+    path = out or certificate_beside(own if own.is_file() else Path(episodes.simulation.scenario.name))
     for line in _said(made):
         print(line)
     _write_certificate(made, path)
