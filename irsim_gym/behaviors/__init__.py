@@ -2,12 +2,14 @@
 
 from irsim_gym.behaviors.dash import Dash
 from irsim_gym.behaviors.orca import OrcaGroup
+from irsim_gym.behaviors.pursuit import Pursuit
 from irsim_gym.behaviors.rvo import Rvo
 from irsim_gym.behaviors.social_force import SocialForce
 from irsim_gym.behaviors.social_force_group import SocialForceGroup
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 
 BEHAVIORS.register("dash", Dash)
+BEHAVIORS.register("pursuit", Pursuit)
 BEHAVIORS.register("rvo", Rvo)
 BEHAVIORS.register("sfm", SocialForce)
 GROUP_BEHAVIORS.register("orca", OrcaGroup)

@@ -79,7 +79,9 @@ class BehaviorPolicy:
             if not families.commands(self.kind, drive) and not families.steers(self.kind, drive):
                 name = KINEMATICS.name_of(drive)
                 raise UnfitBehaviorError(f"'{self.name}' cannot drive kinematics '{name}' of '{spec.name}'")
-            if getattr(self.kind, "reads_scan", False) and not has_range_sensor(spec.sensors):
+            family = "group_behavior" if self.is_group else "behavior"
+            options = _options(episodes, body, family, self.name, self.kind)
+            if getattr(options, "reads_scan", False) and not has_range_sensor(spec.sensors):
                 place = episodes.simulation.parts.places[body]
                 raise UnfitBehaviorError(f"'{self.name}' reads a scan, but {place} has no range sensor; {SCANNER}")
 
@@ -95,6 +97,7 @@ class BehaviorPolicy:
             bind = _one_group if self.is_group else _groups_by_drive
             self._groups = bind(self, episodes, self._bodies(episodes))
             for group in self._groups:
+                group.context = simulation.context
                 self.kind.prepare(group, simulation.model, simulation.shards.n_slots)
                 guide(group, simulation.scenario.bodies, simulation.parts.kinematics, simulation.model)
             self._episodes = episodes

@@ -22,6 +22,7 @@ from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.points import PointMap
 from irsim_gym.world.outline import outline_of
 
 FREE, BLOCKED = np.uint8(0), np.uint8(1)
@@ -135,6 +136,7 @@ def mark_blocked(obstacles: Obstacles, radius: float, grid: Grid, blocked: Bytes
         if blocks[b]:
             block_inside(outline_of(obstacles.model, obstacles.state, obstacles.w, b), grid, blocked)
     block_around_cells(obstacles.cells, obstacles.w, wide, grid, blocked)
+    block_around_points(obstacles.points, wide, grid, blocked)
 
 
 @kernel
@@ -148,6 +150,19 @@ def block_around_cells(cells: CellMaps | None, w: int, radius: float, grid: Grid
         left, right = x + boxes[k, 0] * cells.width, x + boxes[k, 1] * cells.width
         low, high = y + boxes[k, 2] * cells.height, y + boxes[k, 3] * cells.height
         block_box(left, low, right, high, radius, grid.cell, blocked)
+
+
+@kernel
+def block_around_points(points: PointMap | None, radius: float, grid: Grid, blocked: Bytes) -> None:
+    """Block the cells whose centres lie within ``radius`` [m] of a point."""
+    if points is None:
+        return
+    places = points.places
+    for i in range(places.shape[0]):
+        for j in range(places.shape[1]):
+            x, y = float(places[i, j, 0]) - grid.origin_x, float(places[i, j, 1]) - grid.origin_y
+            if x == x:
+                block_capsule(x, y, x, y, radius, grid.cell, blocked)
 
 
 @kernel

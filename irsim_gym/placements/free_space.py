@@ -144,7 +144,8 @@ def has_way(w: int, b: int, grids: WayGrids, model: WorldModel, state: WorldStat
     blocks, goal = grids.blocks, (model.waypoints[w, b, 0, 0], model.waypoints[w, b, 0, 1])
     for q in range(blocks.shape[0]):
         blocks[q] = q != b and state.placed[w, q] and model.present[w, q] and model.stands[q]
-    obstacles, radius = Obstacles(model, state, w, blocks, cells), model.reach[row_of(model.reach, w), b]
+    obstacles = Obstacles(model, state, w, blocks, cells, None)
+    radius = model.reach[row_of(model.reach, w), b]
     start = (state.pose[w, b, 0], state.pose[w, b, 1])
     return way_exists(obstacles, radius, start, goal, grids.coarse) or way_exists(
         obstacles, radius, start, goal, grids.fine

@@ -96,7 +96,7 @@ class Scene:
             pose=np.zeros((1, len(self.parts), 3)),
             rigid=np.ones(1, np.bool_),
         )
-        return Obstacles(world, world, 0, np.ones(len(self.parts), np.bool_), self.cells)
+        return Obstacles(world, world, 0, np.ones(len(self.parts), np.bool_), self.cells, None)
 
     @property
     def shape(self) -> Any:
