@@ -80,7 +80,7 @@ class BehaviorPolicy:
                 name = KINEMATICS.name_of(drive)
                 raise UnfitBehaviorError(f"'{self.name}' cannot drive kinematics '{name}' of '{spec.name}'")
             family = "group_behavior" if self.is_group else "behavior"
-            options = _options(episodes, body, family, self.name, self.kind)
+            options = _options(episodes, body, family, self)
             if getattr(options, "reads_scan", False) and not has_range_sensor(spec.sensors):
                 place = episodes.simulation.parts.places[body]
                 raise UnfitBehaviorError(f"'{self.name}' reads a scan, but {place} has no range sensor; {SCANNER}")
