@@ -104,9 +104,9 @@ def certify_suite(
     policies: Policies = None,
 ) -> None:
     """Write the certificates that are shipped with the suite's benchmarks (for maintainers)."""
-    from irsim_gym.training.level_commands import run_certify_suite
+    from irsim_gym.suite.certificates import certify_members
 
-    run_certify_suite(names, count, _names(policies))
+    certify_members(names, count, _names(policies))
 
 
 @levels.command()

@@ -19,12 +19,11 @@ from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.reference_policies import policy_kinds
 from irsim_gym.evaluation.tables import write_bytes
-from irsim_gym.levels.certificate import Certificate, certificate_beside, shipped_certificate
+from irsim_gym.levels.certificate import Certificate, certificate_beside
 from irsim_gym.levels.certify import certify
 from irsim_gym.levels.draw import draw_levels
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.level_set import LevelSet, set_hash
-from irsim_gym.suite.members import shipped_suite
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import make_episodes
@@ -114,38 +113,24 @@ def run_certify(
         check_suffix(out)
     check_split(split)
     episodes = wanted.episodes(min(WORLDS, count))
-    made = _certified(episodes, split, count, policies)
+    made = certified(episodes, split, count, policies)
     own = Path(wanted.scenario)
     path = out or certificate_beside(own if own.is_file() else Path(episodes.simulation.scenario.name))
     for line in _said(made):
         print(line)
-    _write_certificate(made, path)
+    write_certificate(made, path)
     return made
 
 
-def run_certify_suite(names: Sequence[str], count: int, policies: Sequence[str] | None) -> None:
-    """Write the shipped certificates of benchmarks, for their ``test`` levels.
-
-    Args:
-        names: Tiers or single benchmarks of the suite.
-        count: How many levels, of benchmarks that have so many.
-        policies: The reference policies; None for those that fit.
-    """
-    for member in shipped_suite().chosen(names):
-        wanted = Wanted(member.scenario, team=member.team, parameters=member.parameters)
-        n_levels = min(count, member.levels or count)
-        episodes = wanted.episodes(min(WORLDS, n_levels))
-        made = _certified(episodes, "test", n_levels, policies)
-        _write_certificate(made, shipped_certificate(episodes.simulation.scenario))
-
-
-def _certified(episodes: Episodes, split: str, count: int, policies: Sequence[str] | None) -> Certificate:
+def certified(episodes: Episodes, split: str, count: int, policies: Sequence[str] | None) -> Certificate:
+    """Return the certificate of levels, with a progress bar; ``policies`` as for ``run_certify``."""
     chosen = _fitting(episodes) if policies is None else {name: load_policy(name) for name in policies}
     with bar("certifying", count * (1 + len(chosen))) as advance:
         return certify(episodes, split, count, chosen, advance)
 
 
-def _write_certificate(made: Certificate, path: Path) -> None:
+def write_certificate(made: Certificate, path: Path) -> None:
+    """Write a certificate, and say where it is."""
     write_bytes(path, made.content())
     print(f"{path}: {several(made.count, 'level')} of {made.split}, hash {made.set_hash}", flush=True)
 
