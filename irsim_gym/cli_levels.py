@@ -20,7 +20,9 @@ Splits = Annotated[str, typer.Option("--split", help="Split of the levels: train
 Count = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of levels of each split.")]
 Policies = Annotated[
     str | None,
-    typer.Option(help="Reference policies, separated by commas (default: random, dash, orca, dwa, pursuit); none: ''."),
+    typer.Option(
+        help="Reference policies, separated by commas (default: random, dash, orca, dwa, pursuit:known=seen, pursuit, as far as they fit)."
+    ),
 ]
 Certified = Annotated[str, typer.Argument(help="Shipped name, environment id, YAML file, or file of levels (.npz).")]
 OutOrBeside = Annotated[

@@ -17,10 +17,10 @@ from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.level_set import LevelSet
 
 
-class Record:
+class ForeignObject:
     """Stands for an object of a class that is not loaded; its attributes are the object's."""
 
-    def __new__(cls, *values: object) -> Record:
+    def __new__(cls, *values: object) -> ForeignObject:
         """Make a record without looking at what a class would have been given."""
         return super().__new__(cls)
 
@@ -121,7 +121,7 @@ _KNOWN: Mapping[tuple[str, str], Any] = {
     **{(f"numpy.{core}.multiarray", "_reconstruct"): _empty for core in ("core", "_core")},
     **{(f"numpy.{core}.multiarray", "scalar"): _scalar for core in ("core", "_core")},
     ("jax._src.array", "_reconstruct_array"): _device_array,
-    ("copyreg", "_reconstructor"): lambda cls, *_: cls() if cls is Record else _refuse(cls),
+    ("copyreg", "_reconstructor"): lambda cls, *_: cls() if cls is ForeignObject else _refuse(cls),
     ("builtins", "object"): object,
     ("_codecs", "encode"): lambda text, _: text.encode("latin1"),
 }
@@ -132,7 +132,7 @@ def _refuse(cls: object) -> Any:
 
 
 class _NumbersOnly(pickle.Unpickler):
-    """Reads a pickle; classes of the levels' packages become ``Record``, all else that is not known is refused."""
+    """Reads a pickle; classes of the levels' packages become ``ForeignObject``, all else that is not known is refused."""
 
     PACKAGES = ("jaxmarl", "sfl", "jax_multirobsim")
 
@@ -145,5 +145,5 @@ class _NumbersOnly(pickle.Unpickler):
         if (module, name) in _KNOWN:
             return _KNOWN[module, name]
         if module.split(".")[0] in self.PACKAGES:
-            return Record
+            return ForeignObject
         raise pickle.UnpicklingError(f"it needs {module}.{name}, which is not read")

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.errors import Problem, ScenarioError
-from irsim_gym.levels.foreign import Record, complete_set, read_arrays, read_pickle
+from irsim_gym.levels.foreign import ForeignObject, complete_set, read_arrays, read_pickle
 from irsim_gym.scenario.level_set import LevelSet
 
 WORDS = {
@@ -70,9 +70,9 @@ def _from_pickle(path: Path) -> dict[str, NDArray[Any]]:
     return {name: np.concatenate(parts) for name, parts in found.items()}
 
 
-def _records(data: object) -> Iterator[Record]:
+def _records(data: object) -> Iterator[ForeignObject]:
     """Yield the records in nested lists and tuples."""
-    if isinstance(data, Record):
+    if isinstance(data, ForeignObject):
         yield data
     elif isinstance(data, list | tuple):
         for item in data:

@@ -17,7 +17,7 @@ from irsim_gym.errors import IrsimGymError, several
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.policy import Policy
-from irsim_gym.evaluation.reference_policies import policy_kinds
+from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.evaluation.tables import write_bytes
 from irsim_gym.levels.certificate import Certificate, certificate_beside
 from irsim_gym.levels.certify import certify
@@ -30,8 +30,8 @@ from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.policies import load_policy
 
 WORLDS = 64
-REFERENCES = ("random", "dash", "orca", "dwa", "pursuit")
-"""Reference rows of a certificate: at random, straight ahead, by velocity, by a local plan, by the whole map."""
+REFERENCES = ("random", "dash", "orca", "dwa", "pursuit:known=seen", "pursuit")
+"""Reference rows of a certificate: at random, straight ahead, by velocity, by a local plan, by what was seen, by all."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ def write_certificate(made: Certificate, path: Path) -> None:
 def _fitting(episodes: Episodes) -> dict[str, Policy]:
     """Return those of the usual reference policies that are there and can drive the agents."""
     fitting: dict[str, Policy] = {}
-    for name in (name for name in REFERENCES if name in policy_kinds()):
+    for name in filter(is_named_policy, REFERENCES):
         policy = load_policy(name)
         try:
             if isinstance(policy, BehaviorPolicy):
