@@ -28,6 +28,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "cellular": {"name": "cellular", "resolution": 0.5},
     "shelves": {"name": "shelves", "resolution": 0.5, "missing": [0.3, 0.3]},
     "perlin": {"name": "perlin", "resolution": 0.25, "per_level": True, "fill": 0.3},
+    "discs": {"name": "cellular", "resolution": 0.5, "disc_radius": 0.2},
 }
 MAPS = ("squares", "boxes", "n_boxes", "room")
 
@@ -87,14 +88,15 @@ def test_each_world_is_seen_and_touched_as_its_own_cells_are(kind: str) -> None:
     frame, group = sim.model.map_frame.item()[:4], sim.scan(0)[0]
     for w in range(3):
         occupied = occupied_cells(sim, w)
-        expected, cells = cell_map(occupied, *frame), sim.model.cells
+        cells, radius = sim.model.cells, KINDS[kind].get("disc_radius", 0.0)
+        expected = cell_map(occupied, *frame, radius)
         for name in ("squares", "room"):
             np.testing.assert_array_equal(getattr(cells, name)[w], getattr(expected, name))
         n = int(cells.n_boxes[w])
         np.testing.assert_array_equal(cells.boxes[w, :n], expected.boxes[:n])
         x, y, heading = sim.state.pose[w, 0]
         other = shapely.Point(sim.state.pose[w, 1, :2]).buffer(0.2, quad_segs=256)
-        seen = shapely.union(area(occupied, *frame), other)
+        seen = shapely.union(area(occupied, *frame, radius), other)
         body = shapely.Polygon(sim.state.segments[w, :4, :2])
         assert bool(sim.state.collided[w, 0]) == seen.intersects(body)
         assert distance[w, 0] == pytest.approx(seen.distance(body), abs=1e-4)
@@ -260,6 +262,7 @@ def test_a_world_by_hand_draws_a_map_for_each_level_and_keeps_it_when_bodies_com
         ("shelves", {"shelf": [9, 1]}, "shelf.*does not fit"),
         ("shelves", {"shelf": [0, 1]}, "shelf.*two lengths > 0"),
         ("perlin", {"resolution": 1, "per_level": True, "seed": 3}, "seed.*no effect with per_level"),
+        ("cells", {"disc_radius": 0.6}, "disc_radius.*at most half a cell, 0.5 m, got 0.6"),
         ("perlin", {"resolution": 0.01, "per_level": True}, "1100 x 1100 cells, at most 65536"),
     ],
 )
