@@ -21,7 +21,7 @@ Count = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of leve
 Policies = Annotated[
     str | None,
     typer.Option(
-        help="Reference policies, separated by commas (default: random, dash, orca, dwa, pursuit:known=seen, pursuit, as far as they fit)."
+        help="Reference policies, separated by commas (default: random, dash, orca and the planners that fit)."
     ),
 ]
 Certified = Annotated[str, typer.Argument(help="Shipped name, environment id, YAML file, or file of levels (.npz).")]

@@ -132,7 +132,7 @@ def _refuse(cls: object) -> Any:
 
 
 class _NumbersOnly(pickle.Unpickler):
-    """Reads a pickle; classes of the levels' packages become ``ForeignObject``, all else that is not known is refused."""
+    """Reads a pickle; classes of the levels' packages become ``ForeignObject``, all else unknown is refused."""
 
     PACKAGES = ("jaxmarl", "sfl", "jax_multirobsim")
 

@@ -31,7 +31,7 @@ from irsim_gym.training.policies import load_policy
 
 WORLDS = 64
 REFERENCES = ("random", "dash", "orca", "dwa", "pursuit:known=seen", "pursuit")
-"""Reference rows of a certificate: at random, straight ahead, by velocity, by a local plan, by what was seen, by all."""
+"""Reference rows: at random, straight ahead, by velocity, by a local plan, by what was seen, by the whole map."""
 
 
 @dataclass(frozen=True)
