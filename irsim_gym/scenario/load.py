@@ -22,6 +22,7 @@ from irsim_gym.scenario.needless import UNOBSTRUCTED_MODES
 from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.parameters import fill_in
 from irsim_gym.scenario.plot_spec import ObjectPlot
+from irsim_gym.scenario.recorded_bodies import give_recordings
 from irsim_gym.scenario.shorthand import split_entries, split_sections
 from irsim_gym.scenario.source import ROLES, SECTIONS, WRAPPER, Place, Source, read_file, read_mapping
 from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenario, WorldSpec
@@ -90,7 +91,8 @@ def read_scenario(
     world = _world(sections.get("world"), places["world"], source, report)
     gui = build(GuiSpec, sections.get("gui"), places["gui"], report)
     task = _task(sections.get("task"), places["task"], report)
-    bodies, placements = _bodies(sections, places, report)
+    step_time = float(option_fields(WorldSpec)["step_time"].default) if world is None else world.step_time
+    bodies, placements = _bodies(sections, places, step_time, report)
     _check_viewpoint(world, bodies, (*places["world"], "plot", "viewpoint"), report)
     map_place = (*places["world"], "obstacle_map")
     occupied = read_cells(world, map_place, source, report) if world is not None else None
@@ -196,7 +198,7 @@ def _task(data: object, place: Place, report: Report) -> Mapping[str, Any]:
 
 
 def _bodies(
-    sections: Mapping[str, Any], places: Mapping[str, Place], report: Report
+    sections: Mapping[str, Any], places: Mapping[str, Place], step_time: float, report: Report
 ) -> tuple[tuple[BodySpec, ...], tuple[PlacementSpec, ...]]:
     plot = sections.get("plot")
     if build(ObjectPlot, plot, places["plot"], report) is None or plot is None:
@@ -214,6 +216,7 @@ def _bodies(
                 report.add(entry.raw.place, f"too many bodies: at most {MAX_BODIES}")
                 break
             made = make_bodies(entry, len(placements), total, next_group + k, report)
+            made = give_recordings(made, entry, step_time, report)
             if entry.count:
                 placements.append(placement_of(entry, total, report))
             names.extend(name_of(entry, i, total + i) for i in range(entry.count))
