@@ -65,7 +65,7 @@ def _made(record: SuiteRecord) -> str:
         f"`irsim-gym suite run full,shift,singletons {methods} --levels {record.levels}`\n\n"
         f"irsim_gym {machine['versions']['irsim_gym']}, {machine['processor']}. `random` draws each action, `dash`\n"
         "drives straight at its goal. Behaviours know the state of the world (`pursuit:known=seen` and `dwa`:\n"
-        "what they have scanned), and learn nothing.\n"
+        "what they have scanned), and learn nothing. A dash: not played yet, or the policy cannot drive these robots.\n"
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,8 @@ EPISODE = {field.name: str(field.type) for field in fields(EpisodeRow)}
 AGENT = {field.name: str(field.type) for field in fields(AgentRow) if field.name != "episode"}
 COLUMNS = {**EPISODE, **AGENT, "limit": "float"}
 """Names of the columns and types of their values."""
+OPTIONAL = {field.name for field in fields(EpisodeRow) if field.default is not MISSING}
+"""Columns that a file of an earlier version may not have: what was not measured there."""
 
 
 def write_rows(path: Path, levels: Sequence[TeamRow]) -> None:
@@ -43,12 +45,12 @@ def _cells(level: TeamRow, agent: AgentRow) -> dict[str, Any]:
 
 
 def _values(path: Path, reader: csv.DictReader[str]) -> Iterator[dict[str, Any]]:
-    missing = [name for name in COLUMNS if name not in (reader.fieldnames or ())]
+    missing = [name for name in COLUMNS if name not in (reader.fieldnames or ()) and name not in OPTIONAL]
     if missing:
         raise IrsimGymError(f"{path}:1: no column {', '.join(missing)}: it is not a file of rows of this version")
     for row in reader:
         try:
-            yield {name: _value(row[name], kind) for name, kind in COLUMNS.items()}
+            yield {name: _value(row[name], kind) for name, kind in COLUMNS.items() if name in row}
         except (TypeError, ValueError) as error:
             raise IrsimGymError(f"{path}:{reader.line_num}: {error}") from None
 
@@ -65,7 +67,10 @@ def _value(text: str, kind: str) -> Any:
 
 def _level(rows: Sequence[Mapping[str, Any]]) -> TeamRow:
     agents = tuple(
-        AgentRow(episode=EpisodeRow(**{name: row[name] for name in EPISODE}), **{name: row[name] for name in AGENT})
+        AgentRow(
+            episode=EpisodeRow(**{name: row[name] for name in EPISODE if name in row}),
+            **{name: row[name] for name in AGENT},
+        )
         for row in rows
     )
     return TeamRow(rows[0]["level"], rows[0]["limit"], agents)

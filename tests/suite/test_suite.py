@@ -118,6 +118,8 @@ def test_rows_survive_their_file(tmp_path: Path) -> None:
     assert found[1].agents[1].episode.time == pytest.approx(math.pi, abs=1e-6)
     assert found[2].agents[0].episode.optimum == math.inf
     text = (tmp_path / "rows.csv").read_text()
+    (tmp_path / "rows.csv").write_text(text.replace(",jerk,", ",jolt,"))  # a file of an earlier version
+    assert math.isnan(read_rows(tmp_path / "rows.csv")[0].agents[0].episode.jerk)
     (tmp_path / "rows.csv").write_text(text.replace("success", "success,9", 1).replace(",50,", ",many,"))
     with pytest.raises(IrsimGymError, match=r"rows.csv:2: "):
         read_rows(tmp_path / "rows.csv")
