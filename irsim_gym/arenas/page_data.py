@@ -14,7 +14,7 @@ from irsim_gym.evaluation.team_metrics import TEAM_HITS, TeamSummary
 SCHEMA, VERSION = "irsim_gym arena", 1
 
 
-class Column(NamedTuple):
+class FigureColumn(NamedTuple):
     """A column of the table of figures.
 
     Attributes:
@@ -36,32 +36,36 @@ ALWAYS = ("success", "cooperative_success", "individual_success", "collision", "
 """Shares that are shown also where all of them are 0."""
 
 SINGLE_COLUMNS = (
-    Column("success", "success", "Share of levels in which the robot arrived, with Wilson's 95 % interval"),
-    Column("collision", "collision", "Share that ended in a collision"),
-    Column("timeout", "timeout", "Share cut by the time limit"),
-    Column("left world", "left_world", "Share that left the world's rectangle"),
-    Column("gave up", "deadlock", "Share that the task's ending `deadlocked` ended"),
-    Column("SPL", "spl", "Mean of success weighted by path length", 3),
-    Column("SCT", "sct", "Mean of success weighted by completion time: least possible time / time", 3),
-    Column("time [s]", "time", "Mean duration of the successes", 2),
-    Column("path ratio", "path_ratio", "Mean of path length / shortest path over the successes", 3),
-    Column("clearance [m]", "min_clearance", "Mean of the smallest clearance", 3),
-    Column("jerk [m/s\u00b3]", "jerk", "Mean size of the second derivative of the velocity", 1),
+    FigureColumn("success", "success", "Share of levels in which the robot arrived, with Wilson's 95 % interval"),
+    FigureColumn("collision", "collision", "Share that ended in a collision"),
+    FigureColumn("timeout", "timeout", "Share cut by the time limit"),
+    FigureColumn("left world", "left_world", "Share that left the world's rectangle"),
+    FigureColumn("gave up", "deadlock", "Share that the task's ending `deadlocked` ended"),
+    FigureColumn("SPL", "spl", "Mean of success weighted by path length", 3),
+    FigureColumn("SCT", "sct", "Mean of success weighted by completion time: least possible time / time", 3),
+    FigureColumn("time [s]", "time", "Mean duration of the successes", 2),
+    FigureColumn("path ratio", "path_ratio", "Mean of path length / shortest path over the successes", 3),
+    FigureColumn("clearance [m]", "min_clearance", "Mean of the smallest clearance", 3),
+    FigureColumn("jerk [m/s\u00b3]", "jerk", "Mean size of the second derivative of the velocity", 1),
 )
 TEAM_COLUMNS = (
-    Column("all arrive", "cooperative_success", "Share of levels in which all robots arrived, with Wilson's interval"),
-    Column("arrive", "individual_success", "Share of robots that arrived; its interval counts levels"),
-    Column("collision", "collision", "Share of robots that collided"),
-    Column("timeout", "timeout", "Share of robots cut by the time limit"),
-    Column("left world", "left_world", "Share of robots that left the world's rectangle"),
-    Column("gave up", "deadlock", "Share of robots that the task's ending `deadlocked` ended"),
-    Column("deadlocked", "deadlocked", "Share of robots that stood still at the end"),
-    Column("SPL", "spl", "Mean over robots of success weighted by path length", 3),
-    Column("SCT", "sct", "Mean over robots of success weighted by completion time", 3),
-    Column("makespan [s]", "makespan", "Mean time of the last arrival, the limit if a robot never arrives", 1),
-    Column("flowtime [s]", "flowtime", "Mean of the sum of arrival times, the limit where a robot never arrives", 1),
-    Column("clearance [m]", "min_clearance", "Mean of the smallest clearance", 3),
-    Column("jerk [m/s\u00b3]", "jerk", "Mean size of the second derivative of the velocity", 1),
+    FigureColumn(
+        "all arrive", "cooperative_success", "Share of levels in which all robots arrived, with Wilson's interval"
+    ),
+    FigureColumn("arrive", "individual_success", "Share of robots that arrived; its interval counts levels"),
+    FigureColumn("collision", "collision", "Share of robots that collided"),
+    FigureColumn("timeout", "timeout", "Share of robots cut by the time limit"),
+    FigureColumn("left world", "left_world", "Share of robots that left the world's rectangle"),
+    FigureColumn("gave up", "deadlock", "Share of robots that the task's ending `deadlocked` ended"),
+    FigureColumn("deadlocked", "deadlocked", "Share of robots that stood still at the end"),
+    FigureColumn("SPL", "spl", "Mean over robots of success weighted by path length", 3),
+    FigureColumn("SCT", "sct", "Mean over robots of success weighted by completion time", 3),
+    FigureColumn("makespan [s]", "makespan", "Mean time of the last arrival, the limit if a robot never arrives", 1),
+    FigureColumn(
+        "flowtime [s]", "flowtime", "Mean of the sum of arrival times, the limit where a robot never arrives", 1
+    ),
+    FigureColumn("clearance [m]", "min_clearance", "Mean of the smallest clearance", 3),
+    FigureColumn("jerk [m/s\u00b3]", "jerk", "Mean size of the second derivative of the velocity", 1),
 )
 
 
@@ -103,14 +107,14 @@ def page_data(title: str, board: Board, alone: int, standings: Standings, summar
     }
 
 
-def _columns(summaries: Sequence[Any]) -> list[Column]:
+def _columns(summaries: Sequence[Any]) -> list[FigureColumn]:
     """Return the columns of the table of figures; outcomes that never came are left out."""
     is_team = isinstance(summaries[0], TeamSummary)
     seen = [
         hit for hit in (TEAM_HITS if is_team else HITS) if any(each.collision_with[hit].count for each in summaries)
     ]
-    split = [Column(f"with {hit}", "collision_with", f"Share that collided with: {hit}", hit=hit) for hit in seen]
-    shown: list[Column] = []
+    split = [FigureColumn(f"with {hit}", "collision_with", f"Share that collided with: {hit}", hit=hit) for hit in seen]
+    shown: list[FigureColumn] = []
     for column in TEAM_COLUMNS if is_team else SINGLE_COLUMNS:
         if column.field in ALWAYS or column.digits or any(getattr(each, column.field).count for each in summaries):
             shown.append(column)
@@ -119,7 +123,7 @@ def _columns(summaries: Sequence[Any]) -> list[Column]:
     return shown
 
 
-def _column(column: Column, summaries: Sequence[Any]) -> dict[str, Any]:
+def _column(column: FigureColumn, summaries: Sequence[Any]) -> dict[str, Any]:
     values = [getattr(each, column.field) for each in summaries]
     if column.hit:
         values = [shares[column.hit] for shares in values]
