@@ -37,7 +37,7 @@ ALLOWED: dict[str, set[str]] = {
     "world": {"jit", "structs"},
     "scenario": {"pydantic", "pydantic_core", "yaml", "PIL"},
     "kinematics": KIND,
-    "behaviors": KIND | {"paths", "scenario.wander_goals"},
+    "behaviors": KIND | {"paths", "scenario.recordings", "scenario.wander_goals"},
     "footprints": KIND | {"shapely"},
     "placements": KIND | {"paths"},
     "sensors": KIND,

@@ -134,7 +134,14 @@ def test_the_picture_is_the_first_blocks(folder: Path) -> None:
 
 def test_links_lead_somewhere() -> None:
     decisions = sorted((ROOT / "docs" / "decisions").glob("*.md"))
-    for page in (README, CONTRIBUTING, ROOT / "DESIGN.md", ROOT / "SECURITY.md", *decisions):
+    for page in (
+        README,
+        CONTRIBUTING,
+        ROOT / "DESIGN.md",
+        ROOT / "SECURITY.md",
+        ROOT / "docs" / "arena.md",
+        *decisions,
+    ):
         text = page.read_text(encoding="utf-8")
         for target in re.findall(r"(?:\]\(|^\[\w+\]: )([^)#\s]+)", text, re.MULTILINE):
             assert target.startswith("https://") or (page.parent / target).exists(), f"{page.name}: {target}"

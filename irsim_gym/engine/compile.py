@@ -143,6 +143,7 @@ def _write_world(scenario: Scenario, model: WorldModel) -> None:
         columns, rows = scenario.occupied.shape
         size = world.width / columns, world.height / rows
         model.map_frame[0] = x, y, *size, len(scenario.bodies) - 1
+        model.map_disc[0] = getattr(scenario.bodies[-1].shape, "disc_radius", None) or 0.0
         cells: Any = model.cells
         lay_cells(cells, 0, scenario.occupied, np.zeros(columns))
         for field in RANDOM_MAP:

@@ -12,7 +12,7 @@ from irsim_gym.engine.arrival import begin_round
 from irsim_gym.engine.fused import Fused
 from irsim_gym.engine.level_table import LevelTable, copy_levels, copy_maps
 from irsim_gym.engine.parts import Parts
-from irsim_gym.engine.step import sense
+from irsim_gym.engine.step import let_appear, sense
 from irsim_gym.errors import PlacementError
 from irsim_gym.jit import kernel
 from irsim_gym.rng import integer
@@ -82,6 +82,7 @@ def start(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> N
     body_buckets.empty(model, state, shard)
     body_buckets.refresh(parts.everyone, model, state, shard)
     begin_moment(parts, model, state, shard)
+    let_appear(parts, model, state, shard, ahead=0)
     empty_memories(parts, shard)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)

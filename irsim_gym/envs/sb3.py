@@ -14,34 +14,10 @@ from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.envs.limits import ScenarioSpec
 from irsim_gym.envs.registration import spec_of
 from irsim_gym.envs.sb3_base import NativeVecEnv, checked_mode
-from irsim_gym.envs.sb3_buffers import (
-    MaskedDictReplayBuffer,
-    MaskedDictRolloutBuffer,
-    MaskedReplayBuffer,
-    MaskedRolloutBuffer,
-)
 from irsim_gym.envs.sb3_keywords import MonitorFiles, refuse_for_singles, with_env_kwargs
-from irsim_gym.envs.sb3_masked import MaskedA2C, MaskedPPO
-from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
-from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.world_view import WorldView
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
-
-__all__ = [
-    "MaskedA2C",
-    "MaskedDictReplayBuffer",
-    "MaskedDictRolloutBuffer",
-    "MaskedPPO",
-    "MaskedReplayBuffer",
-    "MaskedRolloutBuffer",
-    "MaskedVecNormalize",
-    "TeamVecEnv",
-    "WorldVecEnv",
-    "buffers_for",
-    "make_multi_agent_vec_env",
-    "make_vec_env",
-]
 
 
 def make_vec_env(

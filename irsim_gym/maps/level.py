@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -50,6 +51,17 @@ def map_tables(model: WorldModel, n_slots: int) -> MapTables:
     )
 
 
+def disc_option() -> Any:
+    """Declare the option ``disc_radius``."""
+    return option(
+        None,
+        gt=0.0,
+        unit="m",
+        meaning="Each occupied cell holds a disc of this radius in its middle, at most half a cell; default: all of it "
+        "is occupied. Behaviours avoid the whole cell.",
+    )
+
+
 @kind
 class LevelMap:
     """What all maps that are drawn for each level have."""
@@ -58,6 +70,7 @@ class LevelMap:
         1.0, gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world; at most 65536 cells."
     )
     border: bool = option(True, meaning="Occupy the outermost cells in every level.")
+    disc_radius: float | None = disc_option()
 
     def outline(self) -> Outline:
         """Return an outline without rows: cells are no outline."""

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.maps.level import MOST_CELLS, MOST_LEVEL_CELLS, map_size
+from irsim_gym.maps.level import MOST_CELLS, MOST_LEVEL_CELLS, disc_option, map_size
 from irsim_gym.maps.noise_levels import GRADIENTS, draw_noise_maps, noise_tables
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
@@ -31,6 +31,7 @@ class PerlinMap:
     fractal: int = option(1, ge=1, le=32, meaning="Number of octaves, each twice as fine as the previous one.")
     attenuation: float = option(0.5, gt=0.0, meaning="Octave k has this weight divided by k + 1.")
     seed: int | None = option(None, ge=0, meaning="Seed of the map; default: derived from the world's name.")
+    disc_radius: float | None = disc_option()
     per_level: bool = option(False, meaning="Draw another map in each level; at most 65536 cells.")
 
     @property

@@ -149,6 +149,12 @@ def block_around_cells(cells: CellMaps | None, w: int, radius: float, grid: Grid
     for k in range(here.n_boxes):
         left, right = x + boxes[k, 0] * cells.width, x + boxes[k, 1] * cells.width
         low, high = y + boxes[k, 2] * cells.height, y + boxes[k, 3] * cells.height
+        if cells.radius > 0.0:
+            for i in range(boxes[k, 0], boxes[k, 1]):
+                for j in range(boxes[k, 2], boxes[k, 3]):
+                    cx, cy = x + (i + 0.5) * cells.width, y + (j + 0.5) * cells.height
+                    block_capsule(cx, cy, cx, cy, radius + cells.radius, grid.cell, blocked)
+            continue
         block_box(left, low, right, high, radius, grid.cell, blocked)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -280,3 +281,17 @@ def test_bad_calls(
     Path("full/summary.json").write_text("{}")
     assert run(monkeypatch, "room.yaml", *arguments, "--levels", "2") == 1
     assert message in capsys.readouterr().err
+
+
+def test_the_page_in_docs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its Python runs, and its commands take the options that they are shown with."""
+    text = (Path(__file__).parents[2] / "docs" / "arena.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    (block,) = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    exec(compile(block, "docs/arena.md", "exec"), {})
+    assert "runs/arena/arena.html" in capsys.readouterr().out
+    assert run(monkeypatch, "--help") == 0
+    shown = capsys.readouterr().out
+    asked = {word for line in text.splitlines() if line.startswith("irsim-gym arena") for word in line.split()}
+    assert {"--levels", "--mix", "--resume"} <= asked
+    assert all(word in shown for word in asked if word.startswith("--"))

@@ -57,9 +57,9 @@ function showFigures({ policies, alone, table: columns }) {
       const cell = make("th", { scope: "col", ariaSort: by === c ? (falls ? "descending" : "ascending") : "none" }, button);
       return cell;
     });
-    const cell = ({ share, cells }, c, i) => {
-      if (share) return shareCell(cells[i], c === 0);
-      return make("td", {}, cells[i].value === null ? "\u2013" : cells[i].value.toFixed(cells[i].value < 10 ? 3 : 1));
+    const cell = ({ digits, cells }, c, i) => {
+      if (!digits) return shareCell(cells[i], c === 0);
+      return make("td", {}, cells[i].value === null ? "\u2013" : cells[i].value.toFixed(digits));
     };
     const rows = order().map((i) => [rowHead(policies[i]), ...columns.map((column, c) => cell(column, c, i))]);
     place.replaceChildren(table([head("policy"), ...heads], rows));
