@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.engine import Simulation
 from irsim_gym.engine.level_table import given_bodies, varied_outlines
 from irsim_gym.evaluation.protocol import check_count
-from irsim_gym.scenario import Scenario
+from irsim_gym.scenario import Scenario, library
 from irsim_gym.scenario.level_checks import drawn_bodies, without_map
 from irsim_gym.scenario.level_set import LevelSet
 from irsim_gym.world.outline import outline_rows
@@ -62,7 +63,10 @@ def draw_levels(
 
 def about(scenario: Scenario) -> dict[str, Any]:
     """Return what a file of levels says about the scenario that drew it."""
-    said = {"scenario": scenario.file or scenario.name, "name": scenario.name, "hash": scenario_hash(scenario)}
+    shipped = library.every_scenario().get(Path(scenario.file).stem)
+    is_shipped = shipped is not None and shipped.resolve() == Path(scenario.file).resolve()
+    home = Path(scenario.file).stem if is_shipped else Path(scenario.file).name
+    said = {"scenario": home, "name": scenario.name, "hash": scenario_hash(scenario)}
     return {**said, "parameters": dict(scenario.parameters)}
 
 

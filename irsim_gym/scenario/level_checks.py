@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -36,6 +36,22 @@ def tell(mistakes: Sequence[Mistake], place: Place, report: Report, file: str) -
     """Report what is wrong with a file of levels, each with the array where it is."""
     for name, text in mistakes:
         report.add((*place, name) if name else place, text if name else f"{file}: {text}")
+
+
+def home_of(levels: LevelSet) -> tuple[str | Path, Mapping[str, Any]]:
+    """Return the scenario that a file of levels names, and the values of its parameters.
+
+    A shipped scenario goes by its name, another one by the name of its file, which is beside that of the levels.
+
+    Raises:
+        ScenarioError: The file names none.
+    """
+    name, values = levels.about.get("scenario"), levels.about.get("parameters", {})
+    if not isinstance(name, str) or not name or not isinstance(values, Mapping):
+        wish = f"names no scenario: load a YAML file that has levels: {Path(levels.file).name}"
+        raise ScenarioError(levels.file, [Problem(0, "about", wish)])
+    beside = Path(levels.file).parent / Path(name).name
+    return (beside if Path(name).suffix else name), values
 
 
 def with_levels(scenario: Scenario, levels: LevelSet) -> Scenario:

@@ -14,7 +14,8 @@ from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of, with_m
 from irsim_gym.scenario.entries import read_entry
 from irsim_gym.scenario.gui_spec import GuiSpec
 from irsim_gym.scenario.ids import IDS
-from irsim_gym.scenario.level_checks import misfits, read_level_file, tell
+from irsim_gym.scenario.level_checks import home_of, misfits, read_level_file, tell, with_levels
+from irsim_gym.scenario.level_reading import read_levels
 from irsim_gym.scenario.map_cells import read_cells, read_map
 from irsim_gym.scenario.messages import CONTACT_MESSAGE, choices, literal_values, show
 from irsim_gym.scenario.needless import UNOBSTRUCTED_MODES
@@ -42,7 +43,8 @@ def load_scenario(
     """Read and check a scenario.
 
     Args:
-        scenario: A shipped name such as ``cluttered_room``, an id, the path of a YAML file, or the same as plain data.
+        scenario: A shipped name such as ``cluttered_room``, an id, the path of a YAML file, or the same as plain data;
+            or the path of a file of levels, .npz, for the scenario that it names, with these levels.
         parameters: Values for its parameters, e.g. ``{"n_robots": 16}``; the others keep their defaults.
         strict: A key that nobody reads is an error; False: it is ignored, with an ``IgnoredKeyWarning``.
         warn: Warn of values that are hardly ever meant, such as degrees (``ScenarioWarning``), and of keys that are
@@ -59,6 +61,11 @@ def load_scenario(
     if not isinstance(scenario, str | Path | Mapping):
         raise TypeError(f"a scenario is a name, a path or a mapping, got {type(scenario).__name__}")
     scenario = IDS.scenario(scenario)
+    if not isinstance(scenario, Mapping) and Path(scenario).suffix == ".npz":
+        levels = read_levels(scenario)
+        home, values = home_of(levels)
+        how: dict[str, Any] = {"strict": strict, "warn": warn, "may_pend": may_pend}
+        return with_levels(load_scenario(home, {**values, **(parameters or {})}, **how), levels)
     source = read_mapping(scenario) if isinstance(scenario, Mapping) else read_file(library.find(scenario))
     loaded = read_scenario(source, parameters or {}, strict=strict, may_pend=may_pend)
     if warn:

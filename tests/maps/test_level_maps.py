@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from scipy import ndimage
+from scipy import ndimage, sparse
+from scipy.sparse import csgraph
 
 import irsim_gym as ig
-from irsim_gym.errors import ScenarioError
+from irsim_gym.errors import PlacementError, ScenarioError
 from irsim_gym.maps import perlin
 from irsim_gym.maps.noise_levels import noise_at, nth_smallest
+from irsim_gym.paths.queries import free_path_length
 from irsim_gym.world.state import WorldState
 from tests.geometry.cell_maps import area, cell_map
 
@@ -270,3 +272,48 @@ def test_what_cannot_be_is_refused(kind: str, given: dict[str, Any], said: str) 
     world = {"width": 11, "height": 11, "obstacle_map": {"name": kind, **given}}
     with pytest.raises(ScenarioError, match=said):
         ig.compile(ig.load_scenario({"world": world, "robot": ROBOT}))
+
+
+@pytest.mark.parametrize("placement", [pytest.param("random", marks=pytest.mark.slow), "cells"])
+def test_ways_are_as_long_as_asked_for(placement: str) -> None:
+    """None is longer than SciPy's shortest way from cell to cell through their sides."""
+    limits = {"min_way_length": 9.0, "max_way_length": 13.0}
+    robot = {
+        "kinematics": {"name": "diff"},
+        "shape": {"name": "circle", "radius": 0.3},
+        "distribution": {"name": placement, **limits},
+    }
+    world = {"name": "ways", "width": 11, "height": 11, "obstacle_map": {"name": "maze", "loops": 0.5}}
+    sim = ig.compile(ig.load_scenario({"world": world, "robot": robot}), 12, agents=(0,))
+    sim.reset(seed=0)
+    lengths = []
+    for w in range(12):
+        start, goal = sim.state.pose[w, 0, :2], sim.model.waypoints[w, 0, 0, :2]
+        lengths.append(free_path_length(sim.model, sim.state, w, 0.3, start, goal, cell=0.05))
+        cells = [tuple(int(value) for value in np.floor(place)) for place in (start, goal)]
+        slack = 0.0 if placement == "cells" else 2.0 * np.sqrt(0.5)  # from anywhere in a cell to its middle
+        assert lengths[-1] <= way_over_cells(~occupied_cells(sim, w), *cells) + slack + 1e-9
+    assert min(lengths) > 9.0 / 1.03
+    assert max(lengths) <= 13.0 + 1e-6
+    assert max(lengths) - min(lengths) > 1.0
+
+
+def way_over_cells(free: Any, start: tuple[int, ...], goal: tuple[int, ...]) -> float:
+    """Return the length of the shortest way from the middle of a cell to that of the next, in cells."""
+    number = np.arange(free.size).reshape(free.shape)
+    pairs = [(number[:-1], number[1:]), (number[:, :-1], number[:, 1:])]
+    joined = [np.stack([a.ravel(), b.ravel()])[:, free.ravel()[a.ravel()] & free.ravel()[b.ravel()]] for a, b in pairs]
+    rows, columns = np.concatenate(joined, axis=1)
+    graph = sparse.coo_array((np.ones(len(rows)), (rows, columns)), shape=(free.size, free.size))
+    return float(csgraph.shortest_path(graph, directed=False, indices=number[start])[number[goal]])
+
+
+@pytest.mark.parametrize("placement", ["random", "cells"])
+def test_ways_that_cannot_be_are_refused(placement: str) -> None:
+    world = {"width": 5, "height": 5, "obstacle_map": {"name": "cells", "fill": [0, 0]}}
+    robot = {"kinematics": {"name": "diff"}, "distribution": {"name": placement, "min_way_length": 20}}
+    with pytest.raises(PlacementError, match="no place found for 'robot_0'"):
+        ig.compile(ig.load_scenario({"world": world, "robot": robot})).reset(seed=0)
+    crossed = {**robot, "distribution": {"name": placement, "min_way_length": 5, "max_way_length": 4}}
+    with pytest.raises(ScenarioError, match=r"max_way_length.*must not be less than min_way_length, got 4 and 5"):
+        ig.load_scenario({"world": world, "robot": crossed})
