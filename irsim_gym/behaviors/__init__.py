@@ -1,6 +1,7 @@
 """How a body decides."""
 
 from irsim_gym.behaviors.dash import Dash
+from irsim_gym.behaviors.dwa import Dwa
 from irsim_gym.behaviors.orca import OrcaGroup
 from irsim_gym.behaviors.rvo import Rvo
 from irsim_gym.behaviors.social_force import SocialForce
@@ -8,6 +9,7 @@ from irsim_gym.behaviors.social_force_group import SocialForceGroup
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 
 BEHAVIORS.register("dash", Dash)
+BEHAVIORS.register("dwa", Dwa)
 BEHAVIORS.register("rvo", Rvo)
 BEHAVIORS.register("sfm", SocialForce)
 GROUP_BEHAVIORS.register("orca", OrcaGroup)

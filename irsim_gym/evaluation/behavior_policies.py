@@ -90,6 +90,7 @@ class BehaviorPolicy:
             bind = _one_group if self.is_group else _groups_by_drive
             self._groups = bind(self.name, self.kind, episodes)
             for group in self._groups:
+                group.context = simulation.context
                 self.kind.prepare(group, simulation.model, simulation.shards.n_slots)
                 guide(group, simulation.scenario.bodies, simulation.parts.kinematics, simulation.model)
             self._episodes = episodes
