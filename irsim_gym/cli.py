@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from irsim_gym.cli_levels import levels
 from irsim_gym.cli_options import (
     LAST_LEVEL,
     Algorithm,
@@ -32,6 +33,7 @@ from irsim_gym.cli_options import (
     Team,
     TeamMode,
 )
+from irsim_gym.cli_suite import suite
 from irsim_gym.cli_tools import print_options, print_shipped, progress, read_parameters
 from irsim_gym.errors import IrsimGymError
 
@@ -41,6 +43,10 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+
+
+app.add_typer(suite, name="suite")
+app.add_typer(levels, name="levels")
 
 
 @app.command("list")

@@ -43,6 +43,14 @@ def level_stream(base: np.uint64, level: int) -> np.uint64:
 
 
 @kernel
+def level_key(base: np.uint64, count: int, level: int) -> np.uint64:
+    """Return what a level is taken from: its random stream, or its row in a file, of ``count`` from ``base`` on."""
+    if count > 0:
+        return base + np.uint64(level % count)
+    return level_stream(base, level)
+
+
+@kernel
 def later_level(first: int, episode: int) -> np.int64:
     """Return the level of a world's later episodes: it follows from the first level and the episode's number.
 

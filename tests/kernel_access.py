@@ -8,8 +8,9 @@ from __future__ import annotations
 import ast
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1] / "irsim_gym"
@@ -70,16 +71,18 @@ def _line(word: str, roots: set[Root], kernel: Kernel) -> str:
     return textwrap.fill(f"{word}: {', '.join(parts)}.", LINE, initial_indent="    ", subsequent_indent="        ")
 
 
+@cache
 def kernels() -> dict[tuple[str, str], Kernel]:
     """Return all kernels by module and name, with what they read and write."""
-    trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in sorted(PACKAGE.rglob("*.py"))}
-    structs = _struct_classes(trees.values())
+    texts = {file: file.read_text(encoding="utf-8") for file in sorted(PACKAGE.rglob("*.py"))}
+    trees = {file: ast.parse(text) for file, text in texts.items() if "@kernel" in text}
+    structs = _struct_classes(texts.values())
     found = {}
     for file, tree in trees.items():
         module = ".".join(file.relative_to(PACKAGE.parent).with_suffix("").parts)
         names = {
             name.asname or name.name: (node.module or "", name.name)
-            for node in ast.walk(tree)
+            for node in tree.body
             if isinstance(node, ast.ImportFrom)
             for name in node.names
         }
@@ -96,13 +99,13 @@ def _is_kernel(function: ast.FunctionDef) -> bool:
     return any(ast.unparse(one).split("(")[0] == "kernel" for one in function.decorator_list)
 
 
-def _struct_classes(trees: Iterator[ast.Module]) -> set[str]:
+def _struct_classes(texts: Iterable[str]) -> set[str]:
     """Return the names of the classes that derive from ``Struct``."""
-    classes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    classes = [found.groups() for text in texts for found in re.finditer(r"^class (\w+)\((\w+)\):", text, re.MULTILINE)]
     names, before = {"Struct"}, 0
     while len(names) > before:
         before = len(names)
-        names |= {node.name for node in classes if {ast.unparse(base) for base in node.bases} & names}
+        names |= {name for name, base in classes if base in names}
     return names
 
 

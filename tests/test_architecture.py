@@ -7,7 +7,7 @@ import subprocess
 import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -47,6 +47,7 @@ ALLOWED: dict[str, set[str]] = {
     "tasks": {"engine", "world", "geometry", "scenario", "paths", "jit", "rng", "structs", "pydantic", "pydantic_core"},
     "envs": {"tasks", "engine", "scenario", "world", "render", "gymnasium"},
     "evaluation": {"envs", "tasks", "engine", "world", "paths", "scenario", "rich", "scipy"},
+    "levels": {"evaluation", "tasks", "engine", "world", "paths", "scenario", "render"},
     "raster": {"jit", "structs", "geometry", "world", "scenario.plot_spec"},
     "render": {
         "world",
@@ -65,7 +66,7 @@ ALLOWED: dict[str, set[str]] = {
     "sb3": {"envs"},
 }
 # Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.
-COMPOSERS = {"training", "cli", "__init__", "irsim", "plugins"}
+COMPOSERS = {"training", "suite", "cli", "__init__", "irsim", "plugins"}
 # Adapters to one library each: files whose place begins so.
 ONLY_FILES = {
     "pettingzoo": "envs/parallel",
@@ -91,7 +92,7 @@ HEAVY = {
     "scipy",
 }
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")
-RENDER_FROM = {"envs", "live", "controls", "training", "cli"}
+RENDER_FROM = {"envs", "levels", "live", "controls", "training", "cli"}
 
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60
@@ -103,13 +104,18 @@ MUTATORS = {"append", "extend", "insert", "add", "update", "setdefault", "pop", 
 RANDOM_OBJECTS = {"Generator", "SeedSequence", "BitGenerator", "PCG64", "default_rng"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Module:
     """One file of the package."""
 
     place: str
     text: str
     tree: ast.Module
+
+    @cached_property
+    def nodes(self) -> list[ast.AST]:
+        """All nodes of its tree."""
+        return list(ast.walk(self.tree))
 
     @property
     def part(self) -> str:
@@ -146,8 +152,14 @@ def modules() -> tuple[Module, ...]:
     return tuple(Module(place, text, ast.parse(text, place)) for place, text in zip(places, texts, strict=True))
 
 
-def imports(module: Module) -> Iterator[Import]:
-    yield from _imports(module, module.tree, deferred=False, for_types=False)
+@cache
+def names_of_modules() -> frozenset[str]:
+    return frozenset(f"{OWN}.{module.name}" for module in modules())
+
+
+@cache
+def imports(module: Module) -> tuple[Import, ...]:
+    return tuple(_imports(module, module.tree, deferred=False, for_types=False))
 
 
 def _imports(module: Module, node: ast.AST, *, deferred: bool, for_types: bool) -> Iterator[Import]:
@@ -169,8 +181,7 @@ def _from_names(module: Module, node: ast.ImportFrom) -> list[str]:
     if node.level:
         above = module.package[: len(module.package) - node.level + 1]
         base = ".".join([*above, base] if base else above)
-    known = {f"{OWN}.{other.name}" for other in modules()}
-    found = [f"{base}.{alias.name}" for alias in node.names if f"{base}.{alias.name}" in known]
+    found = [f"{base}.{alias.name}" for alias in node.names if f"{base}.{alias.name}" in names_of_modules()]
     return found if len(found) == len(node.names) else [*found, base]
 
 
@@ -195,7 +206,7 @@ def is_allowed(module: Module, imported: Import) -> bool:
 
 
 def functions(module: Module) -> Iterator[ast.FunctionDef]:
-    for node in ast.walk(module.tree):
+    for node in module.nodes:
         if isinstance(node, ast.FunctionDef):
             yield node
 
@@ -323,7 +334,7 @@ print("matplotlib" in sys.modules)
 def test_numba_is_used_through_kernel_alone() -> None:
     problems = []
     for module in modules():
-        for node in ast.walk(module.tree):
+        for node in module.nodes:
             if isinstance(node, ast.Attribute | ast.Name) and module.part != "jit":
                 name = dotted(node).split(".")[-1]
                 if name in {"njit", "prange", "vectorize", "guvectorize", "cfunc"} or dotted(node) == "numba.jit":
@@ -367,7 +378,7 @@ def test_threads_are_made_in_one_place() -> None:
     for module in modules():
         if module.place == "engine/shards.py":
             continue
-        for node in ast.walk(module.tree):
+        for node in module.nodes:
             if isinstance(node, ast.Call) and dotted(node.func).split(".")[-1] in makers:
                 problems.append(f"{module.place}:{node.lineno} makes {dotted(node.func)}")
         for found in imports(module):
@@ -381,7 +392,7 @@ def test_no_global_random_generator() -> None:
     problems = []
     for module in modules():
         states = {"get_state", "set_state", "seed"} if module.part == "training" else set()
-        for node in ast.walk(module.tree):
+        for node in module.nodes:
             parts = dotted(node).split(".")
             is_random = len(parts) == 3 and parts[:2] in (["np", "random"], ["numpy", "random"])
             if is_random and parts[2] not in RANDOM_OBJECTS | states:
@@ -409,7 +420,7 @@ def test_no_module_level_state() -> None:
         problems += [f"{module.place}:{line} changes {name}" for name, line in _changes(module, tables)]
         problems += [
             f"{module.place}:{node.lineno} rebinds {', '.join(node.names)}"
-            for node in ast.walk(module.tree)
+            for node in module.nodes
             if isinstance(node, ast.Global)
         ]
     report(problems)
@@ -444,7 +455,7 @@ def _module_values(module: Module) -> Iterator[tuple[str, ast.expr]]:
 
 
 def _changes(module: Module, tables: set[str]) -> Iterator[tuple[str, int]]:
-    for node in ast.walk(module.tree):
+    for node in module.nodes:
         if (
             isinstance(node, ast.Subscript)
             and isinstance(node.ctx, ast.Store | ast.Del)
@@ -483,7 +494,7 @@ def test_yaml_words_end_at_compile() -> None:
             f"{module.place}:{node.lineno} reads .{node.attr}"
             for module in modules()
             if module.part != "scenario" and not module.place.startswith(YAML_READERS)
-            for node in ast.walk(module.tree)
+            for node in module.nodes
             if isinstance(node, ast.Attribute) and node.attr in YAML_ONLY_NAMES
         ]
     )

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.behaviors.steering import clear_command, goal_offset
+from irsim_gym.behaviors.steering import braked_rate, clear_command, goal_offset
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import crossed_bounds, kind, option
@@ -163,9 +163,6 @@ def dash_ackermann(worlds: Ints, members: Ints, params: Any, model: WorldModel, 
 def turn_rate(model: WorldModel, w: int, b: int, turn: int, error: float, tolerance: float) -> float:
     """Return the turn rate towards a bearing ``error`` [rad]: full speed, or what can be braked in time [rad/s].
 
-    With the acceleration a and steps of length dt, a body that turns at the rate r covers r^2 / (2 a) + r dt until it
-    stands; the rate is the root of this for the angle that is left.
-
     Reads: model (acceleration_limit, step_time, velocity_max).
 
     Args:
@@ -178,10 +175,7 @@ def turn_rate(model: WorldModel, w: int, b: int, turn: int, error: float, tolera
     """
     rate = float(np.abs(model.velocity_max[row_of(model.velocity_max, w), b, turn]))
     acceleration = model.acceleration_limit[row_of(model.acceleration_limit, w), b, turn]
-    if np.isfinite(acceleration) and acceleration > 0.0:
-        braking = acceleration * model.step_time[0]
-        reach = np.sqrt(braking * braking + 2.0 * acceleration * (np.abs(error) - tolerance)) - braking
-        rate = min(rate, reach)
+    rate = braked_rate(rate, acceleration, model.step_time[0], np.abs(error) - tolerance)
     return rate if error > 0.0 else -rate
 
 

@@ -97,3 +97,22 @@ def to_command(drive: int, heading: float, vx: float, vy: float, turning: Turnin
         command[0] = max(speed * np.cos(error), 0.0)
         if np.abs(error) >= turning.tolerance:
             command[1] = max(min(-error / turning.time, turning.limit), -turning.limit)
+
+
+@kernel
+def braked_rate(fastest: float, acceleration: float, step: float, angle: float) -> float:
+    """Return the turn rate [rad/s] from which a body can come to rest within an angle, at most its greatest.
+
+    With the acceleration a and steps of length dt, a body that turns at the rate r covers r^2 / (2 a) + r dt until it
+    stands; the rate is the root of this for the angle.
+
+    Args:
+        fastest: Its greatest turn rate [rad/s].
+        acceleration: How fast the rate changes [rad/s2]; infinite, or 0, for no limit.
+        step: Duration of a step [s].
+        angle: The angle that is left [rad].
+    """
+    if not (np.isfinite(acceleration) and acceleration > 0.0):
+        return fastest
+    braking = acceleration * step
+    return float(min(fastest, np.sqrt(braking * braking + 2.0 * acceleration * angle) - braking))

@@ -12,6 +12,7 @@ from irsim_gym.engine import field_of_view
 from irsim_gym.engine.body_measures import measure
 from irsim_gym.engine.fog import lay_fog
 from irsim_gym.engine.guide import guide
+from irsim_gym.engine.level_table import given_bodies, lay_levels, varied_outlines
 from irsim_gym.engine.own_scans import with_scans
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.path_checks import reachability_check
@@ -70,6 +71,8 @@ def collect_parts(
         external=external,
         footprints=group_members([(b, body.shape) for b, body in bodies if body.shape.is_random]),
         placements=placements,
+        levels=lay_levels(scenario),
+        free=[group for group in placements if not given_bodies(scenario)[group.members].all()],
         sensors=scanners,
         movers=everyone if external else movers,
         fixed=everyone[:0] if external else np.flatnonzero(~model.movable),
@@ -148,7 +151,7 @@ def _measure(scenario: Scenario, outlines: Sequence[Outline], model: WorldModel,
     for b, outline in enumerate(outlines):
         if outline.centroid is not None:
             model.centroid[:, b] = outline.centroid
-    return everyone[[body.shape.is_random for body in scenario.bodies]]
+    return everyone[varied_outlines(scenario)]
 
 
 def _sensors(members: Sequence[Member], outlines: Sequence[Outline], model: WorldModel, n_slots: int) -> list[Group]:

@@ -11,6 +11,7 @@ from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import body_buckets
 from irsim_gym.engine.collect import collect_parts
 from irsim_gym.engine.given import check_agents, check_scenario
+from irsim_gym.engine.level_table import roomy_outlines, varied_outlines
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.engine.start_checks import refuse_blocked_starts
@@ -73,7 +74,7 @@ def compile(
     agents = check_agents(agents, scenario)
     if isinstance(n_worlds, bool) or not isinstance(n_worlds, int | np.integer) or n_worlds < 1:
         raise ValueError(f"n_worlds must be a whole number >= 1, got {n_worlds!r}")
-    outlines = [body.shape.outline() for body in scenario.bodies]
+    outlines, varied = roomy_outlines(scenario), varied_outlines(scenario)
     boxes = np.zeros((0, 4), np.int64) if scenario.occupied is None else find_boxes(scenario.occupied)
     plans = [_plan_goals(body, scenario, is_agent=b in agents) for b, body in enumerate(scenario.bodies)]
     sizes = {
@@ -87,8 +88,7 @@ def compile(
         "map_row": 1 if scenario.occupied is None else scenario.occupied.shape[1],
         "waypoint": max((goals.rows for goals in plans), default=1),
     }
-    is_random = any(body.shape.is_random for body in scenario.bodies)
-    model = WorldModel.allocate(sizes, per_world=RANDOM_OUTLINE if is_random else frozenset())
+    model = WorldModel.allocate(sizes, per_world=RANDOM_OUTLINE if varied.any() else frozenset())
     state = WorldState.allocate(sizes)
     _write_world(scenario, boxes, model)
     _write_outlines(outlines, model)
@@ -97,9 +97,9 @@ def compile(
         model.driven[b] = body.behavior is not None or body.group_behavior is not None or b in agents
         _write_goals(b, body, plans[b], model)
     _hide_map(model)
-    model.rigid[0] = not is_random
+    model.rigid[0] = not varied.any()
     model.stands[:] = ~(model.movable & model.driven)
-    body_buckets.lay_out(model, np.array([body.shape.is_random for body in scenario.bodies], np.bool_))
+    body_buckets.lay_out(model, varied)
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
     if check_starts:

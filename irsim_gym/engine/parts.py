@@ -8,6 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine.fog import FogMap
+from irsim_gym.engine.level_table import LevelTable
 from irsim_gym.engine.path_checks import ReachabilityCheck
 from irsim_gym.engine.turns import Turn
 from irsim_gym.world.group import Group
@@ -25,6 +26,8 @@ class Parts:
         external: Nothing moves but by the caller's hand (``step_mode: external``).
         footprints: Bodies whose outline is drawn anew for each level, by shape.
         placements: Entries of the file, in the order in which they are placed.
+        levels: Levels that a file gives; None where they are drawn.
+        free: Entries with bodies that no file of levels places.
         sensors: Sensors, by kind and beams.
         movers: Bodies that can move.
         fixed: Bodies that cannot.
@@ -46,6 +49,8 @@ class Parts:
     external: bool
     footprints: list[Group]
     placements: list[Group]
+    levels: LevelTable | None
+    free: list[Group]
     sensors: list[Group]
     movers: Ints
     fixed: Ints

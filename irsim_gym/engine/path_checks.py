@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import CellMap, Flags, Ints
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
 from irsim_gym.scenario.spec import Scenario
@@ -92,8 +92,7 @@ def check_ways(
         for own in ways.agents:
             if failed[w] > 0 or model.goal_renewal[own] != KEEP_GOAL:
                 continue
-            for b in range(blocks.shape[0]):
-                blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b]
+            mark_standing(model, w, own, blocks)
             obstacles, radius = Obstacles(model, state, w, blocks, cells), model.reach[row_of(model.reach, w), own]
             here = (state.pose[w, own, 0], state.pose[w, own, 1])
             for g in range(model.waypoint_count[w, own]):

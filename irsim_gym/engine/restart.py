@@ -10,6 +10,7 @@ from irsim_gym.arraytypes import Flags, Ints, Words
 from irsim_gym.engine import arrival, body_buckets, body_measures, contact, fog, outlines, path_checks
 from irsim_gym.engine.arrival import begin_round
 from irsim_gym.engine.fused import Fused
+from irsim_gym.engine.level_table import LevelTable, copy_levels
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.step import sense
 from irsim_gym.errors import PlacementError
@@ -134,7 +135,10 @@ def copy_words(worlds: Ints, model: WorldModel, state: WorldState) -> None:
 
 
 def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Draw presence, outlines and placements, and write ``state.failed``."""
+    """Draw presence, outlines and placements, and write ``state.failed``; copy them where a file gives the levels."""
+    if parts.levels is not None:
+        take_level(parts, parts.levels, model, state, shard)
+        return
     failed = state.failed
     draw_presence(shard.worlds, parts.number_ranges, model, state, failed)
     for group in parts.footprints:
@@ -143,6 +147,15 @@ def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard)
         group.kind.draw(group, model, state, shard, failed)
         outlines.place(group.members, model, state, shard)
     path_checks.check(parts.ways, model, state, shard, failed)
+
+
+def take_level(parts: Parts, levels: LevelTable, model: WorldModel, state: WorldState, shard: Shard) -> None:
+    """Copy a level from its file; bodies that the file does not place stand where the scenario says."""
+    draw_presence(shard.worlds, levels.no_ranges, model, state, state.failed)
+    copy_levels(shard.worlds, levels, model, state)
+    for group in parts.free:
+        group.kind.draw(group, model, state, shard, state.failed)
+    outlines.place(parts.everyone, model, state, shard)
 
 
 @kernel

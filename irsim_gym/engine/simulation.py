@@ -198,9 +198,9 @@ class Simulation:
             restart.check_drawn(self.parts, self.state, self.shards.all[0].worlds if worlds is None else worlds)
             raise
 
-    def begin(self, shard: Shard, streams: Words) -> None:
-        """Draw a new level in the shard's worlds from random streams ``(n_worlds,)``; for ``run_beginning``."""
-        restart.note_streams(shard.worlds, streams, self.state.random, self.model)
+    def begin(self, shard: Shard, keys: Words) -> None:
+        """Begin new levels in the shard's worlds, by their keys ``(n_worlds,)``; for ``run_beginning``."""
+        restart.note_streams(shard.worlds, keys, self.state.random, self.model)
         restart.begin(self.state, shard, self._draw, self._start)
 
     def _draw_level(self, shard: Shard) -> None:
@@ -250,17 +250,31 @@ class Simulation:
             TypeError: The seed is no whole number.
             ValueError: It is negative, or larger than 64 bits can hold.
         """
-        streams = self.streams(seed, split, episode)
-        self.run_beginning(lambda shard: self.begin(shard, streams))
+        keys = self.level_keys(seed, split, episode)
+        self.run_beginning(lambda shard: self.begin(shard, keys))
 
-    def streams(self, seed: int, split: str = "train", episode: int = 0) -> Words:
-        """Return the random stream that each world begins an episode with; see ``reset``."""
-        base = rng.stream_base(self.scenario.name, split)
+    def level_base(self, split: str) -> tuple[np.uint64, int]:
+        """Return what the levels of a split are found by: their key and 0, or their first row in a file and its number.
+
+        Raises:
+            UnknownNameError: The levels come from a file that has other splits.
+        """
+        if self.scenario.levels is None:
+            return rng.stream_base(self.scenario.name, split), 0
+        first, count = self.scenario.levels.rows(split)
+        return np.uint64(first), count
+
+    def level_keys(self, seed: int, split: str = "train", episode: int = 0) -> Words:
+        """Return what ``begin`` takes each world's level from: a random stream, or a row of a file; see ``reset``."""
+        base, count = self.level_base(split)
         first = check_level(seed, self.n_worlds)
-        levels = [first + w for w in range(self.n_worlds)]
-        if episode > 0:
-            levels = [int(rng.later_level(level, episode)) for level in levels]
-        return np.array([rng.level_stream(base, level) for level in levels], np.uint64)
+        levels = [int(rng.later_level(first + w, episode)) for w in range(self.n_worlds)]
+        return np.array([rng.level_key(base, count, level) for level in levels], np.uint64)
+
+    def streams(self, seed: int) -> Words:
+        """Return a random stream for each world: those that the drawn levels of a seed begin with."""
+        base = rng.stream_base(self.scenario.name, "train")
+        return np.array([rng.level_stream(base, int(seed) + w) for w in range(self.n_worlds)], np.uint64)
 
     def reset_to_start(self) -> None:
         """Begin the level that each world has once more; the same commands give the same episode."""

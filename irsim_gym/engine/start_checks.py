@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from irsim_gym.engine import body_buckets, contact, outlines
+from irsim_gym.engine.level_table import given_bodies, varied_outlines
 from irsim_gym.engine.parts import Parts
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import Scenario
@@ -33,10 +34,8 @@ def find_blocked_starts(scenario: Scenario, parts: Parts, model: WorldModel, sta
 
     Nobody is where nobody is held by a collision. The first world is used for it, before its first level.
     """
-    given = np.array(
-        [not scenario.placements[body.entry].kind.is_random and not body.shape.is_random for body in scenario.bodies],
-        np.bool_,
-    )
+    given = ~np.array([scenario.placements[body.entry].kind.is_random for body in scenario.bodies], np.bool_)
+    given &= ~varied_outlines(scenario) & ~given_bodies(scenario)
     robots = np.flatnonzero(given & model.movable & (model.role == ROBOT))
     walls = given & ~model.movable
     if not len(robots) or not walls.any() or model.collision_mode[0] == UNOBSTRUCTED:

@@ -345,17 +345,16 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         return found
 
     def _infos(self, names: list[str]) -> dict[str, dict[str, Any]]:
-        infos = self.worlds.infos
-        rows = infos.rows(np.array([self._indices[name] for name in names], np.int64))
-        told = {name: infos.told(row) for name, row in zip(names, rows, strict=True)}
+        rows = self.worlds.infos.rows(np.array([self._indices[name] for name in names], np.int64))
+        infos = {name: self.worlds.infos.of_row(row) for name, row in zip(names, rows, strict=True)}
         if self.black_death:
             for name, over in self._each(names, self.worlds.episodes.view.over):
-                told[name]["idle"] = over
+                infos[name]["idle"] = over
         if self.worlds.episodes.n_discrete:
             masks = self.worlds.action_masks()[0].astype(np.int8)
-            for name, info in told.items():
+            for name, info in infos.items():
                 info["action_mask"] = masks[self._indices[name]].copy()
-        return told
+        return infos
 
 
 def _zeros_like(observation: Observation) -> Observation:

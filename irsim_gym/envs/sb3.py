@@ -167,16 +167,16 @@ class WorldVecEnv(NativeVecEnv):
 
     def _hindsight(self) -> list[dict[str, Any]]:
         """Return the infos of all worlds, which a step that is replayed with another goal needs."""
-        told = self.worlds.infos.told
-        return [told(row) for row in self.worlds.infos.rows(np.arange(self.num_envs))]
+        infos = self.worlds.infos
+        return [infos.of_row(row) for row in infos.rows(np.arange(self.num_envs))]
 
     def _end(self, ended: Ints, infos: list[dict[str, Any]]) -> None:
         """Fill in the infos of worlds that have ended, and restart them."""
-        worlds, view, told = self.worlds, self.worlds.episodes.view, self.worlds.infos.told
+        worlds, view = self.worlds, self.worlds.episodes.view
         cut = (view.truncated[:, 0].take(ended) > view.terminated[:, 0].take(ended)).tolist()
         rows = zip(ended.tolist(), worlds.infos.rows(ended), worlds.observations_of(ended), cut, strict=True)
         for w, row, observation, truncated in rows:
-            info = infos[w] = told(row)
+            info = infos[w] = worlds.infos.of_row(row)
             info["terminal_observation"] = observation
             info["TimeLimit.truncated"] = truncated
             info["episode"] = self.files.episode(w, self._returns.item(w), info)

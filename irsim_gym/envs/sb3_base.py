@@ -57,7 +57,7 @@ class NativeVecEnv(VecEnv):
     def reset_infos(self) -> list[dict[str, Any]]:
         """What each slot's latest episode began with; made when it is asked for, as hardly anybody does."""
         begun = np.flatnonzero(self._begun)
-        for slot, info in zip(begun.tolist(), self._record.told(begun), strict=True):
+        for slot, info in zip(begun.tolist(), self._record.infos_of(begun), strict=True):
             self._reset_infos[slot] = info
         self._begun[:] = False
         return self._reset_infos

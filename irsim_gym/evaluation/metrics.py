@@ -28,6 +28,9 @@ class EpisodeRow:
         optimum: Length of the shortest collision-free path from start to goal past the bodies that stand
             still [m]; infinite when none was found.
         min_clearance: Smallest distance between the robot's outline and another body's [m].
+        least_time: No robot with these limits of speed and acceleration takes less [s]; NaN where it was not measured.
+        acceleration: Mean size of the derivative of the velocity vector [m/s2]; NaN where it was not measured.
+        jerk: Mean size of its second derivative [m/s3], likewise.
     """
 
     level: int
@@ -38,6 +41,9 @@ class EpisodeRow:
     path_length: float
     optimum: float
     min_clearance: float
+    least_time: float = math.nan
+    acceleration: float = math.nan
+    jerk: float = math.nan
 
     @property
     def spl(self) -> float:
@@ -50,6 +56,18 @@ class EpisodeRow:
         if not math.isfinite(self.optimum) or self.path_length <= self.optimum:
             return 1.0
         return self.optimum / self.path_length
+
+    @property
+    def sct(self) -> float:
+        """Success by completion time: least time / time (Yokoyama et al. 2021, arXiv:2103.08022).
+
+        NaN where the least time is not known.
+        """
+        if math.isnan(self.least_time):
+            return math.nan
+        if self.outcome != "success":
+            return 0.0
+        return 1.0 if self.time <= self.least_time else self.least_time / self.time
 
     @property
     def path_ratio(self) -> float:
@@ -115,6 +133,8 @@ class Summary:
         path_length: Mean distance driven by the successes [m]; NaN without any.
         path_ratio: Mean of path length / optimum over the successes; NaN without any.
         min_clearance: Mean over all episodes of the smallest clearance [m].
+        acceleration: Mean of the mean sizes of acceleration [m/s2], over all episodes.
+        jerk: Mean of the mean sizes of its derivative [m/s3], likewise.
     """
 
     policy: str
@@ -130,6 +150,8 @@ class Summary:
     path_length: float
     path_ratio: float
     min_clearance: float
+    acceleration: float
+    jerk: float
 
 
 def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
@@ -156,6 +178,8 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
         path_length=mean([row.path_length for row in successes]),
         path_ratio=mean([row.path_ratio for row in successes]),
         min_clearance=mean([row.min_clearance for row in rows]),
+        acceleration=mean([row.acceleration for row in rows]),
+        jerk=mean([row.jerk for row in rows]),
     )
 
 

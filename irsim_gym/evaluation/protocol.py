@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.engine import Simulation
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import HIT_OF_KIND, EpisodeRow
+from irsim_gym.evaluation.motion import JoinedWatchers, MotionLog
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.evaluation.trajectories import Watcher
@@ -49,11 +51,11 @@ def evaluate(
         raise IrsimGymError(
             f"this evaluation is for one agent per world, but the task has {episodes.n_agents}: evaluate it as a team"
         )
-    found = optima_of(split, optima)
+    found, motion = optima_of(split, optima), MotionLog(episodes)
     rows: dict[int, EpisodeRow] = {}
-    for indices, worlds, played in drive(policy, episodes, levels, split, watcher):
+    for indices, worlds, played in drive(policy, episodes, levels, split, JoinedWatchers(motion, watcher)):
         for index, world, level in zip(indices, worlds, played, strict=True):
-            rows[index] = episode_row(episodes, found, world, level)
+            rows[index] = episode_row(episodes, found, motion, world, level)
         if on_episodes is not None:
             on_episodes(len(worlds))
     return [rows[index] for index in sorted(rows)]
@@ -68,6 +70,17 @@ def optima_of(split: str, optima: Optima | None) -> Optima:
     if optima is not None and optima.split != split:
         raise ValueError(f"these optima are for split '{optima.split}', but the levels are of '{split}'")
     return Optima(split) if optima is None else optima
+
+
+def check_count(simulation: Simulation, split: str, count: int) -> None:
+    """Refuse to play more levels than a file has, since they would be the same ones again.
+
+    Raises:
+        IrsimGymError: The levels come from a file that has fewer.
+    """
+    levels, (_, here) = simulation.scenario.levels, simulation.level_base(split)
+    if levels is not None and count > here:
+        raise IrsimGymError(f"{levels.file} has {here:,} {split} levels, but {count:,} are asked for: ask for fewer")
 
 
 def drive(
@@ -90,6 +103,7 @@ def drive(
         The places of the levels among those asked for, the worlds that played them, and the levels.
     """
     chosen = np.arange(levels, dtype=np.int64) if isinstance(levels, int) else np.asarray(levels, dtype=np.int64)
+    check_count(episodes.simulation, split, int(chosen.max(initial=-1)) + 1)
     driver = policy if isinstance(policy, Policy) else ObservationPolicy(policy)
     for indices, worlds in _run(driver, episodes, chosen, split, watcher):
         yield indices.tolist(), worlds.tolist(), chosen[indices].tolist()
@@ -130,7 +144,13 @@ def _run(
 
 
 def episode_row(
-    episodes: Episodes, optima: Optima, world: int, level: int, agent: int = 0, hits: Sequence[str] = HIT_OF_KIND
+    episodes: Episodes,
+    optima: Optima,
+    motion: MotionLog,
+    world: int,
+    level: int,
+    agent: int = 0,
+    hits: Sequence[str] = HIT_OF_KIND,
 ) -> EpisodeRow:
     """Return the row of an agent whose episode has ended; ``hits`` are the words for each ``HitKind``."""
     infos = {name: values[world, agent] for name, values in episodes.view.infos.items()}
@@ -145,4 +165,6 @@ def episode_row(
         path_length=float(infos["path_length"]),
         optimum=optima.of(episodes, world, level, agent),
         min_clearance=float(infos["min_clearance"]),
+        acceleration=motion.acceleration(world, agent),
+        jerk=motion.jerk(world, agent),
     )

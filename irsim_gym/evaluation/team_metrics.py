@@ -141,6 +141,8 @@ class TeamSummary:
         path_length: Mean distance driven by the agents that arrived [m].
         path_ratio: Mean of path length / optimum over the agents that arrived.
         min_clearance: Mean over agents of the smallest clearance [m].
+        acceleration: Mean over agents of the mean size of acceleration [m/s2].
+        jerk: Mean over agents of the mean size of its derivative [m/s3].
     """
 
     policy: str
@@ -162,6 +164,8 @@ class TeamSummary:
     path_length: float
     path_ratio: float
     min_clearance: float
+    acceleration: float
+    jerk: float
 
 
 def rate_of_agents(counts: Sequence[int], team: int) -> Rate:
@@ -232,6 +236,8 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
         path_length=mean([episode.path_length for episode in arrivals]),
         path_ratio=mean([episode.path_ratio for episode in arrivals]),
         min_clearance=mean([episode.min_clearance for episode in episodes]),
+        acceleration=mean([episode.acceleration for episode in episodes]),
+        jerk=mean([episode.jerk for episode in episodes]),
     )
 
 

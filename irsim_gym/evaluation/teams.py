@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from irsim_gym.evaluation.motion import JoinedWatchers, MotionLog
 from irsim_gym.evaluation.optimum import Optima, straight_distance
 from irsim_gym.evaluation.protocol import Driver, drive, episode_row, optima_of
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
@@ -43,20 +44,20 @@ def evaluate_team(
         on_episodes: Called with the number of levels that have just ended.
         watcher: Observes each step.
     """
-    found = optima_of(split, optima)
+    found, motion = optima_of(split, optima), MotionLog(episodes)
     limit = episodes.task.max_steps * float(episodes.simulation.model.step_time[0])
     rows: dict[int, TeamRow] = {}
-    for indices, worlds, played in drive(policy, episodes, levels, split, watcher):
+    for indices, worlds, played in drive(policy, episodes, levels, split, JoinedWatchers(motion, watcher)):
         for index, world, level in zip(indices, worlds, played, strict=True):
-            agents = [_agent_row(episodes, found, world, level, a) for a in range(episodes.n_agents)]
+            agents = [_agent_row(episodes, found, motion, world, level, a) for a in range(episodes.n_agents)]
             rows[index] = TeamRow(level, limit, tuple(agents))
         if on_episodes is not None:
             on_episodes(len(worlds))
     return [rows[index] for index in sorted(rows)]
 
 
-def _agent_row(episodes: Episodes, optima: Optima, world: int, level: int, agent: int) -> AgentRow:
-    row = episode_row(episodes, optima, world, level, agent, HIT_NAMES)
+def _agent_row(episodes: Episodes, optima: Optima, motion: MotionLog, world: int, level: int, agent: int) -> AgentRow:
+    row = episode_row(episodes, optima, motion, world, level, agent, HIT_NAMES)
     stood = bool(episodes.view.infos["deadlocked"][world, agent])
     return AgentRow(
         agent=episodes.agent_names[agent],

@@ -179,7 +179,8 @@ class Body(IrSimReadings):
     def _half_planes(self, *, local: bool) -> body_info.HalfPlanes:
         outline = self._outline(local=local)
         normals, offsets, cone = body_info.half_planes(*outline, solid=bool(self._model.solid[self._b]))
-        return normals, None if offsets is None else self._vector(offsets), cone, cone is not None
+        offsets = None if offsets is None else self._vector(offsets)
+        return body_info.HalfPlanes(normals, offsets, cone, cone is not None)
 
     def set_state(self, state: Sequence[float] | Floats, *, init: bool = False) -> None:
         """Move it to a state.

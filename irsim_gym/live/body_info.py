@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -85,8 +86,20 @@ class ObstacleInfo:
     convex_flag: bool
 
 
-HalfPlanes = tuple[Floats | None, Floats | None, str | None, bool]
-"""G, h, ``cone_type`` and ``convex_flag``, see ``half_planes``."""
+class HalfPlanes(NamedTuple):
+    """An area as the points p with ``h - G p`` in a cone, under IR-SIM's names; see ``half_planes``.
+
+    Attributes:
+        G: Normals of its sides, shape ``(n, 2)``; None for an area that is not convex.
+        h: Their offsets [m], shape ``(n,)``.
+        cone_type: ``Rpositive``, ``norm2`` or None.
+        convex_flag: The area is convex.
+    """
+
+    G: Floats | None
+    h: Floats | None
+    cone_type: str | None
+    convex_flag: bool
 
 
 def robot_info(
@@ -94,7 +107,6 @@ def robot_info(
 ) -> RobotInfo:
     """Return what a body is; ``limits`` are its least and greatest velocities, and its greatest changes."""
     least, greatest, changes = limits
-    normals, offsets, cone, is_convex = half_planes
     return RobotInfo(
         id=body.id,
         name=body.name,
@@ -110,25 +122,18 @@ def robot_info(
         angle_range=vector(np.array(body.angle_range), True) if columns else body.angle_range,
         goal_threshold=body.goal_threshold,
         wheelbase=body.wheelbase,
-        G=normals,
-        h=offsets,
-        cone_type=cone,
-        convex_flag=is_convex,
+        **half_planes._asdict(),
     )
 
 
 def obstacle_info(body: IrSimReadings, half_planes: HalfPlanes) -> ObstacleInfo:
     """Return where a body is."""
-    normals, offsets, cone, is_convex = half_planes
     return ObstacleInfo(
         center=body.position,
         vertex=body.vertices,
         velocity=body.velocity_xy,
         radius=body.radius,
-        G=normals,
-        h=offsets,
-        cone_type=cone,
-        convex_flag=is_convex,
+        **half_planes._asdict(),
     )
 
 
@@ -138,10 +143,10 @@ def is_map(simulation: Simulation, body: int) -> bool:
 
 
 def refuse_map(simulation: Simulation, body: int) -> None:
-    """Raise an error where a body is to be moved that cannot be.
+    """Raise if a body is the obstacle map, which cannot move.
 
     Raises:
-        ValueError: It is the obstacle map.
+        ValueError: The body is the obstacle map.
     """
     if is_map(simulation, body):
         name = simulation.parts.names[body]

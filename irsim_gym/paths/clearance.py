@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from irsim_gym.arraytypes import CellMap, Flags
-from irsim_gym.geometry.cells import capsule_meets_cells
+from irsim_gym.geometry.cells import capsule_meets_cells, segment_cells_distance
+from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import outline_of
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 Point = tuple[float, float]
@@ -32,6 +36,17 @@ class Obstacles(NamedTuple):
     w: int
     blocks: Flags
     cells: CellMap | None
+
+
+@kernel
+def mark_standing(model: WorldModel, w: int, own: int, blocks: Flags) -> None:
+    """Write which other bodies stand in the way of a body and never move.
+
+    Reads: model (present, stands, unobstructed).
+    Writes: blocks.
+    """
+    for b in range(blocks.shape[0]):
+        blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != own
 
 
 @kernel
@@ -66,3 +81,19 @@ def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -
         if outline.solid and holds_point(outline, ax, ay):
             return False
     return not capsule_meets_cells(obstacles.cells, ax, ay, bx, by, radius)
+
+
+@kernel
+def room_at(obstacles: Obstacles, x: float, y: float, limit: float) -> float:
+    """Return the distance [m] of a point from what is in the way, 0 within it, ``limit`` if nothing is nearer.
+
+    Reads: obstacles (blocks, cells, model, state, w).
+    """
+    model, pose, w, best = obstacles.model, obstacles.state.pose[obstacles.w], obstacles.w, limit
+    for b in range(obstacles.blocks.shape[0]):
+        if not obstacles.blocks[b]:
+            continue
+        dx, dy, far = pose[b, 0] - x, pose[b, 1] - y, model.reach[row_of(model.reach, w), b] + best
+        if dx * dx + dy * dy < far * far:
+            best = min(best, point_outline_distance(x, y, outline_of(model, obstacles.state, w, b)))
+    return float(np.maximum(segment_cells_distance(obstacles.cells, x, y, x, y, best), 0.0))

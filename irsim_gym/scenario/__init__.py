@@ -9,9 +9,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from irsim_gym.scenario.gui_spec import GuiSpec
     from irsim_gym.scenario.load import load_scenario
     from irsim_gym.scenario.source import MissingFileError
-    from irsim_gym.scenario.spec import BodySpec, GuiSpec, PlacementSpec, Scenario, WorldSpec
+    from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario, WorldSpec
 
 __all__ = [
     "BodySpec",
@@ -23,7 +24,7 @@ __all__ = [
     "load_scenario",
 ]
 
-_HOMES = {"load_scenario": "load", "MissingFileError": "source"}
+_HOMES = {"load_scenario": "load", "MissingFileError": "source", "GuiSpec": "gui_spec"}
 
 
 def __getattr__(name: str) -> Any:

@@ -53,6 +53,11 @@ def benchmark_names() -> tuple[str, ...]:
     return tuple(names("benchmarks"))
 
 
+def suite_file() -> Path:
+    """Return the file that lists the benchmarks of the suite."""
+    return configs_folder() / "suite.yaml"
+
+
 def every_scenario() -> dict[str, Path]:
     """Return all shipped scenarios, those of the benchmarks behind the others."""
     return {**names("scenarios"), **names("benchmarks")}

@@ -12,7 +12,9 @@ from irsim_gym.errors import ScenarioError, nearest, suggestion
 from irsim_gym.scenario import library, notes
 from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of, with_map
 from irsim_gym.scenario.entries import read_entry
+from irsim_gym.scenario.gui_spec import GuiSpec
 from irsim_gym.scenario.ids import IDS
+from irsim_gym.scenario.level_checks import misfits, read_level_file, tell
 from irsim_gym.scenario.map_cells import read_cells, read_map
 from irsim_gym.scenario.messages import CONTACT_MESSAGE, literal_values, show
 from irsim_gym.scenario.needless import UNOBSTRUCTED_MODES
@@ -21,7 +23,7 @@ from irsim_gym.scenario.parameters import fill_in
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.shorthand import split_entries, split_sections
 from irsim_gym.scenario.source import ROLES, SECTIONS, WRAPPER, Place, Source, read_file, read_mapping
-from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, GuiSpec, PlacementSpec, Scenario, WorldSpec
+from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenario, WorldSpec
 from irsim_gym.scenario.validation import BAD, Report, build
 from irsim_gym.scenario.whereabouts import unknown_key
 
@@ -82,6 +84,9 @@ def read_scenario(
     gui = build(GuiSpec, sections.get("gui"), places["gui"], report)
     task = _task(sections.get("task"), places["task"], report)
     bodies, placements = _bodies(sections, places, report)
+    levels = read_level_file(sections.get("levels"), places["levels"], source, report)
+    if levels is not None and not report.problems:
+        tell(list(misfits(levels, bodies, placements)), places["levels"], report, levels.file)
     _check_viewpoint(world, bodies, (*places["world"], "plot", "viewpoint"), report)
     map_place = (*places["world"], "obstacle_map")
     occupied = read_cells(world, map_place, source, report) if world is not None else None
@@ -106,6 +111,7 @@ def read_scenario(
         source=source,
         root=roots,
         occupied=occupied,
+        levels=levels,
         doubts=tuple(report.doubts),
         ignored=tuple(report.ignored),
         strict=strict,

@@ -9,11 +9,12 @@ from typing import Any, get_args
 
 from irsim_gym import families
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.scenario.gui_spec import KeyboardSpec, MouseSpec
 from irsim_gym.scenario.messages import describe, show
 from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.parameters import ParameterSpec
 from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure, WorldPlot
-from irsim_gym.scenario.spec import BodyOptions, KeyboardSpec, MouseSpec, WorldSpec
+from irsim_gym.scenario.spec import BodyOptions, WorldSpec
 
 MARKER = "<!-- Below: made by irsim-gym options, from the declarations. Do not edit. -->"
 SPECS: dict[str, type[Any]] = {

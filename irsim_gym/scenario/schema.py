@@ -9,10 +9,11 @@ from pydantic import TypeAdapter
 from irsim_gym import families
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.entries import NO_DRIVE
+from irsim_gym.scenario.gui_spec import GuiSpec
 from irsim_gym.scenario.parameters import SECTION, ParameterSpec
 from irsim_gym.scenario.plot_spec import ObjectPlot
 from irsim_gym.scenario.source import ROLES, WRAPPER
-from irsim_gym.scenario.spec import BodyOptions, GuiSpec, WorldSpec
+from irsim_gym.scenario.spec import BodyOptions, WorldSpec
 
 Schema = dict[str, Any]
 
@@ -40,6 +41,7 @@ def json_schema() -> Schema:
         "gui": _optional(_options(GuiSpec, definitions)),
         "plot": _optional(_options(ObjectPlot, definitions)),
         "task": _task(definitions),
+        "levels": {"anyOf": [{"type": "string"}, {"type": "null"}], "description": "File of levels, .npz."},
         "custom": {"description": "Anything; the simulator does not read it."},
         SECTION: _optional(_parameters()),
     }

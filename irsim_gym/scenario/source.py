@@ -17,7 +17,7 @@ Place = tuple[str | int, ...]
 
 WRAPPER = "irsim"
 ROLES = ("robot", "obstacle")
-SECTIONS = ("world", *ROLES, "gui", "plot", "task", "custom", "parameters")
+SECTIONS = ("world", *ROLES, "gui", "plot", "task", "levels", "custom", "parameters")
 
 MAX_BYTES = 2 * 1024 * 1024
 LONGEST_KEY = 60

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from pydantic import AllowInfNan, Field
 
 from irsim_gym.errors import Problem, several
+from irsim_gym.scenario.gui_spec import GuiSpec
+from irsim_gym.scenario.level_set import LevelSet
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.scenario.options import LARGEST, defaults, kind, option
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
@@ -212,40 +214,6 @@ class BodyOptions:
     )
 
 
-@kind
-class KeyboardSpec:
-    """The section ``gui.keyboard``."""
-
-    backend: Literal["pynput", "mpl"] = option(
-        "pynput",
-        meaning="Source of key presses; if pynput does not work, the window (mpl).",
-    )
-    global_hook: bool = option(False, meaning="Listen to keys while another window has the focus (pynput).")
-    key_lv_max: float = option(
-        3.0, ge=0.0, unit="m/s", meaning="Speed while a key is held.", consequence="No effect above vel_max."
-    )
-    key_ang_max: float = option(1.0, ge=0.0, unit="rad/s", meaning="Turn rate while a key is held.")
-    key_lv: float = option(0.0, unit="m/s", meaning="Speed at the start.")
-    key_ang: float = option(0.0, unit="rad/s", meaning="Turn rate at the start.")
-    key_rot: float = option(0.0, unit="rad/s", meaning="Turn rate of an omnidirectional body at the start.")
-    key_id: int = option(0, ge=0, meaning="Index of the robot that the keys drive.")
-
-
-@kind
-class MouseSpec:
-    """The section ``gui.mouse``."""
-
-    zoom_factor: float = option(1.1, gt=1.0, meaning="Zoom factor per step of the wheel.")
-
-
-@kind
-class GuiSpec:
-    """The section ``gui``."""
-
-    keyboard: KeyboardSpec = option(defaults(KeyboardSpec), meaning="Options of the keyboard.")
-    mouse: MouseSpec = option(defaults(MouseSpec), meaning="Options of the mouse.")
-
-
 @dataclass(frozen=True)
 class BodySpec:
     """One robot or obstacle.
@@ -357,6 +325,7 @@ class Scenario:
         root: Path of the wrapper key around all sections; empty without one.
         occupied: Occupied cells of the obstacle map, shape ``(columns, rows)``, columns from the left and rows from the
             bottom; None without a map, which is the last body otherwise.
+        levels: Levels that a file gives (``levels``); None where they are drawn.
         doubts: What was met while reading that is allowed but hardly ever meant.
         ignored: Keys that nobody reads and that were passed over.
         strict: Keys that nobody reads are errors, also in the section ``task``.
@@ -374,6 +343,7 @@ class Scenario:
     source: Source = field(repr=False, compare=False)
     root: Mapping[str, Place] = field(repr=False, compare=False, default_factory=dict)
     occupied: NDArray[np.bool_] | None = field(repr=False, compare=False, default=None)
+    levels: LevelSet | None = field(repr=False, compare=False, default=None)
     doubts: tuple[Problem, ...] = field(repr=False, compare=False, default=())
     ignored: tuple[Problem, ...] = field(repr=False, compare=False, default=())
     strict: bool = field(repr=False, compare=False, default=True)

@@ -28,13 +28,17 @@ class FileSummary:
     parameters: Mapping[str, str]
 
 
-def summarize_file(file: Path) -> FileSummary:
+def summarize_file(file: Path, parameters: Mapping[str, object] | None = None) -> FileSummary:
     """Read what a file is about. A file with mistakes is summarised as far as it can be read.
+
+    Args:
+        file: The file.
+        parameters: Values for its parameters.
 
     Raises:
         ScenarioError: It is no YAML.
     """
-    source, values = fill_in(read_file(file), {})
+    source, values = fill_in(read_file(file), dict(parameters or {}))
     entries = source.data.get("robot", ()) if isinstance(source.data, Mapping) else ()
     robots = sum(map(_count, entries if isinstance(entries, list) else [entries]))
     return FileSummary(first_sentence(file), robots, {name: show(value) for name, value in values.items()})

@@ -8,10 +8,11 @@ from typing import Any
 from irsim_gym import families
 from irsim_gym.errors import nearest
 from irsim_gym.registry import Registry
+from irsim_gym.scenario.gui_spec import KeyboardSpec, MouseSpec
 from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure, WorldPlot
 from irsim_gym.scenario.source import SECTIONS
-from irsim_gym.scenario.spec import BodyOptions, KeyboardSpec, MouseSpec, WorldSpec
+from irsim_gym.scenario.spec import BodyOptions, WorldSpec
 
 MOST_NAMES, MOST_PLACES = 24, 3
 SURE = 0.85

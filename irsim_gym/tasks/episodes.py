@@ -13,7 +13,6 @@ from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.engine.direct import Direct
 from irsim_gym.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
-from irsim_gym.rng import stream_base
 from irsim_gym.tasks import account, actions, team_state
 from irsim_gym.tasks.binding import action_sizes, bind, hit_kinds, place_observations
 from irsim_gym.tasks.levels import check_split, take_levels
@@ -74,7 +73,6 @@ class Episodes:
         self.observation_terms, self.feature_mask = place_observations(self._observations, simulation)
         self.reward_names = tuple(term.name for term in self._rewards)
         self.state = self._allocate()
-        self.state.base[:] = stream_base(simulation.scenario.name, "train")
         images = {term.name: term.image for term in self._observations if isinstance(term.options, IsImage)}
         self.view = transition_of(self.state, images)
         self._given: NDArray[Any] = self.state.choice if self.n_discrete else self.state.given
@@ -173,7 +171,7 @@ class Episodes:
             raise ValueError(f"worlds and levels must have the same length, got {worlds.shape} and {levels.shape}")
         if (levels < 0).any():
             raise ValueError(f"levels must be >= 0, got {levels.min()}")
-        self.state.base[worlds] = stream_base(self.simulation.scenario.name, split)
+        self.state.base[worlds], self.state.count[worlds] = self.simulation.level_base(split)
         self.state.first_level[worlds] = levels
         self.state.episode[worlds] = 0
         self.simulation.run_beginning(self._begin, worlds)
@@ -245,7 +243,7 @@ class Episodes:
     def _begin_levels(self, shard: Shard) -> None:
         """Draw the levels of the shard's worlds and begin their episodes."""
         simulation, state, worlds = self.simulation, self.state, shard.worlds
-        take_levels(worlds, state.base, state.first_level, state.episode, state.level, state.stream)
+        take_levels(worlds, state.base, state.count, state.first_level, state.episode, state.level, state.stream)
         simulation.begin(shard, state.stream)
         account.mark(worlds, True, state.began)
         self._begin_episodes(shard)

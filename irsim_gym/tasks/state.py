@@ -24,10 +24,11 @@ class EpisodeState(Arrays):
         ("terminated", "truncated"),
     )
 
-    base: Words = column("world", np.uint64, "", "key of the split that the world draws its levels from")
+    base: Words = column("world", np.uint64, "", "key of the split that levels are drawn from, or its first row")
+    count: Ints = column("world", np.int64, "", "levels of that split in a file; 0 where they are drawn")
     first_level: Ints = column("world", np.int64, "", "first level of the world's chain of levels")
     episode: Ints = column("world", np.int64, "", "number of the episode in that chain, from 0")
-    stream: Words = column("world", np.uint64, "", "random stream of the current level")
+    stream: Words = column("world", np.uint64, "", "random stream of the current level, or its row in a file")
     level: Ints = column("world agent", np.int64, "", "level under way")
     given: Floats = column("world agent action", np.float64, "", "continuous action as the learner gave it")
     choice: Ints = column("world agent", np.int64, "", "discrete action as the learner gave it")

@@ -8,8 +8,12 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
+from irsim_gym.families import FOOTPRINTS
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.tasks import Episodes
+
+SIZES = {"circle": ("radius",), "rectangle": ("length", "width")}
+"""Options of shapes that are their sizes."""
 
 
 def make_episodes(
@@ -51,7 +55,6 @@ def conditions(episodes: Episodes, split: str, levels: int) -> dict[str, Any]:
         "split": split,
         "levels": levels,
         **{name: _one_or_all([agent[name] for agent in agents]) for name in agents[0]},
-        "noise": False,
     }
 
 
@@ -72,8 +75,10 @@ def _robot(episodes: Episodes, body: int) -> dict[str, Any]:
     simulation, model = episodes.simulation, episodes.simulation.model
     scan = simulation.scan(body)
     options = None if scan is None else scan[0].options[scan[1]]
+    spec = simulation.scenario.bodies[body]
     return {
         "robot_radius": _range(model.reach[:, body]),
+        "footprint": _footprint(spec.shape),
         "goal_tolerance": float(model.goal_threshold[0, body]),
         "velocity_min": model.velocity_min[0, body, :2].tolist(),
         "velocity_max": model.velocity_max[0, body, :2].tolist(),
@@ -82,7 +87,18 @@ def _robot(episodes: Episodes, body: int) -> dict[str, Any]:
         "max_steps": episodes.task.max_steps,
         "beams": None if scan is None else scan[0].arrays["ranges"].shape[2],
         "range_max": None if options is None else options.range_max,
+        "noise": options.std if options is not None and options.noise else False,
+        "motion_noise": bool(getattr(spec.kinematics, "noise", False)),
     }
+
+
+def _footprint(shape: Any) -> str:
+    """Return a shape with its sizes [m] in words, e.g. ``rectangle 0.42 x 0.33 m``."""
+    name = FOOTPRINTS.name_of(type(shape))
+    if shape.is_random or name not in SIZES:
+        return name
+    sizes = " x ".join(f"{getattr(shape, size):g}" for size in SIZES[name])
+    return f"{name} {sizes} m"
 
 
 def _one_or_all(values: list[Any]) -> Any:

@@ -36,6 +36,10 @@ CHUNK = 64
 """Rows of one pass through the network: always as many, since sums may be rounded otherwise in another size."""
 
 
+class UnfitPolicyError(IrsimGymError):
+    """A policy that was trained with other observations or actions than those of the task."""
+
+
 class UnknownPolicyError(IrsimGymError):
     """There is no policy of a name, and no file or folder.
 
@@ -70,7 +74,7 @@ class SavedPolicy:
         """Forget what was in these worlds.
 
         Raises:
-            IrsimGymError: The policy was trained with other observations or actions than these of the task.
+            UnfitPolicyError: The policy was trained with other observations or actions than these of the task.
         """
         self._check(episodes)
         if self._shape is None:
@@ -96,7 +100,7 @@ class SavedPolicy:
             ("actions", model.action_space, acted),
         ):
             if form_of(learnt) not in (form_of(here), form_of(_channels_first(here))):
-                raise IrsimGymError(
+                raise UnfitPolicyError(
                     f"the policy was trained with {what} {form_of(learnt)}, but those of task '{episodes.task.name}' "
                     f"in '{episodes.simulation.scenario.name}' are {form_of(here)}"
                 )

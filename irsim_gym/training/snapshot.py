@@ -42,7 +42,7 @@ class Snapshot:
         task_name: Name of the task.
         scenario: The file's sections, without parameters and the section ``task``.
         task: All that the task's files and the scenario's section say, laid over each other.
-        pictures: Files that the scenario refers to, by their names in the copy.
+        pictures: Pictures and levels that the scenario refers to, by their names in the copy.
     """
 
     file: str
@@ -90,6 +90,8 @@ def take_snapshot(
     sections = _sections(loaded.source.data)
     pictures: dict[str, Path] = {}
     _take_map(loaded, sections, pictures)
+    if loaded.levels is not None:
+        sections["levels"] = _kept(Path(loaded.levels.file), pictures)
     for role in ROLES:
         sections[role] = [_with_pictures(entry, loaded.file, pictures) for entry in sections.get(role, [])]
     plain = {key: value for key, value in sections.items() if key not in ("task", "parameters") and value != []}

@@ -76,7 +76,9 @@ class WorldModel(Arrays):
     bucket_frame: Records = column("1", BUCKET_FRAME, "m", "where the squares of the buckets lie; columns 0: none")
     bucketed: Flags = column("body", np.bool_, "", "small enough to be found through the buckets")
     present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
-    level_stream: Words = column("world", np.uint64, "", "random stream that the level was drawn from")
+    level_stream: Words = column(
+        "world", np.uint64, "", "random stream that the level was drawn from, or row in a file"
+    )
     altered: Flags = column("world", np.bool_, "", "bodies have vanished or begun anew since the level was drawn")
     level_random: Words = column("world", np.uint64, "", "state of the random stream when the level was drawn")
     initial_steering: Floats = column("body", np.float64, "rad", "steering angle at the start")

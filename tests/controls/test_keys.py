@@ -8,7 +8,7 @@ import pytest
 from irsim_gym.controls import keyboard as keyboard_module
 from irsim_gym.controls.keyboard import COMMANDS, Keyboard
 from irsim_gym.controls.keys import REPEAT_S, HeldKeys, KeySource, Stroke
-from irsim_gym.scenario.spec import KeyboardSpec
+from irsim_gym.scenario.gui_spec import KeyboardSpec
 
 DIFF, OMNI, TURNING = ("linear", "angular"), ("x", "y"), ("forward", "left", "angular")
 

@@ -28,7 +28,7 @@ def test_every_form_tells_what_the_arrays_hold(played, copied):
     worlds = COPIES[copied](played)
     view, names = worlds.episodes.view, worlds.episodes.reward_names
     places = np.array([2, 0]), np.array([1, 0])
-    rows = [worlds.infos.told(row) for row in worlds.infos.rows(2 * places[0] + places[1])]
+    rows = [worlds.infos.of_row(row) for row in worlds.infos.rows(2 * places[0] + places[1])]
     for w, a, row in zip(*places, rows, strict=True):
         info = worlds.infos.of(w, a)
         assert info == row

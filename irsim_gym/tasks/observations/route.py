@@ -12,13 +12,12 @@ from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays, Span
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import search_ways
 from irsim_gym.paths.grid import Grid, Search, centre
 from irsim_gym.paths.spread import PARENT
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
-from irsim_gym.tasks.rewards.geodesic import mark_standing
 from irsim_gym.tasks.scaling import unit
 from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term, forget
@@ -187,8 +186,8 @@ def entry(length: Rays, grid: Grid, x: float, y: float) -> int:
         for column in range(max(own_column - ENTRY, 0), min(own_column + ENTRY + 1, columns)):
             if length[row * columns + column] == np.inf:
                 continue
-            dx = grid.origin_x + (column + 0.5) * grid.cell - x
-            dy = grid.origin_y + (row + 0.5) * grid.cell - y
+            centre_x, centre_y = centre(grid, row, column)
+            dx, dy = centre_x - x, centre_y - y
             if dx * dx + dy * dy < best:
                 best, found = dx * dx + dy * dy, row * columns + column
     return found
@@ -205,10 +204,7 @@ def point_ahead(
         here = int(onward[here])
         if here < 0:
             return goal_x, goal_y
-        next_x, next_y = (
-            grid.origin_x + (here % columns + 0.5) * grid.cell,
-            grid.origin_y + (here // columns + 0.5) * grid.cell,
-        )
+        next_x, next_y = centre(grid, here // columns, here % columns)
         driven += np.sqrt((next_x - x) * (next_x - x) + (next_y - y) * (next_y - y))
         x, y = next_x, next_y
     return x, y

@@ -10,7 +10,7 @@ import numpy as np
 from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import distance_field, field_at
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.structs import Struct
@@ -64,17 +64,6 @@ def note_fields(term: Term, model: WorldModel, state: WorldState, episode: Episo
     """Draw the fields of agents whose episode begins or whose goal has changed, and note goals and distances."""
     worlds, slot = shard.worlds, shard.slot
     draw_fields(worlds, slot, term.agents, term.arrays, model, model.cells, state, episode)
-
-
-@kernel
-def mark_standing(model: WorldModel, w: int, own: int, blocks: Flags) -> None:
-    """Write which other bodies stand in the way of a body and never move.
-
-    Reads: model (present, stands, unobstructed).
-    Writes: blocks.
-    """
-    for b in range(blocks.shape[0]):
-        blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != own
 
 
 @kernel

@@ -1,0 +1,70 @@
+"""The command ``irsim-gym suite``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from irsim_gym.cli_options import Imports, Levels, Split
+from irsim_gym.errors import IrsimGymError
+
+suite = typer.Typer(help="The benchmark suite: list it, play policies on it, print tables.", no_args_is_help=True)
+
+
+@suite.command("list")
+def list_suite(
+    names: Annotated[list[str] | None, typer.Argument(help="Tiers or benchmarks (default: all).")] = None,
+) -> None:
+    """List benchmarks: id, tiers, what each asks of a policy, and its reference rows."""
+    from irsim_gym.suite.listing import print_suite
+
+    print_suite(names or [])
+
+
+@suite.command("run")
+def run_suite(
+    names: Annotated[
+        str, typer.Argument(metavar="TIER|BENCHMARK[,...]", help="Tiers or benchmarks, divided by commas.")
+    ],
+    policies: Annotated[
+        list[str],
+        typer.Argument(
+            help="Policies as in evaluate; NAME=POLICY,POLICY,... for the seeds of one training.",
+        ),
+    ],
+    levels: Levels = 1000,
+    split: Split = "test",
+    out: Annotated[Path | None, typer.Option(help="Folder for rows and summary (default: runs/suite-NAMES).")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace what is in the folder.")] = False,
+    modules: Imports = None,
+) -> None:
+    """Play policies on benchmarks and print the table. The same command goes on where it was stopped."""
+    from irsim_gym.suite.members import shipped_suite
+    from irsim_gym.suite.playing import play_suite
+    from irsim_gym.suite.suite_record import read_methods
+    from irsim_gym.suite.suite_tables import markdown
+
+    members = shipped_suite().chosen([name for name in names.split(",") if name])
+    if not members:
+        raise IrsimGymError("name a tier or a benchmark, such as core; `irsim-gym suite list` shows them")
+    folder = out or Path("runs") / f"suite-{names.replace(',', '-')}"
+    record = play_suite(members, read_methods(policies), folder, levels=levels, split=split, overwrite=overwrite)
+    print(markdown(record))
+    print(f"rows and summary: {folder}")
+
+
+@suite.command("table")
+def print_table(
+    folder: Annotated[Path, typer.Argument(help="Folder of a run of the suite.")],
+    latex: Annotated[bool, typer.Option("--latex", help="LaTeX (package booktabs) instead of Markdown.")] = False,
+) -> None:
+    """Print the tables of a run, with the conditions that its figures hold for."""
+    from irsim_gym.suite import suite_tables
+    from irsim_gym.suite.scores import score_suite
+    from irsim_gym.suite.suite_record import read_record
+
+    record = read_record(folder)
+    score_suite(record, folder)
+    print(suite_tables.latex(record) if latex else suite_tables.markdown(record))

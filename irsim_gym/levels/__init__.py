@@ -1,0 +1,1 @@
+"""Levels as data: drawn into files, converted from other collections, measured and shown."""

@@ -1,0 +1,142 @@
+"""Levels of a compiled scenario as data: everything that a restart wrote."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Flags, Floats, Ints
+from irsim_gym.engine import Simulation
+from irsim_gym.engine.level_table import given_bodies, varied_outlines
+from irsim_gym.evaluation.protocol import check_count
+from irsim_gym.scenario import Scenario
+from irsim_gym.scenario.level_checks import drawn_bodies
+from irsim_gym.scenario.level_set import LevelSet
+from irsim_gym.world.outline import outline_rows
+
+LEFT_OUT = frozenset({"plot", "gui", "task", "custom", "levels", "parameters"})
+"""Sections of a scenario that say nothing about its levels."""
+
+
+def draw_levels(
+    simulation: Simulation,
+    splits: Sequence[str],
+    count: int,
+    on_levels: Callable[[int], None] | None = None,
+) -> LevelSet:
+    """Return the first levels of some splits, as the simulation's worlds begin them.
+
+    Args:
+        simulation: The scenario, compiled for any number of worlds.
+        splits: Different ones of ``train``, ``dev``, ``test``.
+        count: How many levels of each.
+        on_levels: Called with the number of levels that have just been drawn.
+
+    Raises:
+        IrsimGymError: The levels come from a file that has fewer.
+        PlacementError: A level could not be drawn.
+    """
+    taker = _Taker(simulation)
+    for split in splits:
+        check_count(simulation, split, count)
+        for first in range(0, count, simulation.n_worlds):
+            simulation.reset(first, split)
+            n_new = min(simulation.n_worlds, count - first)
+            taker.take(n_new)
+            if on_levels is not None:
+                on_levels(n_new)
+    levels = taker.levels()
+    firsts = {split: (i * count, count) for i, split in enumerate(splits)}
+    return replace(levels, splits=firsts, about=about(simulation.scenario))
+
+
+def about(scenario: Scenario) -> dict[str, Any]:
+    """Return what a file of levels says about the scenario that drew it."""
+    said = {"scenario": scenario.file or scenario.name, "name": scenario.name, "hash": scenario_hash(scenario)}
+    return {**said, "parameters": dict(scenario.parameters)}
+
+
+def scenario_hash(scenario: Scenario) -> str:
+    """Return the hash of what a scenario says about its levels, 16 hexadecimal digits."""
+    data = scenario.source.data
+    sections = data if isinstance(data, Mapping) else {}
+    inner = sections.get("irsim")
+    sections = {**sections, **(inner if isinstance(inner, Mapping) else {})}
+    kept = {key: value for key, value in sections.items() if key not in LEFT_OUT and key != "irsim"}
+    text = json.dumps([scenario.name, kept], sort_keys=True)
+    return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
+
+
+class _Taker:
+    """Collects the levels that the worlds of a simulation have just begun."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        scenario, self._simulation = simulation.scenario, simulation
+        drawn = np.zeros(len(scenario.bodies), np.bool_)
+        drawn[list(drawn_bodies(scenario.bodies, scenario.placements))] = True
+        self._bodies: Ints = np.flatnonzero(drawn | given_bodies(scenario))
+        self._shaped: Flags = varied_outlines(scenario)[self._bodies]
+        self._rows: dict[str, list[Any]] = {name: [] for name in ("start", "goal", "present", "random")}
+        self._outlines: tuple[list[Floats], list[Floats]] = [], []
+        self._counts: tuple[list[list[int]], list[list[int]]] = [], []
+
+    def take(self, count: int) -> None:
+        """Take the levels of the first worlds."""
+        worlds = np.arange(count)
+        model, chosen = self._simulation.model, np.ix_(worlds, self._bodies)
+        present = model.present[chosen]
+        has_goal = present & model.has_goal[self._bodies] & (model.waypoint_count[chosen] == 1)
+        self._rows["present"].append(present)
+        self._rows["start"].append(np.where(present[..., None], model.start[chosen], 0.0))
+        self._rows["goal"].append(np.where(has_goal[..., None], model.waypoints[chosen][:, :, 0], np.nan))
+        self._rows["random"].append(model.level_random[worlds])
+        for w in range(count):
+            self._take_outlines(w)
+
+    def _take_outlines(self, world: int) -> None:
+        """Take the outlines that differ from level to level, of the bodies that are there."""
+        model, state = self._simulation.model, self._simulation.state
+        counts: tuple[list[int], list[int]] = [], []
+        for b, shaped in zip(self._bodies.tolist(), self._shaped, strict=True):
+            is_kept = bool(shaped and model.present[world, b])
+            for kept, count, own in zip(
+                self._outlines, counts, outline_rows(model, state, world, b, local=True), strict=True
+            ):
+                count.append(len(own) if is_kept else 0)
+                if is_kept:
+                    kept.append(own.copy())
+        for all_counts, count in zip(self._counts, counts, strict=True):
+            all_counts.append(count)
+
+    def levels(self) -> LevelSet:
+        """Return all that was taken."""
+        names = self._simulation.parts.names
+        rows = {name: np.concatenate(parts) for name, parts in self._rows.items()}
+        sides, rounds = self._outlines
+        starts = [_offsets(np.array(counts, np.int64)) for counts in self._counts]
+        return LevelSet(
+            file="",
+            bodies=tuple(names[b] for b in self._bodies),
+            start=rows["start"],
+            goal=rows["goal"],
+            present=rows["present"],
+            segments=np.concatenate([np.zeros((0, 4)), *sides]),
+            segment_start=starts[0],
+            discs=np.concatenate([np.zeros((0, 3)), *rounds]),
+            disc_start=starts[1],
+            cells=None,
+            random=rows["random"],
+            splits={},
+        )
+
+
+def _offsets(counts: Ints) -> Ints:
+    """Return where the rows of each body begin, shape ``(n_levels, n_bodies + 1)``, from how many it has."""
+    ends = np.cumsum(counts.reshape(-1)).reshape(counts.shape)
+    starts: Ints = np.concatenate([ends[:, :1] - counts[:, :1], ends], axis=1)
+    return starts

@@ -1,0 +1,92 @@
+"""The key ``levels``: a file of levels beside the scenario, and whether both fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.errors import suggestion
+from irsim_gym.scenario.level_reading import MOST_TOLD, Mistake, load_levels
+from irsim_gym.scenario.level_set import LevelSet
+from irsim_gym.scenario.messages import show
+from irsim_gym.scenario.source import Place, Source
+from irsim_gym.scenario.spec import BodySpec, PlacementSpec
+from irsim_gym.scenario.validation import Report
+
+
+def read_level_file(data: object, place: Place, source: Source, report: Report) -> LevelSet | None:
+    """Return the levels of the file that ``levels`` names; None without any, or after telling what is wrong."""
+    if data is None:
+        return None
+    if not isinstance(data, str) or not data.strip():
+        report.add(place, f"must be the name of an .npz file, got {show(data)}")
+        return None
+    folder = Path(source.file).parent if source.file else Path()
+    levels, mistakes = load_levels(folder / data)
+    tell(mistakes, place, report, data)
+    return None if mistakes else levels
+
+
+def tell(mistakes: Sequence[Mistake], place: Place, report: Report, file: str) -> None:
+    """Report what is wrong with a file of levels, each with the array where it is."""
+    for name, text in mistakes:
+        report.add((*place, name) if name else place, text if name else f"{file}: {text}")
+
+
+def drawn_bodies(bodies: Sequence[BodySpec], placements: Sequence[PlacementSpec]) -> tuple[int, ...]:
+    """Return the bodies of which a level draws something: start, goal, outline or presence."""
+    return tuple(
+        b
+        for b, body in enumerate(bodies)
+        if body.shape.is_random
+        or placements[body.entry].kind.is_random
+        or placements[body.entry].number_range is not None
+    )
+
+
+def misfits(levels: LevelSet, bodies: Sequence[BodySpec], placements: Sequence[PlacementSpec]) -> Iterator[Mistake]:
+    """Yield where levels and the bodies of a scenario do not fit."""
+    names = [body.name for body in bodies]
+    for name in levels.bodies:
+        if name not in names:
+            yield "bodies", f"the scenario has no body named '{name[:40]}'{suggestion(name[:40], names)}"
+    missing = [names[b] for b in drawn_bodies(bodies, placements) if names[b] not in levels.bodies]
+    if missing:
+        more = f" and {len(missing) - MOST_TOLD} more" if len(missing) > MOST_TOLD else ""
+        named = ", ".join(f"'{name}'" for name in missing[:MOST_TOLD])
+        yield "bodies", f"the scenario draws {named}{more}: the file must place them, or the scenario give their state"
+    shaped = levels.shaped
+    for k, name in enumerate(levels.bodies):
+        if name in names:
+            body = bodies[names.index(name)]
+            yield from _misfits_of(levels, k, body, placements[body.entry], is_shaped=bool(shaped[k]))
+
+
+def _misfits_of(
+    levels: LevelSet, k: int, body: BodySpec, placement: PlacementSpec, *, is_shaped: bool
+) -> Iterator[Mistake]:
+    """Yield what of one body does not fit."""
+    name, present = f"'{levels.bodies[k]}'", levels.present[:, k]
+    if placement.number_range is None and not present.all():
+        yield "present", f"{_where(~present, name)}: must be there, since its entry has no number_range"
+    is_given = ~np.isnan(levels.goal[:, k, 0]) & present
+    is_mobile, gives_goal = body.kinematics is not None and not body.static, bool(placement.kind.gives_goal)
+    if is_given.any() and not (is_mobile and (gives_goal or len(body.goal) == 1)):
+        has = f"{len(body.goal)} goals" if is_mobile and body.goal else "no goal"
+        yield "goal", f"{_where(is_given, name)}: has {has} in the scenario, so the file can give it none"
+    if is_mobile and gives_goal and (present & ~is_given).any():
+        yield "goal", f"{_where(present & ~is_given, name)}: needs a goal, since its distribution would draw one"
+    rows = np.diff(levels.segment_start, axis=1)[:, k] + np.diff(levels.disc_start, axis=1)[:, k]
+    if is_shaped and not body.shape.is_random and (is_mobile or body.sensors):
+        yield "segments", f"{name}: only a random_shape or a standing obstacle takes its outline from a file"
+    if (is_shaped or body.shape.is_random) and (present & (rows == 0)).any():
+        yield "segments", f"{_where(present & (rows == 0), name)}: has no outline (segments or discs)"
+
+
+def _where(bad: Any, name: str) -> str:
+    """Return the first level in which something is bad, and how many more there are."""
+    found = np.flatnonzero(bad)
+    return f"level {found[0]}{f' and {len(found) - 1} more' if len(found) > 1 else ''}, {name}"

@@ -1,0 +1,202 @@
+"""From a file to levels, or to the list of all that is wrong with it: arrays first, then the levels in them."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+import zlib
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Flags
+from irsim_gym.errors import Problem, ScenarioError, suggestion
+from irsim_gym.scenario.level_set import ARRAYS, NEEDED, SPLITS, LevelSet
+from irsim_gym.scenario.options import LARGEST
+
+MAX_BYTES = 2**32
+MOST_TOLD = 3
+"""Levels of one array that are named for one mistake."""
+
+Found = dict[str, NDArray[Any]]
+Mistake = tuple[str, str]
+"""Name of an array, and what is wrong with it."""
+
+
+def read_levels(file: str | Path) -> LevelSet:
+    """Read a file of levels.
+
+    Raises:
+        ScenarioError: It cannot be used; the error lists every problem.
+    """
+    levels, mistakes = load_levels(Path(file))
+    if levels is None or mistakes:
+        raise ScenarioError(str(file), [Problem(0, name, text) for name, text in mistakes])
+    return levels
+
+
+def load_levels(file: Path) -> tuple[LevelSet | None, list[Mistake]]:
+    """Return the levels of a file, and what is wrong with it; None where no levels can be made of it."""
+    try:
+        arrays = _arrays(file)
+    except _Unreadable as error:
+        return None, [("", str(error))]
+    mistakes = [*_unknown(arrays), *_shapes(arrays)]
+    if mistakes:
+        return None, mistakes
+    levels = _complete(file, arrays)
+    return levels, list(_values(levels, arrays))
+
+
+class _Unreadable(Exception):  # noqa: N818  (it never leaves this file)
+    """The file holds no arrays."""
+
+
+def _arrays(file: Path) -> Found:
+    """Return the arrays of a file without unpickling anything."""
+    try:
+        with zipfile.ZipFile(file) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+        if size > MAX_BYTES:
+            raise _Unreadable(f"holds {size / 1e9:.1f} GB, at most {MAX_BYTES / 1e9:.1f} GB")
+        with np.load(file, allow_pickle=False) as stored:
+            return {name: stored[name] for name in stored.files}
+    except FileNotFoundError:
+        raise _Unreadable("no such file") from None
+    except (OSError, zipfile.BadZipFile, zlib.error, ValueError, EOFError, KeyError, NotImplementedError) as error:
+        raise _Unreadable(f"cannot be read as an .npz file of arrays: {error}") from None
+
+
+def _unknown(arrays: Found) -> Iterator[Mistake]:
+    for name in arrays:
+        if name not in ARRAYS:
+            yield name, f"unknown array{suggestion(name, ARRAYS) or '; known: ' + ', '.join(ARRAYS)}"
+    for name in NEEDED:
+        if name not in arrays:
+            yield name, "is missing"
+    for rows, start in (("segments", "segment_start"), ("discs", "disc_start"), ("splits", "split_start")):
+        if (rows in arrays) != (start in arrays):
+            given, missing = (rows, start) if rows in arrays else (start, rows)
+            yield missing, f"is missing, and {given} needs it"
+
+
+def _shapes(arrays: Found) -> Iterator[Mistake]:
+    """Yield arrays whose type or shape is wrong; the axes are as long as the first array that has them."""
+    sizes: dict[str, tuple[int, str]] = {}
+    for name, declared in ARRAYS.items():
+        array = arrays.get(name)
+        if array is None:
+            continue
+        if array.dtype.kind not in declared.kinds:
+            yield name, f"must hold {_WORDS[declared.kinds[0]]}, got {array.dtype}"
+        if array.ndim != len(declared.axes):
+            yield name, f"must have the axes ({', '.join(declared.axes)}), got shape {array.shape}"
+            continue
+        for axis, length in zip(declared.axes, array.shape, strict=True):
+            if axis.isdigit():
+                if length != int(axis):
+                    yield name, f"must have the axes ({', '.join(declared.axes)}), got shape {array.shape}"
+                continue
+            key, more = axis.removesuffix("+1"), int(axis.endswith("+1"))
+            known, whose = sizes.setdefault(key, (length - more, name))
+            if length != known + more:
+                yield name, f"axis {axis} must be {known + more} long, as {whose} has {known}, got {length}"
+    if sizes.get("level", (1, ""))[0] == 0:
+        yield sizes["level"][1], "holds no level"
+
+
+_WORDS = {"U": "text", "f": "numbers", "b": "true or false", "i": "whole numbers", "u": "unsigned whole numbers"}
+
+
+def _complete(file: Path, arrays: Found) -> LevelSet:
+    """Return the levels with what the file leaves out."""
+    start = np.ascontiguousarray(arrays["start"], np.float64)
+    count, size = start.shape[:2]
+    offsets = np.zeros((count, size + 1), np.int64)
+    names = [str(name) for name in arrays.get("splits", np.array(["all"]))]
+    ends = np.asarray(arrays.get("split_start", np.array([0, count])), np.int64)
+    splits = {name: (int(a), int(b - a)) for name, a, b in zip(names, ends[:-1], ends[1:], strict=True)}
+    cells, random = arrays.get("cells"), arrays.get("random")
+    return LevelSet(
+        file=str(file),
+        bodies=tuple(str(name) for name in arrays["bodies"]),
+        start=start,
+        goal=np.ascontiguousarray(arrays.get("goal", np.full(start.shape, np.nan)), np.float64),
+        present=np.ascontiguousarray(arrays.get("present", np.ones((count, size))), np.bool_),
+        segments=np.ascontiguousarray(arrays.get("segments", np.zeros((0, 4))), np.float64),
+        segment_start=np.ascontiguousarray(arrays.get("segment_start", offsets), np.int64),
+        discs=np.ascontiguousarray(arrays.get("discs", np.zeros((0, 3))), np.float64),
+        disc_start=np.ascontiguousarray(arrays.get("disc_start", offsets), np.int64),
+        cells=None if cells is None else np.ascontiguousarray(cells, np.bool_),
+        random=None if random is None else np.ascontiguousarray(random, np.uint64),
+        splits=splits,
+        about=_about(arrays.get("about")),
+    )
+
+
+def _about(text: NDArray[Any] | None) -> Mapping[str, Any]:
+    """Return what the file says about itself; nothing where that is no JSON object."""
+    try:
+        said = {} if text is None else json.loads(str(text))
+    except ValueError:
+        return {}
+    return said if isinstance(said, dict) else {}
+
+
+def _values(levels: LevelSet, arrays: Found) -> Iterator[Mistake]:
+    """Yield what is wrong in single levels."""
+    doubled = sorted({name for name in levels.bodies if levels.bodies.count(name) > 1})
+    if doubled:
+        yield "bodies", f"the name '{doubled[0]}' is there twice"
+    bad = ~((np.abs(levels.start) <= LARGEST).all(axis=2)) & levels.present
+    yield from _per_level("start", bad, levels, "must be three numbers between -1e7 and 1e7", levels.start)
+    x, y, heading = np.moveaxis(levels.goal, 2, 0)
+    is_good = (np.abs(x) <= LARGEST) & (np.abs(y) <= LARGEST) & ~(np.abs(heading) > LARGEST)
+    bad = ~(is_good | np.isnan(levels.goal).all(axis=2)) & levels.present
+    yield from _per_level("goal", bad, levels, "must be x, y and a heading or NaN, or three NaN", levels.goal)
+    for name, rows in (("segment_start", levels.segments), ("disc_start", levels.discs)):
+        offsets = getattr(levels, name)
+        bad = (np.diff(offsets, axis=1) < 0) | (offsets[:, :-1] < 0) | (offsets[:, 1:] > len(rows))
+        wish = f"must not fall, and lie between 0 and {len(rows)}"
+        yield from _per_level(name, bad, levels, wish, np.stack([offsets[:, :-1], offsets[:, 1:]], axis=2))
+    is_side = np.array((np.abs(levels.segments) <= LARGEST).all(axis=1), np.bool_)
+    yield from _per_row("segments", is_side, levels.segments, "must be four numbers between -1e7 and 1e7")
+    is_disc = np.array((np.abs(levels.discs) <= LARGEST).all(axis=1) & (levels.discs[:, 2] > 0.0), np.bool_)
+    yield from _per_row("discs", is_disc, levels.discs, "must be x, y and a radius above 0")
+    cells = arrays.get("cells")
+    if cells is not None and (cells > 1).any():
+        level = int(np.argwhere(cells > 1)[0, 0])
+        yield "cells", f"level {level}: must be 0 (free) or 1 (occupied), got {cells[level].max()}"
+    yield from _split_mistakes(levels, arrays)
+
+
+def _per_row(name: str, is_good: Flags, values: NDArray[Any], wish: str) -> Iterator[Mistake]:
+    """Yield the first row of a table that is bad."""
+    bad = np.flatnonzero(~is_good)
+    if bad.size:
+        yield name, f"row {bad[0]}: {wish}, got {values[bad[0]]}"
+
+
+def _per_level(name: str, bad: Flags, levels: LevelSet, wish: str, values: NDArray[Any]) -> Iterator[Mistake]:
+    """Yield the first levels in which the values of a body are bad; flags ``(n_levels, n_bodies)``."""
+    found = np.argwhere(bad).tolist()
+    for level, body in found[:MOST_TOLD]:
+        yield name, f"level {level}, '{levels.bodies[body]}': {wish}, got {values[level, body].tolist()}"
+    if len(found) > MOST_TOLD:
+        yield name, f"and {len(found) - MOST_TOLD} more like these"
+
+
+def _split_mistakes(levels: LevelSet, arrays: Found) -> Iterator[Mistake]:
+    if "splits" not in arrays:
+        return
+    names = [str(name) for name in arrays["splits"]]
+    wrong = [name for name in names if name not in SPLITS and len(names) > 1]
+    if wrong or len(set(names)) < len(names) or not names:
+        yield "splits", f"must be different ones of {', '.join(SPLITS)}, got {', '.join(names) or 'none'}"
+    ends = arrays["split_start"].tolist()
+    if ends[0] != 0 or ends[-1] != levels.count or any(b <= a for a, b in pairwise(ends)):
+        yield "split_start", f"must rise from 0 to the number of levels, {levels.count}, got {ends}"

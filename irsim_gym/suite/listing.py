@@ -1,0 +1,59 @@
+"""What the suite consists of, on a terminal."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from functools import cache
+from textwrap import wrap
+from typing import Any
+
+from irsim_gym.scenario.library import configs_folder, every_scenario
+from irsim_gym.scenario.summary import summarize_file
+from irsim_gym.suite.members import Member, shipped_suite
+
+LINE = 100
+
+
+def print_suite(names: Sequence[str]) -> None:
+    """Print benchmarks: tiers and what each asks, its id and parameters, and its reference rows.
+
+    Args:
+        names: Tiers or benchmarks; none for all.
+    """
+    from irsim_gym.envs.registration import env_id
+
+    found = shipped_suite()
+    members = found.chosen(names) if names else list(found.members.values())
+    for tier, those in found.tiers.items():
+        print(f"{tier}: {len(those)} benchmarks")
+    for member in members:
+        tiers = ", ".join(found.tiers_of(member.name)) or "no tier"
+        robots = f", {_robots(member)} robots" if member.team else ""
+        print(f"\n{member.name} ({tiers}{robots})")
+        for line in _lines(member, env_id(member.scenario)):
+            print(f"  {line}")
+
+
+def reference_rows() -> dict[str, Any]:
+    """Return the shipped reference rows by benchmark and policy; none where the file is not there."""
+    return dict(_shipped())
+
+
+@cache
+def _shipped() -> Mapping[str, Any]:
+    file = configs_folder() / "suite_references.json"
+    return json.loads(file.read_text(encoding="utf-8"))["figures"] if file.is_file() else {}
+
+
+def _lines(member: Member, one: str) -> list[str]:
+    given = "".join(f", {name}={value}" for name, value in member.parameters.items())
+    rows = reference_rows().get(member.name, {})
+    figures = ", ".join(f"{name} {100.0 * row['success']['value']:.1f} %" for name, row in rows.items())
+    texts = [member.asks, f"{one}{given}", *([f"success: {figures}"] if figures else [])]
+    texts += [f"differs from the original: {member.differs}"] if member.differs else []
+    return [line for text in texts for line in wrap(text, LINE - 2)]
+
+
+def _robots(member: Member) -> int:
+    return summarize_file(every_scenario()[member.scenario], member.parameters).robots

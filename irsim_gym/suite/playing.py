@@ -1,0 +1,129 @@
+"""Playing the suite: every method on every benchmark, one file of rows for each policy."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import Progress, TaskID
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.behavior_policies import UnfitBehaviorError
+from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.evaluation.tables import plain
+from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.suite.members import Member
+from irsim_gym.suite.row_files import write_rows
+from irsim_gym.suite.scores import score_suite
+from irsim_gym.suite.suite_record import ROWS, SUMMARY, SuiteMethod, SuiteRecord, read_record
+from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.levels import check_split
+from irsim_gym.training.episode_setup import make_episodes, team_conditions
+from irsim_gym.training.evaluate import WORLDS
+from irsim_gym.training.policies import UnfitPolicyError, load_policy
+
+
+def play_suite(
+    members: Sequence[Member],
+    methods: Sequence[SuiteMethod],
+    folder: Path,
+    *,
+    levels: int = 1000,
+    split: str = "test",
+    overwrite: bool = False,
+    console: Console | None = None,
+) -> SuiteRecord:
+    """Play what has not been played yet, and score everything; return what the folder holds then.
+
+    A policy that cannot drive a benchmark's robots, or was trained with other observations, is left out there, and the
+    record says why.
+
+    Args:
+        members: The benchmarks.
+        methods: Who plays.
+        folder: Where rows and summary go. What it holds already is kept, and is not played again.
+        levels: How many levels of each benchmark, from 0.
+        split: ``"test"``, ``"dev"`` or ``"train"``.
+        overwrite: Remove what is in the folder first.
+        console: Where progress goes.
+
+    Raises:
+        IrsimGymError: The folder holds rows of other levels, policies or scenarios.
+    """
+    check_split(split)
+    screen = console or Console(stderr=True)
+    record = _begin(folder, levels, split, overwrite)
+    record.add(members, methods)
+    with Progress(console=screen, disable=not screen.is_terminal, transient=True) as bar:
+        for member in members:
+            missing = [m for m in methods if len(record.done(member.name, m.name)) < len(m.sources)]
+            if missing:
+                _play_member(member, missing, record, folder, screen, bar)
+    score_suite(record, folder)
+    record.write(folder)
+    return record
+
+
+def _begin(folder: Path, levels: int, split: str, overwrite: bool) -> SuiteRecord:
+    """Return the record to go on with."""
+    if not (folder / SUMMARY).exists():
+        if folder.exists() and any(folder.iterdir()):
+            raise IrsimGymError(f"{folder} is not empty, and holds no run of the suite: choose another with --out")
+        return SuiteRecord(split, levels)
+    record = read_record(folder)
+    if overwrite:
+        shutil.rmtree(folder / ROWS, ignore_errors=True)
+        return SuiteRecord(split, levels)
+    if (record.split, record.levels) != (split, levels):
+        raise IrsimGymError(
+            f"{folder} holds {record.levels:,} {record.split} levels of each benchmark, asked for: {levels:,} {split} "
+            "levels; choose another folder with --out, or replace all with --overwrite"
+        )
+    return record
+
+
+def _play_member(
+    member: Member, methods: Sequence[SuiteMethod], record: SuiteRecord, folder: Path, screen: Console, bar: Progress
+) -> None:
+    """Play one benchmark with all methods that have not finished it."""
+    chosen: dict[str, Any] = {"parameters": dict(member.parameters), "team": member.team}
+    episodes = make_episodes(member.scenario, n_worlds=min(WORLDS, record.levels), **chosen)
+    conditions = team_conditions(episodes, record.split, record.levels)
+    record.members[member.name]["conditions"] = plain(conditions)
+    optima = Optima(record.split)
+    for method in methods:
+        done = record.done(member.name, method.name)
+        for number in range(len(done), len(method.sources)):
+            label = f"{member.name}: {method.name}" + (f" {number}" if len(method.sources) > 1 else "")
+            line = bar.add_task(label, total=record.levels)
+            file = f"{ROWS}/{member.name}/{method.name}-{number}.csv"
+            done.append(_play_policy(method.sources[number], episodes, record, optima, folder / file, bar, line))
+            record.write(folder)
+            bar.remove_task(line)
+            if not screen.is_terminal:
+                said = done[-1].get("left_out") or f"{record.levels:,} levels in {done[-1]['seconds']:.1f} s"
+                screen.print(f"{label}: {said}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _play_policy(
+    source: str, episodes: Episodes, record: SuiteRecord, optima: Optima, path: Path, bar: Progress, line: TaskID
+) -> dict[str, Any]:
+    """Play one policy, write its rows, and return its entry in the record."""
+    begun = time.process_time()
+    try:
+        rows = evaluate_team(
+            load_policy(source),
+            episodes,
+            record.levels,
+            record.split,
+            optima=optima,
+            on_episodes=lambda count: bar.advance(line, count),
+        )
+    except (UnfitBehaviorError, UnfitPolicyError) as problem:
+        return {"left_out": str(problem)}
+    write_rows(path, rows)
+    return {"file": path.relative_to(path.parents[2]).as_posix(), "seconds": time.process_time() - begun}

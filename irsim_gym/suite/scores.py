@@ -1,0 +1,190 @@
+"""From rows to the figures of tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import fmean
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow, mean
+from irsim_gym.evaluation.statistics import (
+    Estimate,
+    interquartile_mean,
+    probability_of_improvement,
+    stratified_mean,
+    worst_share,
+)
+from irsim_gym.evaluation.tables import plain
+from irsim_gym.evaluation.team_metrics import COMPARED, TEAM_HITS, TeamRow, TeamSummary, summarize_team
+from irsim_gym.suite.row_files import read_rows
+from irsim_gym.suite.suite_record import SuiteRecord
+
+WORST = (0.05, 0.01)
+Repetitions = Sequence[Sequence[TeamRow]]
+"""The levels that the policies of one method played, one list for each."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """The figures of one method on one benchmark: means over its policies, NaN where there are none.
+
+    Attributes:
+        repetitions: Number of its policies.
+        success: Share of levels in which all robots arrive. Its interval is Wilson's for one policy, and a bootstrap
+            interval over policies for several.
+        individual: Share of robots that arrive; that of levels where one robot learns.
+        outcomes: Share of episodes by outcome.
+        hits: Share of episodes that ended in a collision, by what was hit.
+        deadlocked: Share of robots whose episode ended while they stood still.
+        spl: Success weighted by path length.
+        sct: Success weighted by completion time.
+        worst: Success on the worst 5 % and 1 % of levels, chosen by half of the policies and scored by the other half.
+        time: Mean time of successful episodes [s].
+        path: Mean path length of successful episodes [m].
+        common_levels: Number of levels that all compared methods solved.
+        common_time: Mean time there [s].
+        common_path: Mean path length there [m].
+        makespan: Mean time until the last robot arrives [s], the time limit where one never does.
+        clearance: Mean of the smallest clearances [m].
+        acceleration: Mean size of acceleration [m/s2].
+        jerk: Mean size of its derivative [m/s3].
+    """
+
+    repetitions: int
+    success: Estimate
+    individual: float
+    outcomes: Mapping[str, float]
+    hits: Mapping[str, float]
+    deadlocked: float
+    spl: float
+    sct: float
+    worst: Mapping[str, float]
+    time: float
+    path: float
+    common_levels: int
+    common_time: float
+    common_path: float
+    makespan: float
+    clearance: float
+    acceleration: float
+    jerk: float
+
+
+def score_suite(record: SuiteRecord, folder: Path) -> None:
+    """Read all rows, and write the figures of all methods into the record."""
+    played: dict[str, dict[str, Repetitions]] = {}
+    for member, methods in record.runs.items():
+        files = {method: [entry["file"] for entry in entries if "file" in entry] for method, entries in methods.items()}
+        played[member] = {
+            method: [read_rows(folder / file) for file in found] for method, found in files.items() if found
+        }
+    scores = {member: score_member(methods) for member, methods in played.items()}
+    record.figures = plain(scores)
+    success = {
+        member: {method: [_share(rows) for rows in repetitions] for method, repetitions in methods.items()}
+        for member, methods in played.items()
+    }
+    record.overall = plain(overall(success, list(record.methods)))
+
+
+def score_member(methods: Mapping[str, Repetitions]) -> dict[str, Score]:
+    """Return the figures of several methods on the same levels."""
+    solved = {name: _solved(repetitions) for name, repetitions in methods.items()}
+    n_levels = {name: len(repetitions[0]) for name, repetitions in methods.items()}
+    compared = [name for name, levels in solved.items() if len(levels) >= max(COMPARED * n_levels[name], 1)]
+    common = set.intersection(*(solved[name] for name in compared)) if len(compared) > 1 else set()
+    return {
+        name: score_method(repetitions, common if name in compared else set()) for name, repetitions in methods.items()
+    }
+
+
+def score_method(repetitions: Repetitions, common: set[int]) -> Score:
+    """Return the figures of one method.
+
+    Args:
+        repetitions: The levels that its policies played.
+        common: Levels that all compared methods solved.
+    """
+    summaries = [summarize_team("", rows) for rows in repetitions]
+    episodes = [agent.episode for rows in repetitions for row in rows for agent in row.agents]
+    there = [episode for episode in episodes if episode.level in common]
+
+    def over(read: Callable[[TeamSummary], float]) -> float:
+        return mean([read(summary) for summary in summaries])
+
+    return Score(
+        repetitions=len(summaries),
+        success=_success(summaries),
+        individual=over(lambda summary: summary.individual_success.value),
+        outcomes={name: fmean(episode.outcome == name for episode in episodes) for name in OUTCOMES},
+        hits={hit: mean([summary.collision_with[hit].value for summary in summaries]) for hit in TEAM_HITS},
+        deadlocked=over(lambda summary: summary.deadlocked.value),
+        spl=over(lambda summary: summary.spl),
+        sct=mean([episode.sct for episode in episodes]),
+        worst={f"{share:.0%}": worst_share(_successes(repetitions), share) for share in WORST},
+        time=_of_successes(episodes, lambda episode: episode.time),
+        path=over(lambda summary: summary.path_length),
+        common_levels=len(common),
+        common_time=_of_successes(there, lambda episode: episode.time),
+        common_path=_of_successes(there, lambda episode: episode.path_length),
+        makespan=over(lambda summary: summary.makespan),
+        clearance=over(lambda summary: summary.min_clearance),
+        acceleration=over(lambda summary: summary.acceleration),
+        jerk=over(lambda summary: summary.jerk),
+    )
+
+
+def overall(success: Mapping[str, Mapping[str, Sequence[float]]], methods: Sequence[str]) -> dict[str, object]:
+    """Return figures over the benchmarks that all methods played.
+
+    Args:
+        success: By benchmark and method, the success of each policy.
+        methods: The methods.
+
+    Returns:
+        ``benchmarks``: their names. ``success``: the interquartile mean over benchmarks and policies of each method,
+        with its stratified bootstrap interval. ``improvement``: by two methods, the probability that a policy of the
+        first beats one of the second.
+    """
+    common = [member for member, found in success.items() if all(method in found for method in methods)]
+    if not common or not methods:
+        return {"benchmarks": [], "success": {}, "improvement": {}}
+    scores = {method: [success[member][method] for member in common] for method in methods}
+    better = {
+        first: {
+            second: probability_of_improvement(scores[first], scores[second]) for second in methods if second != first
+        }
+        for first in methods
+    }
+    means = {method: interquartile_mean(scores[method]) for method in methods}
+    return {"benchmarks": common, "success": means, "improvement": better}
+
+
+def _success(summaries: Sequence[TeamSummary]) -> Estimate:
+    if len(summaries) == 1:
+        found = summaries[0].cooperative_success
+        return Estimate(found.value, found.low, found.high)
+    return stratified_mean([[summary.cooperative_success.value for summary in summaries]])
+
+
+def _successes(repetitions: Repetitions) -> Floats:
+    return np.array([[row.is_success for row in rows] for rows in repetitions], np.float64)
+
+
+def _share(rows: Sequence[TeamRow]) -> float:
+    return fmean(row.is_success for row in rows)
+
+
+def _solved(repetitions: Repetitions) -> set[int]:
+    """Return the levels that every policy of a method solved."""
+    return set.intersection(*({row.level for row in rows if row.is_success} for rows in repetitions))
+
+
+def _of_successes(episodes: Sequence[EpisodeRow], read: Callable[[EpisodeRow], float]) -> float:
+    found = [read(episode) for episode in episodes if episode.outcome == "success"]
+    return fmean(found) if found else math.nan

@@ -1,0 +1,151 @@
+"""The folder of a suite's run: what was asked for, on which scenarios, and what has been played of it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.reference_policies import policy_kinds
+from irsim_gym.evaluation.tables import write_json
+from irsim_gym.suite.members import Member
+from irsim_gym.training.policies import policy_file, policy_names
+from irsim_gym.training.run import machine
+from irsim_gym.training.snapshot import take_snapshot
+
+SUMMARY = "summary.json"
+ROWS = "rows"
+
+
+@dataclass(frozen=True)
+class SuiteMethod:
+    """Policies of one kind: a single one, or the seeds of one training.
+
+    Attributes:
+        name: What it is called in tables.
+        sources: Its policies, as ``load_policy`` takes them.
+    """
+
+    name: str
+    sources: tuple[str, ...]
+
+    def identity(self) -> list[dict[str, Any]]:
+        """Return what its policies are: their sources, and the hashes of files."""
+        return [{"source": source, "sha256": _digest(source)} for source in self.sources]
+
+
+def read_methods(texts: Sequence[str]) -> list[SuiteMethod]:
+    """Return the methods of a command line: ``POLICY``, or ``NAME=POLICY,POLICY,...`` for several seeds.
+
+    Raises:
+        IrsimGymError: Two have one name, or one has no policy.
+    """
+    named = [text.partition("=") if re.match(r"[\w.-]+=", text) else ("", "", text) for text in texts]
+    short = iter(policy_names([source for name, _, source in named if not name]))
+    methods = [
+        SuiteMethod(name or next(short), tuple(sources.split(",")) if name else (sources,))
+        for name, _, sources in named
+    ]
+    for method in methods:
+        if "" in method.sources:
+            raise IrsimGymError(
+                f"'{method.name}=...' needs policies, divided by commas, got '{','.join(method.sources)}'"
+            )
+    names = [method.name for method in methods]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise IrsimGymError(f"two methods are named '{twice[0]}': give them names, NAME=POLICY")
+    return methods
+
+
+@dataclass
+class SuiteRecord:
+    """What ``summary.json`` says of a run of the suite.
+
+    Attributes:
+        split: Split of the levels.
+        levels: How many of each benchmark, from 0.
+        members: Each benchmark with the hash of its scenario and the conditions of its figures.
+        methods: The policies of each method, with hashes of their files.
+        runs: By benchmark and method, an entry for each policy: the file of its rows, or why it was left out.
+        figures: By benchmark and method, see ``scores``.
+        overall: Figures over all benchmarks by method.
+        machine: Processor and versions that played last.
+    """
+
+    split: str
+    levels: int
+    members: dict[str, dict[str, Any]] = field(default_factory=dict)
+    methods: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
+    runs: dict[str, dict[str, list[dict[str, Any]]]] = field(default_factory=dict)
+    figures: dict[str, dict[str, Any]] = field(default_factory=dict)
+    overall: dict[str, Any] = field(default_factory=dict)
+    machine: dict[str, Any] = field(default_factory=machine)
+
+    def write(self, folder: Path) -> None:
+        """Write it into the folder."""
+        write_json(folder / SUMMARY, asdict(self))
+
+    def done(self, member: str, method: str) -> list[dict[str, Any]]:
+        """Return the entries of a method's policies on a benchmark, so far."""
+        return self.runs.setdefault(member, {}).setdefault(method, [])
+
+    def add(self, members: Sequence[Member], methods: Sequence[SuiteMethod]) -> None:
+        """Take note of what is to be played.
+
+        Raises:
+            IrsimGymError: Some of it was played before, and was something else: other files, another scenario.
+        """
+        changed = [
+            *_note(self.methods, {method.name: method.identity() for method in methods}, "the policies of"),
+            *_note(self.members, {member.name: _scenario(member) for member in members}, "the scenario of"),
+        ]
+        if changed:
+            raise IrsimGymError(
+                f"{'; '.join(changed)} changed since rows were played: choose another folder with --out, or replace "
+                "all of them with --overwrite"
+            )
+
+
+def read_record(folder: Path) -> SuiteRecord:
+    """Return what a folder holds.
+
+    Raises:
+        IrsimGymError: It holds no run of the suite.
+    """
+    path = folder / SUMMARY
+    if not path.is_file():
+        raise IrsimGymError(f"{folder} holds no run of the suite (no {SUMMARY}); `irsim-gym suite run` makes one")
+    try:
+        return SuiteRecord(**json.loads(path.read_text(encoding="utf-8")))
+    except (TypeError, ValueError) as error:
+        raise IrsimGymError(f"{path} is no summary of a run of the suite: {error}") from None
+
+
+def _note(known: dict[str, Any], now: Mapping[str, Any], what: str) -> list[str]:
+    """Take over entries; return those whose common keys differ from what is known."""
+    changed = []
+    for name, entry in now.items():
+        before = known.setdefault(name, entry)
+        same = before == entry if isinstance(entry, list) else all(before.get(key) == entry[key] for key in entry)
+        if not same:
+            changed.append(f"{what} {name}")
+    return changed
+
+
+def _scenario(member: Member) -> dict[str, Any]:
+    digest = take_snapshot(member.scenario, None, member.parameters).digest
+    own = {"scenario": member.scenario, "parameters": dict(member.parameters), "team": member.team}
+    return {**own, "differs": member.differs, "sha256": digest}
+
+
+def _digest(source: str) -> str | None:
+    """Return the hash of a policy's file; None for a name."""
+    if source in policy_kinds():
+        return None
+    return hashlib.sha256(policy_file(source).read_bytes()).hexdigest()

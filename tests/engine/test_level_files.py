@@ -1,0 +1,95 @@
+"""Levels from a file are the levels that were drawn into it, bit for bit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from test_every_feature import EVERYTHING, STEPS, assert_same, everything
+
+import irsim_gym as ig
+from irsim_gym.levels.draw import draw_levels
+from irsim_gym.scenario.level_set import LevelSet
+
+SEED, COUNT = 2, 6
+
+
+@pytest.fixture(scope="module")
+def drawn() -> LevelSet:
+    return draw_levels(ig.compile(everything(), 4), ["train", "dev"], COUNT)
+
+
+@pytest.fixture
+def file(drawn: LevelSet, tmp_path: Path) -> Path:
+    path = tmp_path / "levels.npz"
+    path.write_bytes(drawn.content())
+    return path
+
+
+def compiled(levels: Path | None, n_worlds: int) -> ig.Simulation:
+    data = yaml.safe_load(EVERYTHING) | ({} if levels is None else {"levels": str(levels)})
+    return ig.compile(ig.load_scenario(data), n_worlds)
+
+
+def test_everything_begins_and_goes_on_as_drawn(file: Path) -> None:
+    given, fresh = compiled(file, 3), compiled(None, 3)
+    for split in ("train", "dev"):
+        for sim in (given, fresh):
+            sim.reset(SEED, split)
+            for _ in range(STEPS):
+                sim.step()
+        for w in range(3):
+            assert_same(given, w, fresh, w)
+    np.testing.assert_array_equal(given.model.present, fresh.model.present)
+    np.testing.assert_array_equal(given.model.segment_count, fresh.model.segment_count)
+    given.reset_to_start()
+    fresh.reset_to_start()
+    assert_same(given, 0, fresh, 0)
+
+
+def test_a_file_gives_back_what_it_was_drawn_from(file: Path, drawn: LevelSet) -> None:
+    again = draw_levels(compiled(file, 5), ["train", "dev"], COUNT)
+    assert again.hashes().tolist() == drawn.hashes().tolist()
+    assert len(set(drawn.hashes().tolist())) == 2 * COUNT
+    for name, array in drawn.arrays().items():
+        if name != "about":
+            np.testing.assert_array_equal(again.arrays()[name], array, err_msg=name)
+
+
+def test_levels_are_counted_modulo_their_number_within_their_split(file: Path) -> None:
+    sim = compiled(file, 1)
+    sim.reset(COUNT + 1, "dev")
+    there = sim.state.pose.copy()
+    sim.reset(1, "dev")
+    np.testing.assert_array_equal(sim.state.pose, there)
+    sim.reset(1, "train")
+    assert not np.array_equal(sim.state.pose, there)
+    with pytest.raises(ig.errors.UnknownNameError, match=r"levels.npz has no split 'test'.*it has train, dev"):
+        sim.reset(0, "test")
+
+
+def test_later_levels_stay_in_the_file(file: Path) -> None:
+    sim = compiled(file, 1)
+    first = {tuple(sim.model.level_stream) for e in range(60) if sim.reset(0, "dev", e) is None}
+    assert first == {(np.uint64(COUNT + k),) for k in range(COUNT)}
+
+
+def test_discs_from_a_file_replace_the_shape_of_an_obstacle(tmp_path: Path) -> None:
+    """Three discs, then one: seen at x = 3 - 0.5 in one level, at 5 - 0.1 in the other, each from (0, 5)."""
+    np.savez(
+        tmp_path / "discs.npz",
+        bodies=["posts"],
+        start=np.zeros((2, 1, 3)),
+        discs=[[3, 5, 0.5], [6, 5, 0.5], [2, 9, 0.3], [5, 5, 0.1]],
+        disc_start=[[0, 3], [3, 4]],
+    )
+    lidar = {"name": "lidar2d", "number": 3, "angle_range": 1.0, "range_max": 9}
+    robot = {"kinematics": {"name": "diff"}, "state": [0, 5, 0], "goal": [9, 5], "sensors": [lidar]}
+    posts = {"name": "posts", "shape": {"name": "circle"}}
+    data = {"robot": robot, "obstacle": posts, "levels": str(tmp_path / "discs.npz")}
+    sim = ig.compile(ig.load_scenario(data), 2)
+    sim.reset(0)
+    assert sim.sensors[0].arrays["ranges"][:, 0, 1] == pytest.approx([2.5, 4.9])
+    assert sim.model.reach[:, 1] == pytest.approx([np.hypot(2, 9) + 0.3, np.hypot(5, 5) + 0.1])

@@ -1,0 +1,189 @@
+"""The suite: what it consists of, playing it in parts, its figures and its tables."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from irsim_gym import cli
+from irsim_gym.errors import IrsimGymError, UnknownNameError
+from irsim_gym.evaluation.metrics import EpisodeRow
+from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
+from irsim_gym.scenario.library import benchmark_names
+from irsim_gym.suite import playing, suite_tables
+from irsim_gym.suite.members import Member, read_suite, shipped_suite
+from irsim_gym.suite.playing import play_suite
+from irsim_gym.suite.row_files import read_rows, write_rows
+from irsim_gym.suite.scores import overall, score_member
+from irsim_gym.suite.suite_record import SuiteMethod, read_methods, read_record
+
+GOAL = Member("goal", "To drive to a goal.", "empty_goal")
+SWAP = Member("swap", "To change sides.", "circle_swap", {"n_robots": 2}, team=True)
+DASH, RANDOM = SuiteMethod("dash", ("dash",)), SuiteMethod("random", ("random",))
+
+
+def level(number: int, *outcomes: str, time: float = 5.0) -> TeamRow:
+    episodes = [
+        EpisodeRow(number, outcome, "map" if outcome == "collision" else "", 50, time, 6.0, 4.5, 0.25, 4.0, 0.5, 2.0)
+        for outcome in outcomes
+    ]
+    agents = [AgentRow(f"robot_{a}", episode, 4.0, 1.0, False) for a, episode in enumerate(episodes)]
+    return TeamRow(number, 30.0, tuple(agents))
+
+
+def test_the_shipped_suite_holds_all_benchmark_files_and_its_tiers_are_its_members() -> None:
+    suite = shipped_suite()
+    assert set(benchmark_names()) <= {member.scenario for member in suite.members.values()}
+    assert all(len(set(names)) == len(names) for names in suite.tiers.values())
+    assert set(suite.tiers["core"]) <= set(suite.tiers["full"])
+    assert [member.name for member in suite.chosen(["core"])] == [n for n in suite.members if n in suite.tiers["core"]]
+    with pytest.raises(UnknownNameError, match=r"no tier or benchmark of the suite named 'cor' \(did you mean 'core'"):
+        suite.chosen(["cor"])
+
+
+def test_all_mistakes_of_a_suite_are_named_at_once(tmp_path: Path) -> None:
+    file = tmp_path / "suite.yaml"
+    file.write_text(
+        "benchmarks:\n  a: {asks: x, scenario: corridr, tem: true}\n  cave: {}\ntiers: {core: [cav], cave: [cave]}\n"
+    )
+    with pytest.raises(IrsimGymError) as told:
+        read_suite(file)
+    assert str(told.value).replace(f"{file}: ", "").splitlines() == [
+        "benchmarks.a.tem: unknown key (did you mean 'team'?); keys: asks, scenario, parameters, team, differs",
+        "benchmarks.a.scenario: no shipped scenario 'corridr' (did you mean 'corridor'?)",
+        "benchmarks.cave.asks: is missing; say what it asks of a policy",
+        "tiers.core: no benchmark 'cav' (did you mean 'cave'?)",
+        "tiers.cave: is also the name of a benchmark",
+    ]
+
+
+def test_methods_are_policies_or_named_seeds() -> None:
+    methods = read_methods(["dash", "ppo=runs/a,runs/b", "x/policy.zip"])
+    assert methods == [DASH, SuiteMethod("ppo", ("runs/a", "runs/b")), SuiteMethod("x", ("x/policy.zip",))]
+    with pytest.raises(IrsimGymError, match="two methods are named 'dash'"):
+        read_methods(["dash", "dash=orca"])
+    with pytest.raises(IrsimGymError, match="needs policies, divided by commas, got 'a,'"):
+        read_methods(["ppo=a,"])
+
+
+def test_a_run_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "run"
+    record = play_suite([GOAL, SWAP], [DASH], folder, levels=3)
+    assert [len(read_rows(folder / f"rows/{name}/dash-0.csv")) for name in ("goal", "swap")] == [3, 3]
+    assert record.figures["goal"]["dash"]["success"]["value"] == 1.0
+    played: list[int] = []
+    evaluate = playing.evaluate_team
+    monkeypatch.setattr(playing, "evaluate_team", lambda *a, **k: played.append(1) or evaluate(*a, **k))  # type: ignore[func-returns-value]
+    again = play_suite([GOAL, SWAP], [DASH], folder, levels=3)
+    assert (played, again.figures) == ([], record.figures)
+    more = play_suite([GOAL], [DASH, RANDOM], folder, levels=3)
+    assert (played, list(more.figures["goal"]), list(more.figures["swap"])) == ([1], ["dash", "random"], ["dash"])
+    assert read_record(folder) == more
+    with pytest.raises(IrsimGymError, match="holds 3 test levels of each benchmark, asked for: 4 test levels"):
+        play_suite([GOAL], [DASH], folder, levels=4)
+    with pytest.raises(IrsimGymError, match="the scenario of swap changed since rows were played"):
+        play_suite([replace(SWAP, parameters={"n_robots": 3})], [DASH], folder, levels=3)
+    with pytest.raises(IrsimGymError, match="the policies of dash changed"):
+        play_suite([GOAL], [replace(DASH, sources=("rvo",))], folder, levels=3)
+    assert list(play_suite([GOAL], [RANDOM], folder, levels=1, overwrite=True).figures) == ["goal"]
+
+
+def test_a_policy_that_does_not_fit_is_left_out_and_named(tmp_path: Path) -> None:
+    record = play_suite(
+        [Member("car", "To park.", "car_dash")], [SuiteMethod("rvo", ("rvo",)), DASH], tmp_path, levels=1
+    )
+    assert list(record.figures["car"]) == ["dash"]
+    assert "Without rvo: 'rvo' cannot drive kinematics 'acker'" in suite_tables.markdown(record)
+
+
+def test_rows_survive_their_file(tmp_path: Path) -> None:
+    levels = [level(0, "success", "collision"), level(3, "timeout", "success", time=math.pi)]
+    lone = replace(levels[1].agents[0].episode, level=5, optimum=math.inf)
+    levels.append(TeamRow(5, 30.0, (replace(levels[1].agents[0], episode=lone),)))
+    write_rows(tmp_path / "rows.csv", levels)
+    found = read_rows(tmp_path / "rows.csv")
+    assert [row.level for row in found] == [0, 3, 5]
+    assert found[0] == levels[0]
+    assert found[1].agents[1].episode.time == pytest.approx(math.pi, abs=1e-6)
+    assert found[2].agents[0].episode.optimum == math.inf
+    text = (tmp_path / "rows.csv").read_text()
+    (tmp_path / "rows.csv").write_text(text.replace("success", "success,9", 1).replace(",50,", ",many,"))
+    with pytest.raises(IrsimGymError, match=r"rows.csv:2: "):
+        read_rows(tmp_path / "rows.csv")
+    (tmp_path / "rows.csv").write_text("level,outcome\n")
+    with pytest.raises(IrsimGymError, match=r"rows.csv:1: no column hit, steps"):
+        read_rows(tmp_path / "rows.csv")
+
+
+def solo(*outcomes: str, time: float = 5.0) -> Sequence[TeamRow]:
+    return [level(number, outcome, time=time) for number, outcome in enumerate(outcomes)]
+
+
+def test_figures_worked_by_hand() -> None:
+    ours = [solo("success", "success", "collision", "timeout"), solo("success", "success", "success", "timeout")]
+    others = [solo("success", "collision", "success", "success", time=8.0)]
+    scores = score_member({"ours": ours, "others": others})
+    mine, other = scores["ours"], scores["others"]
+    assert (mine.repetitions, mine.success.value, mine.individual) == (2, pytest.approx(5 / 8), pytest.approx(5 / 8))
+    assert mine.outcomes["collision"] == mine.hits["map"] == pytest.approx(1 / 8)
+    assert mine.spl == pytest.approx(5 / 8 * 4.5 / 6.0)
+    assert mine.sct == pytest.approx(5 / 8 * 4.0 / 5.0)
+    # The worst level by the first policy is the third, which the second solves; by the second the fourth, unsolved.
+    assert mine.worst["5%"] == pytest.approx(0.5)
+    assert math.isnan(other.worst["5%"])
+    # Both policies of ours solved levels 0 and 1, the others 0, 2 and 3.
+    assert (mine.common_levels, mine.common_time, other.common_time) == (1, 5.0, 8.0)
+    assert (mine.acceleration, mine.jerk, mine.clearance) == (0.5, 2.0, 0.25)
+    team = score_member({"team": [[level(0, "success", "success"), level(1, "success", "collision")]]})["team"]
+    assert (team.success.value, team.individual, team.makespan) == (0.5, 0.75, pytest.approx((5.0 + 30.0) / 2))
+
+
+def test_overall_figures_are_of_benchmarks_that_all_played() -> None:
+    success = {"a": {"x": [0.9, 0.8], "y": [0.5]}, "b": {"x": [0.2, 0.4], "y": [0.3]}, "c": {"x": [1.0]}}
+    found = overall(success, ["x", "y"])
+    assert found["benchmarks"] == ["a", "b"]
+    assert found["success"]["x"].value == pytest.approx((0.4 + 0.8) / 2)  # the middle half of four
+    assert found["improvement"]["x"]["y"].value == pytest.approx((1.0 + 0.5) / 2)
+
+
+def test_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def run(*arguments: object) -> tuple[int, str]:
+        monkeypatch.setattr(sys, "argv", ["irsim-gym", "suite", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        said = capsys.readouterr()
+        return int(end.value.code or 0), said.out + said.err
+
+    assert "irsim_gym/bug_trap-v0" in run("list", "core", "bug_trap")[1]
+    folder = tmp_path / "run"
+    assert "| dash |" in run("run", "bug_trap", "dash", "--levels", 2, "--out", folder)[1]
+    assert run("table", folder, "--latex")[1].startswith(r"\begin{table}")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "file").touch()
+    status, said = run("run", "bug_trap", "dash", "--out", tmp_path / "other")
+    assert (status, "is not empty, and holds no run of the suite" in said) == (1, True)
+
+
+def test_tables_name_their_conditions(tmp_path: Path) -> None:
+    record = play_suite([SWAP, GOAL], [DASH, RANDOM], tmp_path, levels=2)
+    said = suite_tables.markdown(read_record(tmp_path))
+    assert said == suite_tables.markdown(record)
+    for words in (
+        "n_robots = 2; 2 test levels; 2 learners; footprint circle 0.2 m; goal tolerance 0.3 m; ",
+        "velocities 0 to 1 and -1.5 to 1.5 m/s, rad/s; accelerations unlimited; step 0.1 s; ",
+        "time limit 300 steps (30 s); 180 beams up to 6 m without noise; scenario ",
+    ):
+        assert words in said
+    assert "over: swap, goal." in said
+    paper = suite_tables.latex(record)
+    assert paper.count(r"\begin{tabular}") == 3
+    assert r"success [\%]" in paper
+    assert json.loads((tmp_path / "summary.json").read_text())["machine"]["versions"]["irsim_gym"]
+    with pytest.raises(IrsimGymError, match="holds no run of the suite"):
+        read_record(tmp_path / "none")
