@@ -37,7 +37,7 @@ ALLOWED: dict[str, set[str]] = {
     "world": {"jit", "structs"},
     "scenario": {"pydantic", "pydantic_core", "yaml", "PIL"},
     "kinematics": KIND,
-    "behaviors": KIND,
+    "behaviors": KIND | {"paths"},
     "footprints": KIND | {"shapely"},
     "placements": KIND | {"paths"},
     "sensors": KIND,

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any, ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from irsim_gym.behaviors.dwa_search import DwaTables, decide_dwa
+from irsim_gym.behaviors.local_way import MOST_POINTS, LocalWays, find_ways, follows_map, forget_ways
 from irsim_gym.behaviors.rollouts import POSES
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
@@ -65,9 +66,27 @@ class Dwa:
     escape_speed: float = option(
         0.0, le=0.0, unit="m/s", meaning="Speed, straight back, where no way ahead is admissible; 0: it stands."
     )
+    min_turn_rate: float = option(0.1, ge=0.0, unit="rad/s", meaning="Least turn rate of diff on the spot.")
+    oscillation_distance: float = option(
+        0.25,
+        ge=0.0,
+        unit="m",
+        meaning="Who has turned on the spot to both sides does so again only after moving so far.",
+        consequence="0: it may turn to and fro for ever.",
+    )
     obstacle_weight: float = option(0.02, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")
     path_weight: float = option(0.5, ge=0.0, meaning="Weight of the distance from the path.")
     goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the distance from the point ahead on the path.")
+    path: Literal["straight", "map"] = option(
+        "straight",
+        meaning="The path to follow: straight to the goal, or the shortest around all that never moves and the map.",
+    )
+    path_clearance: float = option(
+        0.1, ge=0.0, unit="m", meaning="How far a path over the map keeps from obstacles, or half of it, or as it can."
+    )
+    spacing: float = option(
+        0.02, ge=0.0, unit="m", meaning="A hit that is nearer than this to the one of the beam before it is passed over."
+    )
     lookahead: float = option(2.0, gt=0.0, unit="m", meaning="How far ahead on the path that point is.")
     forward_point: float = option(
         0.3,
@@ -100,15 +119,28 @@ class Dwa:
         for b in group.members:
             by_rate[b] = getattr(group.context.bodies[b].kinematics, "mode", "") == "angular"
         n_beams = group.scan.ranges.shape[2]
+        shape = len(model.present), len(group.members)
+        origin, turned = np.full((*shape, 2), np.nan), np.zeros(shape, np.int64)
         group.tables = [
-            DwaTables(by_rate=by_rate, hits=np.zeros((2, n_beams)), poses=np.zeros(1, POSES), way=np.zeros((2, 2)))
-            for _ in range(n_slots)
+            DwaTables(
+                by_rate, np.zeros((2, n_beams)), np.zeros(1, POSES), np.zeros((2, MOST_POINTS + 1)), ways, origin, turned
+            )
+            for ways in LocalWays.reserve(group, model, n_slots)
         ]
+
+    @staticmethod
+    def begin(group: Group, shard: Shard) -> None:
+        """Forget the paths, and where the members have turned."""
+        tables = group.tables[shard.slot]
+        forget_ways(shard.worlds, tables.ways.goal)
+        forget_ways(shard.worlds, tables.origin)
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' commands."""
         tables = group.tables[shard.slot]
+        if follows_map(group):
+            find_ways(shard.worlds, group.members, group.params, model, model.cells, state, tables.ways)
         decide_dwa(shard.worlds, group.members, group.params, group.scan, model, state, tables)
 
 

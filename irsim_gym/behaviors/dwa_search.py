@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Ints, Records
-from irsim_gym.behaviors.local_way import distance_from_way, lay_straight, point_ahead
+from irsim_gym.behaviors.local_way import LocalWays, distance_from_way, lay_way, point_ahead
 from irsim_gym.behaviors.rollouts import (
     LANES,
     Twist,
@@ -20,6 +20,7 @@ from irsim_gym.behaviors.rollouts import (
     own_outline,
     place_at,
     spread_over,
+    thin_out,
     twist_of,
     wheels_of,
 )
@@ -31,6 +32,7 @@ from irsim_gym.world.own_scan import OwnScan, find_hits
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
+LEFT, RIGHT = 1, 2
 LETHAL = 253.0
 """Cost of a way beside which something touches the padded footprint, as in ROS's cost maps."""
 
@@ -48,12 +50,19 @@ class DwaTables(Struct):
         hits: Scratch: x and y of what the scan hits [m], shape ``(2, n_beams)``.
         poses: Scratch: a record of type ``POSES``, shape ``(1,)``.
         way: Scratch: x and y of the path ahead [m], shape ``(2, n_points)``.
+        ways: The paths over the map.
+        origin: Where each member was when it last had moved so far that it may turn on the spot to both sides [m], NaN
+            at first; shape ``(n_worlds, n_members, 2)``.
+        turned: To which sides it has turned on the spot since: LEFT, RIGHT or both, shape ``(n_worlds, n_members)``.
     """
 
     by_rate: Flags
     hits: Floats
     poses: Records
     way: Floats
+    ways: LocalWays
+    origin: Floats
+    turned: Ints
 
 
 class Task(NamedTuple):
@@ -98,8 +107,9 @@ def decide_dwa(
             if not model.has_goal[b] or not model.present[w, b] or far < near:
                 continue
             wheels = wheels_of(model, state, w, b, tables.by_rate[b])
-            ahead, left = wheels.cosine * dx + wheels.sine * dy, wheels.cosine * dy - wheels.sine * dx
-            n_hits, n_way = find_hits(scan, w, k, options.obstacle_range, tables.hits), lay_straight(ahead, left, tables.way)
+            n_way = lay_way(state, tables.ways, w, b, tables.way)
+            n_hits = find_hits(scan, w, k, options.obstacle_range, tables.hits)
+            n_hits = thin_out(tables.hits, n_hits, options.spacing)
             ahead_x, ahead_y = point_ahead(tables.way, n_way, options.lookahead)
             outline, reach = own_outline(model, w, b), model.reach[row_of(model.reach, w), b]
             forward = min(options.forward_point, far) if wheels.drive in (DIFFERENTIAL, ACKERMANN) else 0.0
@@ -107,8 +117,22 @@ def decide_dwa(
             task = Task(
                 wheels, outline, reach, bearable_gap(task, options, tables), n_hits, n_way, ahead_x, ahead_y, forward, near
             )
+            turned = turns_on_spot(state, w, b, options.oscillation_distance, tables)
             command = state.command[w, b]
             command[0], command[1] = best_command(task, options, model, state, w, b, tables)
+            if wheels.drive == DIFFERENTIAL and command[0] == 0.0:
+                tables.turned[w, tables.ways.row[b]] = turned | (LEFT if command[1] > 0.0 else RIGHT)
+
+
+@kernel
+def turns_on_spot(state: WorldState, w: int, b: int, distance: float, tables: DwaTables) -> int:
+    """Return to which sides a body has turned on the spot, LEFT and RIGHT; nothing once it has moved so far [m]."""
+    m = tables.ways.row[b]
+    dx, dy = state.pose[w, b, 0] - tables.origin[w, m, 0], state.pose[w, b, 1] - tables.origin[w, m, 1]
+    if not dx * dx + dy * dy <= distance * distance:
+        tables.origin[w, m, 0], tables.origin[w, m, 1] = state.pose[w, b, 0], state.pose[w, b, 1]
+        tables.turned[w, m] = 0
+    return int(tables.turned[w, m])
 
 
 @kernel
@@ -129,16 +153,19 @@ def best_command(
     low, high = command_window(model, state, w, b, 0, step)
     least, most = command_window(model, state, w, b, 1, step)
     limits = model.acceleration_limit[row_of(model.acceleration_limit, w), b]
-    turns_on_spot = task.wheels.drive == DIFFERENTIAL and low <= 0.0 <= high
+    spot = task.wheels.drive == DIFFERENTIAL and low <= 0.0 <= high
+    spot = spot and tables.turned[w, tables.ways.row[b]] != LEFT | RIGHT
     if rolls:
         low = max(low, options.min_speed)
         high = max(low, high)
     best, first, second = np.inf, options.escape_speed if rolls else 0.0, 0.0
     n_first, n_second = options.samples[0], options.samples[1]
-    for i in range(n_first + int(turns_on_spot)):
+    for i in range(n_first + int(spot)):
         one = spread_over(low, high, i, n_first) if i < n_first else 0.0
         for j in range(n_second):
             two = spread_over(least, most, j, n_second)
+            if rolls and one == 0.0 and (i < n_first or abs(two) < options.min_turn_rate):
+                continue
             needed = options.free_time
             if np.isnan(needed):
                 needed = step + max(stop_time(one, limits[0]), 0.0 if task.wheels.drive == ACKERMANN else stop_time(two, limits[1]))

@@ -1,22 +1,184 @@
-"""The path that a local planner follows, from where the body stands, in the frame of the body."""
+"""The path that a local planner follows: straight to the goal, or the shortest around what never moves."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Any, Self
+
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
+from irsim_gym.behaviors.steering import goal_offset
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles, mark_standing
+from irsim_gym.paths.geodesic import shortest_path
+from irsim_gym.paths.grid import Grid, Search
+from irsim_gym.structs import Struct
+from irsim_gym.world.group import Group
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
+
+MOST_POINTS = 64
+"""Points of a path that are kept; beyond the last one it is straight."""
+CELL = 0.1
+"""Side of the cells [m] in which ways are looked for."""
+ASTRAY = 1.0
+"""A body that is farther from its path than this [m] gets another one."""
+SHARES = (1.0, 0.5, 0.0)
+"""Shares of the distance that a path keeps from obstacles, one after the other until there is a way."""
+
+
+@dataclass(repr=False)
+class LocalWays(Struct):
+    """The paths of a group's members over the map, and what one shard finds them with.
+
+    Attributes:
+        row: Number of each body among the members, shape ``(n_bodies,)``.
+        goal: Where each path leads [m], NaN without one, shape ``(n_worlds, n_members, 2)``.
+        points: Its points [m], shape ``(n_worlds, n_members, MOST_POINTS, 2)``.
+        count: Number of its points, 0 for the straight way, shape ``(n_worlds, n_members)``.
+        side: The side of it beside which the body was, as ``count``.
+        grid: The grid.
+        blocked: Scratch: see ``Search``.
+        field: Scratch: see ``Search``.
+        queue: Scratch: see ``Search``.
+        path: Scratch: a path as it is found, shape ``(n, 2)``.
+        blocks: Scratch: what is in the way, shape ``(n_bodies,)``.
+    """
+
+    row: Ints
+    goal: Floats
+    points: Floats
+    count: Ints
+    side: Ints
+    grid: Grid
+    blocked: Bytes
+    field: Floats
+    queue: Ints
+    path: Floats
+    blocks: Flags
+
+    @classmethod
+    def reserve(cls, group: Group, model: WorldModel, n_slots: int) -> list[Self]:
+        """Return memory for each slot; the paths themselves are shared, and empty where nobody follows the map."""
+        n_worlds, n_members, n_bodies = len(model.present), len(group.members), len(model.role)
+        row = np.zeros(n_bodies, np.int64)
+        row[group.members] = np.arange(n_members)
+        n_points = MOST_POINTS if follows_map(group) else 1
+        goal, points = np.full((n_worlds, n_members, 2), np.nan), np.zeros((n_worlds, n_members, n_points, 2))
+        count, side = np.zeros((n_worlds, n_members), np.int64), np.zeros((n_worlds, n_members), np.int64)
+        grid = Grid.over(model.bounds, CELL) if follows_map(group) else Grid(0.0, 0.0, 1.0, 1, 1)
+        ways = []
+        for _ in range(n_slots):
+            search, blocks = grid.search(), np.zeros(n_bodies, np.bool_)
+            ways.append(cls(row, goal, points, count, side, grid, *search, grid.path(), blocks))
+        return ways
+
+
+def follows_map(group: Group) -> bool:
+    """Return whether any member of a group follows a path over the map."""
+    return any(options.path == "map" for options in group.options)
 
 
 @kernel
-def lay_straight(goal_x: float, goal_y: float, way: Floats) -> int:
-    """Write the straight way to a goal [m], and return its number of points.
+def forget_ways(worlds: Ints, goal: Floats) -> None:
+    """Forget all paths of some worlds.
 
-    Writes: way.
+    Writes: goal.
     """
-    way[0, 0], way[1, 0], way[0, 1], way[1, 1] = 0.0, 0.0, goal_x, goal_y
-    return 2
+    for w in worlds:
+        goal[w, :, :] = np.nan
+
+
+@kernel
+def find_ways(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    model: WorldModel,
+    cells: CellMap | None,
+    state: WorldState,
+    ways: LocalWays,
+) -> None:
+    """Find the paths of members that follow the map, where the goal is new or the body has gone astray."""
+    search = Search(ways.blocked, ways.field, ways.queue)
+    for w in worlds:
+        for k in range(members.shape[0]):
+            b, m = members[k], ways.row[members[k]]
+            if params[k].path != 1 or not model.has_goal[b] or not model.present[w, b]:
+                continue
+            here, end = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
+            is_known = ways.goal[w, m, 0] == end[0] and ways.goal[w, m, 1] == end[1]
+            if is_known and advance_on_way(ways, w, m, here[0], here[1]) <= ASTRAY:
+                continue
+            mark_standing(model, w, b, ways.blocks)
+            obstacles, reach = Obstacles(model, state, w, ways.blocks, cells), model.reach[row_of(model.reach, w), b]
+            count = 0
+            for share in SHARES:
+                if count == 0:
+                    radius = reach + share * params[k].path_clearance
+                    count = shortest_path(obstacles, radius, here, end, ways.grid, search, ways.path)
+            ways.goal[w, m, 0], ways.goal[w, m, 1], ways.side[w, m] = end[0], end[1], 0
+            ways.count[w, m] = min(count, ways.points.shape[2])
+            for i in range(ways.count[w, m]):
+                ways.points[w, m, i, 0], ways.points[w, m, i, 1] = ways.path[i, 0], ways.path[i, 1]
+
+
+@kernel
+def advance_on_way(ways: LocalWays, w: int, m: int, x: float, y: float) -> float:
+    """Write beside which side of its path a member is now, and return how far from it [m]."""
+    best2, found, points, gone = np.inf, ways.side[w, m], ways.points[w, m], 0.0
+    for i in range(ways.side[w, m], ways.count[w, m] - 1):
+        ax, ay, bx, by = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
+        distance2 = point_segment_distance2(x, y, ax, ay, bx, by)
+        if distance2 < best2:
+            best2, found = distance2, i
+        gone += np.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
+        if gone > 2.0 * ASTRAY:
+            break
+    ways.side[w, m] = found
+    return float(np.sqrt(best2)) if ways.count[w, m] > 1 else 0.0
+
+
+@kernel
+def lay_way(state: WorldState, ways: LocalWays, w: int, b: int, way: Floats) -> int:
+    """Write the path of a body from where it is nearest, in the frame of the body, and return its number of points.
+
+    Args:
+        state: The moment.
+        ways: The paths.
+        w: The world.
+        b: The body.
+        way: Written: x and y [m], shape ``(2, MOST_POINTS + 1)``.
+    """
+    m, x, y = ways.row[b], state.pose[w, b, 0], state.pose[w, b, 1]
+    cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
+    points, count, side = ways.points[w, m], ways.count[w, m], ways.side[w, m]
+    n_points = 1
+    way[0, 0], way[1, 0] = 0.0, 0.0
+    if count > 1:
+        dx, dy = nearest_on_side(points, side, x, y)
+        way[0, 0], way[1, 0] = cosine * dx + sine * dy, cosine * dy - sine * dx
+        for i in range(side + 1, count - 1):
+            dx, dy = points[i, 0] - x, points[i, 1] - y
+            way[0, n_points], way[1, n_points] = cosine * dx + sine * dy, cosine * dy - sine * dx
+            n_points += 1
+    dx, dy = goal_offset(state, w, b)
+    way[0, n_points], way[1, n_points] = cosine * dx + sine * dy, cosine * dy - sine * dx
+    return n_points + 1
+
+
+@kernel
+def nearest_on_side(points: Floats, side: int, x: float, y: float) -> tuple[float, float]:
+    """Return where the point of a side of a path nearest to a body is, relative to the body [m]."""
+    ax, ay, dx, dy = points[side, 0], points[side, 1], points[side + 1, 0], points[side + 1, 1]
+    dx, dy = dx - ax, dy - ay
+    length2 = dx * dx + dy * dy
+    share = ((x - ax) * dx + (y - ay) * dy) / length2 if length2 > 0.0 else 0.0
+    share = min(max(share, 0.0), 1.0)
+    return ax + share * dx - x, ay + share * dy - y
 
 
 @kernel

@@ -201,3 +201,21 @@ def spread_over(low: float, high: float, i: int, count: int) -> float:
     if count == 1:
         return 0.5 * (low + high)
     return (low * (count - 1 - i) + high * i) / (count - 1)
+
+
+@kernel
+def thin_out(points: Floats, count: int, spacing: float) -> int:
+    """Leave out points that are nearer than ``spacing`` [m] to the one kept before them; return how many are kept.
+
+    Writes: points.
+    """
+    kept = 0
+    for j in range(count):
+        x, y = points[0, j], points[1, j]
+        if kept > 0:
+            dx, dy = x - points[0, kept - 1], y - points[1, kept - 1]
+            if dx * dx + dy * dy < spacing * spacing:
+                continue
+        points[0, kept], points[1, kept] = x, y
+        kept += 1
+    return kept
