@@ -9,7 +9,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from irsim_gym.behaviors.dwa_search import DwaTables, decide_dwa
-from irsim_gym.behaviors.local_way import MOST_POINTS, LocalWays, find_ways, follows_map, forget_ways
+from irsim_gym.behaviors.local_way import MOST_POINTS, LocalWays, find_ways, follows, forget_ways, note_scans
 from irsim_gym.behaviors.rollouts import POSES
 from irsim_gym.scenario.options import crossed_bounds, kind, option
 from irsim_gym.world.group import Group, Shard
@@ -77,10 +77,12 @@ class Dwa:
     obstacle_weight: float = option(0.02, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")
     path_weight: float = option(0.5, ge=0.0, meaning="Weight of the distance from the path.")
     goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the distance from the point ahead on the path.")
-    path: Literal["straight", "map"] = option(
+    path: Literal["straight", "map", "seen"] = option(
         "straight",
-        meaning="The path to follow: straight to the goal, or the shortest around all that never moves and the map.",
+        meaning="The path to follow: straight to the goal; the shortest around all that never moves and the map; or a "
+        "short one around what its own scans have shown.",
     )
+    memory: float = option(60.0, gt=0.0, unit="s", meaning="How long path seen remembers what a scan has shown.")
     path_clearance: float = option(
         0.1, ge=0.0, unit="m", meaning="How far a path over the map keeps from obstacles, or half of it, or as it can."
     )
@@ -132,14 +134,17 @@ class Dwa:
     def begin(group: Group, shard: Shard) -> None:
         """Forget the paths, and where the members have turned."""
         tables = group.tables[shard.slot]
-        forget_ways(shard.worlds, tables.ways.goal)
-        forget_ways(shard.worlds, tables.origin)
+        forget_ways(shard.worlds, tables.ways)
+        tables.origin[shard.worlds] = np.nan
 
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' commands."""
         tables = group.tables[shard.slot]
-        if follows_map(group):
+        if follows(group, "seen"):
+            scan, hits = group.scan, tables.hits
+            note_scans(shard.worlds, group.members, group.params, scan, model, state, hits, tables.ways)
+        if follows(group, "map"):
             find_ways(shard.worlds, group.members, group.params, model, model.cells, state, tables.ways)
         decide_dwa(shard.worlds, group.members, group.params, group.scan, model, state, tables)
 

@@ -32,7 +32,8 @@ from irsim_gym.world.own_scan import OwnScan, find_hits
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
-LEFT, RIGHT = 1, 2
+BOTH = 2
+"""Who has turned on the spot to both sides."""
 LETHAL = 253.0
 """Cost of a way beside which something touches the padded footprint, as in ROS's cost maps."""
 
@@ -53,7 +54,8 @@ class DwaTables(Struct):
         ways: The paths over the map.
         origin: Where each member was when it last had moved so far that it may turn on the spot to both sides [m], NaN
             at first; shape ``(n_worlds, n_members, 2)``.
-        turned: To which sides it has turned on the spot since: LEFT, RIGHT or both, shape ``(n_worlds, n_members)``.
+        turned: To which side it has turned on the spot since then: 1 left, -1 right, 0 neither, BOTH or -BOTH both, left
+            or right last; shape ``(n_worlds, n_members)``.
     """
 
     by_rate: Flags
@@ -117,22 +119,31 @@ def decide_dwa(
             task = Task(
                 wheels, outline, reach, bearable_gap(task, options, tables), n_hits, n_way, ahead_x, ahead_y, forward, near
             )
-            turned = turns_on_spot(state, w, b, options.oscillation_distance, tables)
+            note_move(state, w, b, options.oscillation_distance, tables)
             command = state.command[w, b]
             command[0], command[1] = best_command(task, options, model, state, w, b, tables)
-            if wheels.drive == DIFFERENTIAL and command[0] == 0.0:
-                tables.turned[w, tables.ways.row[b]] = turned | (LEFT if command[1] > 0.0 else RIGHT)
+            if wheels.drive == DIFFERENTIAL and command[0] == 0.0 and command[1] != 0.0:
+                note_turn(tables, w, tables.ways.row[b], 1 if command[1] > 0.0 else -1)
 
 
 @kernel
-def turns_on_spot(state: WorldState, w: int, b: int, distance: float, tables: DwaTables) -> int:
-    """Return to which sides a body has turned on the spot, LEFT and RIGHT; nothing once it has moved so far [m]."""
+def note_move(state: WorldState, w: int, b: int, distance: float, tables: DwaTables) -> None:
+    """Forget to which sides a body has turned on the spot once it has moved so far [m]."""
     m = tables.ways.row[b]
     dx, dy = state.pose[w, b, 0] - tables.origin[w, m, 0], state.pose[w, b, 1] - tables.origin[w, m, 1]
     if not dx * dx + dy * dy <= distance * distance:
         tables.origin[w, m, 0], tables.origin[w, m, 1] = state.pose[w, b, 0], state.pose[w, b, 1]
         tables.turned[w, m] = 0
-    return int(tables.turned[w, m])
+
+
+@kernel
+def note_turn(tables: DwaTables, w: int, m: int, side: int) -> None:
+    """Write that a member turns on the spot, to the left (1) or the right (-1)."""
+    before = tables.turned[w, m]
+    if before == 0:
+        tables.turned[w, m] = side
+    elif before == -side:
+        tables.turned[w, m] = BOTH * side
 
 
 @kernel
@@ -153,18 +164,21 @@ def best_command(
     low, high = command_window(model, state, w, b, 0, step)
     least, most = command_window(model, state, w, b, 1, step)
     limits = model.acceleration_limit[row_of(model.acceleration_limit, w), b]
-    spot = task.wheels.drive == DIFFERENTIAL and low <= 0.0 <= high
-    spot = spot and tables.turned[w, tables.ways.row[b]] != LEFT | RIGHT
+    spot, turned = task.wheels.drive == DIFFERENTIAL and low <= 0.0 <= high, tables.turned[w, tables.ways.row[b]]
     if rolls:
         low = max(low, options.min_speed)
         high = max(low, high)
     best, first, second = np.inf, options.escape_speed if rolls else 0.0, 0.0
     n_first, n_second = options.samples[0], options.samples[1]
     for i in range(n_first + int(spot)):
+        if i == n_first and abs(turned) == BOTH and best < np.inf:
+            break
         one = spread_over(low, high, i, n_first) if i < n_first else 0.0
         for j in range(n_second):
             two = spread_over(least, most, j, n_second)
             if rolls and one == 0.0 and (i < n_first or abs(two) < options.min_turn_rate):
+                continue
+            if rolls and one == 0.0 and abs(turned) == BOTH and two * turned < 0.0:
                 continue
             needed = options.free_time
             if np.isnan(needed):

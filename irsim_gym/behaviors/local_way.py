@@ -8,6 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
+from irsim_gym.behaviors.seen_way import SeenCells, find_seen_way, is_still_free, note_hit
 from irsim_gym.behaviors.steering import goal_offset
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
@@ -17,6 +18,7 @@ from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.own_scan import OwnScan, find_hits
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
@@ -24,6 +26,11 @@ MOST_POINTS = 64
 """Points of a path that are kept; beyond the last one it is straight."""
 CELL = 0.1
 """Side of the cells [m] in which ways are looked for."""
+FINEST = 200
+"""Most cells along the longer side of the world."""
+PATIENCE = 0.5
+"""A path around what was seen is found anew after this time [s] at the earliest."""
+STRAIGHT, MAP, SEEN = 0, 1, 2
 ASTRAY = 1.0
 """A body that is farther from its path than this [m] gets another one."""
 SHARES = (1.0, 0.5, 0.0)
@@ -40,6 +47,8 @@ class LocalWays(Struct):
         points: Its points [m], shape ``(n_worlds, n_members, MOST_POINTS, 2)``.
         count: Number of its points, 0 for the straight way, shape ``(n_worlds, n_members)``.
         side: The side of it beside which the body was, as ``count``.
+        since: The step from which on it may be found anew, as ``count``.
+        seen: What the members' scans have shown.
         grid: The grid.
         blocked: Scratch: see ``Search``.
         field: Scratch: see ``Search``.
@@ -53,6 +62,8 @@ class LocalWays(Struct):
     points: Floats
     count: Ints
     side: Ints
+    since: Ints
+    seen: SeenCells
     grid: Grid
     blocked: Bytes
     field: Floats
@@ -66,30 +77,75 @@ class LocalWays(Struct):
         n_worlds, n_members, n_bodies = len(model.present), len(group.members), len(model.role)
         row = np.zeros(n_bodies, np.int64)
         row[group.members] = np.arange(n_members)
-        n_points = MOST_POINTS if follows_map(group) else 1
-        goal, points = np.full((n_worlds, n_members, 2), np.nan), np.zeros((n_worlds, n_members, n_points, 2))
-        count, side = np.zeros((n_worlds, n_members), np.int64), np.zeros((n_worlds, n_members), np.int64)
-        grid = Grid.over(model.bounds, CELL) if follows_map(group) else Grid(0.0, 0.0, 1.0, 1, 1)
+        shape, kinds = (n_worlds, n_members), {options.path for options in group.options}
+        n_points = 1 if kinds == {"straight"} else MOST_POINTS
+        goal, points = np.full((*shape, 2), np.nan), np.zeros((*shape, n_points, 2))
+        count, side, since = (np.zeros(shape, np.int64) for _ in range(3))
+        side_length = max(float(model.bounds[2] - model.bounds[0]), float(model.bounds[3] - model.bounds[1]))
+        unused = Grid(0.0, 0.0, 1.0, 1, 1)
+        grid = unused if kinds == {"straight"} else Grid.over(model.bounds, max(CELL, side_length / FINEST))
+        seen = SeenCells.reserve(*shape, grid if "seen" in kinds else unused)
         ways = []
         for _ in range(n_slots):
             search, blocks = grid.search(), np.zeros(n_bodies, np.bool_)
-            ways.append(cls(row, goal, points, count, side, grid, *search, grid.path(), blocks))
+            ways.append(cls(row, goal, points, count, side, since, seen, grid, *search, grid.path(), blocks))
         return ways
 
 
-def follows_map(group: Group) -> bool:
-    """Return whether any member of a group follows a path over the map."""
-    return any(options.path == "map" for options in group.options)
+def follows(group: Group, path: str) -> bool:
+    """Return whether any member of a group follows this kind of path."""
+    return any(options.path == path for options in group.options)
 
 
 @kernel
-def forget_ways(worlds: Ints, goal: Floats) -> None:
-    """Forget all paths of some worlds.
+def forget_ways(worlds: Ints, ways: LocalWays) -> None:
+    """Forget all paths of some worlds, and what was seen.
 
-    Writes: goal.
+    Writes: ways (count, goal, seen, since, side).
     """
     for w in worlds:
-        goal[w, :, :] = np.nan
+        ways.goal[w, :, :] = np.nan
+        ways.count[w, :], ways.side[w, :], ways.since[w, :] = 0, 0, 0
+        ways.seen.hard[w, :, :, :], ways.seen.soft[w, :, :, :] = 0, 0
+
+
+@kernel
+def note_scans(
+    worlds: Ints, members: Ints, params: Any, scan: OwnScan, model: WorldModel, state: WorldState, hits: Floats, ways: LocalWays
+) -> None:
+    """Write what the scans show, and the paths of members that go by it, where the known one is blocked."""
+    search, grid = Search(ways.blocked, ways.field, ways.queue), ways.grid
+    for w in worlds:
+        for k in range(members.shape[0]):
+            b, m, options = members[k], ways.row[members[k]], params[k]
+            if options.path != SEEN or not model.has_goal[b] or not model.present[w, b]:
+                continue
+            here, end = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
+            hard, soft, now = ways.seen.hard[w, m], ways.seen.soft[w, m], state.step[w] + 1
+            reach, oldest = model.reach[row_of(model.reach, w), b], now - int(options.memory / model.step_time[0])
+            cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
+            for j in range(find_hits(scan, w, k, options.obstacle_range, hits)):
+                x, y = here[0] + cosine * hits[0, j] - sine * hits[1, j], here[1] + sine * hits[0, j] + cosine * hits[1, j]
+                note_hit(x, y, reach, options.path_clearance, grid, now, hard, soft)
+            is_known = ways.goal[w, m, 0] == end[0] and ways.goal[w, m, 1] == end[1]
+            if is_known and advance_on_way(ways, w, m, here[0], here[1]) <= ASTRAY:
+                free = is_still_free(ways.points[w, m], ways.side[w, m], ways.count[w, m], grid, soft, max(oldest, 0))
+                if (ways.count[w, m] > 1 and free) or now < ways.since[w, m]:
+                    continue
+            count = find_seen_way(here, end, grid, soft, max(oldest, 0), search, ways.path)
+            if count == 0:
+                count = find_seen_way(here, end, grid, hard, max(oldest, 0), search, ways.path)
+            ways.since[w, m] = now + int(PATIENCE / model.step_time[0])
+            keep_way(ways, w, m, count, end)
+
+
+@kernel
+def keep_way(ways: LocalWays, w: int, m: int, count: int, goal: tuple[float, float]) -> None:
+    """Keep the first points of a path that was found."""
+    ways.goal[w, m, 0], ways.goal[w, m, 1], ways.side[w, m] = goal[0], goal[1], 0
+    ways.count[w, m] = min(count, ways.points.shape[2])
+    for i in range(ways.count[w, m]):
+        ways.points[w, m, i, 0], ways.points[w, m, i, 1] = ways.path[i, 0], ways.path[i, 1]
 
 
 @kernel
@@ -107,7 +163,7 @@ def find_ways(
     for w in worlds:
         for k in range(members.shape[0]):
             b, m = members[k], ways.row[members[k]]
-            if params[k].path != 1 or not model.has_goal[b] or not model.present[w, b]:
+            if params[k].path != MAP or not model.has_goal[b] or not model.present[w, b]:
                 continue
             here, end = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
             is_known = ways.goal[w, m, 0] == end[0] and ways.goal[w, m, 1] == end[1]
@@ -120,10 +176,7 @@ def find_ways(
                 if count == 0:
                     radius = reach + share * params[k].path_clearance
                     count = shortest_path(obstacles, radius, here, end, ways.grid, search, ways.path)
-            ways.goal[w, m, 0], ways.goal[w, m, 1], ways.side[w, m] = end[0], end[1], 0
-            ways.count[w, m] = min(count, ways.points.shape[2])
-            for i in range(ways.count[w, m]):
-                ways.points[w, m, i, 0], ways.points[w, m, i, 1] = ways.path[i, 0], ways.path[i, 1]
+            keep_way(ways, w, m, count, end)
 
 
 @kernel
