@@ -14,6 +14,7 @@ from irsim_gym.envs.registration import make, make_vec, register, register_scena
 
 if TYPE_CHECKING:
     from irsim_gym import irsim, plugins, sb3
+    from irsim_gym.arenas.contest import arena
     from irsim_gym.engine.compile import compile
     from irsim_gym.envs.batch import make_batch
     from irsim_gym.envs.parallel import parallel_env
@@ -43,6 +44,7 @@ _DECORATORS = (
 _LAZY: dict[str, tuple[str, str | None]] = {
     **{name: ("irsim_gym.plugins", name) for name in _DECORATORS},
     "RecordReplay": ("irsim_gym.envs.replays", "RecordReplay"),
+    "arena": ("irsim_gym.arenas.contest", "arena"),
     "compile": ("irsim_gym.engine", "compile"),
     "evaluate": ("irsim_gym.training.comparison", "evaluate"),
     "irsim": ("irsim_gym.irsim", None),
@@ -67,6 +69,7 @@ __all__ = [
     "RecordReplay",
     "__version__",
     "action",
+    "arena",
     "behavior",
     "compile",
     "drive",

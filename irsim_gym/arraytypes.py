@@ -42,6 +42,7 @@ class CellMap(NamedTuple):
             bottom) in its corner and grows into a quadrant: 0 to the upper right, 1 to the upper left, 2 to the lower
             right, 3 to the lower left; 0 where the cell is occupied, at most 255. Shape ``(4, columns, rows)``.
         boxes: Boxes that cover the occupied cells: first column, end column, first row, end row, shape ``(n, 4)``.
+        n_boxes: How many rows of ``boxes`` count.
         room: Distance of each cell's centre from the nearest occupied cell [m], see ``geometry.cell_room``, shape
             ``(columns, rows)``.
     """
@@ -52,7 +53,36 @@ class CellMap(NamedTuple):
     height: float
     body: int
     squares: Bytes
-    boxes: Ints
+    boxes: Spans
+    n_boxes: int
+    room: Rays
+
+
+class CellMaps(NamedTuple):
+    """The occupancy maps of all worlds: as ``CellMap``, with the world as the first axis of each array.
+
+    A first axis of length 1 means that all worlds share the map; ``geometry.world_maps.map_of`` returns that of one.
+
+    Attributes:
+        x: Left end [m].
+        y: Lower end [m].
+        width: Width of a cell [m].
+        height: Height of a cell [m].
+        body: The map's body.
+        squares: Free squares, shape ``(n, 4, columns, rows)``.
+        boxes: Boxes of occupied cells, shape ``(n, n_boxes, 4)``.
+        n_boxes: How many of these boxes count, shape ``(n,)``.
+        room: Distances from the occupied cells [m], shape ``(n, columns, rows)``.
+    """
+
+    x: float
+    y: float
+    width: float
+    height: float
+    body: int
+    squares: Bytes
+    boxes: Spans
+    n_boxes: Ints
     room: Rays
 
 

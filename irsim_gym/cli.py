@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from irsim_gym.cli_arena import arena
 from irsim_gym.cli_levels import levels
 from irsim_gym.cli_options import (
     LAST_LEVEL,
@@ -33,8 +34,9 @@ from irsim_gym.cli_options import (
     Team,
     TeamMode,
 )
+from irsim_gym.cli_run import run_by_itself
 from irsim_gym.cli_suite import suite
-from irsim_gym.cli_tools import print_options, print_shipped, progress, read_parameters
+from irsim_gym.cli_tools import print_options, print_shipped, read_parameters
 from irsim_gym.errors import IrsimGymError
 
 app = typer.Typer(
@@ -202,6 +204,9 @@ def evaluate(
     run_evaluation(scenario, policies or [], levels, split, task, out, references, **chosen)
 
 
+app.command()(arena)
+
+
 @app.command()
 def record(
     scenario: Scenario,
@@ -276,40 +281,7 @@ def rollout(
     run_rollout(scenario, policy, levels, split, task, frames, read_parameters(given), **chosen)
 
 
-@app.command("run")
-def run_by_itself(
-    scenario: Annotated[str, typer.Argument(help="Shipped name, or path of a YAML file.")],
-    steps: Annotated[
-        int,
-        typer.Option(min=1, help="Greatest number of steps; the run ends when all robots have arrived or collided."),
-    ] = 500,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the level.")] = 0,
-    film: Annotated[
-        Path | None, typer.Option(help="Write a film to this .mp4 or .gif file, or a replay page to this .html file.")
-    ] = None,
-    given: Given = None,
-    lenient: Lenient = False,
-    modules: Imports = None,
-) -> None:
-    """Run a file with its own behaviours, without learning, and print the status of its robots at the end."""
-    from irsim_gym.live import load
-
-    if film is not None and film.suffix.lower() not in (".mp4", ".gif", ".html"):
-        raise IrsimGymError(f"a film's name ends in .mp4, .gif or .html, got '{film.name}'")
-    parameters = read_parameters(given)
-    chosen: dict[str, Any] = {"record": film is not None, "strict": not lenient}
-    with load(scenario, seed=seed, **chosen, **parameters) as world:
-        world.resume()
-        with progress("driving", steps, shown=film is not None) as advance:
-            while world.count < steps and not world.done():
-                world.step()
-                advance()
-        print(f"{world.status} after {world.time:g} s")
-        for robot in world.robots:
-            flag = "arrived" if robot.arrived else "collided" if robot.collided else "under way"
-            print(f"{robot.name}: {flag} at ({', '.join(f'{value:.2f}' for value in robot.state)})")
-        if film is not None:
-            print(world.save_html(film) if film.suffix.lower() == ".html" else world.save_animation(film))
+app.command("run")(run_by_itself)
 
 
 @app.command()

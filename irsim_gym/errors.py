@@ -66,7 +66,7 @@ class IgnoredKeyWarning(ScenarioWarning):
 
 
 class WaitingRobotsWarning(UserWarning):
-    """An algorithm learns from rows in which robots waited for their world, which are no experience."""
+    """Robots wait for their world, and nothing shows that the algorithm leaves out their rows."""
 
 
 class ChangedScenarioWarning(UserWarning):

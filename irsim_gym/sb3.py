@@ -1,8 +1,10 @@
 """Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots, and the buffers that these need."""
 
 from irsim_gym.envs.sb3 import (
+    MaskedA2C,
     MaskedDictReplayBuffer,
     MaskedDictRolloutBuffer,
+    MaskedPPO,
     MaskedReplayBuffer,
     MaskedRolloutBuffer,
     MaskedVecNormalize,
@@ -16,8 +18,10 @@ from irsim_gym.envs.sb3_goals import EndingHerReplayBuffer
 
 __all__ = [
     "EndingHerReplayBuffer",
+    "MaskedA2C",
     "MaskedDictReplayBuffer",
     "MaskedDictRolloutBuffer",
+    "MaskedPPO",
     "MaskedReplayBuffer",
     "MaskedRolloutBuffer",
     "MaskedVecNormalize",

@@ -165,7 +165,7 @@ def words_of(kind: Any, value: Any) -> Words:
     raise NotPackableError(f"a value of type {kind}")
 
 
-def record_type(numbers: str, lanes: int | None = None, **others: type) -> np.dtype[np.record]:
+def record_type(numbers: str, lanes: int | None = None, **others: Any) -> np.dtype[np.record]:
     """Return the type of records, which kernels read and write by name: ``discs[k].x``.
 
     A record with rows of numbers in place of arrays of its own for each: the compiler sees that rows do not overlap,

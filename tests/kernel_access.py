@@ -228,9 +228,10 @@ class _Look(ast.NodeVisitor):
 
 def main() -> None:
     """Write into all docstrings what their kernels read and write."""
-    for file in sorted({kernel.file for kernel in kernels().values()}):
+    everyone = list(kernels().values())
+    for file in sorted({kernel.file for kernel in everyone}):
         text = file.read_text(encoding="utf-8")
-        here = [kernel for kernel in kernels().values() if kernel.file == file and kernel.structs]
+        here = [kernel for kernel in everyone if kernel.file == file and kernel.structs]
         for kernel in sorted(here, key=lambda one: -one.tree.lineno):
             if kernel.expected() != kernel.found():
                 text = _rewritten(text, kernel)

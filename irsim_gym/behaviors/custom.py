@@ -15,7 +15,7 @@ from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.views import EgoView, ego_view, name_of, others, reserve_memory, tell_missing
 from irsim_gym.errors import BehaviorError
 from irsim_gym.registry import Registry
-from irsim_gym.scenario.options import crossed_bounds, kind, kind_of_function, option
+from irsim_gym.scenario.options import kind, kind_of_function, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import NO_DRIVE, OBSTACLE, OMNI_ANGULAR, ROBOT, WorldModel
 from irsim_gym.world.state import WorldState
@@ -41,10 +41,11 @@ class PythonBehavior:
     range_high: tuple[float, float, float] = option(
         (10.0, 10.0, math.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
     )
+    wander_goals: renewal.WanderGoals = renewal.GOALS
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from crossed_bounds(self.range_low, self.range_high)
+        yield from renewal.renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
@@ -78,6 +79,7 @@ class PythonGroupBehavior:
     loop: bool = renewal.LOOP
     range_low: tuple[float, float, float] = renewal.LOW
     range_high: tuple[float, float, float] = renewal.HIGH
+    wander_goals: renewal.WanderGoals = renewal.GOALS
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""

@@ -9,10 +9,11 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.steering import braked_rate, clear_command, goal_offset
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import crossed_bounds, kind, option
+from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, WorldModel
 from irsim_gym.world.rows import row_of
@@ -38,6 +39,7 @@ class Dash:
     range_high: tuple[float, float, float] = option(
         (10.0, 10.0, np.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
     )
+    wander_goals: renewal.WanderGoals = renewal.GOALS
     angle_tolerance: float = option(
         0.1,
         ge=0.0,
@@ -48,7 +50,7 @@ class Dash:
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from crossed_bounds(self.range_low, self.range_high)
+        yield from renewal.renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:

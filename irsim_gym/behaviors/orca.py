@@ -43,6 +43,7 @@ class OrcaGroup:
     loop: bool = renewal.LOOP
     range_low: tuple[float, float, float] = renewal.LOW
     range_high: tuple[float, float, float] = renewal.HIGH
+    wander_goals: renewal.WanderGoals = renewal.GOALS
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""

@@ -173,15 +173,16 @@ def sort_members(model: WorldModel, state: WorldState, w: int, crowd: Crowd) -> 
 
 
 @kernel
-def find_nearest(ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> int:
+def find_nearest(model: WorldModel, ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> int:
     """Write the nearest members that a member sees, nearest first; return how many there are.
 
     The circle in which it looks for them grows until it holds enough of them.
 
-    Reads: crowd (body, found, gap2, nearest, nearest_gap, squares, starts, x, y).
+    Reads: model (seen_row, watchers), crowd (body, found, gap2, nearest, nearest_gap, squares, starts, x, y).
     Writes: crowd (found, gap2, nearest, nearest_gap).
 
     Args:
+        model: Says who sees whom.
         ego: The member that looks.
         m: Its number; it does not see itself.
         place: Its square.
@@ -192,6 +193,8 @@ def find_nearest(ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> in
     while True:
         within = reach if ring >= max(squares.columns, squares.rows) else min(reach, ring * squares.first_ring)
         n_found = gather(ego, m, place, within, ring, crowd)
+        if model.watchers.shape[0] > 1:
+            n_found = keep_visible(model, crowd.body[m], n_found, crowd)
         if n_found >= most or within >= reach:
             return keep_nearest(n_found, crowd)
         ring *= 2
@@ -228,6 +231,21 @@ def gather(ego: Ego, m: int, place: int, within: float, ring: int, crowd: Crowd)
             distance2 = dx * dx + dy * dy
             gap2[count], found[count] = distance2, q
             count += int(distance2 < limit2) & int(q != m)  # without a branch that nobody can foresee
+    return count
+
+
+@kernel
+def keep_visible(model: WorldModel, b: int, n_found: int, crowd: Crowd) -> int:
+    """Keep those of the members that were found which body b sees; return their number.
+
+    Reads: model (seen_row, watchers), crowd (body, found, gap2).
+    Writes: crowd (found, gap2).
+    """
+    count = 0
+    for i in range(n_found):
+        if model.watchers[model.seen_row[crowd.body[crowd.found[i]]], b]:
+            crowd.found[count], crowd.gap2[count] = crowd.found[i], crowd.gap2[i]
+            count += 1
     return count
 
 

@@ -16,7 +16,14 @@ SIGHT = 3.0
 
 @kernel
 def add_map(
-    model: WorldModel, ego: Ego, horizon: float, within: float, obstacles: OrcaObstacles, planes: Records, count: int
+    model: WorldModel,
+    w: int,
+    ego: Ego,
+    horizon: float,
+    within: float,
+    obstacles: OrcaObstacles,
+    planes: Records,
+    count: int,
 ) -> int:
     """Append the half-planes of the map's walls to ``planes``, nearest first; return how many those are now.
 
@@ -27,6 +34,7 @@ def add_map(
 
     Args:
         model: The map.
+        w: The world.
         ego: The body that decides.
         horizon: Collisions later than this are ignored [s].
         within: Walls this far away or farther are left out [m].
@@ -36,7 +44,7 @@ def add_map(
     """
     x, y, sides, order, gap2 = ego.x, ego.y, obstacles.sides, obstacles.sides_order, obstacles.sides_gap
     n_seen = 0
-    for s in range(map_walls(model, x, y, within, sides, 0)):
+    for s in range(map_walls(model, w, x, y, within, sides, 0)):
         # Here a wall is seen from its right.
         sides[s, 0], sides[s, 2] = sides[s, 2], sides[s, 0]
         sides[s, 1], sides[s, 3] = sides[s, 3], sides[s, 1]

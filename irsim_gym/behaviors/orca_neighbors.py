@@ -82,8 +82,9 @@ def put_in_order(item: int, key: float, items: Ints, keys: Floats, count: int) -
 def find_walls(model: WorldModel, state: WorldState, w: int, b: int, within: float, obstacles: OrcaObstacles) -> int:
     """Write sides and discs of bodies that never move, nearest first, up to some distance; return their number.
 
-    Reads: model (bucket_frame, disc_count, disc_start, present, reach, segment_count, segment_start), state
-        (bucket_first, bucket_next, discs, pose, segments), obstacles (is_wall, nearby, parts, parts_gap, walls).
+    Reads: model (bucket_frame, disc_count, disc_start, present, reach, seen_row, segment_count, segment_start,
+        watchers), state (bucket_first, bucket_next, discs, pose, segments), obstacles (is_wall, nearby, parts,
+        parts_gap, walls).
     Writes: obstacles (nearby, owners, parts, parts_gap).
 
     Args:
@@ -110,6 +111,8 @@ def find_walls(model: WorldModel, state: WorldState, w: int, b: int, within: flo
     for i in range(n_found):
         q = obstacles.walls[i] if few else obstacles.nearby[i]
         dx, dy, far = pose[q, 0] - x, pose[q, 1] - y, within + model.reach[row_of(model.reach, w), q]
+        if not model.watchers[model.seen_row[q], b]:
+            continue
         if not obstacles.is_wall[q] or not model.present[w, q] or np.sqrt(dx * dx + dy * dy) >= far:
             continue
         start, first = model.segment_start[q], model.disc_start[q]

@@ -104,9 +104,9 @@ def is_held(ego: Ego, speed: float) -> bool:
 def plan_velocities(worlds: Ints, params: Any, model: WorldModel, state: WorldState, tables: OrcaTables) -> None:
     """Write the velocities that the members choose, in the world frame, to the first two components of ``command``.
 
-    Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, map_frame, map_squares, present, radius, reach,
-        segment_count, segment_start, solid, step_time, velocity_max), state (bucket_first, bucket_next, discs, goal,
-        plan, pose, segments, twist), tables (crowd, obstacles, planes).
+    Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, heedless, map_frame, map_squares, present,
+        radius, reach, seen_row, segment_count, segment_start, solid, step_time, velocity_max, watchers), state
+        (bucket_first, bucket_next, discs, goal, plan, pose, segments, twist), tables (crowd, obstacles, planes).
     Writes: state (command), tables (crowd, obstacles, planes).
     """
     crowd = tables.crowd
@@ -124,15 +124,17 @@ def plan_velocity(
 ) -> None:
     """Write the velocity that member m in square ``place`` chooses.
 
-    Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, map_frame, map_squares, present, radius, reach,
-        segment_count, segment_start, solid, step_time, velocity_max), state (bucket_first, bucket_next, discs, goal,
-        plan, pose, segments), tables (crowd, obstacles, planes).
+    Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, heedless, map_frame, map_squares, present,
+        radius, reach, seen_row, segment_count, segment_start, solid, step_time, velocity_max, watchers), state
+        (bucket_first, bucket_next, discs, goal, plan, pose, segments), tables (crowd, obstacles, planes).
     Writes: state (command), tables (crowd, obstacles, planes).
     """
     b = tables.crowd.body[m]
     pose, planned, radius = state.pose[w, b], state.plan[w, b], model.radius[row_of(model.radius, w), b]
     ego = Ego(pose[0], pose[1], planned[0], planned[1], radius + options.safe_radius)
-    n_near = find_nearest(ego, m, place, options.neighborDist, tables.crowd)
+    n_near = 0
+    if not model.heedless[row_of(model.heedless, w), b]:
+        n_near = find_nearest(model, ego, m, place, options.neighborDist, tables.crowd)
     speed = speed_cap(model, w, b, options.maxSpeed)
     n_hard = add_obstacles(model, state, w, b, ego, options.timeHorizonObst, speed, tables)
     add_members(ego, m, n_near, n_hard, options, model.step_time[0], tables)
@@ -177,8 +179,8 @@ def add_obstacles(
 ) -> int:
     """Write the half-planes of what never moves and of the map; return their number.
 
-    Reads: model (bucket_frame, disc_count, disc_start, map_frame, map_squares, present, reach, segment_count,
-        segment_start, solid), state (bucket_first, bucket_next, discs, pose, segments), tables (obstacles).
+    Reads: model (bucket_frame, disc_count, disc_start, map_frame, map_squares, present, reach, seen_row, segment_count,
+        segment_start, solid, watchers), state (bucket_first, bucket_next, discs, pose, segments), tables (obstacles).
     Writes: tables (obstacles, planes).
     """
     obstacles, planes, count = tables.obstacles, tables.planes, 0
@@ -187,7 +189,7 @@ def add_obstacles(
         n_parts = find_walls(model, state, w, b, within, obstacles)
         count = add_walls(model, state, w, ego, horizon, n_parts, tables)
     if model.map_frame[0].body >= 0:
-        count = add_map(model, ego, horizon, min(within, SIGHT), obstacles, planes, count)
+        count = add_map(model, w, ego, horizon, min(within, SIGHT), obstacles, planes, count)
     return count
 
 

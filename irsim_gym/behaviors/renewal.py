@@ -1,4 +1,4 @@
-"""Options of group behaviours for what members do at their goals; a member's own behaviour comes before them."""
+"""What bodies do at their goals: options that all behaviours share; a member's own come before those of its group."""
 
 from __future__ import annotations
 
@@ -6,16 +6,30 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from irsim_gym.scenario.options import crossed_bounds, option
+from irsim_gym.scenario.options import crossed_bounds, defaults, option
+from irsim_gym.scenario.wander_goals import WanderGoals
+
+__all__ = ["GOALS", "HIGH", "LOOP", "LOW", "WANDER", "WanderGoals", "renewal_problems"]
 
 _MEMBERS = "a member without a behavior of its own"
+
 
 WANDER = option(False, meaning=f"Draw a new random goal after each arrival of {_MEMBERS}.")
 LOOP = option(False, meaning=f"Let {_MEMBERS} begin again with its first goal after the last.")
 LOW = option((0.0, 0.0, -math.pi), unit="m, m, rad", meaning="Lower bounds of a wandering member's goals.")
 HIGH = option((10.0, 10.0, math.pi), unit="m, m, rad", meaning="Upper bounds of a wandering member's goals.")
+GOALS = option(
+    defaults(WanderGoals), meaning="With wander: goals on a circle, a first goal that is kept, changes on the way."
+)
 
 
 def renewal_problems(options: Any) -> Iterator[tuple[str, str]]:
     """Yield key and message of what cannot be."""
     yield from crossed_bounds(options.range_low, options.range_high)
+    goals = options.wander_goals
+    if goals != defaults(WanderGoals) and not options.wander:
+        yield "wander_goals", "needs wander: true beside it"
+    if goals.jitter > 0.0 and goals.radius is None:
+        yield "wander_goals", f"jitter: {goals.jitter:g} needs a radius: only goals on a circle are shifted"
+    if goals.chance < 1.0 and goals.interval is None:
+        yield "wander_goals", f"chance: {goals.chance:g} needs an interval [s]; a new goal on arrival is certain"

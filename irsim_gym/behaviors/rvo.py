@@ -9,13 +9,14 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Records
+from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.free_samples import ROWS, SPAN, RvoTables, nearest_free, rough_cones
 from irsim_gym.behaviors.rvo_penalty import least_penalty
 from irsim_gym.behaviors.steering import Turning, clear_command, to_command, wanted_velocity
 from irsim_gym.behaviors.surroundings import MARGIN, Ego, Surroundings, look_around, most_map_walls
 from irsim_gym.behaviors.velocity_obstacles import CONE, PITCH, disc_cones, lay_samples, side_cones, write_samples
 from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import crossed_bounds, kind, option
+from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import DIFFERENTIAL, WorldModel
 from irsim_gym.world.rows import row_of
@@ -42,6 +43,7 @@ class Rvo:
     range_high: tuple[float, float, float] = option(
         (10.0, 10.0, math.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
     )
+    wander_goals: renewal.WanderGoals = renewal.GOALS
     vxmax: float = option(1.5, ge=0.0, le=100.0, unit="m/s", meaning="Greatest sampled velocity in x.")
     vymax: float = option(1.5, ge=0.0, le=100.0, unit="m/s", meaning="Greatest sampled velocity in y.")
     acce: float = option(
@@ -63,7 +65,7 @@ class Rvo:
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from crossed_bounds(self.range_low, self.range_high)
+        yield from renewal.renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
@@ -102,9 +104,10 @@ def decide_rvo(
 ) -> None:
     """Write the commands of bodies that avoid what they see.
 
-    Reads: model (bucket_frame, centroid, disc_count, disc_start, drive, has_goal, map_frame, map_squares, movable,
-        present, radius, reach, role, segment_count, segment_start, solid, velocity_max), state (bucket_first,
-        bucket_next, command, discs, goal, pose, segments, twist), tables (cones, order, rows, samples, seen).
+    Reads: model (bucket_frame, centroid, disc_count, disc_start, drawn_speed, drive, has_goal, heedless, map_frame,
+        map_squares, movable, present, radius, reach, role, seen_row, segment_count, segment_start, solid, velocity_max,
+        watchers), state (bucket_first, bucket_next, command, discs, goal, pose, segments, twist), tables (cones, order,
+        rows, samples, seen).
     Writes: state (command), tables (cones, order, rows, samples, seen, spans).
     """
     for w in worlds:
@@ -119,7 +122,8 @@ def decide_rvo(
             ego = Ego(pose[0], pose[1], twist[0], twist[1], radius + MARGIN)
             wanted = wanted_velocity(model, state, w, b)
             rounds, sides = tables.seen.rounds[:n_rounds], tables.seen.sides[:n_sides]
-            vx, vy = choose_velocity(ego, wanted, options, rounds, sides, tables)
+            most = model.drawn_speed[row_of(model.drawn_speed, w), b]
+            vx, vy = choose_velocity(ego, wanted, most, options, rounds, sides, tables)
             command = state.command[w, b]
             to_command(model.drive[b], pose[2], vx, vy, TURNING, command)
             alone, stands = n_rounds == 0 and n_sides == 0, command[0] == 0.0 and command[1] == 0.0
@@ -131,16 +135,18 @@ def decide_rvo(
 
 @kernel
 def choose_velocity(
-    ego: Ego, wanted: tuple[float, float], options: Any, rounds: Records, sides: Floats, tables: RvoTables
+    ego: Ego, wanted: tuple[float, float], most: float, options: Any, rounds: Records, sides: Floats, tables: RvoTables
 ) -> tuple[float, float]:
     """Return the best of the sampled velocities [m/s]: outside of all cones, or with the least penalty.
+
+    Along each axis they are no faster than ``most`` [m/s].
 
     Reads: rounds (shape), tables (cones, order, rows, samples, seen).
     Writes: tables (cones, order, rows, samples, seen, spans).
     """
     mode, cones = options.mode, tables.cones
-    along_x = lay_samples(ego.vx, options["acce"], options.vxmax, wanted[0])
-    along_y = lay_samples(ego.vy, options["acce"], options.vymax, wanted[1])
+    along_x = lay_samples(ego.vx, options["acce"], min(options.vxmax, most), wanted[0])
+    along_y = lay_samples(ego.vy, options["acce"], min(options.vymax, most), wanted[1])
     n_cones = side_cones(ego, sides, cones, rounds.shape[0])
     rough_cones(mode, ego, rounds, cones)
     best = nearest_free(mode, ego, n_cones, along_x, along_y, tables)

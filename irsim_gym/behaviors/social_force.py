@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
 from irsim_gym.arraytypes import Ints
+from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.social_pushes import SocialTables, follow, planned_velocity
 from irsim_gym.behaviors.steering import clear_command, wanted_velocity
 from irsim_gym.jit import kernel
-from irsim_gym.scenario.options import crossed_bounds, kind, option
+from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -27,6 +28,13 @@ RELAXATION = option(0.5, gt=0.0, unit="s", meaning="Time in which the desired ve
 NEIGHBORS = option(10.0, ge=0.0, unit="m", meaning="Bodies farther away than this are not seen.")
 SPEED = option(1.5, gt=0.0, unit="m/s", meaning="Desired and greatest speed.")
 SAFETY = option(0.0, ge=0.0, unit="m", meaning="Distance added around each body.")
+
+INTERACTION = option(
+    "moussaid",
+    meaning="How others push: by position and velocity (Moussaid et al. 2009), or straight away, fading with the "
+    "gap between the discs (circular; Helbing and Molnar 1995).",
+)
+RANGE = option(1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades.")
 
 NO_FORCE = 0.0, 0.0
 
@@ -48,6 +56,7 @@ class SocialForce:
     range_high: tuple[float, float, float] = option(
         (10.0, 10.0, math.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
     )
+    wander_goals: renewal.WanderGoals = renewal.GOALS
     vmax: float = SPEED
     neighbor_threshold: float = NEIGHBORS
     relaxation_time: float = RELAXATION
@@ -60,10 +69,12 @@ class SocialForce:
     n_angular: float = ANGULAR
     n_velocity: float = VELOCITY
     safety_radius: float = SAFETY
+    interaction: Literal["moussaid", "circular"] = INTERACTION
+    interaction_range: float = RANGE
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from crossed_bounds(self.range_low, self.range_high)
+        yield from renewal.renewal_problems(self)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
@@ -82,10 +93,10 @@ def decide_social_force(
 ) -> None:
     """Write the commands of bodies that follow social forces; those without a goal stand.
 
-    Reads: model (acceleration_limit, bucket_frame, centroid, disc_count, disc_start, drive, has_goal, map_frame,
-        map_squares, movable, present, radius, reach, role, segment_count, segment_start, solid, step_time,
-        velocity_max), state (bucket_first, bucket_next, discs, goal, pose, segments, twist, velocity), tables (among,
-        by_hypot, lines, nearby, nearest, sides).
+    Reads: model (acceleration_limit, bucket_frame, centroid, disc_count, disc_start, drawn_speed, drive, has_goal,
+        heedless, map_frame, map_squares, movable, present, radius, reach, role, seen_row, segment_count, segment_start,
+        solid, step_time, velocity_max, watchers), state (bucket_first, bucket_next, discs, goal, pose, segments, twist,
+        velocity), tables (among, by_hypot, lines, nearby, nearest, sides).
     Writes: state (command), tables (nearby, nearest, sides).
     """
     for w in worlds:

@@ -49,6 +49,8 @@ class SocialForceGroup:
     n_angular: float = social_force.ANGULAR
     n_velocity: float = social_force.VELOCITY
     safety_radius: float = social_force.SAFETY
+    interaction: Literal["moussaid", "circular"] = social_force.INTERACTION
+    interaction_range: float = social_force.RANGE
     target_roles: Literal["all", "robot", "obstacle"] = option(
         "all", meaning="Which bodies outside of the group are avoided."
     )
@@ -66,6 +68,7 @@ class SocialForceGroup:
     loop: bool = renewal.LOOP
     range_low: tuple[float, float, float] = renewal.LOW
     range_high: tuple[float, float, float] = renewal.HIGH
+    wander_goals: renewal.WanderGoals = renewal.GOALS
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
@@ -128,10 +131,10 @@ def decide_social_group(
 ) -> None:
     """Write the commands of the members; those without a goal stay, but give way.
 
-    Reads: model (acceleration_limit, bucket_frame, centroid, disc_count, disc_start, drive, has_goal, map_frame,
-        map_squares, movable, present, radius, reach, role, segment_count, segment_start, solid, step_time,
-        velocity_max), state (bucket_first, bucket_next, discs, goal, pose, segments, twist, velocity), tables (decides,
-        forces, party).
+    Reads: model (acceleration_limit, bucket_frame, centroid, disc_count, disc_start, drawn_speed, drive, has_goal,
+        heedless, map_frame, map_squares, movable, present, radius, reach, role, seen_row, segment_count, segment_start,
+        solid, step_time, velocity_max, watchers), state (bucket_first, bucket_next, discs, goal, pose, segments, twist,
+        velocity), tables (decides, forces, party).
     Writes: state (command), tables (forces).
     """
     for w in worlds:

@@ -41,6 +41,9 @@ from irsim_gym.world.state import WorldState
 FADED = 5.0
 """Walls farther away than this many decay lengths do not push."""
 
+CIRCULAR = 1
+"""``interaction: circular``."""
+
 TOUCHING = 1e-9
 """Nearer than this [m] a wall has no direction: it pushes along x."""
 
@@ -93,11 +96,12 @@ def planned_velocity(
     extra: tuple[float, float],
     tables: SocialTables,
 ) -> tuple[float, float]:
-    """Return the velocity that follows from all forces in one step [m/s], no faster than ``vmax``.
+    """Return the velocity that follows from all forces in one step [m/s], no faster than ``vmax`` or a drawn speed.
 
-    Reads: model (bucket_frame, centroid, disc_count, disc_start, map_frame, map_squares, movable, present, radius,
-        reach, role, segment_count, segment_start, solid, step_time), state (bucket_first, bucket_next, discs, pose,
-        segments, twist), tables (among, by_hypot, lines, nearby, nearest, sides).
+    Reads: model (bucket_frame, centroid, disc_count, disc_start, drawn_speed, heedless, map_frame, map_squares,
+        movable, present, radius, reach, role, seen_row, segment_count, segment_start, solid, step_time, watchers),
+        state (bucket_first, bucket_next, discs, pose, segments, twist), tables (among, by_hypot, lines, nearby,
+        nearest, sides).
     Writes: tables (nearby, nearest, sides).
 
     Args:
@@ -111,10 +115,11 @@ def planned_velocity(
         tables: What the forces need.
     """
     vx, vy = state.twist[w, b, 0], state.twist[w, b, 1]
+    fastest = min(options.vmax, model.drawn_speed[row_of(model.drawn_speed, w), b])
     wanted_x, wanted_y = wanted
     size = length_of(wanted_x, wanted_y, tables.by_hypot)
     if size > 1e-9:
-        wanted_x, wanted_y = options.vmax * wanted_x / size, options.vmax * wanted_y / size
+        wanted_x, wanted_y = fastest * wanted_x / size, fastest * wanted_y / size
     pull_x, pull_y = (wanted_x - vx) / options.relaxation_time, (wanted_y - vy) / options.relaxation_time
     others_x, others_y, walls_x, walls_y = push_of_bodies(model, state, w, b, options, tables)
     if tables.lines.shape[0] > 0:
@@ -129,8 +134,8 @@ def planned_velocity(
     ay = ay + options.force_factor_obstacle * walls_y + extra[1]
     vx, vy = vx + model.step_time[0] * ax, vy + model.step_time[0] * ay
     speed = length_of(vx, vy, tables.by_hypot)
-    if speed > options.vmax:
-        share = options.vmax / speed
+    if speed > fastest:
+        share = fastest / speed
         vx, vy = vx * share, vy * share
     return vx, vy
 
@@ -158,9 +163,9 @@ def push_of_bodies(
     The first is seen up to ``neighbor_threshold`` from centre to centroid; the second pushes once for each body, from
     the nearest point of its outline.
 
-    Reads: model (bucket_frame, centroid, disc_count, disc_start, movable, present, radius, reach, role, segment_count,
-        segment_start, solid), state (bucket_first, bucket_next, discs, pose, segments, twist), tables (among, by_hypot,
-        nearby).
+    Reads: model (bucket_frame, centroid, disc_count, disc_start, heedless, movable, present, radius, reach, role,
+        seen_row, segment_count, segment_start, solid, watchers), state (bucket_first, bucket_next, discs, pose,
+        segments, twist), tables (among, by_hypot, nearby).
     Writes: tables (nearby).
     """
     pose, twist, sight, among = state.pose[w], state.twist[w], options.neighbor_threshold, tables.among
@@ -188,7 +193,12 @@ def push_of_bodies(
             px, py = (pose[q, 0], pose[q, 1]) if among[q] else centroid_of(model, state, w, q)
             if (x - px) * (x - px) + (y - py) * (y - py) < sight * sight:
                 ux, uy = vx - twist[q, 0], vy - twist[q, 1]
-                fx, fy = push_of_body(px - x, py - y, ux, uy, options, tables.by_hypot)
+                if options.interaction == CIRCULAR:
+                    both = model.radius[row_of(model.radius, w), b] + model.radius[row_of(model.radius, w), q]
+                    both += 2.0 * options.safety_radius
+                    fx, fy = push_of_disc(px - x, py - y, both, options.interaction_range)
+                else:
+                    fx, fy = push_of_body(px - x, py - y, ux, uy, options, tables.by_hypot)
                 others_x, others_y = others_x + fx, others_y + fy
     return others_x, others_y, walls_x, walls_y
 
@@ -223,6 +233,19 @@ def push_of_body(dx: float, dy: float, ux: float, uy: float, options: Any, by_hy
 
 
 @kernel
+def push_of_disc(dx: float, dy: float, both: float, fading: float) -> tuple[float, float]:
+    """Return the push of another disc at (dx, dy) [m] away from it: exp(-gap / fading), with both radii ``both`` [m].
+
+    This is the circular form of Helbing and Molnar (1995). Discs that overlap push each other harder.
+    """
+    distance = np.sqrt(dx * dx + dy * dy)
+    if distance < TOUCHING:
+        return 0.0, 0.0
+    size = np.exp((both - distance) / fading)
+    return -size * dx / distance, -size * dy / distance
+
+
+@kernel
 def push_of_wall(dx: float, dy: float, r: float, sigma: float) -> tuple[float, float]:
     """Return the push of a wall whose nearest point lies at (-dx, -dy) [m] from the centre of a disc of radius r.
 
@@ -241,7 +264,8 @@ def push_of_lines(
 ) -> tuple[float, float]:
     """Return the push of all segments of linestrings: each pushes by itself.
 
-    Reads: model (present, radius, role, segment_count, segment_start), state (pose, segments), tables (among, lines).
+    Reads: model (heedless, movable, present, radius, role, seen_row, segment_count, segment_start, watchers), state
+        (pose, segments), tables (among, lines).
     """
     x, y = state.pose[w, b, 0], state.pose[w, b, 1]
     r = model.radius[row_of(model.radius, w), b] + MARGIN
@@ -277,7 +301,7 @@ def push_of_map(
     reach = FADED * options.sigma_obstacle + r
     for way in range(4):
         nearest[way].gap2 = reach * reach
-    for k in range(map_walls(model, x, y, reach, sides, 0)):
+    for k in range(map_walls(model, w, x, y, reach, sides, 0)):
         ax, ay, bx, by = sides[k]
         if side(ax, ay, bx, by, x, y) < 0.0:
             continue

@@ -85,18 +85,23 @@ def most_map_walls(model: WorldModel, threshold: float) -> int:
         return 0
     cells = [
         min(float(count), 2.0 * threshold / side + 2.0)
-        for count, side in zip(chart.room.shape, (chart.width, chart.height), strict=True)
+        for count, side in zip(chart.room.shape[1:], (chart.width, chart.height), strict=True)
     ]
     return int(2.0 * (cells[0] + 1.0) * (cells[1] + 1.0)) + 1
 
 
 @kernel
 def is_seen(model: WorldModel, w: int, b: int, q: int, target_roles: int) -> bool:
-    """Return whether body b pays heed to body q: another one that is there and has the role, unobstructed or not.
+    """Return whether body b pays heed to body q, unobstructed or not.
 
-    Reads: model (present, role).
+    It does if q is another one that is there, has the role, and is seen by b; one that ignores what moves only sees
+    what never does.
+
+    Reads: model (heedless, movable, present, role, seen_row, watchers).
     """
-    if q == b or not model.present[w, q]:
+    if q == b or not model.present[w, q] or not model.watchers[model.seen_row[q], b]:
+        return False
+    if model.movable[q] and model.heedless[row_of(model.heedless, w), b]:
         return False
     return bool(target_roles == ALL_ROLES or model.role[q] == target_roles - 1)
 
@@ -108,7 +113,9 @@ def is_map_seen(model: WorldModel, w: int, target_roles: int) -> bool:
     Reads: model (map_frame, present, role).
     """
     chart = model.map_frame[0].body
-    return chart >= 0 and is_seen(model, w, -1, chart, target_roles)
+    return bool(
+        chart >= 0 and model.present[w, chart] and (target_roles == ALL_ROLES or model.role[chart] == target_roles - 1)
+    )
 
 
 @kernel
@@ -179,9 +186,9 @@ def look_around(
     A body is the disc around its centroid, seen when that is nearer than ``sight`` [m]. One that stands and has sides
     is its outline, seen when any of that is nearer. A chain of segments is always seen, the walls of a map when near.
 
-    Reads: model (bucket_frame, centroid, disc_count, disc_start, map_frame, map_squares, movable, present, radius,
-        reach, role, segment_count, segment_start, solid), state (bucket_first, bucket_next, discs, pose, segments,
-        twist), seen (lines, nearby).
+    Reads: model (bucket_frame, centroid, disc_count, disc_start, heedless, map_frame, map_squares, movable, present,
+        radius, reach, role, seen_row, segment_count, segment_start, solid, watchers), state (bucket_first, bucket_next,
+        discs, pose, segments, twist), seen (lines, nearby).
     Writes: seen (nearby, rounds, sides).
 
     Args:
@@ -213,7 +220,7 @@ def look_around(
         if is_seen(model, w, b, q, target_roles):
             n_sides = copy_sides(model, state, w, q, seen.sides, n_sides)
     if is_map_seen(model, w, target_roles):
-        n_sides = map_walls(model, x, y, sight, seen.sides, n_sides)
+        n_sides = map_walls(model, w, x, y, sight, seen.sides, n_sides)
     return n_rounds, n_sides
 
 
@@ -252,7 +259,7 @@ def copy_sides(model: WorldModel, state: WorldState, w: int, q: int, sides: Floa
 
 
 @kernel
-def map_walls(model: WorldModel, x: float, y: float, threshold: float, sides: Floats, n_sides: int) -> int:
+def map_walls(model: WorldModel, w: int, x: float, y: float, threshold: float, sides: Floats, n_sides: int) -> int:
     """Append the borders between occupied and free cells near a point to ``sides``; return how many those are now.
 
     Borders in a line are one segment, with the free cells to its left. What lies outside of the map is free. Those for
@@ -263,13 +270,14 @@ def map_walls(model: WorldModel, x: float, y: float, threshold: float, sides: Fl
 
     Args:
         model: The map.
+        w: The world.
         x: The point [m].
         y: The point [m].
         threshold: Borders of cells that are nearer than this [m].
         sides: Written, x0, y0, x1, y1 [m], shape ``(n, 4)``.
         n_sides: Number of rows in use.
     """
-    frame, squares = model.map_frame[0], model.map_squares
+    frame, squares = model.map_frame[0], model.map_squares[row_of(model.map_squares, w)]
     for axis in range(2):
         low, across = (frame.y, frame.x) if axis == 0 else (frame.x, frame.y)
         pitch, width = (frame.height, frame.width) if axis == 0 else (frame.width, frame.height)

@@ -13,6 +13,7 @@ from irsim_gym.world.arrays import A
 from irsim_gym.world.group import Group, WorldContext, find_sensor
 from irsim_gym.world.irsim_readings import IrSimReadings
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 _ANSWER = "a behaviour only looks at bodies: it returns the command of its own"
@@ -172,7 +173,7 @@ def ego_view(group: Group, model: WorldModel, state: WorldState, world: int, bod
     return EgoView(group, model, state, world, body, memories[world, body])
 
 
-def others(group: Group, model: WorldModel, state: WorldState, world: int, unseen: Ints, role: int) -> list[BodyView]:
+def others(group: Group, model: WorldModel, state: WorldState, world: int, looking: Ints, role: int) -> list[BodyView]:
     """Return views of the bodies that a behaviour looks at, by their numbers.
 
     Absent bodies are left out, and an occupancy map, which is no outline.
@@ -182,13 +183,17 @@ def others(group: Group, model: WorldModel, state: WorldState, world: int, unsee
         model: The constants.
         state: The moment.
         world: The world.
-        unseen: Bodies to leave out besides.
+        looking: The bodies that look; they are left out, and so is whom none of them sees.
         role: Role of the others, -1 for any.
     """
     seen = model.present[world].copy()
     if role >= 0:
         seen &= model.role == role
-    seen[unseen] = False
+    seen[looking] = False
+    visible = np.asarray(model.watchers[:, looking].any(axis=1))
+    seen &= visible[model.seen_row]
+    if model.heedless[row_of(model.heedless, world), looking].all():
+        seen &= ~model.movable
     if (chart := model.cells) is not None:
         seen[chart.body] = False
     return [BodyView(group, model, state, world, int(b)) for b in np.flatnonzero(seen)]

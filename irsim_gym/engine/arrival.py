@@ -12,6 +12,9 @@ from irsim_gym.world.model import KEEP_GOAL, STATE, WANDER, WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
+SAME_PLACE = 1e-6
+"""Goals nearer than this [m] are the same."""
+
 
 @kernel(inlined=True)
 def goal_gap(pose: Floats, goal: Floats, with_heading: bool) -> float:
@@ -65,32 +68,103 @@ def renew_goals(worlds: Ints, goal_bodies: Ints, loop_returns: Ints, model: Worl
 
     On the way between one goal and the start headings do not matter, unless they do on arrival.
 
-    Reads: model (arrive_mode, goal_renewal, wander_high, wander_low, waypoint_count, waypoints), state (arrived,
-        random, stopped, waypoint_end).
+    Reads: model (abreast, arrive_mode, goal_renewal, leader, present, wander_high, wander_low, wandering,
+        waypoint_count, waypoints), state (arrived, goal, pose, random, step, stopped, waypoint_end).
     Writes: model (waypoints), state (arrived, goal, random, waypoint, waypoint_end).
     """
     for w in worlds:
         for b in goal_bodies:
-            if not state.arrived[w, b] or state.stopped[w, b] or model.goal_renewal[b] == KEEP_GOAL:
+            if state.stopped[w, b] or model.goal_renewal[b] == KEEP_GOAL:
                 continue
-            begin_round(w, b, model, state)
-            state.arrived[w, b] = False
+            walks_along = model.leader[b] != b and model.present[w, model.leader[b]]
+            if lags(w, b, model, state) if walks_along else state.arrived[w, b] or gives_up(w, b, model, state):
+                begin_round(w, b, False, model, state)
+                state.arrived[w, b] = False
         for b in loop_returns:
             if model.arrive_mode[b] != STATE and state.waypoint_end[w, b] > 1:
                 state.goal[w, b, 2] = np.nan
 
 
-@kernel(inlined=True)
-def begin_round(w: int, b: int, model: WorldModel, state: WorldState) -> None:
-    """Give a body the first of its goals; a wandering body draws it.
+@kernel
+def lags(w: int, b: int, model: WorldModel, state: WorldState) -> bool:
+    """Return whether the first of those that walk together has another goal than body b, which goes beside it.
 
-    Reads: model (goal_renewal, wander_high, wander_low, waypoint_count, waypoints), state (random).
+    Reads: model (abreast, leader), state (goal).
+    """
+    shared, own, aside = state.goal[w, model.leader[b]], state.goal[w, b], np.abs(model.abreast[b]) + SAME_PLACE
+    dx, dy = shared[0] - own[0], shared[1] - own[1]
+    return bool(dx * dx + dy * dy > aside * aside)
+
+
+@kernel
+def gives_up(w: int, b: int, model: WorldModel, state: WorldState) -> bool:
+    """Return whether a body wants another goal before it has reached its own; one with an interval draws for it.
+
+    Reads: model (present, wandering), state (random, step).
+    Writes: state (random).
+    """
+    every, step = model.wandering[b].interval, state.step[w]
+    if every == 0 or step == 0 or step % every != 0 or not model.present[w, b]:
+        return False
+    return bool(uniform(state.random, w, 0.0, 1.0) < model.wandering[b].chance)
+
+
+@kernel(inlined=True)
+def begin_round(w: int, b: int, first: bool, model: WorldModel, state: WorldState) -> None:
+    """Give a body the first of its goals; a wandering body draws it, unless it is the first of all and kept.
+
+    A first goal that is kept stays in its row, as the level may begin again.
+
+    Reads: model (abreast, goal_renewal, leader, present, wander_high, wander_low, wandering, waypoint_count,
+        waypoints), state (goal, pose, random).
     Writes: model (waypoints), state (goal, random, waypoint, waypoint_end).
     """
-    wanders = model.goal_renewal[b] == WANDER
-    state.waypoint[w, b], state.waypoint_end[w, b] = 0, 1 if wanders else model.waypoint_count[w, b]
+    wanders, row = model.goal_renewal[b] == WANDER, 0
+    state.waypoint_end[w, b] = 1 if wanders else model.waypoint_count[w, b]
+    if wanders and model.wandering[b].keeps_first:
+        row, wanders = 0 if first else 1, not first
+        state.waypoint_end[w, b] = row + 1
+    state.waypoint[w, b] = row
+    if wanders and model.leader[b] != b and model.present[w, model.leader[b]]:
+        share_goal(w, b, model.waypoints[w, b, row], model, state)
+    elif wanders:
+        draw_goal(w, b, model.waypoints[w, b, row], model, state)
     for axis in range(3):
-        if wanders:
-            low, high = model.wander_low[b, axis], model.wander_high[b, axis]
-            model.waypoints[w, b, 0, axis] = uniform(state.random, w, low, high)
-        state.goal[w, b, axis] = model.waypoints[w, b, 0, axis]
+        state.goal[w, b, axis] = model.waypoints[w, b, row, axis]
+
+
+@kernel
+def share_goal(w: int, b: int, goal: Floats, model: WorldModel, state: WorldState) -> None:
+    """Write the goal of a body that walks with others: beside that of the first, seen on the way there.
+
+    Reads: model (abreast, leader), state (goal, pose).
+    Writes: goal.
+    """
+    shared = state.goal[w, model.leader[b]]
+    dx, dy = shared[0] - state.pose[w, b, 0], shared[1] - state.pose[w, b, 1]
+    distance = max(np.sqrt(dx * dx + dy * dy), 1e-9)
+    goal[0] = shared[0] - model.abreast[b] * dy / distance
+    goal[1] = shared[1] + model.abreast[b] * dx / distance
+    goal[2] = shared[2]
+
+
+@kernel
+def draw_goal(w: int, b: int, goal: Floats, model: WorldModel, state: WorldState) -> None:
+    """Write a goal of a wandering body: between its bounds, or on a circle around their middle; its heading between.
+
+    Reads: model (wander_high, wander_low, wandering), state (random).
+    Writes: goal, state (random).
+    """
+    low, high, circle = model.wander_low[b], model.wander_high[b], model.wandering[b]
+    if circle.radius <= 0.0:
+        for axis in range(3):
+            goal[axis] = uniform(state.random, w, low[axis], high[axis])
+        return
+    angle = uniform(state.random, w, 0.0, 2.0 * np.pi)
+    goal[0] = (low[0] + high[0]) / 2.0 + circle.radius * np.cos(angle)
+    goal[1] = (low[1] + high[1]) / 2.0 + circle.radius * np.sin(angle)
+    if circle.jitter > 0.0:
+        along = circle.jitter * np.sqrt(uniform(state.random, w, 0.0, 1.0))
+        angle = uniform(state.random, w, 0.0, 2.0 * np.pi)
+        goal[0], goal[1] = goal[0] + along * np.cos(angle), goal[1] + along * np.sin(angle)
+    goal[2] = uniform(state.random, w, low[2], high[2])

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import CellMap, Floats, Ints
+from irsim_gym.arraytypes import CellMaps, Floats, Ints
 from irsim_gym.engine.pairs import note_contact
 from irsim_gym.geometry.cell_room import room_about
 from irsim_gym.geometry.cells import outline_cells_distance, outline_meets_cells
+from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import outline_of
@@ -14,7 +15,7 @@ from irsim_gym.world.state import WorldState
 
 
 @kernel
-def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState) -> None:
+def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMaps, model: WorldModel, state: WorldState) -> None:
     """Note which bodies touch an occupied cell, for them and for the map's own body.
 
     Reads: model (disc_count, disc_start, present, reach, segment_count, segment_start, solid, unobstructed), state
@@ -23,18 +24,19 @@ def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMap, model: WorldM
     """
     own = cells.body
     for w in worlds:
+        here = map_of(cells, w)
         for b in bodies:
             if b == own or model.unobstructed[b] or not model.present[w, b] or not model.present[w, own]:
                 continue
-            if room_about(cells, state.pose[w, b, 0], state.pose[w, b, 1])[0] > model.reach[row_of(model.reach, w), b]:
+            if room_about(here, state.pose[w, b, 0], state.pose[w, b, 1])[0] > model.reach[row_of(model.reach, w), b]:
                 continue
-            if outline_meets_cells(cells, outline_of(model, state, w, b)):
+            if outline_meets_cells(here, outline_of(model, state, w, b)):
                 note_contact(w, b, own, state)
 
 
 @kernel
 def measure_cell_clearance(
-    worlds: Ints, bodies: Ints, cells: CellMap, model: WorldModel, state: WorldState, distance: Floats
+    worlds: Ints, bodies: Ints, cells: CellMaps, model: WorldModel, state: WorldState, distance: Floats
 ) -> None:
     """Lower the surface distances of bodies [m], shape ``(n_worlds, n_bodies)``, to that of the nearest cell.
 
@@ -44,10 +46,11 @@ def measure_cell_clearance(
     """
     own = cells.body
     for w in worlds:
+        here = map_of(cells, w)
         for k in range(bodies.shape[0]):
             b = bodies[k]
             if b == own or not model.present[w, own]:
                 continue
-            least = room_about(cells, state.pose[w, b, 0], state.pose[w, b, 1])[0]
+            least = room_about(here, state.pose[w, b, 0], state.pose[w, b, 1])[0]
             if least - model.reach[row_of(model.reach, w), b] < distance[w, k]:
-                distance[w, k] = outline_cells_distance(cells, outline_of(model, state, w, b), distance[w, k])
+                distance[w, k] = outline_cells_distance(here, outline_of(model, state, w, b), distance[w, k])

@@ -16,6 +16,7 @@ from irsim_gym.engine.level_table import given_bodies, lay_levels, varied_outlin
 from irsim_gym.engine.own_scans import with_scans
 from irsim_gym.engine.parts import Parts
 from irsim_gym.engine.path_checks import reachability_check
+from irsim_gym.engine.traits import collect_traits
 from irsim_gym.engine.turns import take_turns
 from irsim_gym.errors import Problem, ScenarioError
 from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
@@ -69,7 +70,8 @@ def collect_parts(
         group_behaviors=[] if external else group_behaviors,
         turns=[] if external else take_turns(movers, behaviors, kinematics, in_order=in_order),
         external=external,
-        footprints=group_members([(b, body.shape) for b, body in bodies if body.shape.is_random]),
+        footprints=_footprints(scenario, model),
+        maps=_maps(scenario, model, n_slots),
         placements=placements,
         levels=lay_levels(scenario),
         free=[group for group in placements if not given_bodies(scenario)[group.members].all()],
@@ -80,6 +82,7 @@ def collect_parts(
         everyone=everyone,
         measured=_measure(scenario, outlines, model, [*behaviors, *group_behaviors]),
         number_ranges=_number_ranges(scenario),
+        traits=collect_traits(scenario, model),
         loop_returns=np.flatnonzero(single & (model.goal_renewal == LOOP) & model.has_goal),
         ways=reachability_check(scenario, model, agents, n_slots),
         fog=lay_fog(scenario, scanners, model),
@@ -152,6 +155,22 @@ def _measure(scenario: Scenario, outlines: Sequence[Outline], model: WorldModel,
         if outline.centroid is not None:
             model.centroid[:, b] = outline.centroid
     return everyone[varied_outlines(scenario)]
+
+
+def _footprints(scenario: Scenario, model: WorldModel) -> list[Group]:
+    """Return the groups of bodies whose outline each level draws; a map has none."""
+    shapes = [(b, body.shape) for b, body in enumerate(scenario.bodies) if b != model.map_frame[0].body]
+    return group_members([(b, shape) for b, shape in shapes if shape.is_random])
+
+
+def _maps(scenario: Scenario, model: WorldModel, n_slots: int) -> list[Group]:
+    """Return the group of the occupancy map if each level draws one."""
+    b = int(model.map_frame[0].body)
+    if b < 0 or not scenario.bodies[b].shape.is_random:
+        return []
+    groups = group_members([(b, scenario.bodies[b].shape)])
+    groups[0].kind.prepare(groups[0], model, n_slots)
+    return groups
 
 
 def _sensors(members: Sequence[Member], outlines: Sequence[Outline], model: WorldModel, n_slots: int) -> list[Group]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Ints
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
@@ -13,10 +15,11 @@ from irsim_gym.world.state import WorldState
 def limit_velocity(worlds: Ints, movers: Ints, model: WorldModel, state: WorldState) -> None:
     """Write ``state.velocity``: the command clipped to [max(v_min, v - a dt), min(v_max, v + a dt)] in each component.
 
+    With ``speed_bound`` the speed is held to the first of v_max as well.
     The upper end wins where the interval is empty. Stopped bodies stand still, and so do those that nobody commands.
 
-    Reads: model (acceleration_limit, driven, present, step_time, velocity_max, velocity_min), state (command, stopped,
-        velocity).
+    Reads: model (acceleration_limit, driven, present, speed_bound, step_time, velocity_max, velocity_min), state
+        (command, stopped, velocity).
     Writes: state (velocity).
     """
     dt = model.step_time[0]
@@ -33,3 +36,16 @@ def limit_velocity(worlds: Ints, movers: Ints, model: WorldModel, state: WorldSt
                 least = max(low[axis], now[axis] - change[axis] * dt)
                 most = min(high[axis], now[axis] + change[axis] * dt)
                 now[axis] = min(max(asked[axis], least), most) if is_free else 0.0
+            if model.speed_bound[b]:
+                hold_speed(now, high[0])
+
+
+@kernel
+def hold_speed(velocity: Floats, most: float) -> None:
+    """Shorten a velocity that is faster than ``most`` [m/s]; its first two components are speeds.
+
+    Writes: velocity.
+    """
+    speed = np.sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1])
+    if speed > most:
+        velocity[0], velocity[1] = velocity[0] * (most / speed), velocity[1] * (most / speed)

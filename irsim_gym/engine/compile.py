@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
+from irsim_gym.arraytypes import Flags
 from irsim_gym.engine import body_buckets
 from irsim_gym.engine.collect import collect_parts
-from irsim_gym.engine.given import check_agents, check_scenario
+from irsim_gym.engine.given import check_agents, check_scenario, check_worlds
 from irsim_gym.engine.level_table import roomy_outlines, varied_outlines
 from irsim_gym.engine.shards import Shards
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.engine.start_checks import refuse_blocked_starts
-from irsim_gym.geometry.cell_room import find_room
-from irsim_gym.geometry.cells import find_boxes, find_free_squares
+from irsim_gym.engine.traits import drawn_traits, watching_bodies, write_people
+from irsim_gym.geometry.cells import find_boxes
+from irsim_gym.geometry.world_maps import lay_cells, most_boxes
+from irsim_gym.scenario.options import defaults
 from irsim_gym.scenario.spec import BodySpec, Scenario
+from irsim_gym.scenario.wander_goals import WanderGoals
 from irsim_gym.world.model import (
     KEEP_GOAL,
     LOOP,
@@ -44,6 +48,7 @@ ARRIVE_MODES = {"position": POSITION, "state": STATE}
 RANDOM_OUTLINE = frozenset(
     {"local_segments", "local_discs", "segment_count", "disc_count", "reach", "radius", "centroid"}
 )
+RANDOM_MAP = frozenset({"map_squares", "map_room", "map_boxes", "map_n_boxes"})
 
 
 def compile(
@@ -72,31 +77,32 @@ def compile(
     """
     check_scenario(scenario)
     agents = check_agents(agents, scenario)
-    if isinstance(n_worlds, bool) or not isinstance(n_worlds, int | np.integer) or n_worlds < 1:
-        raise ValueError(f"n_worlds must be a whole number >= 1, got {n_worlds!r}")
+    check_worlds(n_worlds)
     outlines, varied = roomy_outlines(scenario), varied_outlines(scenario)
-    boxes = np.zeros((0, 4), np.int64) if scenario.occupied is None else find_boxes(scenario.occupied)
+    map_shape = (1, 1) if scenario.occupied is None else scenario.occupied.shape
     plans = [_plan_goals(body, scenario, is_agent=b in agents) for b, body in enumerate(scenario.bodies)]
     sizes = {
-        "map_box": len(boxes),
+        "map_box": _count_boxes(scenario),
         "world": n_worlds,
         "body": len(scenario.bodies),
         "segment": sum(len(outline.segments) for outline in outlines),
         "disc": sum(len(outline.discs) for outline in outlines),
         "bucket": body_buckets.n_buckets(len(scenario.bodies)),
-        "map_column": 1 if scenario.occupied is None else scenario.occupied.shape[0],
-        "map_row": 1 if scenario.occupied is None else scenario.occupied.shape[1],
+        "map_column": map_shape[0],
+        "map_row": map_shape[1],
+        "watching": len(watching_bodies(scenario)),
         "waypoint": max((goals.rows for goals in plans), default=1),
     }
-    model = WorldModel.allocate(sizes, per_world=RANDOM_OUTLINE if varied.any() else frozenset())
+    per_world = drawn_traits(scenario) | _rows_by_world(scenario, varied)
+    model = WorldModel.allocate(sizes, per_world=per_world)
     state = WorldState.allocate(sizes)
-    _write_world(scenario, boxes, model)
+    _write_world(scenario, model)
     _write_outlines(outlines, model)
     for b, body in enumerate(scenario.bodies):
-        _write_motion(b, body, model)
-        model.driven[b] = body.behavior is not None or body.group_behavior is not None or b in agents
-        _write_goals(b, body, plans[b], model)
+        _write_motion(b, body, model, is_agent=b in agents)
+        _write_goals(b, body, plans[b], is_agent=b in agents, model=model)
     _hide_map(model)
+    write_people(scenario, model)
     model.rigid[0] = not varied.any()
     model.stands[:] = ~(model.movable & model.driven)
     body_buckets.lay_out(model, varied)
@@ -107,7 +113,24 @@ def compile(
     return Simulation(scenario, model, state, parts, np.array(agents, np.int64), shards, fused)
 
 
-def _write_world(scenario: Scenario, boxes: Ints, model: WorldModel) -> None:
+def _rows_by_world(scenario: Scenario, varied: Flags) -> frozenset[str]:
+    """Return the fields that need a row for each world, as their levels differ in it."""
+    if scenario.occupied is None:
+        return RANDOM_OUTLINE if varied.any() else frozenset()
+    outlines = RANDOM_OUTLINE if varied[:-1].any() else frozenset()
+    return outlines | (RANDOM_MAP if varied[-1] else frozenset())
+
+
+def _count_boxes(scenario: Scenario) -> int:
+    """Return how many boxes cover the occupied cells of the map, or may cover them in any level."""
+    if scenario.occupied is None:
+        return 0
+    if scenario.bodies[-1].shape.is_random:
+        return most_boxes(*scenario.occupied.shape)
+    return int(find_boxes(scenario.occupied, np.zeros((0, 4), np.int32)))
+
+
+def _write_world(scenario: Scenario, model: WorldModel) -> None:
     world = scenario.world
     x, y = world.offset
     model.bounds[:] = [x, y, x + world.width, y + world.height]
@@ -120,10 +143,10 @@ def _write_world(scenario: Scenario, boxes: Ints, model: WorldModel) -> None:
         columns, rows = scenario.occupied.shape
         size = world.width / columns, world.height / rows
         model.map_frame[0] = x, y, *size, len(scenario.bodies) - 1
-        find_free_squares(scenario.occupied, model.map_squares)
-        model.map_boxes[:] = boxes
-    if (cells := model.cells) is not None:
-        find_room(cells, np.zeros(len(cells.room)))
+        cells: Any = model.cells
+        lay_cells(cells, 0, scenario.occupied, np.zeros(columns))
+        for field in RANDOM_MAP:
+            getattr(model, field)[1:] = getattr(model, field)[0]
 
 
 def _hide_map(model: WorldModel) -> None:
@@ -151,9 +174,11 @@ def _reach(outline: Outline) -> float:
     return float(max(corners.max(initial=0.0), discs.max(initial=0.0)))
 
 
-def _write_motion(b: int, body: BodySpec, model: WorldModel) -> None:
+def _write_motion(b: int, body: BodySpec, model: WorldModel, *, is_agent: bool) -> None:
+    model.driven[b] = body.behavior is not None or body.group_behavior is not None or is_agent
     model.role[b] = ROBOT if body.role == "robot" else OBSTACLE
     model.drive[b] = getattr(body.kinematics, "drive", NO_DRIVE)
+    model.speed_bound[b] = getattr(body.kinematics, "bound", "") == "speed"
     model.wheelbase[b] = _wheelbase(body)
     model.initial_steering[b] = body.steering
     model.movable[b] = body.kinematics is not None and not body.static
@@ -168,6 +193,7 @@ def _write_motion(b: int, body: BodySpec, model: WorldModel) -> None:
         (body.acce, model.acceleration_limit),
     ):
         target[:, b, : len(values)] = values
+    model.drawn_speed[:, b] = np.inf if body.speed_range is None else body.speed_range[1]
     model.initial_velocity[b, : len(body.velocity)] = body.velocity
     if body.state is not None:
         model.start[:, b] = body.state[:3]
@@ -187,16 +213,18 @@ class _GoalPlan:
         renewal: ``KEEP_GOAL``, ``WANDER`` or ``LOOP``.
         count: Goals of a round; one that loops between a single goal and its start has two.
         placed: Its distribution gives the goal.
+        keeps_first: It wanders, but only after the first goal, which it is given.
     """
 
     renewal: int
     count: int
     placed: bool
+    keeps_first: bool
 
     @property
     def rows(self) -> int:
         """Rows of ``waypoints``: one is there for bodies without a goal too, and for those that are drawn."""
-        return max(self.count, 1)
+        return 2 if self.keeps_first else max(self.count, 1)
 
 
 def _plan_goals(body: BodySpec, scenario: Scenario, *, is_agent: bool) -> _GoalPlan:
@@ -209,13 +237,24 @@ def _plan_goals(body: BodySpec, scenario: Scenario, *, is_agent: bool) -> _GoalP
     loops = bool(getattr(body.renewal, "loop", False)) and not wanders and not is_agent
     count = 1 if placed else len(body.goal)
     renewal = WANDER if wanders else LOOP if loops else KEEP_GOAL
-    return _GoalPlan(renewal, 2 if loops and count == 1 else count, placed)
+    keeps_first = wanders and count > 0 and bool(_wander_goals(body).keep_first)
+    return _GoalPlan(renewal, 2 if loops and count == 1 else count, placed, keeps_first)
 
 
-def _write_goals(b: int, body: BodySpec, plan: _GoalPlan, model: WorldModel) -> None:
+def _wander_goals(body: BodySpec) -> WanderGoals:
+    """Return where a body's goals lie when it wanders; behaviours of others may not have the option."""
+    return getattr(body.renewal, "wander_goals", defaults(WanderGoals))
+
+
+def _write_goals(b: int, body: BodySpec, plan: _GoalPlan, *, is_agent: bool, model: WorldModel) -> None:
     """Write goals, and who has any: what can move and was given some, by its entry or by its distribution."""
     if plan.renewal == WANDER:
+        goals = _wander_goals(body)
+        interval = (
+            0 if is_agent or goals.interval is None else max(1, round(goals.interval / float(model.step_time[0])))
+        )
         model.wander_low[b], model.wander_high[b] = body.renewal.range_low, body.renewal.range_high
+        model.wandering[b] = goals.radius or 0.0, goals.jitter, plan.keeps_first, interval, goals.chance
     model.waypoints[:, b, :, 2] = np.nan
     given = np.array(body.goal[: plan.rows]).reshape(-1, 3)
     model.waypoints[:, b, : len(given)] = given

@@ -90,3 +90,13 @@ def _bodies(given: Any, scenario: Scenario, what: str) -> Ints:
         more = ", ..." if n_bodies > 4 else ""
         raise ValueError(f"{what} takes indices of bodies, e.g. [0]; there are {known or 'none'}{more}; got {given!r}")
     return array.astype(np.int64)
+
+
+def check_worlds(n_worlds: int) -> None:
+    """Refuse a number of worlds that is none.
+
+    Raises:
+        ValueError: There is no world.
+    """
+    if isinstance(n_worlds, bool) or not isinstance(n_worlds, int | np.integer) or n_worlds < 1:
+        raise ValueError(f"n_worlds must be a whole number >= 1, got {n_worlds!r}")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Ints
+from irsim_gym.arraytypes import Ints, Records
 from irsim_gym.engine.fog import FogMap
 from irsim_gym.engine.level_table import LevelTable
 from irsim_gym.engine.path_checks import ReachabilityCheck
@@ -25,6 +25,7 @@ class Parts:
         turns: Who decides and moves when.
         external: Nothing moves but by the caller's hand (``step_mode: external``).
         footprints: Bodies whose outline is drawn anew for each level, by shape.
+        maps: The body of an occupancy map that is drawn anew for each level, if there is one.
         placements: Entries of the file, in the order in which they are placed.
         levels: Levels that a file gives; None where they are drawn.
         free: Entries with bodies that no file of levels places.
@@ -35,6 +36,7 @@ class Parts:
         everyone: All bodies.
         measured: Bodies whose radius and centroid change with their outline, and are asked for.
         number_ranges: First body, fewest, most: entries with ``number_range``, shape ``(n, 3)``.
+        traits: What a level draws of bodies besides outlines and places, records of type ``traits.TRAITS``.
         loop_returns: Bodies that loop between one goal and their start.
         ways: Agents whose way to the goal is checked when a level is drawn.
         fog: What the robots have explored; None unless the file asks for it.
@@ -48,6 +50,7 @@ class Parts:
     turns: list[Turn]
     external: bool
     footprints: list[Group]
+    maps: list[Group]
     placements: list[Group]
     levels: LevelTable | None
     free: list[Group]
@@ -58,6 +61,7 @@ class Parts:
     everyone: Ints
     measured: Ints
     number_ranges: Ints
+    traits: Records
     loop_returns: Ints
     ways: ReachabilityCheck
     fog: FogMap | None

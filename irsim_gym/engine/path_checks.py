@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Ints
+from irsim_gym.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.grid import Grid
@@ -43,6 +43,7 @@ def reachability_check(
     varied = [spec.kind.is_random for spec in scenario.placements]
     stands = [bool(model.stands[list(spec.members)].any()) for spec in scenario.placements]
     walls_vary = any(random and standing for random, standing in zip(varied, stands, strict=True))
+    walls_vary = walls_vary or (scenario.occupied is not None and scenario.bodies[-1].shape.is_random)
     guarded = []
     for b in agents:
         spec = scenario.placements[scenario.bodies[b].entry]
@@ -76,7 +77,7 @@ def check_ways(
     slot: int,
     ways: ReachabilityCheck,
     tables: WayTables,
-    cells: CellMap | None,
+    cells: CellMaps | None,
     model: WorldModel,
     state: WorldState,
     failed: Ints,

@@ -195,8 +195,8 @@ def unplace(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state:
 def begin_bodies(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, state: WorldState) -> None:
     """Give the chosen bodies their first goals, and the velocities and flags of a beginning.
 
-    Reads: model (goal_renewal, has_goal, initial_steering, initial_velocity, wander_high, wander_low, waypoint_count,
-        waypoints), state (random).
+    Reads: model (abreast, goal_renewal, has_goal, initial_steering, initial_velocity, leader, present, wander_high,
+        wander_low, wandering, waypoint_count, waypoints), state (goal, pose, random).
     Writes: model (waypoints), state (arrived, collided, goal, hit, plan, random, steering, stopped, velocity, waypoint,
         waypoint_end).
     """
@@ -211,4 +211,4 @@ def begin_bodies(worlds: Ints, bodies: Ints, chosen: Flags, model: WorldModel, s
             for axis in range(3):
                 state.velocity[w, b, axis] = model.initial_velocity[b, axis]
             if model.has_goal[b]:
-                begin_round(w, b, model, state)
+                begin_round(w, b, True, model, state)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints, Words
-from irsim_gym.engine import arrival, body_buckets, body_measures, contact, fog, outlines, path_checks
+from irsim_gym.engine import arrival, body_buckets, body_measures, contact, fog, outlines, path_checks, traits
 from irsim_gym.engine.arrival import begin_round
 from irsim_gym.engine.fused import Fused
 from irsim_gym.engine.level_table import LevelTable, copy_levels
@@ -59,6 +59,8 @@ def refuse_failed(worlds: Ints, failed: Ints) -> None:
 
 def start_drawn(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
     """Begin the episode of levels that were just drawn, and note how their random streams go on."""
+    if len(parts.traits):
+        traits.draw_traits(shard.worlds, parts.traits, model, state)
     if len(parts.measured):
         body_measures.measure(shard.worlds, parts.measured, model)
     copy_words(shard.worlds, model, state)
@@ -135,13 +137,13 @@ def copy_words(worlds: Ints, model: WorldModel, state: WorldState) -> None:
 
 
 def draw_level(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:
-    """Draw presence, outlines and placements, and write ``state.failed``; copy them where a file gives the levels."""
+    """Draw presence, maps, outlines and placements, and write ``state.failed``; copy what a file of levels gives."""
     if parts.levels is not None:
         take_level(parts, parts.levels, model, state, shard)
         return
     failed = state.failed
     draw_presence(shard.worlds, parts.number_ranges, model, state, failed)
-    for group in parts.footprints:
+    for group in (*parts.maps, *parts.footprints):
         group.kind.draw(group, model, state, shard)
     for group in parts.placements:
         group.kind.draw(group, model, state, shard, failed)
@@ -207,8 +209,8 @@ def write_first_goals(
 ) -> None:
     """Set each body's first goal (NaN for an absent body); wanderers draw theirs, loopers with one come back.
 
-    Reads: model (arrive_mode, goal_renewal, present, start, wander_high, wander_low, waypoint_count, waypoints), state
-        (pose, random).
+    Reads: model (abreast, arrive_mode, goal_renewal, leader, present, start, wander_high, wander_low, wandering,
+        waypoint_count, waypoints), state (goal, pose, random).
     Writes: model (start, waypoints), state (goal, random, waypoint, waypoint_end).
     """
     for w in worlds:
@@ -217,7 +219,7 @@ def write_first_goals(
                 model.start[w, b, axis] = state.pose[w, b, axis]
         for b in goal_bodies:
             if model.present[w, b]:
-                begin_round(w, b, model, state)
+                begin_round(w, b, True, model, state)
             else:
                 state.waypoint[w, b], state.waypoint_end[w, b] = 0, model.waypoint_count[w, b]
                 state.goal[w, b, :] = np.nan

@@ -49,7 +49,7 @@ class Simulation:
     def __post_init__(self) -> None:
         self._recorded: list[Fused] = []
         self._promise = Promise(self.rewire)
-        levels = [group.kind for group in (*self.parts.footprints, *self.parts.placements)]
+        levels = [group.kind for group in (*self.parts.maps, *self.parts.footprints, *self.parts.placements)]
         self._advance = self.fuse(self.advance)
         self._draw = self.fuse(self._draw_level, levels)
         self._start = self.fuse(self._start_drawn)

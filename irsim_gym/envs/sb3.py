@@ -21,6 +21,7 @@ from irsim_gym.envs.sb3_buffers import (
     MaskedRolloutBuffer,
 )
 from irsim_gym.envs.sb3_keywords import MonitorFiles, refuse_for_singles, with_env_kwargs
+from irsim_gym.envs.sb3_masked import MaskedA2C, MaskedPPO
 from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
 from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
 from irsim_gym.envs.spaces import Observation
@@ -28,8 +29,10 @@ from irsim_gym.envs.views import WorldView
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
 
 __all__ = [
+    "MaskedA2C",
     "MaskedDictReplayBuffer",
     "MaskedDictRolloutBuffer",
+    "MaskedPPO",
     "MaskedReplayBuffer",
     "MaskedRolloutBuffer",
     "MaskedVecNormalize",

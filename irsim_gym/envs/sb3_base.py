@@ -17,7 +17,6 @@ from irsim_gym.arraytypes import Bytes, Flags, Ints
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.infos import Record
 from irsim_gym.envs.sb3_keywords import MonitorFiles
-from irsim_gym.envs.sb3_masks import is_being_monitored
 from irsim_gym.envs.views import WorldView, common_limit
 from irsim_gym.envs.worlds import Worlds
 
@@ -33,7 +32,12 @@ class NativeVecEnv(VecEnv):
         observation_space: Of one slot.
         action_space: Of one slot.
         files: What statistics of episodes hold, and where they are written.
+
+    Attributes:
+        statistics_asked: The latest question was for a ``Monitor``, see ``env_is_wrapped``.
     """
+
+    statistics_asked = False
 
     def __init__(
         self,
@@ -128,12 +132,13 @@ class NativeVecEnv(VecEnv):
     def env_is_wrapped(
         self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: Indices = None
     ) -> list[bool]:
-        """Answer as a ``Monitor`` around each slot would, and no other wrapper: its statistics are there.
+        """Return True for ``Monitor``, whose statistics of episodes the infos hold, and False for all other wrappers.
 
-        A ``VecMonitor`` that is being put around the environment is told False, as it has no Monitor to overwrite.
+        ``evaluate_policy`` therefore reads these statistics, and ``VecMonitor`` warns that it overwrites them, as it
+        does around the environments of Stable-Baselines3's own ``make_vec_env``. It is not needed.
         """
-        wrapped = issubclass(Monitor, wrapper_class) and not is_being_monitored()
-        return [wrapped] * len(self._chosen(indices))
+        self.statistics_asked = issubclass(Monitor, wrapper_class)
+        return [self.statistics_asked] * len(self._chosen(indices))
 
     def _chosen(self, indices: Indices) -> list[WorldView]:
         return [self.views[slot] for slot in self._get_indices(indices)]

@@ -1,10 +1,10 @@
-"""Buffers for Stable-Baselines3 that keep experience alone: rows of agents that wait for their world are left out."""
+"""Buffers for Stable-Baselines3 that leave out the rows of agents that wait for their world."""
 
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from copy import copy
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from gymnasium import Space
@@ -16,16 +16,24 @@ from stable_baselines3.common.buffers import (
     RolloutBuffer,
 )
 from stable_baselines3.common.type_aliases import DictRolloutBufferSamples, RolloutBufferSamples
+from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Flags, Ints
-from irsim_gym.envs.sb3_masks import acted_of
 
 BufferT = TypeVar("BufferT", bound=RolloutBuffer)
 COLUMNS = ("actions", "values", "log_probs", "advantages", "returns")
 
 
+class Team(Protocol):
+    """The masks of a ``TeamVecEnv``; see there."""
+
+    acted: Flags
+    acting: Flags
+    leaves_out_waiting: bool
+
+
 class MaskedRolloutBuffer(RolloutBuffer):
-    """A rollout buffer for PPO and A2C that hands out the rows of agents that acted, and no others.
+    """The rollout buffer of ``MaskedPPO`` and ``MaskedA2C``: minibatches hold the rows of agents that acted.
 
     Advantages need no change: an agent's end is a ``done``, which cuts the sum before its waiting begins. Minibatches
     are as equal as the number of rows allows, so that none is tiny; where no agent waits, they are those of
@@ -33,10 +41,11 @@ class MaskedRolloutBuffer(RolloutBuffer):
 
     Attributes:
         acted: Rows that are experience, ``(buffer_size, n_envs)``.
+        team: The source of the mask, see ``read_mask_of``.
     """
 
     acted: Flags
-    leaves_out_waiting = True
+    team: Team | None = None
 
     def reset(self) -> None:
         """Forget everything."""
@@ -45,8 +54,8 @@ class MaskedRolloutBuffer(RolloutBuffer):
 
     def add(self, obs: Any, action: Any, reward: Any, *args: Any, **kwargs: Any) -> None:
         """Add a row for each slot; see ``RolloutBuffer.add``."""
-        self.acted[self.pos] = acted_of(reward)
-        super().add(obs, action, np.asarray(reward), *args, **kwargs)
+        self.acted[self.pos] = acted_of(self.team)
+        super().add(obs, action, reward, *args, **kwargs)
 
     def get(self, batch_size: int | None = None) -> Generator[RolloutBufferSamples, None, None]:
         """Return shuffled minibatches of the rows that are experience."""
@@ -61,10 +70,11 @@ class MaskedDictRolloutBuffer(DictRolloutBuffer):
 
     Attributes:
         acted: Rows that are experience, ``(buffer_size, n_envs)``.
+        team: The source of the mask, see ``read_mask_of``.
     """
 
     acted: Flags
-    leaves_out_waiting = True
+    team: Team | None = None
 
     def reset(self) -> None:
         """Forget everything."""
@@ -73,8 +83,8 @@ class MaskedDictRolloutBuffer(DictRolloutBuffer):
 
     def add(self, obs: Any, action: Any, reward: Any, *args: Any, **kwargs: Any) -> None:
         """Add a row for each slot; see ``DictRolloutBuffer.add``."""
-        self.acted[self.pos] = acted_of(reward)
-        super().add(obs, action, np.asarray(reward), *args, **kwargs)
+        self.acted[self.pos] = acted_of(self.team)
+        super().add(obs, action, reward, *args, **kwargs)
 
     def get(self, batch_size: int | None = None) -> Generator[DictRolloutBufferSamples, None, None]:  # type: ignore[override]
         """Return shuffled minibatches of the rows that are experience."""
@@ -90,8 +100,6 @@ class MaskedReplayBuffer(ReplayBuffer):
 
     It holds up to ``buffer_size`` transitions of all slots together.
     """
-
-    leaves_out_waiting = True
 
     def __init__(
         self,
@@ -120,8 +128,6 @@ class MaskedReplayBuffer(ReplayBuffer):
 class MaskedDictReplayBuffer(DictReplayBuffer):
     """``MaskedReplayBuffer`` for dict observations."""
 
-    leaves_out_waiting = True
-
     def __init__(
         self,
         buffer_size: int,
@@ -143,6 +149,50 @@ class MaskedDictReplayBuffer(DictReplayBuffer):
             self.observations[key][rows, 0] = obs[key][slots]
             self.next_observations[key][rows, 0] = next_obs[key][slots]
         store(self, slots, rows, action, reward, done, infos)
+
+
+def team_below(env: VecEnv) -> Team:
+    """Return the team below the wrappers of an environment.
+
+    Raises:
+        TypeError: The environment is no team.
+    """
+    team: Any = env.unwrapped
+    if not hasattr(team, "acted"):
+        raise TypeError(
+            f"{type(team).__name__} does not say which slots acted: masked algorithms, buffers and wrappers are for "
+            "sb3.make_multi_agent_vec_env"
+        )
+    found: Team = team
+    return found
+
+
+def read_mask_of(env: VecEnv, buffer: Any) -> None:
+    """Let a masked rollout buffer read the mask of the team that fills it.
+
+    Args:
+        env: The environment that the rollout is collected from; the team may be below wrappers.
+        buffer: The buffer.
+
+    Raises:
+        TypeError: The environment is no team.
+    """
+    buffer.team = team_below(env)
+    buffer.team.leaves_out_waiting = True
+
+
+def acted_of(team: Team | None) -> Flags:
+    """Return the mask of a team's latest step.
+
+    Raises:
+        TypeError: The buffer was given no team.
+    """
+    if team is None:
+        raise TypeError(
+            "a masked rollout buffer has to know which slots acted, and this algorithm does not say: "
+            "use sb3.MaskedPPO, sb3.MaskedA2C or irsim_gym.envs.sb3_recurrent.MaskedRecurrentPPO"
+        )
+    return team.acted
 
 
 def even_parts(n_rows: int, batch_size: int | None) -> int:

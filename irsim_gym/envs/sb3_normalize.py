@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from stable_baselines3.common.vec_env import VecEnv, VecNormalize
+from stable_baselines3.common.vec_env import VecNormalize
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
 from irsim_gym.arraytypes import Flags
-from irsim_gym.envs.sb3_masks import acted_of
+from irsim_gym.envs.sb3_buffers import team_below
 
 
 class MaskedVecNormalize(VecNormalize):
@@ -25,11 +25,11 @@ class MaskedVecNormalize(VecNormalize):
         obs, rewards, dones, infos = self.venv.step_wait()
         assert isinstance(obs, np.ndarray | dict)
         self.old_obs, self.old_reward = obs, rewards
-        acted = acted_of(rewards)
         if self.training:
-            self._learn_observations(obs, acting_slots(self.venv))
-            self.returns = np.where(acted, self.returns * self.gamma + np.asarray(rewards), self.returns)
-            self.ret_rms.update(self.returns[acted])
+            team = team_below(self)
+            self._learn_observations(obs, team.acting)
+            self.returns = np.where(team.acted, self.returns * self.gamma + rewards, self.returns)
+            self.ret_rms.update(self.returns[team.acted])
         for done, info in zip(dones, infos, strict=True):
             if done and "terminal_observation" in info:
                 info["terminal_observation"] = self.normalize_obs(info["terminal_observation"])
@@ -44,9 +44,3 @@ class MaskedVecNormalize(VecNormalize):
                 statistics.update(obs[key][acting])
         else:
             self.obs_rms.update(obs[acting])
-
-
-def acting_slots(env: VecEnv) -> Flags:
-    """Return the slots that will act in the next step, of the team at the bottom of some wrappers."""
-    acting: Flags = env.unwrapped.acting  # type: ignore[attr-defined]
-    return acting

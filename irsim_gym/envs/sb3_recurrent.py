@@ -1,4 +1,4 @@
-"""Recurrent PPO of sb3-contrib for teams: rows of agents that wait for their world never enter learning."""
+"""Recurrent PPO of sb3-contrib for teams: rows of agents that wait for their world are left out."""
 
 from __future__ import annotations
 
@@ -10,10 +10,21 @@ from gymnasium.spaces import Dict
 from numpy.typing import NDArray
 from sb3_contrib import RecurrentPPO
 from sb3_contrib.common.recurrent.buffers import RecurrentDictRolloutBuffer, RecurrentRolloutBuffer
+from stable_baselines3.common.buffers import RolloutBuffer
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.arraytypes import Flags
-from irsim_gym.envs.sb3_buffers import COLUMNS, even_parts, keep_experience, keep_experience_in, rows_of
-from irsim_gym.envs.sb3_masks import acted_of
+from irsim_gym.envs.sb3_buffers import (
+    COLUMNS,
+    Team,
+    acted_of,
+    even_parts,
+    keep_experience,
+    keep_experience_in,
+    read_mask_of,
+    rows_of,
+)
 
 MEMORIES = ("hidden_states_pi", "cell_states_pi", "hidden_states_vf", "cell_states_vf")
 
@@ -39,6 +50,13 @@ class MaskedRecurrentPPO(RecurrentPPO):
             n_envs=self.n_envs,
         )
 
+    def collect_rollouts(
+        self, env: VecEnv, callback: BaseCallback, rollout_buffer: RolloutBuffer, n_rollout_steps: int
+    ) -> bool:
+        """Let the buffer read the mask of ``env``, then collect as ``RecurrentPPO`` does."""
+        read_mask_of(env, rollout_buffer)
+        return super().collect_rollouts(env, callback, rollout_buffer, n_rollout_steps)
+
 
 class MaskedRecurrentRolloutBuffer(RecurrentRolloutBuffer):
     """``MaskedRolloutBuffer`` with the memories of a recurrent policy.
@@ -48,11 +66,12 @@ class MaskedRecurrentRolloutBuffer(RecurrentRolloutBuffer):
 
     Attributes:
         acted: Rows that are experience, ``(buffer_size, n_envs)``.
+        team: The source of the mask, see ``read_mask_of``.
         slot_starts: First row of each slot among those that are handed out, as 1 in zeros, ``(n_rows, 1)``.
     """
 
     acted: Flags
-    leaves_out_waiting = True
+    team: Team | None = None
     slot_starts: NDArray[Any]
 
     def reset(self) -> None:
@@ -62,7 +81,7 @@ class MaskedRecurrentRolloutBuffer(RecurrentRolloutBuffer):
 
     def add(self, *args: Any, **kwargs: Any) -> None:
         """Add a row for each slot; see ``RecurrentRolloutBuffer.add``."""
-        self.acted[self.pos] = acted_of(args[2])
+        self.acted[self.pos] = acted_of(self.team)
         super().add(*args, **kwargs)
 
     def get(self, batch_size: int | None = None) -> Generator[Any, None, None]:
@@ -81,11 +100,12 @@ class MaskedRecurrentDictRolloutBuffer(RecurrentDictRolloutBuffer):
 
     Attributes:
         acted: Rows that are experience, ``(buffer_size, n_envs)``.
+        team: The source of the mask, see ``read_mask_of``.
         slot_starts: First row of each slot among those that are handed out, as 1 in zeros, ``(n_rows, 1)``.
     """
 
     acted: Flags
-    leaves_out_waiting = True
+    team: Team | None = None
     slot_starts: NDArray[Any]
 
     def reset(self) -> None:
@@ -95,7 +115,7 @@ class MaskedRecurrentDictRolloutBuffer(RecurrentDictRolloutBuffer):
 
     def add(self, *args: Any, **kwargs: Any) -> None:
         """Add a row for each slot; see ``RecurrentDictRolloutBuffer.add``."""
-        self.acted[self.pos] = acted_of(args[2])
+        self.acted[self.pos] = acted_of(self.team)
         super().add(*args, **kwargs)
 
     def get(self, batch_size: int | None = None) -> Generator[Any, None, None]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import time
 import warnings
 from collections.abc import Mapping, Sequence
@@ -16,17 +15,11 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.arraytypes import Flags, Ints
+from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.envs.batch import Batch, BatchStep
 from irsim_gym.envs.infos import reward_keys
 from irsim_gym.envs.sb3_base import NativeVecEnv, checked_mode
-from irsim_gym.envs.sb3_buffers import (
-    MaskedDictReplayBuffer,
-    MaskedDictRolloutBuffer,
-    MaskedReplayBuffer,
-    MaskedRolloutBuffer,
-)
-from irsim_gym.envs.sb3_masks import SlotRewards, is_monitored, learner_buffer, slot_rewards
+from irsim_gym.envs.sb3_buffers import MaskedDictReplayBuffer, MaskedReplayBuffer, team_below
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.views import WorldView
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
@@ -57,8 +50,8 @@ def make_multi_agent_vec_env(
         task: Name of a shipped task, path, or plain data; None for the scenario's own. Without ``agents`` in it, all
             robots learn.
         max_steps: Time limit of a robot [steps]; None for the task's.
-        respawn: False: a robot that has ended waits until all of its world have, masked out of learning by the buffers
-            of ``buffers_for``. True: it gets a new start and goal at once, and nobody waits.
+        respawn: False: a robot that has ended waits until all robots of its world have; ``MaskedPPO``, ``MaskedA2C``
+            and the buffers of ``buffers_for`` leave it out. True: it restarts elsewhere at once, and none waits.
         world_steps: With ``respawn``, steps after which a world begins its next level; None for four time limits.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
@@ -84,25 +77,27 @@ def make_multi_agent_vec_env(
 
 
 def buffers_for(algorithm: type[BaseAlgorithm], env: VecEnv) -> dict[str, Any]:
-    """Return the arguments that make an algorithm leave out waiting robots, e.g. ``PPO(policy, env, **these)``.
+    """Return the arguments that make an algorithm leave out waiting robots, e.g. ``SAC(policy, env, **these)``.
+
+    ``load`` takes them too: ``SAC.load(path, env=env, **sb3.buffers_for(SAC, env))``.
 
     Args:
-        algorithm: PPO, A2C, SAC, TD3, DQN or one derived from them; ``MaskedRecurrentPPO`` needs no arguments.
-        env: The environment; it tells whether observations are dicts.
+        algorithm: SAC, TD3, DQN or another one with a replay buffer. ``MaskedPPO``, ``MaskedA2C`` and
+            ``MaskedRecurrentPPO`` have their own buffers and need no arguments.
+        env: The environment of ``make_multi_agent_vec_env``, with or without wrappers.
 
     Raises:
-        TypeError: The algorithm makes buffers of its own.
+        TypeError: The algorithm has no replay buffer, or the environment is no team.
     """
-    is_dict = isinstance(env.observation_space, Dict)
+    team_below(env).leaves_out_waiting = True
     if getattr(algorithm, "leaves_out_waiting", False):
         return {}
     if issubclass(algorithm, OnPolicyAlgorithm):
-        if "rollout_buffer_class" not in inspect.signature(algorithm).parameters:
-            raise TypeError(
-                f"{algorithm.__name__} creates its own buffers; for RecurrentPPO, use MaskedRecurrentPPO from "
-                "irsim_gym.envs.sb3_recurrent"
-            )
-        return {"rollout_buffer_class": MaskedDictRolloutBuffer if is_dict else MaskedRolloutBuffer}
+        raise TypeError(
+            f"{algorithm.__name__} cannot tell its buffer which robots acted; use sb3.MaskedPPO, sb3.MaskedA2C or "
+            "irsim_gym.envs.sb3_recurrent.MaskedRecurrentPPO, or derive from one of them"
+        )
+    is_dict = isinstance(env.observation_space, Dict)
     return {"replay_buffer_class": MaskedDictReplayBuffer if is_dict else MaskedReplayBuffer}
 
 
@@ -118,19 +113,23 @@ class TeamVecEnv(NativeVecEnv):
     * True: the robot begins elsewhere at once. A world begins its next level after ``world_steps`` steps; the
       episodes under way are then cut (``TimeLimit.truncated``) and are in no statistics, as they have no outcome.
 
-    Stable-Baselines3 counts idle slots as steps; ``idle_share`` says how many they are. An algorithm that learns from
-    idle slots, as it was made without ``buffers_for``, is warned of once (``errors.WaitingRobotsWarning``), and so is a
-    ``VecMonitor`` around the environment, which counts them. What a loop of one's own does with them is not checked: it
-    reads ``acted``, or ``idle`` in the infos.
+    Stable-Baselines3 counts idle slots as steps; ``idle_share`` is their share. An algorithm that does not know about
+    them learns from their rows as if they acted. The environment therefore warns once (``WaitingRobotsWarning``) when
+    the first slots idle, unless ``leaves_out_waiting`` is set, or the episodes belong to an evaluation: ``reset`` was
+    called after a question for the statistics of a ``Monitor``, as ``evaluate_policy`` does.
 
     Attributes:
         batch: The worlds.
         acted: Slots whose row of the latest step is experience, ``(n_slots,)``.
         acting: Slots that will act in the next step, ``(n_slots,)``.
+        leaves_out_waiting: Whoever steps the environment ignores the rows of idle slots. ``MaskedPPO``, ``MaskedA2C``,
+            ``MaskedRecurrentPPO`` and ``buffers_for`` set it; set it in a loop of your own that reads ``acted``, or
+            ``idle`` in the infos.
     """
 
-    _buffer_is_known = False
-    _monitor_is_known = False
+    leaves_out_waiting = False
+    _is_evaluated = False
+    _has_warned = False
 
     def __init__(self, batch: Batch) -> None:
         self.batch = batch
@@ -165,6 +164,7 @@ class TeamVecEnv(NativeVecEnv):
             options = options[:: self.n_agents]
         elif len(options) != self.batch.n_worlds:
             raise ValueError(f"a list of options needs one for each of the {self.batch.n_worlds} worlds")
+        self._is_evaluated, self.statistics_asked = self.statistics_asked, False
         begun = self.batch.begin(self._seeds[:: self.n_agents], options)
         self._reset_seeds()
         self._reset_options()
@@ -179,7 +179,7 @@ class TeamVecEnv(NativeVecEnv):
             raise ValueError(f"actions must have shape {self._action_shape}, got {rows.shape}")
         self._actions = rows.reshape(self.batch.n_worlds, self.n_agents, *rows.shape[1:])
 
-    def step_wait(self) -> tuple[Observation, SlotRewards, Flags, list[dict[str, Any]]]:
+    def step_wait(self) -> tuple[Observation, Rays, Flags, list[dict[str, Any]]]:
         """Advance all worlds by one step.
 
         Returns:
@@ -197,38 +197,26 @@ class TeamVecEnv(NativeVecEnv):
         infos = self.no_infos()
         for slot in idle.tolist():
             infos[slot]["idle"] = True
-        if idle.size and not self._buffer_is_known:
-            self._look_at_the_buffer()
+        if idle.size and not (self.leaves_out_waiting or self._is_evaluated or self._has_warned):
+            self._warn()
         dones: Flags = ended | (began & ~acted)
         if dones.any():
             self._tell(step, np.flatnonzero(ended), infos)
             self._tell_idle(step, np.flatnonzero(began & ~acted), infos)
             self.note_beginnings(np.flatnonzero(began))
-        return self._slots(step.observation), slot_rewards(step.reward.reshape(-1), acted.copy()), dones, infos
+        return self._slots(step.observation), step.reward.reshape(-1).astype(np.float32), dones, infos
 
-    def _look_at_the_buffer(self) -> None:
-        """Warn if an algorithm is about to learn from idle slots."""
-        buffer = learner_buffer(self)
-        self._buffer_is_known = buffer is not None
-        if buffer is not None and not getattr(buffer, "leaves_out_waiting", False):
-            warnings.warn(
-                "the algorithm learns from robots that wait for their world as if they acted: "
-                f"{type(buffer).__name__} keeps their rows. Create the algorithm with "
-                "**sb3.buffers_for(PPO, env), or the environment with respawn=True",
-                WaitingRobotsWarning,
-                stacklevel=3,
-            )
-
-    def _look_for_a_monitor(self) -> None:
-        """Warn if a VecMonitor is about to count waiting as an episode."""
-        self._monitor_is_known = True
-        if is_monitored(self):
-            warnings.warn(
-                "VecMonitor counts the waiting of robots as steps, and as episodes of reward 0, so its means are "
-                "wrong: leave it out, as the infos of this environment hold 'episode' already",
-                WaitingRobotsWarning,
-                stacklevel=3,
-            )
+    def _warn(self) -> None:
+        """Warn once that the rows of idle slots are no experience."""
+        self._has_warned = True
+        warnings.warn(
+            "some robots wait for their world, and an algorithm that does not know it learns from their rows as if "
+            "they acted. Use sb3.MaskedPPO or sb3.MaskedA2C, SAC, TD3 or DQN with **sb3.buffers_for(SAC, env), or make "
+            "the environment with respawn=True. In a loop of your own, read env.acted and set "
+            "env.leaves_out_waiting = True",
+            WaitingRobotsWarning,
+            stacklevel=4,
+        )
 
     def _tell(self, step: BatchStep, ended: Ints, infos: list[dict[str, Any]]) -> None:
         """Fill in the infos of slots whose own episodes have ended."""
@@ -252,8 +240,6 @@ class TeamVecEnv(NativeVecEnv):
 
     def _tell_idle(self, step: BatchStep, restarted: Ints, infos: list[dict[str, Any]]) -> None:
         """Fill in the infos of idle slots whose world has restarted."""
-        if len(restarted) and not self._monitor_is_known:
-            self._look_for_a_monitor()
         for slot in restarted.tolist():
             infos[slot]["terminal_observation"] = self._one(step.final_observation, slot)
             infos[slot]["TimeLimit.truncated"] = False

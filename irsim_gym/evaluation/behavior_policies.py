@@ -14,6 +14,7 @@ robots crawl, and four of them fail in 27 % of 1,000 levels of ``circle_swap`` i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -52,11 +53,13 @@ class BehaviorPolicy:
 
     Args:
         name: The behaviour's or group behaviour's name in YAML.
+        driven: Indices of the agents that it drives; None for all. It sees the others as bodies that move, and its
+            actions for them mean nothing.
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, driven: Sequence[int] | None = None) -> None:
         families.load()
-        self.name = name
+        self.name, self.driven = name, driven
         self.is_group = name not in BEHAVIORS and name in GROUP_BEHAVIORS
         self.kind = (GROUP_BEHAVIORS if self.is_group else BEHAVIORS).entry(name).kind
         self._episodes: Episodes | None = None
@@ -68,7 +71,7 @@ class BehaviorPolicy:
         Raises:
             UnfitBehaviorError: There is one.
         """
-        for body in episodes.simulation.agents.tolist():
+        for body in self._bodies(episodes).tolist():
             spec = episodes.simulation.scenario.bodies[body]
             drive = type(spec.kinematics)
             if not families.commands(self.kind, drive) and not families.steers(self.kind, drive):
@@ -88,7 +91,7 @@ class BehaviorPolicy:
         if self._episodes is not episodes:
             self.check(episodes)
             bind = _one_group if self.is_group else _groups_by_drive
-            self._groups = bind(self.name, self.kind, episodes)
+            self._groups = bind(self.name, self.kind, episodes, self._bodies(episodes))
             for group in self._groups:
                 group.context = simulation.context
                 self.kind.prepare(group, simulation.model, simulation.shards.n_slots)
@@ -100,6 +103,11 @@ class BehaviorPolicy:
                 self.kind.begin(group, shard)
         if self.kind.reads_neighbors:
             measure(worlds, simulation.parts.everyone, simulation.model)
+
+    def _bodies(self, episodes: Episodes) -> Ints:
+        """Return the bodies that it drives."""
+        agents = episodes.simulation.agents
+        return agents if self.driven is None else agents[np.array(self.driven, np.int64)]
 
     def act(self, episodes: Episodes, worlds: Ints) -> NDArray[np.float64] | Ints:
         """Return the actions of worlds."""
@@ -115,29 +123,29 @@ class BehaviorPolicy:
         return decided_commands(episodes, worlds)
 
 
-def _groups_by_drive(name: str, kind: object, episodes: Episodes) -> list[Group]:
-    """Return the agents in groups of one drive each, as behaviours want them."""
+def _groups_by_drive(name: str, kind: object, episodes: Episodes, driven: Ints) -> list[Group]:
+    """Return the driven bodies in groups of one drive each, as behaviours want them."""
     simulation = episodes.simulation
-    drives, groups = simulation.model.drive[simulation.agents], []
+    drives, groups = simulation.model.drive[driven], []
     for drive in np.unique(drives):
-        members = simulation.agents[drives == drive]
+        members = driven[drives == drive]
         options = [_options(episodes, body, "behavior", name, kind) for body in members.tolist()]
         group = Group(kind, options, members, names=simulation.parts.names)
         groups += with_scans(group, simulation.scenario.bodies, simulation.sensors)
     return groups
 
 
-def _one_group(name: str, kind: object, episodes: Episodes) -> list[Group]:
-    """Return everything that can move as one group, in which the agents decide."""
+def _one_group(name: str, kind: object, episodes: Episodes, driven: Ints) -> list[Group]:
+    """Return everything that can move as one group, in which the driven bodies decide."""
     simulation = episodes.simulation
-    options = _options(episodes, int(simulation.agents[0]), "group_behavior", name, kind)
+    options = _options(episodes, int(driven[0]), "group_behavior", name, kind)
     members = np.flatnonzero(simulation.model.movable)
     group = Group(kind, [options] * len(members), members, names=simulation.parts.names)
     group, *others = with_scans(group, simulation.scenario.bodies, simulation.sensors)
     if others:
         place = simulation.parts.places[int(others[0].members[0])]
         raise UnfitBehaviorError(f"'{name}' reads scans with the same beams, but {place} has another range sensor")
-    group.arrays["decides"] = np.isin(members, simulation.agents)
+    group.arrays["decides"] = np.isin(members, driven)
     return [group]
 
 

@@ -129,6 +129,7 @@ class Summary:
         left_world: Share that left the world's rectangle.
         deadlock: Share that the task's ending ``deadlocked`` ended.
         spl: Mean of success weighted by path length, over all episodes.
+        sct: Mean of success weighted by completion time, over all episodes.
         time: Mean duration of the successes [s]; NaN without any.
         path_length: Mean distance driven by the successes [m]; NaN without any.
         path_ratio: Mean of path length / optimum over the successes; NaN without any.
@@ -146,6 +147,7 @@ class Summary:
     left_world: Rate
     deadlock: Rate
     spl: float
+    sct: float
     time: float
     path_length: float
     path_ratio: float
@@ -174,6 +176,7 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
         left_world=rate(counts["left_world"], total),
         deadlock=rate(counts["deadlock"], total),
         spl=mean([row.spl for row in rows]),
+        sct=mean([row.sct for row in rows]),
         time=mean([row.time for row in successes]),
         path_length=mean([row.path_length for row in successes]),
         path_ratio=mean([row.path_ratio for row in successes]),

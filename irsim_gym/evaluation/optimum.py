@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.evaluation.certificate_measures import least_steps
 from irsim_gym.paths.queries import free_path_length
 from irsim_gym.tasks import Episodes
 
 
 class Optima:
-    """Lengths of the shortest collision-free paths of one split's levels, each found once.
+    """Lengths of the shortest collision-free paths of one split's levels, and the least times they take: a `Watcher`.
 
     The path leads from the start through all goals in turn, past the bodies that stand still, for a disc that holds the
-    robot's footprint. It is the length of a path that exists: at most about 1 % above the true optimum.
+    robot's footprint. It is the length of a path that exists: at most about 1 % above the true optimum. Each is found
+    once, however many policies play the level.
 
     Args:
         split: The split of the levels.
@@ -23,21 +26,47 @@ class Optima:
 
     def __init__(self, split: str) -> None:
         self.split = split
-        self._known: dict[tuple[int, int], float] = {}
+        self._legs: dict[tuple[int, int], list[float]] = {}
+        self._times: dict[tuple[int, int], float] = {}
 
     def of(self, episodes: Episodes, world: int, level: int, agent: int = 0) -> float:
         """Return the optimum [m] of an agent in the level that a world plays; infinite where no path is found."""
-        if (level, agent) not in self._known:
-            self._known[level, agent] = self._measure(episodes, world, agent)
-        return self._known[level, agent]
+        return sum(self._legs_of(episodes, world, level, agent))
+
+    def least_time(self, level: int, agent: int = 0) -> float:
+        """Return the least time [s] of an agent in a level that was watched when it began; NaN for any other."""
+        return self._times.get((level, agent), math.nan)
+
+    def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
+        """Find the least times from the velocities at the start, infinite where no path is found."""
+        simulation, levels = episodes.simulation, episodes.view.infos["level"]
+        model, state = simulation.model, simulation.state
+        for world in worlds.tolist():
+            for agent, body in enumerate(simulation.agents.tolist()):
+                key = int(levels[world, agent]), agent
+                if key not in self._times:
+                    steps = least_steps(model, state, world, body, self._legs_of(episodes, world, *key))
+                    self._times[key] = steps * float(model.step_time[0])
+
+    def stepped(self, episodes: Episodes, worlds: Ints) -> None:
+        """Do nothing."""
+
+    def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
+        """Do nothing."""
+
+    def _legs_of(self, episodes: Episodes, world: int, level: int, agent: int) -> list[float]:
+        """Return the lengths from goal to goal [m]."""
+        if (level, agent) not in self._legs:
+            self._legs[level, agent] = self._measure(episodes, world, agent)
+        return self._legs[level, agent]
 
     @staticmethod
-    def _measure(episodes: Episodes, world: int, agent: int) -> float:
+    def _measure(episodes: Episodes, world: int, agent: int) -> list[float]:
         simulation = episodes.simulation
         model, state = simulation.model, simulation.state
         radius = float(model.reach[world % len(model.reach), simulation.agents[agent]])
         ways = pairwise(stops(episodes, world, agent))
-        return sum(free_path_length(model, state, world, radius, begin, end) for begin, end in ways)
+        return [free_path_length(model, state, world, radius, begin, end) for begin, end in ways]
 
 
 def stops(episodes: Episodes, world: int, agent: int) -> Floats:

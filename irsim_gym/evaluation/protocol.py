@@ -53,7 +53,7 @@ def evaluate(
         )
     found, motion = optima_of(split, optima), MotionLog(episodes)
     rows: dict[int, EpisodeRow] = {}
-    for indices, worlds, played in drive(policy, episodes, levels, split, JoinedWatchers(motion, watcher)):
+    for indices, worlds, played in drive(policy, episodes, levels, split, JoinedWatchers(found, motion, watcher)):
         for index, world, level in zip(indices, worlds, played, strict=True):
             rows[index] = episode_row(episodes, found, motion, world, level)
         if on_episodes is not None:
@@ -165,6 +165,7 @@ def episode_row(
         path_length=float(infos["path_length"]),
         optimum=optima.of(episodes, world, level, agent),
         min_clearance=float(infos["min_clearance"]),
+        least_time=optima.least_time(level, agent),
         acceleration=motion.acceleration(world, agent),
         jerk=motion.jerk(world, agent),
     )

@@ -10,20 +10,23 @@ import math
 import os
 import re
 import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, is_dataclass
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, TypeVar, get_type_hints
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import HITS, EpisodeRow, Rate, Summary
 
 WIDTH = 160
-EPISODE_COLUMNS = (*(field.name for field in fields(EpisodeRow)), "spl", "path_ratio")
+Row = TypeVar("Row")
+EPISODE_COLUMNS = (*(field.name for field in fields(EpisodeRow)), "spl", "sct", "path_ratio")
 
 
 def write_text(path: Path, text: str) -> None:
@@ -75,6 +78,51 @@ def write_episodes(path: Path, results: Mapping[str, Sequence[EpisodeRow]]) -> N
         for row in episodes
     )
     write_csv(path, ("policy", *EPISODE_COLUMNS), rows)
+
+
+def read_rows(path: Path) -> list[dict[str, str]]:
+    """Return the rows of a CSV file with a header line.
+
+    Raises:
+        IrsimGymError: It cannot be read.
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            return list(csv.DictReader(file))
+    except (OSError, ValueError, csv.Error) as error:
+        raise IrsimGymError(f"{path} cannot be read as rows of episodes: {error}") from error
+
+
+def read_episodes(path: Path) -> dict[str, list[EpisodeRow]]:
+    """Return what ``write_episodes`` has written; floats are as there, rounded.
+
+    Raises:
+        IrsimGymError: The file cannot be read, or is of another kind.
+    """
+    found: dict[str, list[EpisodeRow]] = {}
+    for row in read_rows(path):
+        found.setdefault(row.get("policy", ""), []).append(read_cells(path, EpisodeRow, row))
+    return found
+
+
+def read_cells(path: Path, kind: type[Row], row: Mapping[str, str], **given: object) -> Row:
+    """Return a dataclass of numbers, words and truth values from the cells of a row.
+
+    Args:
+        path: The file, for messages.
+        kind: The dataclass.
+        row: Its cells by column.
+        **given: Values of fields that are no columns.
+
+    Raises:
+        IrsimGymError: A column is missing, or a cell is none of its values.
+    """
+    types = get_type_hints(kind)
+    try:
+        columns = {name: row[name] for name in types if name not in given}
+        return kind(**given, **{name: _READERS[types[name]](text) for name, text in columns.items()})
+    except (KeyError, ValueError) as error:
+        raise IrsimGymError(f"{path} holds no rows of {kind.__name__}: {error!r}") from error
 
 
 def plain(data: object) -> Any:
@@ -146,6 +194,16 @@ def percent(share: Rate) -> str:
 def number(value: float, digits: int) -> str:
     """Return a number, or a dash for none."""
     return f"{value:.{digits}f}" if math.isfinite(value) else "-"
+
+
+_READERS: Mapping[type, Callable[[str], object]] = MappingProxyType(
+    {
+        int: int,
+        str: str,
+        float: lambda text: float(text) if text else math.nan,
+        bool: lambda text: {"True": True, "False": False}[text],
+    }
+)
 
 
 def _rounded(value: object) -> Any:

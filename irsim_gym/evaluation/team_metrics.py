@@ -138,6 +138,7 @@ class TeamSummary:
         extra_time: Over all levels.
         common_extra_time: Over the levels that all compared policies solved; None where this one is not compared.
         spl: Mean over agents of success weighted by path length.
+        sct: Mean over agents of success weighted by completion time.
         path_length: Mean distance driven by the agents that arrived [m].
         path_ratio: Mean of path length / optimum over the agents that arrived.
         min_clearance: Mean over agents of the smallest clearance [m].
@@ -161,6 +162,7 @@ class TeamSummary:
     extra_time: ExtraTime
     common_extra_time: ExtraTime | None
     spl: float
+    sct: float
     path_length: float
     path_ratio: float
     min_clearance: float
@@ -233,6 +235,7 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
         extra_time=_extra_time(rows),
         common_extra_time=None if common is None else _extra_time([row for row in rows if row.level in common]),
         spl=mean([episode.spl for episode in episodes]),
+        sct=mean([episode.sct for episode in episodes]),
         path_length=mean([episode.path_length for episode in arrivals]),
         path_ratio=mean([episode.path_ratio for episode in arrivals]),
         min_clearance=mean([episode.min_clearance for episode in episodes]),

@@ -10,23 +10,54 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
-from irsim_gym.evaluation.metrics import Rate
-from irsim_gym.evaluation.tables import EPISODE_COLUMNS, number, percent, write_csv
+from irsim_gym.evaluation.metrics import EpisodeRow, Rate
+from irsim_gym.evaluation.tables import EPISODE_COLUMNS, number, percent, read_cells, read_rows, write_csv
 from irsim_gym.evaluation.team_metrics import TEAM_HITS, AgentRow, ExtraTime, TeamRow, TeamSummary
 
 AGENT_COLUMNS = ("arrival_time", "straight_distance", "top_speed", "extra_time", "deadlocked")
 LEVEL_COLUMNS = ("policy", "level", "agents", "arrived", "success", "makespan", "flowtime", "collided", "deadlocked")
 
 
-def write_agents(path: Path, results: Mapping[str, Sequence[TeamRow]]) -> None:
-    """Write one CSV row per policy, level and agent."""
+def write_agents(
+    path: Path, results: Mapping[str, Sequence[TeamRow]], drivers: Mapping[str, Sequence[str]] | None = None
+) -> None:
+    """Write one CSV row per policy, level and agent.
+
+    Args:
+        path: The file.
+        results: Levels by policy.
+        drivers: For each of them, where its agents are driven by several policies, who drives each agent; this makes a
+            column ``driver``.
+    """
     rows = (
-        {"policy": policy, **_agent_cells(agent)}
+        {"policy": policy, **_agent_cells(agent), **({} if drivers is None else {"driver": drivers[policy][a]})}
         for policy, levels in results.items()
         for level in levels
-        for agent in level.agents
+        for a, agent in enumerate(level.agents)
     )
-    write_csv(path, ("policy", "level", "agent", *EPISODE_COLUMNS[1:], *AGENT_COLUMNS), rows)
+    columns = ("policy", "level", "agent", *(() if drivers is None else ("driver",)))
+    write_csv(path, (*columns, *EPISODE_COLUMNS[1:], *AGENT_COLUMNS), rows)
+
+
+def read_agents(path: Path, limit: float) -> dict[str, list[TeamRow]]:
+    """Return what ``write_agents`` has written; floats are as there, rounded.
+
+    Args:
+        path: The file.
+        limit: The time limit [s].
+
+    Raises:
+        IrsimGymError: The file cannot be read, or is of another kind.
+    """
+    agents: dict[str, dict[int, list[AgentRow]]] = {}
+    for row in read_rows(path):
+        episode = read_cells(path, EpisodeRow, row)
+        levels = agents.setdefault(row.get("policy", ""), {})
+        levels.setdefault(episode.level, []).append(read_cells(path, AgentRow, row, episode=episode))
+    return {
+        policy: [TeamRow(level, limit, tuple(members)) for level, members in levels.items()]
+        for policy, levels in agents.items()
+    }
 
 
 def write_levels(path: Path, results: Mapping[str, Sequence[TeamRow]]) -> None:

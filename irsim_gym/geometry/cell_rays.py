@@ -52,7 +52,7 @@ def cast_cells(
         ranges: Changed: ranges [m], shape ``(n_beams,)``; what lies farther is not looked for.
     """
     squares, boxes = cells.squares, cells.boxes
-    if boxes.shape[0] == 0:
+    if cells.n_boxes == 0:
         return
     columns, rows = squares.shape[1], squares.shape[2]
     x, y, heading = pose

@@ -1,14 +1,14 @@
 """An occupancy map: which of many equal rectangles are occupied, and what touches or sees them.
 
-Cells are closed sets, so touching one is overlapping it. A world without a map has None in place of a ``CellMap``:
-kernels are compiled for either, and those for None hold nothing of what is here.
+Cells are closed sets, so touching one is overlapping it. These kernels take the map of one world; ``world_maps`` holds
+those of many, or None.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Bytes, CellMap, Flags, Ints
+from irsim_gym.arraytypes import BodyOutline, Bytes, CellMap, Flags, Spans
 from irsim_gym.geometry.cell_room import nearest_to_point2, room_about
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import point_segment_distance2, side
@@ -43,22 +43,54 @@ def find_free_squares(occupied: Flags, squares: Bytes) -> None:
                 squares[quadrant, i, j] = min(1 + min(beside, above, across), LARGEST)
 
 
-def find_boxes(occupied: Flags) -> Ints:
-    """Return boxes of cells that together are the occupied ones, shape ``(n, 4)``: equal runs of neighbouring columns.
+@kernel
+def find_boxes(occupied: Flags, boxes: Spans) -> int:
+    """Write boxes of cells that together are the occupied ones: equal runs of neighbouring columns.
 
     Args:
         occupied: Occupied cells, shape ``(columns, rows)``.
+        boxes: Written: first column, end column, first row, end row, in ascending order, shape ``(n, 4)``; those for
+            which it has no row are left out.
+
+    Returns:
+        How many boxes there are.
     """
-    edges = np.diff(np.pad(occupied, ((0, 1), (1, 1))).astype(np.int8), axis=1)
-    boxes: list[tuple[int, int, int, int]] = []
-    growing: dict[tuple[int, int], int] = {}
-    for i, edge in enumerate(edges):
-        runs = set(zip(np.flatnonzero(edge == 1).tolist(), np.flatnonzero(edge == -1).tolist(), strict=True))
-        for run in [run for run in growing if run not in runs]:
-            boxes.append((growing.pop(run), i, *run))
-        for run in runs:
-            growing.setdefault(run, i)
-    return np.array(sorted(boxes), np.int64).reshape(-1, 4)
+    columns, rows = occupied.shape
+    count = 0
+    for i in range(columns):
+        begin, j = count, 0
+        while j < rows:
+            if not occupied[i, j]:
+                j += 1
+                continue
+            first = j
+            while j < rows and occupied[i, j]:
+                j += 1
+            if i > 0 and is_run(occupied, i - 1, first, j):
+                continue
+            end = i + 1
+            while end < columns and is_run(occupied, end, first, j):
+                end += 1
+            if count < boxes.shape[0]:
+                place = count
+                while place > begin and boxes[place - 1, 1] > end:
+                    for k in range(4):
+                        boxes[place, k] = boxes[place - 1, k]
+                    place -= 1
+                boxes[place, 0], boxes[place, 1], boxes[place, 2], boxes[place, 3] = i, end, first, j
+            count += 1
+    return count
+
+
+@kernel
+def is_run(occupied: Flags, i: int, first: int, end: int) -> bool:
+    """Return whether the cells of column i from row ``first`` to before ``end`` are occupied, and the next are not."""
+    if (first > 0 and occupied[i, first - 1]) or (end < occupied.shape[1] and occupied[i, end]):
+        return False
+    j = first
+    while j < end and occupied[i, j]:
+        j += 1
+    return j == end
 
 
 @kernel
@@ -166,19 +198,17 @@ def nearest_cell2(cells: CellMap, ax: float, ay: float, bx: float, by: float, re
 
 
 @kernel
-def capsule_meets_cells(cells: CellMap | None, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
+def capsule_meets_cells(cells: CellMap, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
     """Return whether an occupied cell comes within ``radius`` [m] (0 allowed) of the segment ab, which may be a point.
 
     Args:
-        cells: The map, or None.
+        cells: The map.
         ax: First end [m], as ``ay``, ``bx``, ``by``.
         ay: See ``ax``.
         bx: See ``ax``.
         by: See ``ax``.
         radius: Distance [m] that counts as touching.
     """
-    if cells is None:
-        return False
     half = 0.5 * np.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
     least, most = room_about(cells, 0.5 * (ax + bx), 0.5 * (ay + by))
     if least > radius + half * (1.0 + SLACK):
@@ -191,14 +221,12 @@ def capsule_meets_cells(cells: CellMap | None, ax: float, ay: float, bx: float, 
 
 
 @kernel
-def segment_cells_distance(cells: CellMap | None, ax: float, ay: float, bx: float, by: float, limit: float) -> float:
+def segment_cells_distance(cells: CellMap, ax: float, ay: float, bx: float, by: float, limit: float) -> float:
     """Return the distance [m] of the segment ab from the nearest occupied cell, ``limit`` (may be inf) if not smaller.
 
     The search reaches as far as the room in the segment's middle says, and where that is unknown it doubles its reach
     until it finds a cell.
     """
-    if cells is None:
-        return limit
     squares = cells.squares
     half = 0.5 * np.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
     least, most = room_about(cells, 0.5 * (ax + bx), 0.5 * (ay + by))
@@ -220,19 +248,15 @@ def segment_cells_distance(cells: CellMap | None, ax: float, ay: float, bx: floa
 
 
 @kernel
-def cells_are_closer(cells: CellMap | None, x: float, y: float, limit: float) -> bool:
+def cells_are_closer(cells: CellMap, x: float, y: float, limit: float) -> bool:
     """Return whether an occupied cell comes closer than ``limit`` [m] to a point."""
-    if cells is None:
-        return False
     _, most = room_about(cells, x, y)
     return bool(most < limit or segment_cells_distance(cells, x, y, x, y, limit) < limit)
 
 
 @kernel
-def nearest_cell_point(cells: CellMap | None, x: float, y: float, limit: float) -> tuple[float, float, float]:
+def nearest_cell_point(cells: CellMap, x: float, y: float, limit: float) -> tuple[float, float, float]:
     """Return distance and position [m] of the nearest point of an occupied cell; inf and (x, y) if none is in limit."""
-    if cells is None:
-        return np.inf, x, y
     squares = cells.squares
     best, best_x, best_y = np.inf, x, y
     reach = segment_cells_distance(cells, x, y, x, y, limit) * (1.0 + SLACK)
@@ -253,10 +277,8 @@ def nearest_cell_point(cells: CellMap | None, x: float, y: float, limit: float) 
 
 
 @kernel
-def outline_meets_cells(cells: CellMap | None, outline: BodyOutline) -> bool:
+def outline_meets_cells(cells: CellMap, outline: BodyOutline) -> bool:
     """Return whether an outline touches an occupied cell, or holds one."""
-    if cells is None:
-        return False
     segments, discs = outline.segments, outline.discs
     for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
         if capsule_meets_cells(cells, discs[d, 0], discs[d, 1], discs[d, 0], discs[d, 1], discs[d, 2]):
@@ -296,10 +318,8 @@ def holds_cell(cells: CellMap, outline: BodyOutline) -> bool:
 
 
 @kernel
-def outline_cells_distance(cells: CellMap | None, outline: BodyOutline, limit: float) -> float:
+def outline_cells_distance(cells: CellMap, outline: BodyOutline, limit: float) -> float:
     """Return the distance [m] of an outline from the nearest occupied cell: 0 if they touch, at most ``limit``."""
-    if cells is None:
-        return limit
     if outline.solid and outline.n_segments > 0 and holds_cell(cells, outline):
         return 0.0
     best, segments, discs = limit, outline.segments, outline.discs
@@ -315,10 +335,8 @@ def outline_cells_distance(cells: CellMap | None, outline: BodyOutline, limit: f
 
 
 @kernel
-def outline_near_cells(cells: CellMap | None, outline: BodyOutline, clearance: float) -> bool:
+def outline_near_cells(cells: CellMap, outline: BodyOutline, clearance: float) -> bool:
     """Return whether an outline touches an occupied cell, or comes closer than ``clearance`` [m] to one."""
-    if cells is None:
-        return False
     for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
         _, most = room_about(cells, outline.discs[d, 0], outline.discs[d, 1])
         if most < outline.discs[d, 2] + clearance:

@@ -29,6 +29,10 @@ class Omni:
     frame: Literal["world", "body"] = option(
         "world", meaning="Frame of the command: the world's, or the body's (forward and left)."
     )
+    bound: Literal["components", "speed"] = option(
+        "components",
+        meaning="What vel_max limits: each component, or the speed in any direction too, to its first number.",
+    )
     noise: bool = option(False, meaning="Add motion noise, also at rest.")
     alpha: tuple[float, ...] = option(
         (0.03, 0.03),

@@ -28,6 +28,7 @@ def draw_levels(
     splits: Sequence[str],
     count: int,
     on_levels: Callable[[int], None] | None = None,
+    look: Callable[[int], None] | None = None,
 ) -> LevelSet:
     """Return the first levels of some splits, as the simulation's worlds begin them.
 
@@ -36,6 +37,7 @@ def draw_levels(
         splits: Different ones of ``train``, ``dev``, ``test``.
         count: How many levels of each.
         on_levels: Called with the number of levels that have just been drawn.
+        look: Called with each world whose level has begun, in the order of the levels.
 
     Raises:
         IrsimGymError: The levels come from a file that has fewer.
@@ -48,6 +50,9 @@ def draw_levels(
             simulation.reset(first, split)
             n_new = min(simulation.n_worlds, count - first)
             taker.take(n_new)
+            if look is not None:
+                for world in range(n_new):
+                    look(world)
             if on_levels is not None:
                 on_levels(n_new)
     levels = taker.levels()

@@ -7,6 +7,7 @@ import numpy as np
 from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Simulation, arrival, body_buckets, body_measures, compile, contact, restart
 from irsim_gym.engine.step import sense
+from irsim_gym.engine.traits import draw_traits
 from irsim_gym.errors import PlacementError
 from irsim_gym.live.goal_writer import make_room
 from irsim_gym.scenario import Scenario
@@ -15,7 +16,7 @@ from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
 HOLD_INDICES = ("segment_start", "disc_start", "static_partner", "bucketed", "bucket", "bucket_next", "hit")
-NOT_CARRIED = frozenset({*HOLD_INDICES, "nearby", "radius", "centroid"})
+NOT_CARRIED = frozenset({*HOLD_INDICES, "nearby", "radius", "centroid", "watchers", "seen_row", "leader", "abreast"})
 """Fields about bodies that hold row numbers, bodies or buckets, or that not every world asks for; worked out anew."""
 
 START_TRIES = 20
@@ -71,6 +72,7 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
             rows = int(getattr(old.model, count)[0, was])
             first, target = int(getattr(old.model, start)[was]), int(getattr(new.model, start)[b])
             getattr(new.model, table)[:, target : target + rows] = getattr(old.model, table)[:, first : first + rows]
+    _carry_map(old, new)
     _carry_fog(old, new)
     _carry_memories(old, new, dict(zip(here.tolist(), there.tolist(), strict=True)))
     new.state.placed[0, here] = True
@@ -79,6 +81,14 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
         [np.setdiff1d(new.parts.loop_returns, here), here[np.isin(there, old.parts.loop_returns)]]
     )
     new.place(here)
+
+
+def _carry_map(old: Simulation, new: Simulation) -> None:
+    """Copy the map, which may be that of the level."""
+    before, now = old.model.cells, new.model.cells
+    if before is not None and now is not None:
+        for field in ("squares", "boxes", "n_boxes", "room"):
+            getattr(now, field)[:] = getattr(before, field)
 
 
 def _carry_fog(old: Simulation, new: Simulation) -> None:
@@ -109,6 +119,7 @@ def _draw(new: Simulation, added: Ints) -> None:
     for _ in range(START_TRIES):
         failed[0] = 0
         state.placed[0, added] = False
+        draw_traits(shard.worlds, parts.traits[np.isin(parts.traits["body"], added)], model, state)
         for group in parts.footprints:
             chosen = np.flatnonzero(np.isin(group.members, added))
             if len(chosen):

@@ -83,10 +83,10 @@ def _is_inside(starts: Floats, ends: Floats) -> bool:
 
 
 def _touches_map(simulation: Simulation, x: float, y: float, radius: float) -> bool:
-    occupied = simulation.scenario.occupied
-    if occupied is None:
+    left, bottom, width, height, body = simulation.model.map_frame.item()
+    if body < 0:
         return False
-    left, bottom, width, height, _ = simulation.model.map_frame.item()
+    occupied = simulation.model.map_squares[0, 0] == 0
     columns, rows = occupied.shape
     first, last = (max(math.floor((x + side * radius - left) / width), 0) for side in (-1, 1))
     low, high = (max(math.floor((y + side * radius - bottom) / height), 0) for side in (-1, 1))

@@ -1,10 +1,12 @@
-"""Where the cells of an occupancy map come from."""
+"""Where the cells of an occupancy map come from, or how they are drawn for each level."""
 
 from irsim_gym.families import MAPS
 from irsim_gym.maps.array import ArrayMap
+from irsim_gym.maps.cells import RandomCells
 from irsim_gym.maps.image import ImageMap
 from irsim_gym.maps.perlin import PerlinMap
 
 MAPS.register("image", ImageMap)
 MAPS.register("perlin", PerlinMap)
 MAPS.register("array", ArrayMap)
+MAPS.register("cells", RandomCells)

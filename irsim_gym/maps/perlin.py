@@ -10,11 +10,10 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.errors import OptionError
+from irsim_gym.maps.level import MOST_CELLS, map_size
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.outline import Outline
 
-MOST_CELLS = 4_000_000
 _Q = np.sqrt(0.5)
 GRADIENTS = np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [_Q, _Q], [-_Q, _Q], [_Q, -_Q], [-_Q, -_Q]])
 
@@ -42,9 +41,7 @@ class PerlinMap:
         Raises:
             OptionError: There would be too many cells.
         """
-        columns, rows = (max(1, round(side / self.resolution)) for side in (width, height))
-        if columns * rows > MOST_CELLS:
-            raise OptionError("resolution", f"makes {columns} x {rows} cells, at most {MOST_CELLS}")
+        columns, rows = map_size(self.resolution, width, height, MOST_CELLS)
         noise = self.noise(columns, rows, seed_of(name) if self.seed is None else self.seed)
         place = min(int((1.0 - self.fill) * noise.size), noise.size - 1)
         return np.asarray(noise > np.sort(noise, axis=None)[place])

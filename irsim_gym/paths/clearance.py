@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags
-from irsim_gym.geometry.cells import capsule_meets_cells, segment_cells_distance
+from irsim_gym.arraytypes import CellMaps, Flags
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2
+from irsim_gym.geometry.world_maps import capsule_meets_map, map_distance
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import outline_of
@@ -28,14 +28,14 @@ class Obstacles(NamedTuple):
         state: The moment.
         w: Which world.
         blocks: Bodies that are in the way, shape ``(n_bodies,)``.
-        cells: The occupancy map, whose occupied cells are always in the way, or None.
+        cells: The occupancy maps, whose occupied cells are always in the way, or None.
     """
 
     model: WorldModel
     state: WorldState
     w: int
     blocks: Flags
-    cells: CellMap | None
+    cells: CellMaps | None
 
 
 @kernel
@@ -80,7 +80,7 @@ def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -
                 return False
         if outline.solid and holds_point(outline, ax, ay):
             return False
-    return not capsule_meets_cells(obstacles.cells, ax, ay, bx, by, radius)
+    return not capsule_meets_map(obstacles.cells, obstacles.w, ax, ay, bx, by, radius)
 
 
 @kernel
@@ -96,4 +96,4 @@ def room_at(obstacles: Obstacles, x: float, y: float, limit: float) -> float:
         dx, dy, far = pose[b, 0] - x, pose[b, 1] - y, model.reach[row_of(model.reach, w), b] + best
         if dx * dx + dy * dy < far * far:
             best = min(best, point_outline_distance(x, y, outline_of(model, obstacles.state, w, b)))
-    return float(np.maximum(segment_cells_distance(obstacles.cells, x, y, x, y, best), 0.0))
+    return float(np.maximum(map_distance(obstacles.cells, w, x, y, best), 0.0))

@@ -17,8 +17,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Bytes, CellMap, Floats, Ints
+from irsim_gym.arraytypes import BodyOutline, Bytes, CellMaps, Floats, Ints
 from irsim_gym.geometry.polygons import holds_point
+from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.world.outline import outline_of
@@ -133,16 +134,17 @@ def mark_blocked(obstacles: Obstacles, radius: float, grid: Grid, blocked: Bytes
     for b in range(blocks.shape[0]):
         if blocks[b]:
             block_inside(outline_of(obstacles.model, obstacles.state, obstacles.w, b), grid, blocked)
-    block_around_cells(obstacles.cells, wide, grid, blocked)
+    block_around_cells(obstacles.cells, obstacles.w, wide, grid, blocked)
 
 
 @kernel
-def block_around_cells(cells: CellMap | None, radius: float, grid: Grid, blocked: Bytes) -> None:
-    """Block the cells whose centres lie within ``radius`` [m] of an occupied cell of the map."""
+def block_around_cells(cells: CellMaps | None, w: int, radius: float, grid: Grid, blocked: Bytes) -> None:
+    """Block the cells whose centres lie within ``radius`` [m] of an occupied cell of the map of world w."""
     if cells is None:
         return
-    boxes, x, y = cells.boxes, cells.x - grid.origin_x, cells.y - grid.origin_y
-    for k in range(boxes.shape[0]):
+    here, x, y = map_of(cells, w), cells.x - grid.origin_x, cells.y - grid.origin_y
+    boxes = here.boxes
+    for k in range(here.n_boxes):
         left, right = x + boxes[k, 0] * cells.width, x + boxes[k, 1] * cells.width
         low, high = y + boxes[k, 2] * cells.height, y + boxes[k, 3] * cells.height
         block_box(left, low, right, high, radius, grid.cell, blocked)

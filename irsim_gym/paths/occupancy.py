@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, CellMap, Flags
+from irsim_gym.arraytypes import BodyOutline, CellMaps, Flags
 from irsim_gym.geometry.polygons import holds_point
+from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.world.outline import outline_of
@@ -45,16 +46,19 @@ def mark_touched(obstacles: Obstacles, x: float, y: float, width: float, height:
             bx, by = (segments[s, 2] - x) / width, (segments[s, 3] - y) / height
             touch_segment(ax, ay, bx, by, touched)
         touch_inside(outline, x, y, width, height, touched)
-    touch_cells(obstacles.cells, x, y, width, height, touched)
+    touch_cells(obstacles.cells, obstacles.w, x, y, width, height, touched)
 
 
 @kernel
-def touch_cells(cells: CellMap | None, x: float, y: float, width: float, height: float, touched: Flags) -> None:
-    """Mark the cells that an occupied cell of the map overlaps."""
+def touch_cells(
+    cells: CellMaps | None, w: int, x: float, y: float, width: float, height: float, touched: Flags
+) -> None:
+    """Mark the cells that an occupied cell of the map of world w overlaps."""
     if cells is None:
         return
-    boxes = cells.boxes
-    for k in range(boxes.shape[0]):
+    here = map_of(cells, w)
+    boxes = here.boxes
+    for k in range(here.n_boxes):
         left = (cells.x + boxes[k, 0] * cells.width - x) / width
         right = (cells.x + boxes[k, 1] * cells.width - x) / width
         low = (cells.y + boxes[k, 2] * cells.height - y) / height

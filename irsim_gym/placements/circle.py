@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Floats, Ints
+from irsim_gym.arraytypes import CellMaps, Floats, Ints
 from irsim_gym.jit import kernel
 from irsim_gym.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.placements.manual import put_on_start, world_box
@@ -22,8 +22,6 @@ from irsim_gym.world.state import WorldState
 
 MARGIN = 0.5
 TRIES = 100
-JITTER_CLEARANCE = 0.05
-"""What shifted starts, and shifted goals, keep between the outlines [m]."""
 
 
 @dataclass(repr=False)
@@ -36,6 +34,8 @@ class CircleTables(Struct):
         radius: Radius of the circle [m].
         jitter: By how much starts and goals are shifted at most [m].
         turn: The circle is turned.
+        scatter: Each place is drawn.
+        clearance: What is kept between outlines [m]; 0 where places are even.
         angles: Direction of each member's place from the centre [rad], shape ``(n_bodies,)``.
         everyone: Numbers of all bodies.
     """
@@ -45,6 +45,8 @@ class CircleTables(Struct):
     radius: float
     jitter: float
     turn: bool
+    scatter: bool
+    clearance: float
     angles: Floats
     everyone: Ints
 
@@ -72,11 +74,17 @@ class CirclePlacement:
         consequence="Large on a full circle: levels take long to draw, or cannot be.",
     )
     turn: bool = option(False, meaning="Turn the whole circle by another angle in each level.")
+    scatter: bool = option(
+        False, meaning="Each body gets a place of its own on the circle, drawn in each level, instead of even ones."
+    )
+    clearance: float = option(
+        0.05, ge=0.0, unit="m", meaning="What shifted or scattered starts, and goals, keep between the outlines."
+    )
 
     @property
     def is_random(self) -> bool:
         """True if levels differ."""
-        return self.turn or self.jitter > 0.0
+        return self.turn or self.scatter or self.jitter > 0.0
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
@@ -87,16 +95,20 @@ class CirclePlacement:
         radius = float(np.min(high[:2] - low[:2])) / 2.0 if options.radius is None else options.radius
         if radius <= 0.0:
             return f"needs a radius: half of the world's shorter side, less {MARGIN} m, is {radius:g} m"
-        for k, b in enumerate(group.members):
-            angle = 2.0 * np.pi * k / len(group.members)
-            arm = radius * np.array([np.cos(angle), np.sin(angle)])
-            model.start[:, b] = [*(center + arm), angle - np.pi]
-            model.waypoints[:, b, 0] = [*(center - arm), angle - np.pi]
         angles = np.zeros(len(model.role))
-        angles[group.members] = 2.0 * np.pi * np.arange(len(group.members)) / len(group.members)
+        leaders, place = np.unique(model.leader[group.members], return_inverse=True)
+        angles[group.members] = 2.0 * np.pi * place / len(leaders)
+        for b in group.members:
+            angle = angles[b]
+            arm, aside = radius * np.array([np.cos(angle), np.sin(angle)]), np.array([np.sin(angle), -np.cos(angle)])
+            model.start[:, b] = [*(center + arm + model.abreast[b] * aside), angle - np.pi]
+            model.waypoints[:, b, 0] = [*(center - arm + model.abreast[b] * aside), angle - np.pi]
         everyone = np.arange(len(model.role))
         x, y, jitter = float(center[0]), float(center[1]), float(options.jitter)
-        group.tables = CircleTables(x, y, float(radius), jitter, options.turn, angles, everyone)
+        clearance = options.clearance if options.scatter or jitter > 0.0 else 0.0
+        group.tables = CircleTables(
+            x, y, float(radius), jitter, options.turn, options.scatter, clearance, angles, everyone
+        )
         return _beyond_the_edge(center, radius + options.jitter, model) if options.is_random else None
 
     @staticmethod
@@ -123,14 +135,14 @@ def draw_shifted(
     circle: CircleTables,
     model: WorldModel,
     state: WorldState,
-    cells: CellMap | None,
+    cells: CellMaps | None,
     failed: Ints,
 ) -> None:
     """Turn the circle, then shift the start and the goal of one member after the other until they are free.
 
-    Reads: circle (angles, everyone, jitter, radius, turn, x, y), model (disc_count, disc_start, goal_renewal, has_goal,
-        local_discs, local_segments, present, reach, segment_count, segment_start, solid, stands, waypoint_count,
-        waypoints), state (discs, placed, pose, random, segments).
+    Reads: circle (angles, clearance, everyone, jitter, radius, scatter, turn, x, y), model (abreast, disc_count,
+        disc_start, goal_renewal, has_goal, leader, local_discs, local_segments, present, reach, segment_count,
+        segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
     Writes: model (waypoints), state (discs, placed, pose, random, segments), failed.
     """
     placed = state.placed
@@ -140,7 +152,8 @@ def draw_shifted(
             if failed[w] > 0 or not model.present[w, b] or placed[w, b]:
                 continue
             angle = turned + circle.angles[b]
-            placed[w, b] = shift_start(w, b, angle, circle, model, state, cells) and (
+            angle = shift_start(w, b, angle, circle, model, state, cells)
+            placed[w, b] = not np.isnan(angle) and (
                 not model.has_goal[b] or shift_goal(w, b, members, angle, circle, model, state, cells)
             )
             if not placed[w, b]:
@@ -149,23 +162,30 @@ def draw_shifted(
 
 @kernel
 def shift_start(
-    w: int, b: int, angle: float, circle: CircleTables, model: WorldModel, state: WorldState, cells: CellMap | None
-) -> bool:
-    """Draw a pose near body b's place on the circle, facing the centre; return whether one is free.
+    w: int, b: int, angle: float, circle: CircleTables, model: WorldModel, state: WorldState, cells: CellMaps | None
+) -> float:
+    """Draw a pose near body b's place on the circle, facing the centre; return the place's angle, NaN if none is free.
 
-    Reads: circle (everyone, jitter, radius, x, y), model (disc_count, disc_start, goal_renewal, has_goal, local_discs,
-        local_segments, present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints), state
-        (discs, placed, pose, random, segments).
+    Reads: circle (clearance, everyone, jitter, radius, scatter, x, y), model (abreast, disc_count, disc_start,
+        goal_renewal, has_goal, leader, local_discs, local_segments, present, reach, segment_count, segment_start,
+        solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
     Writes: state (discs, pose, random, segments).
     """
-    clearance, pose = JITTER_CLEARANCE if circle.jitter > 0.0 else 0.0, state.pose[w, b]
+    pose = state.pose[w, b]
     for _ in range(TRIES):
-        x, y = shifted(w, circle.radius * np.cos(angle), circle.radius * np.sin(angle), circle.jitter, state)
+        if circle.scatter and model.leader[b] == b:
+            angle = uniform(state.random, w, 0.0, 2.0 * np.pi)
+        elif circle.scatter:
+            first = state.pose[w, model.leader[b]]
+            angle = np.arctan2(first[1] - circle.y, first[0] - circle.x)
+        cosine, sine, aside = np.cos(angle), np.sin(angle), model.abreast[b]
+        place_x, place_y = circle.radius * cosine + aside * sine, circle.radius * sine - aside * cosine
+        x, y = shifted(w, place_x, place_y, circle.jitter, state)
         pose[0], pose[1], pose[2] = circle.x + x, circle.y + y, np.arctan2(-y, -x)
         place_outline(model, state, w, b)
-        if is_start_free(w, b, circle.everyone, clearance, model, state, cells):
-            return True
-    return False
+        if is_start_free(w, b, circle.everyone, circle.clearance, model, state, cells):
+            return angle
+    return np.nan
 
 
 @kernel
@@ -177,17 +197,20 @@ def shift_goal(
     circle: CircleTables,
     model: WorldModel,
     state: WorldState,
-    cells: CellMap | None,
+    cells: CellMaps | None,
 ) -> bool:
     """Draw a goal near the place opposite of body b's, headed away from the centre; return whether one is free.
 
-    Reads: circle (jitter, radius, x, y), model (disc_count, disc_start, goal_renewal, has_goal, present, reach,
-        segment_count, segment_start, solid, stands, waypoints), state (discs, placed, pose, random, segments).
+    Reads: circle (clearance, jitter, radius, x, y), model (abreast, disc_count, disc_start, goal_renewal, has_goal,
+        present, reach, segment_count, segment_start, solid, stands, waypoints), state (discs, placed, pose, random,
+        segments).
     Writes: model (waypoints), state (random).
     """
-    clearance, goal = JITTER_CLEARANCE if circle.jitter > 0.0 else 0.0, model.waypoints[w, b, 0]
+    clearance, goal = circle.clearance, model.waypoints[w, b, 0]
     for _ in range(TRIES):
-        x, y = shifted(w, -circle.radius * np.cos(angle), -circle.radius * np.sin(angle), circle.jitter, state)
+        cosine, sine, aside = np.cos(angle), np.sin(angle), model.abreast[b]
+        place_x, place_y = aside * sine - circle.radius * cosine, -circle.radius * sine - aside * cosine
+        x, y = shifted(w, place_x, place_y, circle.jitter, state)
         goal[0], goal[1], goal[2] = circle.x + x, circle.y + y, np.arctan2(y, x)
         if are_goals_apart(w, b, members, clearance, model, state) and is_goal_free(
             w, b, clearance, model, state, cells

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from irsim_gym.arraytypes import BodyOutline, CellMap, Flags, Floats, Ints
-from irsim_gym.geometry.cells import cells_are_closer, outline_near_cells
+from irsim_gym.arraytypes import BodyOutline, CellMaps, Flags, Floats, Ints
 from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
+from irsim_gym.geometry.world_maps import map_is_closer, outline_near_map
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.regions import WayTables, of_slot, way_exists
@@ -48,7 +48,7 @@ def is_spaced(
 
 @kernel
 def is_start_free(
-    w: int, b: int, others: Ints, clearance: float, model: WorldModel, state: WorldState, cells: CellMap | None
+    w: int, b: int, others: Ints, clearance: float, model: WorldModel, state: WorldState, cells: CellMaps | None
 ) -> bool:
     """Return whether body b, where its outline stands, is clear of the map and of those of ``others`` that are placed.
 
@@ -58,7 +58,7 @@ def is_start_free(
         stands, waypoint_count, waypoints), state (discs, placed, pose, segments).
     """
     outline, reaches = outline_of(model, state, w, b), model.reach[row_of(model.reach, w)]
-    if outline_near_cells(cells, outline, clearance):
+    if outline_near_map(cells, w, outline, clearance):
         return False
     if model.stands[b] and not is_clear_of_goals(w, b, clearance, model, state):
         return False
@@ -103,7 +103,9 @@ def is_closer(clearance: float, one: BodyOutline, other: BodyOutline) -> bool:
 
 
 @kernel
-def is_goal_free(w: int, b: int, clearance: float, model: WorldModel, state: WorldState, cells: CellMap | None) -> bool:
+def is_goal_free(
+    w: int, b: int, clearance: float, model: WorldModel, state: WorldState, cells: CellMaps | None
+) -> bool:
     """Return whether a disc around body b at its goal is clear of the map, placed static bodies and others' goals.
 
     Reads: model (disc_count, disc_start, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid,
@@ -111,7 +113,7 @@ def is_goal_free(w: int, b: int, clearance: float, model: WorldModel, state: Wor
     """
     reaches, waypoints = model.reach[row_of(model.reach, w)], model.waypoints[w]
     x, y, room = waypoints[b, 0, 0], waypoints[b, 0, 1], reaches[b] + clearance
-    if cells_are_closer(cells, x, y, room):
+    if map_is_closer(cells, w, x, y, room):
         return False
     for q in range(reaches.shape[0]):
         if q == b or not state.placed[w, q] or not model.present[w, q]:
@@ -133,7 +135,7 @@ def is_goal_free(w: int, b: int, clearance: float, model: WorldModel, state: Wor
 
 
 @kernel
-def has_way(w: int, b: int, grids: WayGrids, model: WorldModel, state: WorldState, cells: CellMap | None) -> bool:
+def has_way(w: int, b: int, grids: WayGrids, model: WorldModel, state: WorldState, cells: CellMaps | None) -> bool:
     """Return whether a disc around body b has a free way to its goal past the placed static bodies.
 
     Reads: model (present, reach, stands, waypoints), state (placed, pose).

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import CellMaps, Flags, Floats, Ints
 from irsim_gym.geometry.buckets import bucket_of, gather_nearby, put
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
@@ -186,7 +186,7 @@ def draw_members(
     grids: WayGrids,
     model: WorldModel,
     state: WorldState,
-    cells: CellMap | None,
+    cells: CellMaps | None,
     failed: Ints,
 ) -> None:
     """Place one member after the other in each world, those that have no place yet, until one finds none.
@@ -245,7 +245,7 @@ def put_placed(w: int, b: int, model: WorldModel, state: WorldState) -> None:
 
 @kernel
 def draw_start(
-    w: int, b: int, members: Ints, tables: DrawTables, model: WorldModel, state: WorldState, cells: CellMap | None
+    w: int, b: int, members: Ints, tables: DrawTables, model: WorldModel, state: WorldState, cells: CellMaps | None
 ) -> bool:
     """Draw a pose for body b that is clear of everything placed so far; return whether there is one.
 
@@ -275,7 +275,7 @@ def draw_start(
 
 @kernel
 def draw_goal(
-    w: int, b: int, members: Ints, tables: DrawTables, model: WorldModel, state: WorldState, cells: CellMap | None
+    w: int, b: int, members: Ints, tables: DrawTables, model: WorldModel, state: WorldState, cells: CellMaps | None
 ) -> bool:
     """Draw a goal for body b that its footprint can stand on; return whether there is one.
 

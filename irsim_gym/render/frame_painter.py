@@ -145,6 +145,11 @@ class FramePainter:
         self._keep(job)
         return pictures
 
+    @property
+    def is_rigid(self) -> bool:
+        """True if all levels have the same map, which ``card`` shows."""
+        return bool(self._model.rigid[0])
+
     def desk(self, slot: int) -> records.Desk:
         """Return the memory of a thread."""
         desk = self._desks.get(slot)
@@ -167,8 +172,10 @@ class FramePainter:
         tables = state.segments[world, self._segment_rows], state.discs[world, self._disc_rows]
         parts = state.pose[world, self._fixed], *tables  # images turn where outlines do not
         here = model.present[world, self._fixed]
+        squares = model.map_squares[world % len(model.map_squares), 0]
+        drawn = b"" if self.is_rigid else np.packbits(squares == 0).tobytes()
         counts = (table[world % len(table), self._fixed] for table in (model.segment_count, model.disc_count))
-        return layout, b"|".join([here.tobytes(), *(part.tobytes() for part in (*counts, *parts))])
+        return layout, b"|".join([here.tobytes(), drawn, *(part.tobytes() for part in (*counts, *parts))])
 
     def known_backdrop(self, key: tuple[Layout, bytes]) -> Bytes | None:
         """Return a backdrop that was kept."""
@@ -245,21 +252,26 @@ class FramePainter:
         return np.array(placed, np.int64).reshape(-1, 4), np.array(ends, np.int64), np.array(inks)
 
     def card(self, layout: Layout, desk: records.Desk) -> Bytes:
-        """Return the picture of an empty world, with its map."""
+        """Return the picture of an empty world, with its map if all levels have the same."""
         known = self._cards.get(layout)
         if known is None:
             known = np.empty((layout.height, layout.width, 3), np.uint8)
             self._card.draw(known, desk.sheet, layout)
-            view = self._reader.map_view()
-            if view is not None:
-                x_min, y_min, x_max, y_max = view.extent
-                columns, rows = view.occupied.shape
-                frame = np.array([x_min, y_min, (x_max - x_min) / columns, (y_max - y_min) / rows])
-                ink = np.array(colour(view.colour, view.alpha))
-                paint_cells(known, plot_box(layout), view.occupied, frame, look_from(layout), ink)
+            if self.is_rigid:
+                self.paint_map(known, 0, layout)
             self._cards.clear()
             self._cards[layout] = known
         return known
+
+    def paint_map(self, picture: Bytes, world: int, layout: Layout) -> None:
+        """Paint a world's map over a picture."""
+        view = self._reader.map_view(world)
+        if view is not None:
+            x_min, y_min, x_max, y_max = view.extent
+            columns, rows = view.occupied.shape
+            frame = np.array([x_min, y_min, (x_max - x_min) / columns, (y_max - y_min) / rows])
+            ink = np.array(colour(view.colour, view.alpha))
+            paint_cells(picture, plot_box(layout), view.occupied, frame, look_from(layout), ink)
 
 
 class _Job:
@@ -341,6 +353,8 @@ class _Job:
                 missing[f], known = key, self._cards[layout]
             np.copyto(self._pictures[f], known)
         if missing:
+            for f in missing if not painter.is_rigid else ():
+                painter.paint_map(self._pictures[f], int(self._worlds[f]), self._layouts[f])
             chosen = np.array(list(missing), np.int64)
             self._draw_items(painter.plan.ground, chosen, desk)
             self.new_backdrops |= {key: self._pictures[f].copy() for f, key in missing.items()}

@@ -103,7 +103,7 @@ class SceneReader:
             ghosts=self._tracks.ghosts(world, present),
             fields=self._field_views(world, present),
             labels=labels(fixed + moving, goals),
-            map=self.map_view(),
+            map=self.map_view(world),
             center=self.center(world),
             fog=self._fog_view(world),
             overlay=self.overlay(world),
@@ -171,11 +171,16 @@ class SceneReader:
                 views.append(FieldView(x, y, heading, *field, self._styles[body]))
         return tuple(views)
 
-    def map_view(self) -> MapView | None:
-        """Return the occupancy map; it is the same in all worlds and at all times."""
+    def map_view(self, world: int) -> MapView | None:
+        """Return the occupancy map: while one world is read, the same object until its map changes."""
         x, y, width, height, body = self._model.map_frame.item()
-        if self._map is None and body >= 0:
-            occupied = self._model.map_squares[0] == 0
+        if body < 0:
+            return None
+        if self._map is not None and self._model.rigid[0]:
+            return self._map
+        squares = self._model.map_squares
+        occupied = squares[world % len(squares), 0] == 0
+        if self._map is None or not np.array_equal(self._map.occupied, occupied):
             extent = (x, y, x + width * occupied.shape[0], y + height * occupied.shape[1])
             style = self._styles[int(body)] if body < len(self._styles) else BodyStyle(theme.MAP)
             self._map = MapView(extent, occupied, style.colour, style.alpha)

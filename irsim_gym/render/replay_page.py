@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import base64
 import html
-import json
 import re
-import zlib
 from collections.abc import Sequence
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from irsim_gym.render import vocabulary
 from irsim_gym.render.files import whole_file
+from irsim_gym.render.page_parts import deflated, filled, inflated, page_part, player_parts
 from irsim_gym.render.replay import Recording
 from irsim_gym.render.replay_items import SharedItems
 
 SCHEMA, VERSION = "irsim_gym replay", 2
-SCRIPTS = ("data", "primitives", "world", "chart", "player", "input")
 DATA = re.compile(r'<script type="application/octet-stream" id="data">([^<]*)</script>')
 
 
@@ -43,16 +39,11 @@ def save_html(path: str | Path, recordings: Sequence[Recording], title: str = ""
     if not recordings:
         raise ValueError("a replay needs an episode")
     data = _recorded(recordings, title)
-    packed = base64.b64encode(zlib.compress(json.dumps(data, separators=(",", ":"), allow_nan=False).encode(), 9))
-    parts = {
-        "title": html.escape(data["title"]),
-        "style": _part("page.css"),
-        "script": "\n".join(_part(f"{name}.js") for name in SCRIPTS),
-        "data": packed.decode(),
-    }
-    page = re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], _part("page.html"))
+    parts = player_parts()
+    parts["script"] += f"\n{page_part('start.js')}"
+    parts |= {"title": html.escape(data["title"]), "data": deflated(data)}
     with whole_file(target) as part:
-        part.write_text(page, encoding="utf-8")
+        part.write_text(filled(page_part("page.html"), parts), encoding="utf-8")
     return target
 
 
@@ -63,7 +54,7 @@ def read_html(path: str | Path) -> dict[str, Any]:
         ValueError: The file is no such page.
     """
     found = DATA.search(Path(path).read_text(encoding="utf-8"))
-    data: dict[str, Any] = json.loads(zlib.decompress(base64.b64decode(found[1]))) if found else {}
+    data: dict[str, Any] = inflated(found[1]) if found else {}
     if data.get("schema") != SCHEMA or data.get("version") != VERSION:
         raise ValueError(f"{path} is no replay of version {VERSION}")
     return data
@@ -81,7 +72,3 @@ def _recorded(recordings: Sequence[Recording], title: str) -> dict[str, Any]:
         **shared.data(),
         "episodes": episodes,
     }
-
-
-def _part(name: str) -> str:
-    return (files("irsim_gym.render") / "page" / name).read_text(encoding="utf-8")

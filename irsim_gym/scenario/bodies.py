@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -93,6 +94,7 @@ def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -
     low = float(values["angle_range"][0])
     size = body_checks.command_size(drive)
     role: Any = entry.raw.role
+    fastest = _drawn_speeds(values)
     own_group = group if values["group"] is None else values["group"]
     is_given = bool(entry.values.get("state"))
     fov, fov_radius = body_checks.field_of_view(values["fov"], values["fov_radius"], values["sensors"] or ())
@@ -110,8 +112,8 @@ def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -
         steering=_padded(values["state"], 4, 0.0)[3],
         goal=values["goal"],
         velocity=_padded(values["velocity"], size, 0.0),
-        vel_min=_padded(values["vel_min"] or (), size, -1.0),
-        vel_max=_padded(values["vel_max"] or (), size, 1.0),
+        vel_min=_padded(values["vel_min"] or tuple(-speed for speed in fastest), size, -1.0),
+        vel_max=_padded((*fastest, *(values["vel_max"] or ())[len(fastest) :]), size, 1.0),
         acce=_padded(values["acce"] or (), size, math.inf),
         angle_range=(low, low + 2.0 * math.pi),
         goal_threshold=values["goal_threshold"],
@@ -125,7 +127,18 @@ def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -
         fov=fov,
         fov_radius=fov_radius,
         plot=values["plot"],
+        seen_by=values["seen_by"],
+        speed_range=values["speed_range"],
+        unyielding=values["unyielding"],
+        party=values["party"],
     )
+
+
+def _drawn_speeds(values: Mapping[str, Any]) -> tuple[float, ...]:
+    """Return the greatest speeds that a level can draw, for each velocity of the drive that is one; else nothing."""
+    if values["speed_range"] is None or values["kinematics"] is None:
+        return ()
+    return (float(values["speed_range"][1]),) * body_checks.speed_count(values["kinematics"])
 
 
 def _pose(state: tuple[float, ...]) -> Waypoint:

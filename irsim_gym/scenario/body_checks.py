@@ -16,6 +16,9 @@ FULL_TURN = 2.0 * math.pi
 TURN_TOLERANCE = 0.01
 """How far [rad] a width may be from a full turn: [-3.14, 3.14] is one, and begins at its lower end."""
 
+TURNS = ("angular", "steer")
+"""Velocities of drives that are no speeds."""
+
 SCANNER = "add sensors: [{name: lidar2d}] to it"
 """What to do where a scan is missing."""
 
@@ -30,6 +33,11 @@ def command_size(drive: Any) -> int:
     return 2 if drive is None else len(drive.command_names)
 
 
+def speed_count(drive: Any) -> int:
+    """Return how many of a drive's velocities are speeds [m/s]; these come first."""
+    return sum(name not in TURNS for name in drive.command_names)
+
+
 def check_body(values: Values, places: Places, report: Report) -> bool:
     """Make each check whose values could be read; return whether all could, and none found anything."""
     needs = {
@@ -37,6 +45,7 @@ def check_body(values: Values, places: Places, report: Report) -> bool:
         check_scan: ("kinematics", "behavior", "group_behavior", "static", "sensors"),
         check_dimensions: ("kinematics", "state_dim", "vel_dim", "vel_min", "vel_max", "acce", "velocity"),
         check_limits: ("kinematics", "vel_min", "vel_max"),
+        check_speeds: ("kinematics", "speed_range", "static"),
         check_angle_range: ("angle_range",),
         check_wheelbase: ("kinematics", "shape", "static"),
         check_view: ("sensors", "fov", "fov_radius"),
@@ -119,6 +128,23 @@ def check_limits(values: Values, places: Places, report: Report) -> bool:
     if any(a > b for a, b in zip(low, high, strict=False)):
         key = "vel_min" if values["vel_min"] is not None else "vel_max"
         report.add(places[key], f"vel_min must not exceed vel_max, got {show(low)} and {show(high)}")
+        return False
+    return True
+
+
+def check_speeds(values: Values, places: Places, report: Report) -> bool:
+    """Tell a range of speeds that is none, or that the drive has no use for."""
+    if values["speed_range"] is None:
+        return True
+    place, (low, high), drive = places["speed_range"], values["speed_range"], values["kinematics"]
+    if not 0.0 <= low <= high:
+        report.add(place, f"must be [low, high] with 0 <= low <= high, got {show(values['speed_range'])}")
+        return False
+    if drive is None or values["static"]:
+        report.doubt(place, f"the body never moves: {CURE.format(key='speed_range')}")
+    elif not hasattr(drive, "drive"):
+        name = KINEMATICS.name_of(type(drive))
+        report.add(place, f"works with diff, omni, omni_angular and acker, not with kinematics '{name}'")
         return False
     return True
 

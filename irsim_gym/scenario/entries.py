@@ -36,6 +36,9 @@ FAMILIES: dict[str, Registry] = {
     "group_behavior": GROUP_BEHAVIORS,
 }
 ROBOT, OBSTACLE = "robot", "obstacle"
+EVERYONE = "all"
+"""As ``seen_by``: everybody sees the body."""
+
 NO_DRIVE = "static"
 """As the name of a drive: the body never moves, as one without kinematics."""
 
@@ -132,6 +135,8 @@ def _reader(key: str, role: str, plot: Mapping[str, object]) -> Callable[[Any, P
         return _read_sensors
     if key == "goal":
         return _read_goal
+    if key == "seen_by":
+        return _read_seen_by
     if key == "plot":
         return lambda value, place, report: _read_plot(value, plot, place, report)
     if key == "role":
@@ -214,6 +219,12 @@ def _read_role(value: object, role: str, place: Place, report: Report) -> Any:
         report.add(place, f"must be '{role}' in this section (or left out), got {show(value)}")
         return BAD
     return value
+
+
+def _read_seen_by(value: object, place: Place, report: Report) -> Any:
+    if value == EVERYONE:
+        return None
+    return read_field(FIELDS["seen_by"], [value] if isinstance(value, str) else value, place, report)
 
 
 def _read_color(value: object, place: Place, report: Report) -> Any:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from irsim_gym.errors import suggestion
+from irsim_gym.errors import Problem, ScenarioError, suggestion
 from irsim_gym.scenario.level_reading import MOST_TOLD, Mistake, load_levels
 from irsim_gym.scenario.level_set import LevelSet
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.source import Place, Source
-from irsim_gym.scenario.spec import BodySpec, PlacementSpec
+from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.scenario.validation import Report
 
 
@@ -34,6 +35,18 @@ def tell(mistakes: Sequence[Mistake], place: Place, report: Report, file: str) -
     """Report what is wrong with a file of levels, each with the array where it is."""
     for name, text in mistakes:
         report.add((*place, name) if name else place, text if name else f"{file}: {text}")
+
+
+def with_levels(scenario: Scenario, levels: LevelSet) -> Scenario:
+    """Return a scenario that takes its levels from a file.
+
+    Raises:
+        ScenarioError: They do not fit.
+    """
+    mistakes = list(misfits(levels, scenario.bodies, scenario.placements))
+    if mistakes:
+        raise ScenarioError(levels.file, [Problem(0, name, text) for name, text in mistakes])
+    return replace(scenario, levels=levels)
 
 
 def drawn_bodies(bodies: Sequence[BodySpec], placements: Sequence[PlacementSpec]) -> tuple[int, ...]:

@@ -16,7 +16,7 @@ from irsim_gym.scenario.gui_spec import GuiSpec
 from irsim_gym.scenario.ids import IDS
 from irsim_gym.scenario.level_checks import misfits, read_level_file, tell
 from irsim_gym.scenario.map_cells import read_cells, read_map
-from irsim_gym.scenario.messages import CONTACT_MESSAGE, literal_values, show
+from irsim_gym.scenario.messages import CONTACT_MESSAGE, choices, literal_values, show
 from irsim_gym.scenario.needless import UNOBSTRUCTED_MODES
 from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.parameters import fill_in
@@ -198,6 +198,7 @@ def _bodies(
     placements: list[PlacementSpec] = []
     total, next_group = 0, 0
     names: list[tuple[Place, str]] = []
+    watchers: list[tuple[Place, Any]] = []
     for role in ROLES:
         raws = split_entries(role, sections.get(role), places[role], report)
         entries = [read_entry(raw, plot, report) for raw in raws]
@@ -209,11 +210,23 @@ def _bodies(
             if entry.count:
                 placements.append(placement_of(entry, total, report))
             names.extend(name_of(entry, i, total + i) for i in range(entry.count))
+            watchers.extend(entry.values.get("seen_by", ()))
             total += entry.count
             bodies.extend(made)
         next_group = 1 + max((body.group for body in bodies), default=len(entries) - 1)
     _check_names(names, report)
+    _check_watchers(watchers, bodies, report)
     return tuple(bodies), tuple(placements)
+
+
+def _check_watchers(watchers: list[tuple[Place, Any]], bodies: list[BodySpec], report: Report) -> None:
+    """Tell words of ``seen_by`` that nobody answers to; only once the bodies themselves are right."""
+    known = list(dict.fromkeys([*ROLES, *(body.name for body in bodies), *(body.group_name for body in bodies)]))
+    for place, words in [] if report.problems else watchers:
+        for word in words or ():
+            if word not in known:
+                near = suggestion(word[:40], known)
+                report.add(place, f"no role, body or group named {show(word)}{near or '; a role is ' + choices(ROLES)}")
 
 
 def _check_names(names: list[tuple[Place, str]], report: Report) -> None:

@@ -15,6 +15,7 @@ from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.parameters import ParameterSpec
 from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure, WorldPlot
 from irsim_gym.scenario.spec import BodyOptions, WorldSpec
+from irsim_gym.scenario.wander_goals import WanderGoals
 
 MARKER = "<!-- Below: made by irsim-gym options, from the declarations. Do not edit. -->"
 SPECS: dict[str, type[Any]] = {
@@ -23,6 +24,7 @@ SPECS: dict[str, type[Any]] = {
     "world.plot.saved_figure": SavedFigure,
     "robot, obstacle": BodyOptions,
     "plot": ObjectPlot,
+    "wander_goals": WanderGoals,
     "gui.keyboard": KeyboardSpec,
     "gui.mouse": MouseSpec,
     "parameters": ParameterSpec,
@@ -30,6 +32,7 @@ SPECS: dict[str, type[Any]] = {
 SUMMARIES = {
     "robot, obstacle": "The keys of an entry.",
     "parameters": "The keys of a parameter.",
+    "wander_goals": "The keys of wander_goals, in a behaviour or group behaviour that wanders.",
     "plot": "Drawing options: in an entry for its bodies, at the top of the file for all.",
 }
 _NAMED = "a mapping with a name, as below"
@@ -40,6 +43,7 @@ ALLOWED = {
     **dict.fromkeys(("observations", "rewards", "endings"), "a list of names or of mappings with a name, as below"),
     "goal": "a list of 2 or 3 numbers, or lists of them",
     "obstacle_map": "a file, a mapping with a name, or a list of columns",
+    "seen_by": "all, or a list of roles, names and names of groups",
     "state": "a list of up to 4 numbers",
 }
 _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}

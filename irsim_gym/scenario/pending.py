@@ -11,13 +11,14 @@ from irsim_gym.errors import BehaviorError, ScenarioError, UnknownNameError
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 from irsim_gym.registry import Registry
 from irsim_gym.scenario.body_checks import check_drive, check_scan
-from irsim_gym.scenario.options import crossed_bounds, kind, option
+from irsim_gym.scenario.options import crossed_bounds, defaults, kind, option
 from irsim_gym.scenario.source import Place
 from irsim_gym.scenario.spec import BodySpec, Scenario
 from irsim_gym.scenario.validation import BAD, Report, build, build_named
+from irsim_gym.scenario.wander_goals import WanderGoals
 
 FAMILIES: dict[str, Registry] = {"behavior": BEHAVIORS, "group_behavior": GROUP_BEHAVIORS}
-RENEWAL = ("wander", "loop", "range_low", "range_high")
+RENEWAL = ("wander", "loop", "range_low", "range_high", "wander_goals")
 
 
 @kind
@@ -38,6 +39,7 @@ class PendingBehavior:
     range_high: tuple[float, float, float] = option(
         (10.0, 10.0, math.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
     )
+    wander_goals: WanderGoals = option(defaults(WanderGoals), meaning="Where and when it gets its goals.")
     key: str = option("behavior", meaning="Where it stands: behavior or group_behavior.")
     where: str = option("", meaning="File and line.")
     place: tuple[Any, ...] = option((), meaning="Its path.")

@@ -80,6 +80,8 @@ def share(key: str, value: object, count: int, place: Place, report: Report) -> 
         return _share_goals(read_numbers(value), count, place)
     if key == "sensors":
         return _share_sensors(value, count, place)
+    if key == "seen_by":
+        return Shared(((place, value),))
     if key in VECTORS or key in SCALARS:
         value = read_numbers(value)
     is_vector = key in VECTORS and isinstance(value, list) and not any(isinstance(item, list) for item in value)

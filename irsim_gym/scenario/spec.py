@@ -203,6 +203,29 @@ class BodyOptions:
         meaning="Collisions and sensors ignore the body; rvo, sfm and Python functions still see it.",
         consequence="The body drives through everything, and everything drives through it.",
     )
+    seen_by: tuple[str, ...] | None = option(
+        None,
+        meaning="Whose behaviours see the body: all (default), or a list of roles, names and group names; [] for none.",
+        consequence="Others walk into a body that they do not see. Sensors and observations are not concerned.",
+    )
+    speed_range: tuple[float, float] | None = option(
+        None,
+        unit="m/s",
+        meaning="Bounds of the body's greatest speed, drawn anew in each level; it replaces the speeds of vel_max.",
+    )
+    party: int = option(
+        1,
+        ge=1,
+        le=100,
+        meaning="So many bodies of the entry, one after another, walk together: a circle puts them side by side, and "
+        "those that wander share the goals of the first.",
+    )
+    unyielding: float = option(
+        0.0,
+        ge=0.0,
+        le=1.0,
+        meaning="Probability, for each body and level, that its behaviour ignores everything that moves.",
+    )
     plot: ObjectPlot = option(defaults(ObjectPlot), meaning="Drawing options of the body.")
     state_dim: int | None = option(None, ge=1, meaning="Number of state variables; must match the drive.")
     vel_dim: int | None = option(None, ge=1, meaning="Number of velocities; must match the drive.")
@@ -247,6 +270,10 @@ class BodySpec:
         fov: Width of the field of view [rad], of its first range sensor if not given; None without either.
         fov_radius: Depth of the field of view [m], likewise.
         plot: Drawing options.
+        seen_by: Roles, names and names of groups of those whose behaviours see it; None for all.
+        speed_range: Bounds of its greatest speed [m/s], drawn for each level; None for that of ``vel_max``.
+        unyielding: Probability that it ignores what moves, drawn for each level.
+        party: So many bodies of its entry walk together.
     """
 
     name: str
@@ -277,6 +304,10 @@ class BodySpec:
     fov: float | None
     fov_radius: float | None
     plot: ObjectPlot
+    seen_by: tuple[str, ...] | None = None
+    speed_range: tuple[float, float] | None = None
+    unyielding: float = 0.0
+    party: int = 1
 
     @property
     def renewal(self) -> Any:

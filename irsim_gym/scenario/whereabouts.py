@@ -13,6 +13,7 @@ from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.plot_spec import ObjectPlot, SavedFigure, WorldPlot
 from irsim_gym.scenario.source import SECTIONS
 from irsim_gym.scenario.spec import BodyOptions, WorldSpec
+from irsim_gym.scenario.wander_goals import WanderGoals
 
 MOST_NAMES, MOST_PLACES = 24, 3
 SURE = 0.85
@@ -24,6 +25,7 @@ _SPECS: dict[str, type[Any]] = {
     "world.plot.saved_figure": SavedFigure,
     "robot and obstacle": BodyOptions,
     "plot": ObjectPlot,
+    "wander_goals": WanderGoals,
     "gui.keyboard": KeyboardSpec,
     "gui.mouse": MouseSpec,
 }

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Ints
+from irsim_gym.arraytypes import CellMaps, Ints
 from irsim_gym.geometry.cell_rays import cast_cells
+from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.sensors.tables import ScanTables, beam_row, mount_pose
 from irsim_gym.world.model import WorldModel
@@ -14,7 +15,7 @@ from irsim_gym.world.state import WorldState
 
 @kernel
 def scan_cells(
-    worlds: Ints, slot: int, tables: ScanTables, cells: CellMap, model: WorldModel, state: WorldState
+    worlds: Ints, slot: int, tables: ScanTables, cells: CellMaps, model: WorldModel, state: WorldState
 ) -> None:
     """Shorten the ranges of all members in all given worlds to the nearest occupied cell, not below ``cast_min``.
 
@@ -26,10 +27,11 @@ def scan_cells(
     for w in worlds:
         if not model.present[w, own]:
             continue
+        here = map_of(cells, w)
         for k in range(tables.members.shape[0]):
             pose = mount_pose(state.pose[w, tables.members[k]], tables.offset[k])
             row, ranges = beam_row(w, k, tables), tables.ranges[w, k]
-            cast_cells(cells, pose, tables.beams_x[row], tables.beams_y[row], floats, integers, ranges)
+            cast_cells(here, pose, tables.beams_x[row], tables.beams_y[row], floats, integers, ranges)
             shortest = np.float32(tables.cast_min[k])
             for j in range(ranges.shape[0]):
                 ranges[j] = ranges[j] if ranges[j] > shortest else shortest

@@ -13,7 +13,7 @@ from irsim_gym.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.scenario.library import every_scenario, suite_file
 from irsim_gym.scenario.source import read_file
 
-KEYS = ("asks", "scenario", "parameters", "team", "differs")
+KEYS = ("asks", "scenario", "parameters", "team", "levels", "differs")
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,7 @@ class Member:
         scenario: The shipped scenario that it plays.
         parameters: Values of its parameters.
         team: All robots are driven by the policy; else one is.
+        levels: How many levels it has, where all further ones would be the same; None for any number.
         differs: What differs from the benchmark that it rebuilds; empty for one of our own.
     """
 
@@ -34,6 +35,7 @@ class Member:
     scenario: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
     team: bool = False
+    levels: int | None = None
     differs: str = ""
 
 

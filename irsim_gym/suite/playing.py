@@ -90,27 +90,28 @@ def _play_member(
     member: Member, methods: Sequence[SuiteMethod], record: SuiteRecord, folder: Path, screen: Console, bar: Progress
 ) -> None:
     """Play one benchmark with all methods that have not finished it."""
+    levels = min(record.levels, member.levels or record.levels)
     chosen: dict[str, Any] = {"parameters": dict(member.parameters), "team": member.team}
-    episodes = make_episodes(member.scenario, n_worlds=min(WORLDS, record.levels), **chosen)
-    conditions = team_conditions(episodes, record.split, record.levels)
+    episodes = make_episodes(member.scenario, n_worlds=min(WORLDS, levels), **chosen)
+    conditions = team_conditions(episodes, record.split, levels)
     record.members[member.name]["conditions"] = plain(conditions)
     optima = Optima(record.split)
     for method in methods:
         done = record.done(member.name, method.name)
         for number in range(len(done), len(method.sources)):
             label = f"{member.name}: {method.name}" + (f" {number}" if len(method.sources) > 1 else "")
-            line = bar.add_task(label, total=record.levels)
+            line = bar.add_task(label, total=levels)
             file = f"{ROWS}/{member.name}/{method.name}-{number}.csv"
-            done.append(_play_policy(method.sources[number], episodes, record, optima, folder / file, bar, line))
+            done.append(_play_policy(method.sources[number], episodes, levels, optima, folder / file, bar, line))
             record.write(folder)
             bar.remove_task(line)
             if not screen.is_terminal:
-                said = done[-1].get("left_out") or f"{record.levels:,} levels in {done[-1]['seconds']:.1f} s"
+                said = done[-1].get("left_out") or f"{levels:,} levels in {done[-1]['seconds']:.1f} s"
                 screen.print(f"{label}: {said}", markup=False, highlight=False, soft_wrap=True)
 
 
 def _play_policy(
-    source: str, episodes: Episodes, record: SuiteRecord, optima: Optima, path: Path, bar: Progress, line: TaskID
+    source: str, episodes: Episodes, levels: int, optima: Optima, path: Path, bar: Progress, line: TaskID
 ) -> dict[str, Any]:
     """Play one policy, write its rows, and return its entry in the record."""
     begun = time.process_time()
@@ -118,8 +119,8 @@ def _play_policy(
         rows = evaluate_team(
             load_policy(source),
             episodes,
-            record.levels,
-            record.split,
+            levels,
+            optima.split,
             optima=optima,
             on_episodes=lambda count: bar.advance(line, count),
         )

@@ -125,7 +125,7 @@ def score_method(repetitions: Repetitions, common: set[int]) -> Score:
         hits={hit: mean([summary.collision_with[hit].value for summary in summaries]) for hit in TEAM_HITS},
         deadlocked=over(lambda summary: summary.deadlocked.value),
         spl=over(lambda summary: summary.spl),
-        sct=mean([episode.sct for episode in episodes]),
+        sct=over(lambda summary: summary.sct),
         worst={f"{share:.0%}": worst_share(_successes(repetitions), share) for share in WORST},
         time=_of_successes(episodes, lambda episode: episode.time),
         path=over(lambda summary: summary.path_length),

@@ -50,15 +50,13 @@ def latex(record: SuiteRecord) -> str:
     return "\n".join(_latex(table) for table in text_tables(record))
 
 
-def conditions_line(member: Mapping[str, Any], levels: int, split: str) -> str:
+def conditions_line(member: Mapping[str, Any]) -> str:
     """Return in words what a figure has to name: robot, goal, speeds, step, limit, sensor, noise."""
     of = member["conditions"]
-    if not of:
-        return ""
     limit = of["max_steps"]
     seconds = _each(of["step_time"], lambda step: f"{limit * step:g} s") if not isinstance(limit, list) else DASH
     words = [
-        f"{levels:,} {split} levels",
+        f"{of['levels']:,} {of['split']} level{'s' * (of['levels'] != 1)}",
         f"{len(of['agents'])} learners" if len(of["agents"]) > 1 else "1 learner",
         f"footprint {_each(of['footprint'], str)}",
         f"goal tolerance {_each(of['goal_tolerance'], lambda value: f'{value:g} m')}",
@@ -148,7 +146,7 @@ def _numbers(key: str, digits: int) -> Reader:
 
 def _notes(record: SuiteRecord, name: str) -> list[str]:
     member, scores = record.members[name], record.figures[name]
-    notes = [conditions_line(member, record.levels, record.split)]
+    notes = [conditions_line(member)]
     if member["differs"]:
         notes.append(f"Differs from the original: {member['differs']}")
     common = max((score["common_levels"] for score in scores.values()), default=0)

@@ -87,14 +87,15 @@ _ONLY_NUMBERS = frozenset({CONTINUOUS})
 
 
 def _listed() -> Iterator[Algorithm]:
-    yield Algorithm("ppo", "stable_baselines3", "PPO", _BOTH)
+    masked = "irsim_gym.envs.sb3_masked"
+    yield Algorithm("ppo", "stable_baselines3", "PPO", _BOTH, masked)
     yield Algorithm("sac", "stable_baselines3", "SAC", _ONLY_NUMBERS)
     yield Algorithm("td3", "stable_baselines3", "TD3", _ONLY_NUMBERS)
     yield Algorithm("tqc", "sb3_contrib", "TQC", _ONLY_NUMBERS)
     yield Algorithm("dqn", "stable_baselines3", "DQN", frozenset({DISCRETE}))
-    yield Algorithm("a2c", "stable_baselines3", "A2C", _BOTH)
-    masked = "irsim_gym.envs.sb3_recurrent"
-    yield Algorithm("recurrent_ppo", "sb3_contrib", "RecurrentPPO", _BOTH, masked, "Lstm")
+    yield Algorithm("a2c", "stable_baselines3", "A2C", _BOTH, masked)
+    recurrent = "irsim_gym.envs.sb3_recurrent"
+    yield Algorithm("recurrent_ppo", "sb3_contrib", "RecurrentPPO", _BOTH, recurrent, "Lstm")
 
 
 ALGORITHMS: Mapping[str, Algorithm] = MappingProxyType({one.name: one for one in _listed()})

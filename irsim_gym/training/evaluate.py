@@ -18,6 +18,7 @@ from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN
 from irsim_gym.evaluation.tables import percent, summary_table, table_text, write_episodes, write_json, write_text
+from irsim_gym.levels.played import PlayedLevels, played_levels
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.episode_setup import conditions, make_episodes
 from irsim_gym.training.policies import Source, load_policies, load_policy, policy_names
@@ -38,18 +39,21 @@ class Evaluation:
         split: Which levels.
         rows: Episodes by policy.
         summaries: Figures, in the same order.
+        level_set: Hash of the levels, and their certificate.
     """
 
     scenario: str
     split: str
     rows: dict[str, list[EpisodeRow]]
     summaries: list[Summary]
+    level_set: PlayedLevels
 
     @property
     def tables(self) -> list[Table]:
-        """Return the table of all figures."""
-        title = f"{self.scenario}: {self.summaries[0].episodes:,} {self.split} levels"
-        return [summary_table(self.summaries, title)]
+        """Return the table of all figures, and that of success by difficulty where the levels have a certificate."""
+        title = f"{self.scenario}: {self.summaries[0].episodes:,} {self.split} levels, {self.level_set}"
+        solved = {name: [row.outcome == "success" for row in rows] for name, rows in self.rows.items()}
+        return [summary_table(self.summaries, title), *self.level_set.tables(solved)]
 
     def __str__(self) -> str:
         return "\n".join(map(table_text, self.tables))
@@ -91,7 +95,9 @@ def evaluate_policies(
     chosen = named_policies(sources, names, ALWAYS_SHOWN if references else ())
     atlas = None if folder is None else Atlas(episodes)
     rows = drive_policies(evaluate, episodes, chosen, levels, split, console or Console(stderr=True), atlas)
-    found = Evaluation(episodes.simulation.scenario.label, split, rows, [summarize(name, rows[name]) for name in rows])
+    played = played_levels(episodes.simulation, split, levels)
+    summaries = [summarize(name, rows[name]) for name in rows]
+    found = Evaluation(episodes.simulation.scenario.label, split, rows, summaries, played)
     if folder is not None and atlas is not None:
         write_evaluation(folder, found, conditions(episodes, split, levels))
         said = {each.policy: f"{rate_text(each.success)} arrive" for each in found.summaries}
@@ -102,6 +108,7 @@ def evaluate_policies(
 def write_evaluation(folder: Path, found: Evaluation, named: Mapping[str, object]) -> None:
     """Write the rows, the figures and the table."""
     write_episodes(folder / "episodes.csv", found.rows)
+    named = {**named, **found.level_set.conditions()}
     write_json(folder / "summary.json", {"conditions": named, "machine": machine(), "policies": found.summaries})
     write_text(folder / "table.txt", "\n".join(map(table_text, found.tables)))
 

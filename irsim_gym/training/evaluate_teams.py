@@ -18,6 +18,7 @@ from irsim_gym.evaluation.tables import percent, table_text, write_json, write_t
 from irsim_gym.evaluation.team_metrics import TeamRow, TeamSummary, summarize_teams
 from irsim_gym.evaluation.team_tables import compared_table, team_table, write_agents, write_levels
 from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.levels.played import PlayedLevels, played_levels
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.episode_setup import make_episodes, team_conditions
 from irsim_gym.training.evaluate import WORLDS, drive_policies, named_policies, rate_text
@@ -35,21 +36,28 @@ class TeamEvaluation:
         split: Which levels.
         rows: Levels by policy.
         summaries: Figures, in the same order.
+        level_set: Hash of the levels, and their certificate.
     """
 
     scenario: str
     split: str
     rows: dict[str, list[TeamRow]]
     summaries: list[TeamSummary]
+    level_set: PlayedLevels
 
     @property
     def tables(self) -> list[Table]:
-        """Return the table of all figures, and that of extra times where some are compared."""
+        """Return the tables of all figures, of extra times where some are compared, and of success by difficulty."""
         first = self.summaries[0]
         whose = "1 agent" if first.agents == 1 else f"{first.agents} agents"
-        title = f"{self.scenario}: {whose}, {first.levels:,} {self.split} levels"
+        title = f"{self.scenario}: {whose}, {first.levels:,} {self.split} levels, {self.level_set}"
         compared = compared_table(self.summaries)
-        return [team_table(self.summaries, title), *([] if compared is None else [compared])]
+        solved = {
+            name: [all(agent.episode.outcome == "success" for agent in row.agents) for row in rows]
+            for name, rows in self.rows.items()
+        }
+        tables = [team_table(self.summaries, title), *([] if compared is None else [compared])]
+        return [*tables, *self.level_set.tables(solved)]
 
     def __str__(self) -> str:
         return "\n".join(map(table_text, self.tables))
@@ -98,7 +106,8 @@ def evaluate_team_policies(
         chosen = {**chosen, **_fitting(shown, episodes, screen)}
     atlas = None if folder is None else Atlas(episodes)
     rows = drive_policies(evaluate_team, episodes, chosen, levels, split, screen, atlas)
-    found = TeamEvaluation(episodes.simulation.scenario.label, split, rows, summarize_teams(rows))
+    played = played_levels(episodes.simulation, split, levels)
+    found = TeamEvaluation(episodes.simulation.scenario.label, split, rows, summarize_teams(rows), played)
     if folder is not None and atlas is not None:
         write_team_evaluation(folder, found, team_conditions(episodes, split, levels))
         said = {
@@ -114,6 +123,7 @@ def write_team_evaluation(folder: Path, found: TeamEvaluation, named: Mapping[st
     """Write the rows of agents and levels, the figures and the tables."""
     write_agents(folder / "episodes.csv", found.rows)
     write_levels(folder / "levels.csv", found.rows)
+    named = {**named, **found.level_set.conditions()}
     write_json(folder / "summary.json", {"conditions": named, "machine": machine(), "policies": found.summaries})
     write_text(folder / "table.txt", "\n".join(map(table_text, found.tables)))
 

@@ -47,11 +47,29 @@ def evaluation_folder(
     team: bool = False,
     *,
     overwrite: bool = False,
+    resume: bool = False,
+    kind: str = "evaluation",
 ) -> Path:
-    """Return the folder of an evaluation that was given none: one that holds no results yet, or, to overwrite, any."""
+    """Return the folder of an evaluation, or of an arena, that was given none.
+
+    It is one that holds no results yet; to overwrite it is the first one, and to resume the last one with results.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        split: Split of the levels.
+        parameters: Values that were given for the scenario's parameters.
+        team: Whole teams play.
+        overwrite: What is there is to be replaced.
+        resume: What is there is to be gone on with.
+        kind: ``evaluation`` or ``arena``.
+    """
     whose = "-team" if team else ""
-    first = Path("runs") / f"evaluation-{labelled(scenario, parameters)}{whose}-{split}"
-    return next(folder for folder in _numbered(first) if overwrite or not has_results(folder))
+    first = last = Path("runs") / f"{kind}-{labelled(scenario, parameters)}{whose}-{split}"
+    for folder in _numbered(first):
+        if overwrite or not has_results(folder):
+            return last if resume else folder
+        last = folder
+    raise AssertionError("there is always another number")
 
 
 def has_results(folder: Path) -> bool:

@@ -112,7 +112,8 @@ def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, fil
     env = build_environment(settings, normalization if normalization.is_file() else None)
     env = restore_worlds(env, state["worlds"])
     kind: Any = algorithm_class(settings)
-    model: BaseAlgorithm = kind.load(newest / files.POLICY, env=env, device=device, force_reset=False)
+    buffers = {} if settings.hyperparameters.team is None else buffers_for(kind, env)
+    model: BaseAlgorithm = kind.load(newest / files.POLICY, env=env, device=device, force_reset=False, **buffers)
     if isinstance(model, OffPolicyAlgorithm):
         model.load_replay_buffer(newest / files.REPLAY_BUFFER, truncate_last_traj=False)
     files.restore_memories(model, state)

@@ -76,7 +76,7 @@ class SavedPolicy:
         Raises:
             UnfitPolicyError: The policy was trained with other observations or actions than these of the task.
         """
-        self._check(episodes)
+        self.check(episodes)
         if self._shape is None:
             return
         size = (2, self._shape[0], episodes.n_worlds * episodes.n_agents, self._shape[2])
@@ -92,7 +92,12 @@ class SavedPolicy:
         chunks = [self._chunk(layout.formed(seen.each(partial(_padded, part=part))), slots[part]) for part in parts]
         return by_world(np.concatenate(chunks), episodes)
 
-    def _check(self, episodes: Episodes) -> None:
+    def check(self, episodes: Episodes) -> None:
+        """Refuse a task with other observations or actions than the policy was trained with.
+
+        Raises:
+            IrsimGymError: It has.
+        """
         model = self.model
         observed, acted = observation_space(episodes), action_space(episodes)
         for what, learnt, here in (

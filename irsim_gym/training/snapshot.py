@@ -15,6 +15,7 @@ from typing import Any
 
 import yaml
 
+from irsim_gym.envs.worlds import TaskSource
 from irsim_gym.evaluation.tables import write_bytes, write_text
 from irsim_gym.scenario.image_files import image_file
 from irsim_gym.scenario.load import load_scenario
@@ -85,7 +86,11 @@ def take_snapshot(
     Raises:
         IrsimGymError: They cannot be used.
     """
-    loaded = load_scenario(scenario, parameters, strict=strict, warn=False)
+    return snapshot_of(load_scenario(scenario, parameters, strict=strict, warn=False), task)
+
+
+def snapshot_of(loaded: Scenario, task: TaskSource) -> Snapshot:
+    """Return how a loaded scenario and a task (a name, a path, plain data, None for the scenario's own) are now."""
     name, merged = merged_task(loaded, task)
     sections = _sections(loaded.source.data)
     pictures: dict[str, Path] = {}

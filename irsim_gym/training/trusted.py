@@ -29,7 +29,6 @@ HARMLESS: dict[str, frozenset[str]] = {
         "gymnasium.spaces.multi_discrete": "MultiDiscrete",
         "irsim_gym.envs.sb3_buffers": "MaskedReplayBuffer MaskedDictReplayBuffer MaskedRolloutBuffer "
         "MaskedDictRolloutBuffer",
-        "irsim_gym.envs.sb3_masks": "SlotRewards",
         "irsim_gym.envs.sb3_normalize": "MaskedVecNormalize",
         "irsim_gym.training.hyperparameters": "Linear",
         "numpy": "dtype ndarray",

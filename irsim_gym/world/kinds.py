@@ -122,15 +122,31 @@ class PlacementKind(Protocol):
 
 
 class MapKind(Protocol):
-    """Which cells of the world are occupied."""
+    """Which cells of the world are occupied: one map for all worlds, or one that each level draws."""
 
-    is_random: ClassVar[Annotated[bool, "False: a map is read once"]]
+    is_random: ClassVar[Annotated[bool, "True if each level draws a map of its own, else False"]]
 
     def outline(self) -> Outline:
         """Return an outline without rows."""
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
-        """Return which cells are occupied, shape ``(columns, rows)``; ``find`` returns the place of a named file."""
+        """Return which cells are occupied, shape ``(columns, rows)``; ``find`` returns the place of a named file.
+
+        Where each level draws a map of its own, these are the cells that are occupied in every level, if any.
+        """
+
+
+@runtime_checkable
+class DrawsMaps(Protocol):
+    """A map that each level draws anew."""
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Make room in ``group.arrays`` or ``group.tables``."""
+
+    @staticmethod
+    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Make the maps of the shard's worlds, in ``model.cells``, with ``geometry.world_maps.lay_cells``."""
 
 
 class SensorKind(Protocol):
@@ -170,5 +186,5 @@ DRIVE = Contract(DriveKind, (Steers,))
 BEHAVIOR = Contract(BehaviorKind, (ReadsScan, Begins))
 FOOTPRINT = Contract(FootprintKind, (Draws,))
 PLACEMENT = Contract(PlacementKind)
-MAP = Contract(MapKind)
+MAP = Contract(MapKind, (DrawsMaps,))
 SENSOR = Contract(SensorKind, (Begins, Reports))

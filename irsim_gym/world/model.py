@@ -10,12 +10,13 @@ from irsim_gym.arraytypes import (
     BUCKET_FRAME,
     MAP_FRAME,
     Bytes,
-    CellMap,
+    CellMaps,
     Flags,
     Floats,
     Ints,
     Rays,
     Records,
+    Spans,
     Words,
 )
 from irsim_gym.world.arrays import Arrays, column
@@ -26,6 +27,23 @@ STOP, UNOBSTRUCTED, UNOBSTRUCTED_OBSTACLES = 0, 1, 2
 KEEP_GOAL, WANDER, LOOP = 0, 1, 2
 NO_DRIVE, DIFFERENTIAL, OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR, ACKERMANN = -1, 0, 1, 2, 3, 4
 """How a body's command reads. OMNI_WORLD takes velocities in the world frame, OMNI_BODY in the body frame."""
+
+
+WANDERING = np.dtype(
+    (
+        np.record,
+        [
+            ("radius", np.float64),
+            ("jitter", np.float64),
+            ("keeps_first", np.bool_),
+            ("interval", np.int64),
+            ("chance", np.float64),
+        ],
+    )
+)
+"""Where the goals of a wandering body lie [m] (radius 0: between its bounds), whether its first one is given, and every
+how many steps it gives up its goal with the probability ``chance`` (0: never).
+"""
 
 
 @dataclass(repr=False)
@@ -39,7 +57,7 @@ class WorldModel(Arrays):
 
     bounds: Floats = column("4", np.float64, "m", "world rectangle: x_min, y_min, x_max, y_max")
     step_time: Floats = column("1", np.float64, "s", "duration of a step")
-    rigid: Flags = column("1", np.bool_, "", "no outline is drawn anew for each level")
+    rigid: Flags = column("1", np.bool_, "", "neither outlines nor maps are drawn anew for each level")
     collision_mode: Ints = column("1", np.int64, "", "STOP, UNOBSTRUCTED or UNOBSTRUCTED_OBSTACLES")
     role: Ints = column("body", np.int64, "", "ROBOT or OBSTACLE")
     movable: Flags = column("body", np.bool_, "", "False for a body that never moves")
@@ -54,9 +72,17 @@ class WorldModel(Arrays):
     goal_renewal: Ints = column("body", np.int64, "", "KEEP_GOAL, WANDER or LOOP after arrival")
     wander_low: Floats = column("body 3", np.float64, "m, m, rad", "lower bounds of a wandering body's goals")
     wander_high: Floats = column("body 3", np.float64, "m, m, rad", "upper bounds of a wandering body's goals")
+    wandering: Records = column("body", WANDERING, "", "where and when a wandering body gets its goals, see WANDERING")
     goal_threshold: Floats = column("world* body", np.float64, "m", "distance under which a goal is reached")
     velocity_min: Floats = column("world* body 3", np.float64, "m/s or rad/s", "lower limits, drive coordinates")
     velocity_max: Floats = column("world* body 3", np.float64, "m/s or rad/s", "upper limits, drive coordinates")
+    speed_bound: Flags = column("body", np.bool_, "", "the first of velocity_max bounds the speed in any direction too")
+    drawn_speed: Floats = column("world* body", np.float64, "m/s", "greatest speed drawn for the level; inf: none")
+    heedless: Flags = column("world* body", np.bool_, "", "its behaviour ignores what moves")
+    leader: Ints = column("body", np.int64, "", "first body of those that walk together with it; itself if it is alone")
+    abreast: Floats = column("body", np.float64, "m", "how far to the left of its leader it walks")
+    watchers: Flags = column("watching body", np.bool_, "", "whose behaviour sees the bodies with this row; row 0: all")
+    seen_row: Ints = column("body", np.int64, "", "row of watchers that says whose behaviour sees the body")
     acceleration_limit: Floats = column("world* body 3", np.float64, "m/s2 or rad/s2", "largest change; may be inf")
     heading_low: Floats = column("body", np.float64, "rad", "lower end of the interval that headings wrap into")
     wraps_heading: Flags = column("body", np.bool_, "", "headings wrap into [heading_low, heading_low + 2 pi]")
@@ -70,9 +96,14 @@ class WorldModel(Arrays):
     radius: Floats = column("world* body", np.float64, "m", "radius of the least circle around the footprint")
     centroid: Floats = column("world* body 2", np.float64, "m", "centre of the footprint's area, in the body frame")
     map_frame: Records = column("1", MAP_FRAME, "m", "where the occupancy map lies; body -1: no map")
-    map_squares: Bytes = column("4 map_column map_row", np.uint8, "", "free square by quadrant, cells; 0: occupied")
-    map_room: Rays = column("map_column map_row", np.float32, "m", "distance of each cell's centre from the occupied")
-    map_boxes: Ints = column("map_box 4", np.int64, "", "what is occupied: first, end column; first, end row")
+    map_squares: Bytes = column(
+        "world* 4 map_column map_row", np.uint8, "", "free square by quadrant, cells; 0: occupied"
+    )
+    map_room: Rays = column(
+        "world* map_column map_row", np.float32, "m", "distance of each cell's centre from the occupied"
+    )
+    map_boxes: Spans = column("world* map_box 4", np.int32, "", "what is occupied: first, end column; first, end row")
+    map_n_boxes: Ints = column("world*", np.int64, "", "how many of these boxes count")
     bucket_frame: Records = column("1", BUCKET_FRAME, "m", "where the squares of the buckets lie; columns 0: none")
     bucketed: Flags = column("body", np.bool_, "", "small enough to be found through the buckets")
     present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
@@ -93,8 +124,8 @@ class WorldModel(Arrays):
     static_known: Flags = column("world", np.bool_, "", "static contacts were found, and none has to be found anew")
 
     @property
-    def cells(self) -> CellMap | None:
-        """The occupancy map; None without one."""
+    def cells(self) -> CellMaps | None:
+        """The occupancy maps of all worlds; None without one."""
         x, y, width, height, body = self.map_frame.item()
-        arrays = self.map_squares, self.map_boxes, self.map_room
-        return CellMap(x, y, width, height, body, *arrays) if body >= 0 else None
+        arrays = self.map_squares, self.map_boxes, self.map_n_boxes, self.map_room
+        return CellMaps(x, y, width, height, body, *arrays) if body >= 0 else None

@@ -341,10 +341,10 @@ def test_map_walls_are_the_borders_of_occupied_cells() -> None:
     """Cells of 1 x 2 m from (10, 20); an L of three is occupied: its six sides, free cells to the left of each."""
     occupied = np.zeros((4, 3), bool)
     occupied[1, 1] = occupied[2, 1] = occupied[2, 2] = True
-    squares = np.where(occupied, 0, 1).astype(np.uint8)[None].repeat(4, axis=0)
+    squares = np.where(occupied, 0, 1).astype(np.uint8)[None].repeat(4, axis=0)[None]
     chart: Any = Chart(np.array([(10.0, 20.0, 1.0, 2.0, 0)], MAP_FRAME), squares)
     sides = np.zeros((50, 4))
-    count = map_walls(chart, 12.0, 23.0, 50.0, sides, 0)
+    count = map_walls(chart, 0, 12.0, 23.0, 50.0, sides, 0)
     expected = {
         (13.0, 22.0, 11.0, 22.0),
         (11.0, 24.0, 12.0, 24.0),
@@ -355,14 +355,14 @@ def test_map_walls_are_the_borders_of_occupied_cells() -> None:
     }
     assert {tuple(side) for side in sides[:count].tolist()} == expected
     assert count == 6
-    near = map_walls(chart, 10.5, 23.0, 0.6, sides, 0)
+    near = map_walls(chart, 0, 10.5, 23.0, 0.6, sides, 0)
     assert sides[:near].tolist() == [[11.0, 22.0, 11.0, 24.0]]
 
 
 def test_map_walls_end_with_the_rows_for_them() -> None:
-    squares = np.where(np.indices((9, 9)).sum(axis=0) % 2, 0, 1).astype(np.uint8)[None].repeat(4, axis=0)
+    squares = np.where(np.indices((9, 9)).sum(axis=0) % 2, 0, 1).astype(np.uint8)[None].repeat(4, axis=0)[None]
     sides = np.full((8, 4), -1.0)
     chart: Any = Chart(np.array([(0.0, 0.0, 1.0, 1.0, 0)], MAP_FRAME), squares)
-    assert map_walls(chart, 4.5, 4.5, 9.0, sides[:7], 0) == 7
+    assert map_walls(chart, 0, 4.5, 4.5, 9.0, sides[:7], 0) == 7
     assert (sides[:7] >= 0).all()
     assert (sides[7] == -1).all()

@@ -21,7 +21,7 @@ from gymnasium.utils import env_checker
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from gymnasium.wrappers import FrameStackObservation, GrayscaleObservation, NormalizeObservation
 from pettingzoo.utils.conversions import parallel_to_aec
-from stable_baselines3 import PPO, SAC
+from stable_baselines3 import SAC
 from stable_baselines3.common import env_checker as sb3_env_checker
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 from team_scenes import crossing, mixed
@@ -236,6 +236,7 @@ def test_who_waits_keeps_its_last_picture():
     assert waited > 10
 
 
+@pytest.mark.filterwarnings("ignore::irsim_gym.errors.WaitingRobotsWarning")
 @pytest.mark.parametrize("respawn", [False, True])
 def test_slots_of_a_team(respawn):
     env = sb3.make_multi_agent_vec_env(MEET, 2, 3, task=TEAM, respawn=respawn)
@@ -300,12 +301,13 @@ def test_teams_learn_from_pictures():
         env = sb3.make_multi_agent_vec_env(MEET, 2, 3, task=task)
         kind = "MultiInputPolicy" if isinstance(env.observation_space, Dict) else "CnnPolicy"
         policy = {"features_extractor_kwargs": {("cnn_output_dim" if kind[0] == "M" else "features_dim"): 16}}
-        PPO(kind, env, policy_kwargs=policy, **SMALL, **sb3.buffers_for(PPO, env)).learn(48)
+        sb3.MaskedPPO(kind, env, policy_kwargs=policy, **SMALL).learn(48)
     extra = {"buffer_size": 200, "learning_starts": 6, "batch_size": 6, "device": "cpu"}
     SAC("MultiInputPolicy", env, policy_kwargs={**policy}, **extra, **sb3.buffers_for(SAC, env)).learn(18)
     MaskedRecurrentPPO("MultiInputLstmPolicy", env, policy_kwargs={**policy, "lstm_hidden_size": 8}, **SMALL).learn(48)
 
 
+@pytest.mark.filterwarnings("ignore::irsim_gym.errors.WaitingRobotsWarning")
 def test_pictures_are_left_as_they_are_where_numbers_are_normalised():
     env = sb3.make_multi_agent_vec_env(MEET, 2, 3, task=TEAM)
     twin = sb3.make_multi_agent_vec_env(MEET, 2, 3, task=TEAM)

@@ -81,9 +81,9 @@ def scene(family: str, name: str) -> dict[str, Any]:
         driver = {**ROBOT, "behavior": {"name": "dash"}, "sensors": [{"name": "lidar2d"}], "distribution": there}
         return {"world": world, "robot": {**driver, "number": 3}}
     if family == "distribution":
-        return (
-            {"robot": {**ROBOT, "number": 3, "distribution": {"name": name}}} if name != "manual" else {"robot": ROBOT}
-        )
+        world = {"name": "kinds", **({"obstacle_map": {"name": "cells"}} if name == "cells" else {})}
+        entry = {**ROBOT, "number": 3, "distribution": {"name": name}} if name != "manual" else ROBOT
+        return {"world": world, "robot": entry}
     robot = {**ROBOT, "state": [2, 2, 0.4], "goal": [7, 8, 0]}
     if family == "kinematics":
         has_noise = "noise" in option_fields(families.KINEMATICS.entry(name).kind)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import torch
 from sb3_contrib import RecurrentPPO
-from stable_baselines3 import A2C, PPO, SAC
-from stable_baselines3.common.buffers import RolloutBuffer
+from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.vec_env import VecNormalize
 from team_tools import ARRIVES, COLLIDES, KNOWN, LIMIT, MEET, Recorder, episodes_of
 
@@ -30,10 +29,10 @@ def team(scenario=MEET, n_worlds=4, **kwargs):
     return sb3.make_multi_agent_vec_env(scenario, n_worlds, seed=0, render_mode=None, **kwargs)
 
 
-def ppo(env, **kwargs):
+def ppo(env, kind=sb3.MaskedPPO, **kwargs):
     options = {"n_steps": 24, "batch_size": 48, "n_epochs": 1, "gamma": GAMMA, "gae_lambda": LAMBDA}
     policy = "MultiInputPolicy" if hasattr(env.observation_space, "spaces") else "MlpPolicy"
-    return PPO(policy, env, seed=0, device="cpu", **{**options, **sb3.buffers_for(PPO, env), **kwargs})
+    return kind(policy, env, seed=0, device="cpu", **{**options, **kwargs})
 
 
 def value(model, observation):
@@ -55,7 +54,7 @@ def sums_of_an_episode(model, seen, slot, steps, ended):
     return np.array(advantages), np.array(advantages) + values
 
 
-class Frozen(PPO):
+class Frozen(sb3.MaskedPPO):
     """Collects and hands out, but does not change the policy."""
 
     def train(self):
@@ -70,7 +69,6 @@ def test_advantages_are_those_of_each_agent_alone(respawn, form):
     policy = "MultiInputPolicy" if form == "dict" else "MlpPolicy"
     model = Frozen(
         policy, env, seed=0, device="cpu", n_steps=64, batch_size=64, gamma=GAMMA, gae_lambda=LAMBDA,
-        **sb3.buffers_for(PPO, env),
     )  # fmt: skip
     model.learn(64 * env.num_envs, callback=seen)
     dones, acted = seen.table("dones"), seen.table("acted")
@@ -106,7 +104,6 @@ def test_targets_of_a_task_of_known_value(respawn):
     seen, steps = Recorder(), 2 * LIMIT
     model = Frozen(
         "MlpPolicy", env, seed=0, device="cpu", n_steps=steps, batch_size=12, gamma=GAMMA, gae_lambda=1.0,
-        **sb3.buffers_for(PPO, env),
     )  # fmt: skip
     model.learn(steps * env.num_envs, callback=seen)
 
@@ -138,8 +135,8 @@ def test_targets_of_a_task_of_known_value(respawn):
 def test_without_waiting_agents_all_is_as_in_stable_baselines():
     """A respawning team has no idle rows: masked or not, the weights are the same."""
     weights = []
-    for kwargs in ({}, {"rollout_buffer_class": RolloutBuffer}):
-        model = ppo(team(respawn=True, max_steps=20), n_epochs=2, **kwargs)
+    for kind in (sb3.MaskedPPO, PPO):
+        model = ppo(team(respawn=True, max_steps=20), kind, n_epochs=2)
         model.learn(1000)
         weights.append(torch.cat([p.detach().flatten() for p in model.policy.parameters()]))
     assert torch.equal(*weights)
@@ -148,8 +145,8 @@ def test_without_waiting_agents_all_is_as_in_stable_baselines():
 @pytest.mark.filterwarnings("ignore::irsim_gym.errors.WaitingRobotsWarning")
 def test_waiting_rows_would_have_changed_the_weights():
     weights = []
-    for kwargs in ({}, {}, {"rollout_buffer_class": RolloutBuffer}):
-        model = ppo(team(max_steps=20), n_epochs=2, **kwargs)
+    for kind in (sb3.MaskedPPO, sb3.MaskedPPO, PPO):
+        model = ppo(team(max_steps=20), kind, n_epochs=2)
         model.learn(1000)
         weights.append(torch.cat([p.detach().flatten() for p in model.policy.parameters()]))
     assert torch.equal(weights[0], weights[1])
@@ -158,22 +155,23 @@ def test_waiting_rows_would_have_changed_the_weights():
 
 def test_a2c_learns_without_minibatches():
     env = team(max_steps=10)
-    model = A2C("MlpPolicy", env, seed=0, device="cpu", n_steps=16, **sb3.buffers_for(A2C, env))
+    model = sb3.MaskedA2C("MlpPolicy", env, seed=0, device="cpu", n_steps=16)
     model.learn(16 * env.num_envs)
     assert 0 < len(model.rollout_buffer.values) == model.rollout_buffer.acted.sum() < 16 * env.num_envs
 
 
-def test_algorithms_with_buffers_of_their_own():
-    env = team()
+def test_algorithms_that_cannot_leave_out_waiting_are_refused():
+    env, single = team(), sb3.make_vec_env("sparse_circles", 2, seed=0, render_mode=None)
     assert sb3.buffers_for(MaskedRecurrentPPO, env) == {}
-    with pytest.raises(TypeError, match="MaskedRecurrentPPO"):
-        sb3.buffers_for(RecurrentPPO, env)
-
-
-def test_rewards_without_a_mask_are_refused():
-    single = sb3.make_vec_env("sparse_circles", 2, seed=0, render_mode=None)
-    model = PPO("MlpPolicy", single, n_steps=4, batch_size=8, device="cpu", **sb3.buffers_for(PPO, single))
-    with pytest.raises(TypeError, match="which slots acted"):
+    for kind in (PPO, RecurrentPPO):
+        with pytest.raises(TypeError, match=f"{kind.__name__} cannot tell .* sb3.MaskedPPO"):
+            sb3.buffers_for(kind, env)
+    with pytest.raises(TypeError, match="WorldVecEnv does not say which slots acted"):
+        sb3.buffers_for(SAC, single)
+    with pytest.raises(TypeError, match="WorldVecEnv does not say which slots acted"):
+        ppo(single, n_steps=4, batch_size=8).learn(8)
+    model = ppo(env, PPO, n_steps=4, batch_size=8, rollout_buffer_class=sb3.MaskedRolloutBuffer)
+    with pytest.raises(TypeError, match=r"use sb3\.MaskedPPO"):
         model.learn(8)
 
 
@@ -250,6 +248,7 @@ def actions(rng, env):
     return rng.uniform(-1, 1, (env.num_envs, 2)).astype(np.float32)
 
 
+@pytest.mark.filterwarnings("ignore::irsim_gym.errors.WaitingRobotsWarning")
 @pytest.mark.parametrize("respawn", [False, True])
 def test_statistics_of_normalisation_are_those_of_experience(respawn):
     plain = team(respawn=respawn, max_steps=20)

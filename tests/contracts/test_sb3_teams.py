@@ -22,6 +22,7 @@ from irsim_gym import compile, load_scenario, sb3
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.tasks import Episodes, Outcome, load_task
 
+pytestmark = pytest.mark.filterwarnings("ignore::irsim_gym.errors.WaitingRobotsWarning")
 MODES = pytest.mark.parametrize("respawn", [False, True])
 
 
@@ -193,7 +194,7 @@ def test_types_and_fresh_arrays(respawn):
             if done:
                 assert env.observation_space.contains(info["terminal_observation"])
                 assert type(info["TimeLimit.truncated"]) is bool
-        results.append((observations, rewards, rewards.acted, dones, infos))
+        results.append((observations, rewards, dones, infos))
     arrays = [list(arrays_in(result)) for result in results]
     live = [*arrays_in(vars(env.worlds.episodes.view)), env.batch._seen, env.acted, env.acting]
     for k, mine in enumerate(arrays):
@@ -283,7 +284,7 @@ def test_worlds_do_not_depend_on_their_number_or_on_threads(respawn):
 @MODES
 def test_models_are_saved_loaded_and_evaluated(respawn, tmp_path):
     env = team(respawn=respawn, max_steps=15)
-    model = PPO("MlpPolicy", env, n_steps=16, batch_size=36, seed=0, device="cpu", **sb3.buffers_for(PPO, env))
+    model = sb3.MaskedPPO("MlpPolicy", env, n_steps=16, batch_size=36, seed=0, device="cpu")
     watch = EvalCallback(team(max_steps=15), n_eval_episodes=18, eval_freq=16, verbose=0, best_model_save_path=tmp_path)
     model.learn(16 * env.num_envs, callback=watch)
     assert (tmp_path / "best_model.zip").is_file()
@@ -293,7 +294,7 @@ def test_models_are_saved_loaded_and_evaluated(respawn, tmp_path):
     assert len(rewards) == 9
     assert max(lengths) <= 15
     model.save(tmp_path / "policy")
-    again = PPO.load(tmp_path / "policy", env=team(respawn=respawn, max_steps=15), device="cpu")
+    again = sb3.MaskedPPO.load(tmp_path / "policy", env=team(respawn=respawn, max_steps=15), device="cpu")
     assert type(again.rollout_buffer) is sb3.MaskedRolloutBuffer
     again.learn(16 * env.num_envs, reset_num_timesteps=False)
     observation = env.reset()
@@ -341,14 +342,14 @@ def test_robots_of_different_drives_share_one_policy(respawn):
     ]  # fmt: skip
     shared = {name: MEET["robot"][0][name] for name in ("shape", "distribution", "goal_threshold", "sensors")}
     env = team({**MEET, "robot": [{**shared, **drive} for drive in drives]}, 3, respawn=respawn, max_steps=10)
-    model = PPO("MlpPolicy", env, n_steps=16, batch_size=48, seed=0, device="cpu", **sb3.buffers_for(PPO, env))
+    model = sb3.MaskedPPO("MlpPolicy", env, n_steps=16, batch_size=48, seed=0, device="cpu")
     model.learn(16 * 9 * 2)
     assert env.observation_space.contains(env.reset()[0])
 
 
 def test_wrappers_of_sb3_pass_the_masks_on():
     env = VecFrameStack(team(max_steps=15), 2)
-    model = PPO("MlpPolicy", env, n_steps=16, batch_size=36, seed=0, device="cpu", **sb3.buffers_for(PPO, env))
+    model = sb3.MaskedPPO("MlpPolicy", env, n_steps=16, batch_size=36, seed=0, device="cpu")
     model.learn(16 * 9 * 2)
     rows = model.rollout_buffer
     assert 0 < len(rows.values) == rows.acted.sum() < rows.acted.size
@@ -362,4 +363,4 @@ def test_choices_are_learnt_too():
     )  # fmt: skip
     model.learn(450)
     assert model.replay_buffer.pos == round(model.num_timesteps * (1.0 - env.idle_share))
-    PPO("MlpPolicy", env, n_steps=16, batch_size=36, device="cpu", **sb3.buffers_for(PPO, env)).learn(16 * 9)
+    sb3.MaskedPPO("MlpPolicy", env, n_steps=16, batch_size=36, device="cpu").learn(16 * 9)

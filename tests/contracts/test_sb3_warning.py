@@ -1,4 +1,4 @@
-"""Whoever learns from robots that wait is told so, and nobody else."""
+"""Whoever may learn from robots that wait is warned once."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from sb3_contrib import RecurrentPPO
 from stable_baselines3 import A2C, PPO, SAC
 from stable_baselines3.common.callbacks import EvalCallback
 from stable_baselines3.common.evaluation import evaluate_policy
-from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
+from stable_baselines3.common.vec_env import VecNormalize
 from team_tools import KNOWN, LIMIT
 
 from irsim_gym import sb3
@@ -31,57 +31,60 @@ def plain(algorithm, env):
     return algorithm("MlpLstmPolicy" if algorithm is RecurrentPPO else "MlpPolicy", env, **ON_POLICY, **sizes)
 
 
+def warnings_of(env, steps):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        steps(env)
+    return [str(one.message) for one in caught if one.category is WaitingRobotsWarning]
+
+
 @pytest.mark.parametrize(
-    ("algorithm", "buffer", "wrapped"),
-    [
-        (PPO, "RolloutBuffer", False),
-        (A2C, "RolloutBuffer", True),
-        (SAC, "ReplayBuffer", False),
-        (RecurrentPPO, "RecurrentRolloutBuffer", True),
-    ],
+    ("algorithm", "wrapped"), [(PPO, False), (A2C, True), (SAC, False), (RecurrentPPO, True)], ids=str
 )
-def test_an_algorithm_with_plain_buffers_is_told_once(algorithm, buffer, wrapped):
+def test_an_algorithm_with_plain_buffers_is_warned_once(algorithm, wrapped):
     env = team()
     model = plain(algorithm, VecNormalize(env) if wrapped else env)
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always")
-        model.learn(3 * ROWS)
-    found = [warning for warning in told if warning.category is WaitingRobotsWarning]
-    assert len(found) == 1
-    assert f"{buffer} keeps their rows" in str(found[0].message)
-    assert "buffers_for" in str(found[0].message)
+    (message,) = warnings_of(env, lambda _: model.learn(3 * ROWS))
+    assert "sb3.MaskedPPO" in message
+    assert "buffers_for" in message
     assert env.idle_share > 0.0
 
 
-def test_a_monitor_that_would_count_waiting_is_told_once():
+def play(env):
+    env.reset()
+    for _ in range(3 * LIMIT):
+        env.step(np.zeros((3, 2), np.float32))
+
+
+def test_a_loop_of_ones_own_is_warned_once_unless_it_says_that_it_knows():
+    (message,) = warnings_of(team(), play)
+    assert "env.leaves_out_waiting = True" in message
     env = team()
-    monitored = VecNormalize(VecMonitor(env))
-    monitored.reset()
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always")
-        for _ in range(3 * LIMIT):
-            monitored.step(np.zeros((3, 2), np.float32))
-    (found,) = [warning for warning in told if warning.category is WaitingRobotsWarning]
-    assert "VecMonitor counts the waiting" in str(found.message)
+    env.leaves_out_waiting = True
+    assert warnings_of(env, play) == []
+    assert warnings_of(team(respawn=True), play) == []
 
 
-def test_nobody_waits_in_the_other_mode():
-    env = team(respawn=True)
-    plain(PPO, env).learn(2 * ROWS)
-    assert env.idle_share == 0.0
-
-
-def test_looking_on_is_not_learning():
+def test_masked_learning_and_evaluation_are_not_warned():
     env = team()
-    model = PPO("MlpPolicy", env, **ON_POLICY, batch_size=ROWS, **sb3.buffers_for(PPO, env))
+    model = sb3.MaskedPPO("MlpPolicy", env, **ON_POLICY, batch_size=ROWS)
     model.learn(ROWS)
     watched = team()
-    evaluate_policy(model, watched, n_eval_episodes=6)
-    for _ in range(LIMIT):
-        watched.step(np.zeros((3, 2), np.float32))
+    evaluate_policy(model, VecNormalize(watched), n_eval_episodes=6)
     learner = plain(PPO, team(respawn=True))
     learner.learn(ROWS, callback=EvalCallback(watched, n_eval_episodes=3, eval_freq=LIMIT, verbose=0))
     assert env.idle_share > 0.0
     assert watched.idle_share > 0.0
-    with pytest.warns(WaitingRobotsWarning):  # what was watched is learnt from at last
+    with pytest.warns(WaitingRobotsWarning):  # the next episodes belong to no evaluation
         plain(PPO, watched).learn(ROWS)
+
+
+def test_a_loaded_model_with_a_replay_buffer_says_again_that_it_knows(tmp_path):
+    env = team()
+    sac = {"learning_starts": 10**6, "buffer_size": 200, "device": "cpu"}
+    SAC("MlpPolicy", env, **sac, **sb3.buffers_for(SAC, env)).save(tmp_path / "policy")
+    other = team()
+    again = SAC.load(tmp_path / "policy", env=other, device="cpu", **sb3.buffers_for(SAC, other))
+    assert warnings_of(other, lambda _: again.learn(ROWS)) == []
+    assert other.idle_share > 0.0
+    assert again.replay_buffer.pos == round((1.0 - other.idle_share) * ROWS)

@@ -65,7 +65,16 @@ obstacle:
     kinematics: {name: diff}
     shape: {name: circle, random_shape: true, radius_range: [0.2, 0.6]}
     distribution: {name: random}
-    behavior: {name: dash, wander: true, range_low: [0, 2, -3], range_high: [20, 22, 3]}
+    speed_range: [0.4, 1.2]
+    unyielding: 0.4
+    party: 2
+    seen_by: [robot_0, obstacle]
+    behavior:
+      name: rvo
+      wander: true
+      range_low: [0, 2, -3]
+      range_high: [20, 22, 3]
+      wander_goals: {keep_first: true, radius: 8, jitter: 1, interval: 0.5, chance: 0.5}
   - {number: 2, shape: {name: polygon, random_shape: true, is_convex: true}, distribution: {name: random}}
   - {shape: {name: linestring, random_shape: true}, distribution: {name: random}, unobstructed: true}
   - shape: {name: compound, parts: [{name: circle, radius: 0.4}, {name: rectangle, length: 1.5, width: 0.2}]}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -49,3 +50,24 @@ def test_the_stop_by_a_collision_does_not_count() -> None:
     row = driven({"state": [48.45, 50, 0], "velocity": [1.0, 0.0]}, [1.0, 0.0])
     assert (row.outcome, row.steps) == ("collision", 4)
     assert (row.acceleration, row.jerk) == (0.0, 0.0)
+
+
+def test_success_by_completion_time_compares_with_the_fastest_drive() -> None:
+    """3.7 m to the goal's tolerance at 1 m/s take 37 steps; with 1 m/s2 from rest ten steps make 0.55 m, 31.5 more."""
+    towards = {
+        "name": "blank",
+        "max_steps": 90,
+        "observations": ["goal"],
+        "rewards": ["arrival"],
+        "endings": ["arrived"],
+    }
+    for given, steps in (({}, 37), ({"acce": [1.0, 1.0]}, 42)):
+        robot = {"kinematics": {"name": "diff"}, "vel_min": [-1, -1], "vel_max": [1, 1], "goal_threshold": 0.3} | given
+        scenario = {"robot": robot | {"state": [2, 5, 0], "goal": [6, 5]}, "task": towards}
+        for speed, factor in ((1.0, 1.0), (0.5, 0.5)):
+            action = np.array([speed, 0.0], np.float32)
+            drive = lambda seen, action=action: np.tile(action, (len(seen), 1))  # noqa: E731
+            (row,) = evaluate(drive, Worlds(scenario, 1).episodes, 1)
+            assert (row.outcome, row.least_time) == ("success", pytest.approx(0.1 * steps))
+            assert row.sct == pytest.approx(row.least_time / row.time) == pytest.approx(factor, abs=0.13)
+    assert replace(row, outcome="timeout").sct == 0.0

@@ -8,19 +8,25 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import CellMap
-from irsim_gym.geometry.cell_room import find_room
-from irsim_gym.geometry.cells import find_boxes, find_free_squares
+from irsim_gym.arraytypes import CellMap, CellMaps
+from irsim_gym.geometry.world_maps import lay_cells, most_boxes
+
+
+def cell_maps(occupied: Any, x: float = 0.0, y: float = 0.0, width: float = 1.0, height: float = 1.0) -> CellMaps:
+    """Return the maps of some worlds, ``(n_worlds, columns, rows)``."""
+    occupied = np.asarray(occupied, np.bool_)
+    n, columns, rows = occupied.shape
+    boxes = np.full((n, most_boxes(columns, rows), 4), -1, np.int32)
+    arrays = np.zeros((n, 4, columns, rows), np.uint8), boxes, np.zeros(n, np.int64)
+    maps = CellMaps(x, y, width, height, 0, *arrays, np.zeros((n, columns, rows), np.float32))
+    for w in range(n):
+        lay_cells(maps, w, occupied[w], np.zeros(columns))
+    return maps
 
 
 def cell_map(occupied: Any, x: float = 0.0, y: float = 0.0, width: float = 1.0, height: float = 1.0) -> CellMap:
-    occupied = np.asarray(occupied, np.bool_)
-    squares = np.zeros((4, *occupied.shape), np.uint8)
-    find_free_squares(occupied, squares)
-    room = np.zeros(occupied.shape, np.float32)
-    found = CellMap(x, y, width, height, 0, squares, find_boxes(occupied), room)
-    find_room(found, np.zeros(len(occupied)))
-    return found
+    maps = cell_maps([occupied], x, y, width, height)
+    return CellMap(x, y, width, height, 0, maps.squares[0], maps.boxes[0], int(maps.n_boxes[0]), maps.room[0])
 
 
 def random_map(seed: int, share: float = 0.2, columns: int = 17, rows: int = 12) -> tuple[Any, Any]:

@@ -10,7 +10,8 @@ from irsim_gym.geometry.cells import (
     outline_near_cells,
     segment_cells_distance,
 )
-from tests.geometry.cell_maps import cell_map, random_map
+from irsim_gym.geometry.world_maps import capsule_meets_map, map_is_closer, most_boxes, outline_near_map
+from tests.geometry.cell_maps import cell_map, cell_maps, random_map
 from tests.geometry.shapes import disc, linestring, polygon, random_shape
 
 TOLERANCE = 1e-9
@@ -36,12 +37,19 @@ def test_free_squares_are_the_largest() -> None:
 
 def test_boxes_are_the_occupied_cells() -> None:
     occupied = np.random.default_rng(4).random((13, 8)) < 0.5
-    count = np.zeros(occupied.shape, np.int64)
-    for first_i, end_i, first_j, end_j in find_boxes(occupied):
-        count[first_i:end_i, first_j:end_j] += 1
-    assert np.array_equal(count, occupied)
-    assert find_boxes(np.ones((3, 4), np.bool_)).tolist() == [[0, 3, 0, 4]]
-    assert find_boxes(np.zeros((3, 4), np.bool_)).shape == (0, 4)
+    boxes = np.zeros((most_boxes(13, 8), 4), np.int32)
+    count = find_boxes(occupied, boxes)
+    covered = np.zeros(occupied.shape, np.int64)
+    for first_i, end_i, first_j, end_j in boxes[:count]:
+        covered[first_i:end_i, first_j:end_j] += 1
+    assert np.array_equal(covered, occupied)
+    assert boxes[:count].tolist() == sorted(boxes[:count].tolist())
+    assert find_boxes(occupied, boxes[:0]) == count  # without room it counts
+    assert find_boxes(np.ones((3, 4), np.bool_), boxes) == 1
+    assert boxes[0].tolist() == [0, 3, 0, 4]
+    assert find_boxes(np.zeros((3, 4), np.bool_), boxes) == 0
+    checkered = np.indices((5, 7)).sum(axis=0) % 2 == 0
+    assert find_boxes(checkered, boxes) == 18 <= most_boxes(5, 7)  # one for each occupied cell
 
 
 def test_capsules_against_shapely() -> None:
@@ -113,11 +121,20 @@ def test_an_area_around_cells_meets_them_and_a_line_does_not() -> None:
 
 
 def test_without_a_map_nothing_is_met() -> None:
-    shape = disc(0.0, 0.0, 1.0).outline
-    assert not outline_meets_cells(None, shape)
-    assert not capsule_meets_cells(None, 0.0, 0.0, 1.0, 1.0, 0.5)
-    assert outline_cells_distance(None, shape, 3.0) == 3.0
-    assert segment_cells_distance(None, 0.0, 0.0, 1.0, 1.0, 2.0) == 2.0
+    assert not capsule_meets_map(None, 0, 0.0, 0.0, 1.0, 1.0, 0.5)
+    assert not map_is_closer(None, 0, 0.0, 0.0, 9.0)
+    assert not outline_near_map(None, 0, disc(2.0, 0.5, 9.0).outline, 1.0)
+
+
+def test_each_world_has_its_own_map() -> None:
+    """A cell at (0, 0) in world 0, at (2, 1) in world 1; one map alone is that of every world."""
+    occupied = np.zeros((2, 3, 2), np.bool_)
+    occupied[0, 0, 0] = occupied[1, 2, 1] = True
+    cells = cell_maps(occupied)
+    assert [capsule_meets_map(cells, w, 0.5, 0.5, 0.5, 0.5, 0.1) for w in range(2)] == [True, False]
+    assert [map_is_closer(cells, w, 2.5, 0.4, 0.7) for w in range(2)] == [False, True]
+    assert [outline_near_map(cells, w, disc(1.5, 0.5, 0.4).outline, 0.2) for w in range(2)] == [True, False]
+    assert capsule_meets_map(cell_maps(occupied[:1]), 7, 0.5, 0.5, 0.5, 0.5, 0.1)
 
 
 def test_what_is_not_nearer_than_the_limit_is_the_limit() -> None:
@@ -133,7 +150,6 @@ def test_near_is_closer_than_the_clearance() -> None:
     assert not outline_near_cells(cells, disc(2.0, 0.5, 0.75).outline, 0.25)
     assert outline_near_cells(cells, disc(2.0, 0.5, 1.0).outline, 0.0)
     assert not outline_near_cells(cells, disc(2.0, 0.5, 0.75).outline, 0.0)
-    assert not outline_near_cells(None, disc(2.0, 0.5, 9.0).outline, 1.0)
 
 
 def test_an_empty_map_is_infinitely_far() -> None:

@@ -238,6 +238,29 @@ def test_another_robot_and_another_plot(page: Page) -> None:
     assert page.run("return byId('legend').children.length") == 1
 
 
+def test_another_episode_beside_it(page: Page) -> None:
+    """Both play at the same time, the longer one to its end; moving one picture moves the other."""
+    page.run("player.choose(1)")  # random; dash is beside it
+    ends = page.run("return player.recording.episodes.map(({ count }) => count - 1)")
+    assert ends[0] != ends[1]
+    page.run("byId('beside').value = '0'; byId('beside').dispatchEvent(new Event('change'))")
+    page.press("\ue010")  # end
+    assert page.run("return [player.momentOf(player.other), player.momentOf(player.episode)]") == ends
+    assert page.run("return byId('other-name').textContent").startswith("dash, level 0")
+    page.run("player.go(20)")
+    page.press("+")
+    views = page.run("return [player.world, player.second].map(({ scale, limits, size }) => [scale, limits, size])")
+    assert views[0] == views[1]
+    x, y = page.run("return [...player.other.bodies.find((body) => body.name === 'robot_0').place.row(20)]")
+    place = f"[player.second.column({x - 0.15}), player.second.row({y + 0.15})]"
+    column, row = page.run(
+        f"const b = byId('other').getBoundingClientRect(); const p = {place}; return [b.left + p[0], b.top + p[1]]"
+    )
+    assert tuple(page.picture()[round(row), round(column)].tolist()) == GREEN
+    page.run("byId('beside').value = ''; byId('beside').dispatchEvent(new Event('change'))")
+    assert page.run("return [byId('companion').offsetParent, player.timeline === player.episode]") == [None, True]
+
+
 def test_a_click_into_the_plot_goes_there(page: Page) -> None:
     from selenium.webdriver.common.action_chains import ActionChains
 

@@ -32,7 +32,7 @@ def test_the_map_is_the_last_body() -> None:
     sim = simulation([ROBOT], [{"shape": {"name": "circle"}, "state": [20, 20, 0]}])
     assert sim.parts.names == ("robot_0", "obstacle_1", "obstacle_2")
     assert sim.model.map_frame.item() == (1, 2, 2, 1, 2)
-    assert np.array_equal(sim.model.map_squares[0] == 0, MAP)
+    assert np.array_equal(sim.model.map_squares[0, 0] == 0, MAP)
 
 
 def test_a_robot_stops_at_the_wall() -> None:

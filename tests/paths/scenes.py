@@ -16,7 +16,7 @@ from irsim_gym.paths.grid import Grid, mark_blocked
 from irsim_gym.paths.reachability import is_reachable
 from irsim_gym.structs import Struct
 from tests.geometry.cell_maps import area as cell_area
-from tests.geometry.cell_maps import cell_map
+from tests.geometry.cell_maps import cell_maps
 
 Floats = NDArray[np.float64]
 
@@ -73,7 +73,7 @@ class Scene:
         """Stretch an occupancy map over the scene."""
         columns, rows = np.shape(occupied)
         place = (0.0, 0.0, self.size / columns, self.size / rows)
-        self.cells, self.area = cell_map(occupied, *place), cell_area(occupied, *place)
+        self.cells, self.area = cell_maps([occupied], *place), cell_area(occupied, *place)
         return self
 
     def walled(self) -> Scene:

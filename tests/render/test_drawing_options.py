@@ -202,8 +202,8 @@ def test_the_map_stands_where_its_cells_are() -> None:
     """Five columns by four rows of 0.5 m x 1 m from (2, 3); cells (0, 0) and (4, 1) are occupied."""
     world = make_world([], lidar=False)
     world.model.map_frame[:] = 2.0, 3.0, 0.5, 1.0, 0
-    world.model.map_squares = np.ones((4, 5, 4), np.uint8)
-    world.model.map_squares[:, 0, 0] = world.model.map_squares[:, 4, 1] = 0
+    world.model.map_squares = np.ones((1, 4, 5, 4), np.uint8)
+    world.model.map_squares[:, :, 0, 0] = world.model.map_squares[:, :, 4, 1] = 0
     renderer = world.renderer()
     frame = renderer.frame()
     for x in np.arange(2.02, 4.5, 0.05):
@@ -219,8 +219,8 @@ def test_fine_maps_lose_no_walls() -> None:
     """A wall of one cell among 2,000 in a row is thinner than a pixel and still seen."""
     world = make_world([], lidar=False)
     world.model.map_frame[:] = 0.0, 0.0, 0.005, 10.0, 0
-    world.model.map_squares = np.ones((4, 2000, 1), np.uint8)
-    world.model.map_squares[:, 1001] = 0
+    world.model.map_squares = np.ones((1, 4, 2000, 1), np.uint8)
+    world.model.map_squares[:, :, 1001] = 0
     renderer = world.renderer(size=(200, 200))
     frame = renderer.frame()
     row = int(renderer.layout.column_row(5.0, 5.3)[1])

@@ -24,6 +24,7 @@ from irsim_gym.suite.scores import overall, score_member
 from irsim_gym.suite.suite_record import SuiteMethod, read_methods, read_record
 
 GOAL = Member("goal", "To drive to a goal.", "empty_goal")
+FIXED = Member("fixed", "To drive.", "jaxnav_single_nav_1", levels=1)
 SWAP = Member("swap", "To change sides.", "circle_swap", {"n_robots": 2}, team=True)
 DASH, RANDOM = SuiteMethod("dash", ("dash",)), SuiteMethod("random", ("random",))
 
@@ -55,7 +56,7 @@ def test_all_mistakes_of_a_suite_are_named_at_once(tmp_path: Path) -> None:
     with pytest.raises(IrsimGymError) as told:
         read_suite(file)
     assert str(told.value).replace(f"{file}: ", "").splitlines() == [
-        "benchmarks.a.tem: unknown key (did you mean 'team'?); keys: asks, scenario, parameters, team, differs",
+        "benchmarks.a.tem: unknown key (did you mean 'team'?); keys: asks, scenario, parameters, team, levels, differs",
         "benchmarks.a.scenario: no shipped scenario 'corridr' (did you mean 'corridor'?)",
         "benchmarks.cave.asks: is missing; say what it asks of a policy",
         "tiers.core: no benchmark 'cav' (did you mean 'cave'?)",
@@ -171,18 +172,20 @@ def test_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
 
 
 def test_tables_name_their_conditions(tmp_path: Path) -> None:
-    record = play_suite([SWAP, GOAL], [DASH, RANDOM], tmp_path, levels=2)
+    record = play_suite([SWAP, GOAL, FIXED], [DASH, RANDOM], tmp_path, levels=2)
     said = suite_tables.markdown(read_record(tmp_path))
     assert said == suite_tables.markdown(record)
     for words in (
         "n_robots = 2; 2 test levels; 2 learners; footprint circle 0.2 m; goal tolerance 0.3 m; ",
         "velocities 0 to 1 and -1.5 to 1.5 m/s, rad/s; accelerations unlimited; step 0.1 s; ",
         "time limit 300 steps (30 s); 180 beams up to 6 m without noise; scenario ",
+        "1 test level; 1 learner; footprint rectangle 0.5 x 0.5 m; goal tolerance 0.3 m; velocities 0 to 1 and -0.6 ",
+        "accelerations 1, 1; step 0.1 s; time limit 500 steps (50 s); 200 beams up to 6 m without noise; ",
     ):
         assert words in said
-    assert "over: swap, goal." in said
+    assert "over: swap, goal, fixed." in said
     paper = suite_tables.latex(record)
-    assert paper.count(r"\begin{tabular}") == 3
+    assert paper.count(r"\begin{tabular}") == 4
     assert r"success [\%]" in paper
     assert json.loads((tmp_path / "summary.json").read_text())["machine"]["versions"]["irsim_gym"]
     with pytest.raises(IrsimGymError, match="holds no run of the suite"):

@@ -35,6 +35,7 @@ function listenToKeys(player) {
     l: () => press("loop"),
   };
   document.addEventListener("keydown", (event) => {
+    if (!player.isOpen) return;
     const isChoice = event.target.matches("select");
     const isButton = event.target.matches("button, summary, input[type=checkbox]") && event.key === " ";
     if (event.ctrlKey || event.metaKey || event.altKey || isChoice || isButton) return;
@@ -45,9 +46,13 @@ function listenToKeys(player) {
   });
 }
 
+/** Both pictures show the same part of the world: whoever moves one moves the other. */
 function listenToMouse(player) {
+  for (const { canvas } of [player.world, player.second]) listenToMouseOn(canvas, player);
+}
+
+function listenToMouseOn(canvas, player) {
   const { world } = player;
-  const { canvas } = world;
   const held = new Map();
   const place = (event) => {
     const box = canvas.getBoundingClientRect();
@@ -89,17 +94,3 @@ function listenToMouse(player) {
   }
   canvas.addEventListener("dblclick", () => player.whole());
 }
-
-async function start() {
-  try {
-    window.player = new Player(await readRecording(byId("data").textContent));
-  } catch (problem) {
-    const words = document.createElement("p");
-    words.className = "problem";
-    words.textContent = `This recording cannot be played: ${problem.message}`;
-    byId("stage").replaceChildren(words);
-    throw problem;
-  }
-}
-
-start();

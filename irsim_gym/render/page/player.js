@@ -4,6 +4,7 @@ const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8, 16];
 const HELD_AT_THE_END = 0.8;
 const byId = (id) => document.getElementById(id);
 
+/** Plays one episode, or two side by side at the same time; the longer of the two is the timeline. */
 class Player {
   constructor(recording) {
     this.recording = {
@@ -15,24 +16,37 @@ class Player {
     this.moment = 0;
     this.clock = 0;
     this.isPlaying = false;
+    this.isOpen = true;
     this.agent = 0;
     this.kind = null;
     this.isDue = false;
     this.world = new WorldView(byId("world"), recording.theme);
-    this.chart = new Chart(byId("chart"), byId("legend"), (time) => this.go(this.episode.momentAt(time)));
+    this.second = new WorldView(byId("other"), recording.theme);
+    this.chart = new Chart(byId("chart"), byId("legend"), (time) => this.go(this.timeline.momentAt(time)));
     byId("heading").textContent = recording.title;
-    byId("episode").append(...recording.episodes.map(({ name }, i) => new Option(name, i)));
-    byId("episodes").hidden = recording.episodes.length < 2;
     byId("speed").append(...SPEEDS.map((speed) => new Option(`${speed} \u00d7`, speed, speed === 1, speed === 1)));
     this.listen();
     listenToKeys(this);
     listenToMouse(this);
-    this.choose(0);
+    if (recording.episodes.length) this.take(recording.episodes);
+  }
+
+  /** Put these episodes into the lists; show one, and perhaps another one beside it. */
+  take(episodes, number = 0, beside = null) {
+    this.recording.episodes = episodes;
+    const options = () => episodes.map(({ name }, i) => new Option(name, i));
+    byId("episode").replaceChildren(...options());
+    byId("beside").replaceChildren(new Option("nothing", ""), ...options());
+    for (const id of ["episodes", "besides"]) byId(id).hidden = episodes.length < 2;
+    this.other = null;
+    this.choose(number);
+    this.pair(beside);
   }
 
   listen() {
     const on = (id, event, action) => byId(id).addEventListener(event, action);
     on("episode", "change", () => this.choose(Number(byId("episode").value)));
+    on("beside", "change", () => this.pair(byId("beside").value === "" ? null : Number(byId("beside").value)));
     on("agent", "change", () => this.chooseAgent(Number(byId("agent").value)));
     on("kind", "change", () => this.choosePlot(byId("kind").value));
     on("moment", "input", () => this.go(Number(byId("moment").value)));
@@ -71,13 +85,39 @@ class Player {
     this.number = number;
     this.episode = new Episode(data, this.recording);
     byId("episode").value = String(number);
-    byId("moment").max = String(this.episode.count - 1);
+    byId("name").textContent = data.name;
     byId("agent").replaceChildren(...this.episode.agents.map(({ name }, i) => new Option(name, i)));
     byId("who").hidden = this.episode.agents.length < 2;
     byId("plot").hidden = !this.episode.agents.length;
     this.world.show(this.episode);
     this.chooseAgent(Math.min(this.agent, Math.max(this.episode.agents.length - 1, 0)));
+    this.fit();
     this.go(0);
+  }
+
+  /** Show another episode beside the chosen one, or none. */
+  pair(number) {
+    this.other = number === null ? null : new Episode(this.recording.episodes[number], this.recording);
+    byId("beside").value = number === null ? "" : String(number);
+    byId("companion").hidden = !this.other;
+    byId("stage").classList.toggle("paired", Boolean(this.other));
+    if (this.other) {
+      byId("other-name").textContent = this.other.name;
+      this.second.show(this.other);
+    }
+    this.fit();
+    this.go(this.timeline.momentAt(this.clock));
+  }
+
+  /** Let the longer one of the shown episodes be the timeline. */
+  fit() {
+    this.timeline = this.other && this.other.duration > this.episode.duration ? this.other : this.episode;
+    byId("moment").max = String(this.timeline.count - 1);
+  }
+
+  /** Return the moment of an episode that is shown now: its last one once it has ended. */
+  momentOf(episode) {
+    return episode === this.timeline ? this.moment : episode.momentAt(this.timeline.time.at(this.moment));
   }
 
   chooseAgent(number) {
@@ -109,8 +149,8 @@ class Player {
 
   /** Go to a moment. */
   go(moment) {
-    this.moment = Math.min(Math.max(moment, 0), this.episode.count - 1);
-    this.clock = this.episode.time.at(this.moment);
+    this.moment = Math.min(Math.max(moment, 0), this.timeline.count - 1);
+    this.clock = this.timeline.time.at(this.moment);
     this.redraw();
   }
 
@@ -120,7 +160,7 @@ class Player {
   }
 
   play(isPlaying) {
-    if (isPlaying && this.moment === this.episode.count - 1) this.go(0);
+    if (isPlaying && this.moment === this.timeline.count - 1) this.go(0);
     this.isPlaying = isPlaying;
     byId("play").textContent = isPlaying ? "\u275a\u275a" : "\u25b6\ufe0e";
     byId("play").setAttribute("aria-label", isPlaying ? "Pause" : "Play");
@@ -134,13 +174,13 @@ class Player {
     if (!this.isPlaying) return;
     this.clock += this.before === null ? 0 : ((now - this.before) / 1000) * Number(byId("speed").value);
     this.before = now;
-    const { duration } = this.episode;
+    const { duration } = this.timeline;
     const isLooping = byId("loop").checked;
     if (this.clock >= duration + (isLooping ? HELD_AT_THE_END * Number(byId("speed").value) : 0)) {
       if (isLooping) this.clock = 0;
       else this.play(false);
     }
-    const moment = this.episode.momentAt(this.clock);
+    const moment = this.timeline.momentAt(this.clock);
     if (moment !== this.moment) {
       this.moment = moment;
       this.redraw();
@@ -159,16 +199,22 @@ class Player {
   }
 
   draw() {
-    const { episode, moment } = this;
+    const { episode, other, timeline } = this;
+    const moment = this.momentOf(episode);
     const agent = episode.agents[this.agent];
     const shown = (id) => byId(id).checked;
     const robot = agent?.name ?? episode.bodies.find((body) => !body.fixed)?.name;
     const follow = shown("follow") ? robot : null;
-    this.world.draw(moment, { scans: shown("scans"), paths: shown("paths"), names: shown("names"), follow });
+    const options = { scans: shown("scans"), paths: shown("paths"), names: shown("names"), follow };
+    this.world.draw(moment, options);
+    if (other) {
+      this.second.look = this.world.look;
+      this.second.draw(this.momentOf(other), options);
+    }
     if (agent) this.chart.draw(moment);
-    byId("moment").value = String(moment);
-    byId("clock").textContent = `${episode.time.at(moment).toFixed(1)} / ${episode.duration.toFixed(1)} s`;
-    const rows = this.values(agent);
+    byId("moment").value = String(this.moment);
+    byId("clock").textContent = `${timeline.time.at(this.moment).toFixed(1)} / ${timeline.duration.toFixed(1)} s`;
+    const rows = this.values(agent, moment);
     byId("values").replaceChildren(...rows.flatMap(([name, value]) => {
       const [term, words] = ["dt", "dd"].map((tag) => document.createElement(tag));
       term.textContent = name;
@@ -178,8 +224,8 @@ class Player {
   }
 
   /** Return the names and values that the panel shows of the robot at this moment. */
-  values(agent) {
-    const { episode, moment } = this;
+  values(agent, moment) {
+    const { episode } = this;
     const rows = Object.entries(episode.details);
     rows.push(["step", `${moment} of ${episode.count - 1}`]);
     if (!agent) return rows;

@@ -8,9 +8,10 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Floats, Ints, Rays
+from irsim_gym.arraytypes import CellMaps, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.cells import segment_cells_distance
+from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
@@ -106,7 +107,7 @@ def write_ways(
     term: Bound,
     ways: Directions,
     model: WorldModel,
-    cells: CellMap | None,
+    cells: CellMaps | None,
     state: WorldState,
     episode: EpisodeState,
 ) -> None:
@@ -138,7 +139,7 @@ def write_ways(
                 first, last = span(model.segment_start, model.segment_count, w, b)
                 for s in range(first, last):
                     stop_at_segment(state.segments[w, s], place, far, ways, row)
-            stop_at_cells(cells, place, ways, row)
+            stop_at_cells(cells, w, place, ways, row)
             encode(row, options.code, near, zero, np.float32(far))
 
 
@@ -189,21 +190,22 @@ def stop_at_segment(segment: Floats, place: Place, far: float, ways: Directions,
 
 
 @kernel
-def stop_at_cells(cells: CellMap | None, place: Place, ways: Directions, row: Rays) -> None:
-    """Shorten the ways that the map blocks; each step goes as far as there is room around it.
+def stop_at_cells(cells: CellMaps | None, w: int, place: Place, ways: Directions, row: Rays) -> None:
+    """Shorten the ways that the map of world w blocks; each step goes as far as there is room around it.
 
     Reads: ways (ahead_x, ahead_y).
     Writes: row.
     """
     if cells is None:
         return
+    here = map_of(cells, w)
     cosine, sine, own, ahead_x, ahead_y = place.cosine, place.sine, place.radius, ways.ahead_x, ways.ahead_y
     for j in range(row.shape[0]):
         dx, dy = ahead_x[j] * cosine - ahead_y[j] * sine, ahead_x[j] * sine + ahead_y[j] * cosine
         way, before = 0.0, -np.inf
         for _ in range(LONGEST_WALK):
             x, y = place.x + way * dx, place.y + way * dy
-            room = segment_cells_distance(cells, x, y, x, y, own + row[j]) - own
+            room = segment_cells_distance(here, x, y, x, y, own + row[j]) - own
             if room < NEAR_ENOUGH and room <= before:
                 row[j] = np.float32(max(way, 0.0))
                 break

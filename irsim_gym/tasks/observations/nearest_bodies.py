@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import CellMap, Floats, Ints, Rays
+from irsim_gym.arraytypes import CellMaps, Floats, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.cells import nearest_cell_point
+from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
@@ -121,7 +122,7 @@ def write_nearest(
     term: Bound,
     nearest: Nearest,
     model: WorldModel,
-    cells: CellMap | None,
+    cells: CellMaps | None,
     state: WorldState,
     episode: EpisodeState,
 ) -> None:
@@ -153,7 +154,7 @@ def write_nearest(
                 gap, px, py = (edge_gap, ex, ey) if edge_gap < gap else (gap, px, py)
                 keep(gap, px - x, py - y, b, slot, nearest)
             if cells is not None:
-                gap, px, py = nearest_cell_point(cells, x, y, distance[n_found - 1])
+                gap, px, py = nearest_cell_point(map_of(cells, w), x, y, distance[n_found - 1])
                 keep(gap, px - x, py - y, cells.body, slot, nearest)
             row = episode.observation[w, a, column : column + WIDTH * n_found]
             write_gaps(w, own, slot, nearest, term, model, state, row)

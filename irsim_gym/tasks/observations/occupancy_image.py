@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Floats, Ints
+from irsim_gym.arraytypes import Bytes, CellMaps, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
@@ -132,7 +132,7 @@ def paint_occupied(
     term: Bound,
     paints: Paints,
     model: WorldModel,
-    cells: CellMap | None,
+    cells: CellMaps | None,
     state: WorldState,
     image: Bytes,
 ) -> None:
@@ -165,7 +165,7 @@ def paint_occupied(
                         add_body(canvas, model, state, w, b)
             if options.edge != 0:
                 add_outside(canvas, model.bounds)
-            add_cells(canvas, cells)
+            add_cells(canvas, cells, w)
             paint(picture[:, :, :1], sheet, box, paints.colours[1], False)
 
 

@@ -11,8 +11,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Floats, Ints, Rays
+from irsim_gym.arraytypes import Bytes, CellMaps, Floats, Ints, Rays
 from irsim_gym.engine import Simulation
+from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import add_edge, new_sheet, note, scan_edge
@@ -197,17 +198,18 @@ def add_rectangle(canvas: Canvas, left: float, low: float, right: float, high: f
 
 
 @kernel
-def add_cells(canvas: Canvas, cells: CellMap | None) -> None:
-    """Add the occupied cells of a map to a sheet."""
+def add_cells(canvas: Canvas, cells: CellMaps | None, w: int) -> None:
+    """Add the occupied cells of the map of world w to a sheet."""
     if cells is not None:
         view, box = canvas.camera, canvas.box
-        x, y, width, height, boxes = cells.x, cells.y, cells.width, cells.height, cells.boxes
+        here = map_of(cells, w)
+        x, y, width, height, boxes = here.x, here.y, here.width, here.height, here.boxes
         seen = (
             CORNER
             * (max(view.middle_x, box[2] - view.middle_x, view.middle_y, box[3] - view.middle_y) + LINE)
             / view.scale
         )
-        for k in range(boxes.shape[0]):
+        for k in range(here.n_boxes):
             left, right = x + width * boxes[k, 0], x + width * boxes[k, 1]
             low, high = y + height * boxes[k, 2], y + height * boxes[k, 3]
             size = CORNER * (right - left + high - low)  # most are far away however the picture is turned

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints, Rays, Spans
+from irsim_gym.arraytypes import Bytes, CellMaps, Flags, Floats, Ints, Rays, Spans
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.geometry.angles import turned
 from irsim_gym.jit import kernel
@@ -121,7 +121,7 @@ class Route:
 
 @kernel
 def find_ways(
-    worlds: Ints, slot: int, agents: Ints, ways: RouteWays, model: WorldModel, cells: CellMap | None, state: WorldState
+    worlds: Ints, slot: int, agents: Ints, ways: RouteWays, model: WorldModel, cells: CellMaps | None, state: WorldState
 ) -> None:
     """Write for each free cell the next one on the way to the goal and how long the way is, where the goal is new.
 

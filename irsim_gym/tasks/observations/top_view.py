@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Floats, Ints
+from irsim_gym.arraytypes import Bytes, CellMaps, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
@@ -110,7 +110,7 @@ def paint_view(
     term: Bound,
     paints: Paints,
     model: WorldModel,
-    cells: CellMap | None,
+    cells: CellMaps | None,
     state: WorldState,
     image: Bytes,
 ) -> None:
@@ -147,7 +147,7 @@ def paint_view(
                 radius = max(model.goal_threshold[row_of(model.goal_threshold, w), own] * view.scale, 1.5)
                 add_disc(sheet, box, image_column(view, x, y), image_row(view, x, y), radius, 1.0)
                 paint(picture, sheet, box, colours[GOALS], False)
-            add_cells(canvas, cells)
+            add_cells(canvas, cells, w)
             add_bodies(canvas, model, state, w, OBSTACLE, NOBODY)
             paint(picture, sheet, box, colours[OBSTACLES], False)
             add_bodies(canvas, model, state, w, ROBOT, own)

@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
+from irsim_gym.arraytypes import Bytes, CellMaps, Flags, Floats, Ints
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, mark_standing
@@ -73,7 +73,7 @@ def draw_fields(
     agents: Ints,
     fields: Fields,
     model: WorldModel,
-    cells: CellMap | None,
+    cells: CellMaps | None,
     state: WorldState,
     episode: EpisodeState,
 ) -> None:

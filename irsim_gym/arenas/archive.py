@@ -1,0 +1,133 @@
+"""What an arena leaves on disk, and how one that was interrupted goes on."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.arenas.board import Row
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.tables import plain, read_episodes, write_episodes, write_json
+from irsim_gym.evaluation.team_tables import read_agents, write_agents, write_levels
+from irsim_gym.scenario.messages import show
+
+SUMMARY, EPISODES, LEVELS, TABLE, PAGE = "summary.json", "episodes.csv", "levels.csv", "table.txt", "arena.html"
+PARTS = "parts"
+"""Folder of the rows of policies that have finished, while others still play."""
+
+
+@dataclass
+class Archive:
+    """The folder of an arena.
+
+    Attributes:
+        folder: Where it is.
+        team: Rows are of agents of teams.
+        limit: The time limit [s].
+        drivers: Who drives each agent, by the names that rows are held under; None without cross-play.
+        rows: Those of all that have finished, as they are on disk: rounded.
+    """
+
+    folder: Path
+    team: bool
+    limit: float
+    drivers: Mapping[str, Sequence[str]] | None = None
+    rows: dict[str, list[Any]] = field(default_factory=dict)
+
+    def begin(self, told: Mapping[str, Any]) -> None:
+        """Write down what is played, and take away what is left of another arena."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        for path in (*map(self.folder.joinpath, (EPISODES, LEVELS, TABLE, PAGE)), *self._parts()):
+            path.unlink(missing_ok=True)
+        write_json(self.folder / SUMMARY, {"finished": False, "arena": told})
+
+    def go_on(self, told: Mapping[str, Any]) -> None:
+        """Take over the rows of policies that have finished; of those without a file nobody knows what they are.
+
+        Raises:
+            IrsimGymError: The folder holds no arena, or one of other levels or policies.
+        """
+        before = self.told()
+        found = _differences(before, plain(told))
+        if found:
+            raise IrsimGymError(
+                f"{self.folder} holds an arena that is not this one, so that it cannot be resumed: {'; '.join(found)}"
+            )
+        known = [self.folder / EPISODES] if (self.folder / EPISODES).is_file() else []
+        for path in (*known, *self._parts()):
+            self.rows |= self._read(path)
+        lasting = {policy["name"] for policy in told["policies"] if policy["source"] is not None}
+        self.rows = {name: rows for name, rows in self.rows.items() if set(self._drivers(name)) <= lasting}
+        write_json(self.folder / SUMMARY, {"finished": False, "arena": told})
+
+    def told(self) -> dict[str, Any]:
+        """Return what is played.
+
+        Raises:
+            IrsimGymError: The folder holds no arena.
+        """
+        try:
+            told: dict[str, Any] = json.loads((self.folder / SUMMARY).read_text(encoding="utf-8"))["arena"]
+            return told
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise IrsimGymError(f"{self.folder} holds no arena that could be resumed: {error}") from error
+
+    def keep(self, name: str, rows: Sequence[Row]) -> None:
+        """Write the rows of a policy that has finished."""
+        path = self.folder / PARTS / f"{len(self._parts()):04d}.csv"
+        self._write(path, {name: rows})
+        self.rows |= self._read(path)
+
+    def finish(self, names: Sequence[str], summary: Mapping[str, Any]) -> None:
+        """Write the rows of all policies as one file, and the summary."""
+        self.rows = {name: self.rows[name] for name in names}
+        self._write(self.folder / EPISODES, self.rows)
+        if self.team:
+            write_levels(self.folder / LEVELS, self.rows)
+        write_json(self.folder / SUMMARY, {"finished": True, **summary})
+        for path in self._parts():
+            path.unlink()
+        if (self.folder / PARTS).is_dir():
+            (self.folder / PARTS).rmdir()
+
+    def _parts(self) -> list[Path]:
+        return sorted((self.folder / PARTS).glob("[0-9]*.csv"))
+
+    def _drivers(self, name: str) -> Sequence[str]:
+        return [name] if self.drivers is None else self.drivers.get(name, [name])
+
+    def _read(self, path: Path) -> dict[str, list[Any]]:
+        return dict(read_agents(path, self.limit)) if self.team else dict(read_episodes(path))
+
+    def _write(self, path: Path, rows: Mapping[str, Sequence[Any]]) -> None:
+        if self.team:
+            write_agents(path, rows, self.drivers)
+        else:
+            write_episodes(path, rows)
+
+
+def holds_arena(folder: Path) -> bool:
+    """Return whether an arena has begun in a folder."""
+    try:
+        return "arena" in json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+
+
+def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """Return in what two arenas differ; further policies are no difference."""
+    keys = [key for key in dict.fromkeys([*before, *now]) if key != "policies"]
+    found = [
+        f"{key} {show(before.get(key))}, asked for: {show(now.get(key))}"
+        for key in keys
+        if before.get(key) != now.get(key)
+    ]
+    new = {policy["name"]: policy for policy in now["policies"]}
+    for policy in before["policies"]:
+        if policy["name"] in new and policy != new[policy["name"]]:
+            was, now_is = (f"{each['source']} (sha256 {each['sha256']})" for each in (policy, new[policy["name"]]))
+            found.append(f"policy {policy['name']} {was}, asked for: {now_is}")
+    return found

@@ -1,0 +1,56 @@
+"""What the command ``irsim-gym arena`` does and says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.arenas.contest import Arena, arena
+from irsim_gym.evaluation.tables import print_table
+from irsim_gym.training.folders import evaluation_folder
+from irsim_gym.training.remembered import remembered_parameters, tell_changes
+from irsim_gym.training.train import ctrl_c_told
+
+
+def run_arena(
+    scenario: str,
+    policies: Sequence[str],
+    out: Path | None,
+    parameters: Mapping[str, object] | None = None,
+    *,
+    split: str,
+    resume: bool,
+    overwrite: bool,
+    strict: bool,
+    **chosen: Any,
+) -> Arena:
+    """Let policies play, print the tables and the name of the page.
+
+    Args:
+        scenario: Shipped name, environment id, or path of a scenario file.
+        policies: As ``load_policy`` takes them.
+        out: Folder of the results; None for one in ``runs``.
+        parameters: Values for the scenario's parameters.
+        split: ``"test"``, ``"dev"`` or ``"train"``.
+        resume: Go on with the arena in the folder.
+        overwrite: Replace the arena in the folder.
+        strict: False ignores keys that nobody reads.
+        **chosen: As ``arena`` takes it: levels, task, team, mix, replays.
+
+    Raises:
+        TrainingInterruptedError: Ctrl-C; what has finished is on disk.
+    """
+    used = remembered_parameters(scenario, policies, parameters, strict=strict)
+    tell_changes(scenario, policies, chosen.get("task"), strict=strict)
+    of_teams = bool(chosen.get("team") or chosen.get("mix"))
+    folder = out or evaluation_folder(scenario, split, used, of_teams, overwrite=overwrite, resume=resume, kind="arena")
+    kept = f"stopped; policies that have finished are in {folder}. To continue, run the same command with --resume."
+    with ctrl_c_told(kept):
+        how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "parameters": used, "strict": strict}
+        found = arena(scenario, policies, folder, split=split, **how, **chosen)
+    for table in found.standings.tables(found.title):
+        print_table(table)
+    print(f"rows, figures and table: {folder}")
+    print(f"page: {found.page}")
+    return found

@@ -1,0 +1,257 @@
+"""The arena: policies on the same levels, and one page with all that tells them apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import Progress
+
+from irsim_gym import __version__
+from irsim_gym.arenas.archive import PAGE, TABLE, Archive, holds_arena
+from irsim_gym.arenas.board import Board
+from irsim_gym.arenas.crossplay import arrangements, meetings, mixed
+from irsim_gym.arenas.entrants import Entrant, check_entrants, load_entrants
+from irsim_gym.arenas.page_data import page_data
+from irsim_gym.arenas.page_file import write_page
+from irsim_gym.arenas.shown_episodes import choose_episodes, record_episodes
+from irsim_gym.arenas.standings import Standings, stand
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.optimum import Optima
+from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.protocol import evaluate
+from irsim_gym.evaluation.tables import table_text, write_text
+from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.tasks import Episodes
+from irsim_gym.tasks.levels import check_split
+from irsim_gym.training.episode_setup import conditions, make_episodes, team_conditions
+from irsim_gym.training.folders import has_results
+from irsim_gym.training.policies import Source, policy_names
+from irsim_gym.training.run import machine
+from irsim_gym.training.snapshot import snapshot_of
+
+WORLDS = 128
+REPLAYS = 200
+
+
+@dataclass(frozen=True)
+class Arena:
+    """Results of policies on the same levels, as they are in the arena's folder.
+
+    Attributes:
+        title: The scenario and the levels.
+        rows: For each policy, and each arrangement of two (``dash + orca``), an ``EpisodeRow`` for each level, of teams
+            a ``TeamRow``.
+        standings: What is compared.
+        page: The page for a browser.
+    """
+
+    title: str
+    rows: dict[str, list[Any]]
+    standings: Standings
+    page: Path
+
+    def __str__(self) -> str:
+        return "\n".join(map(table_text, self.standings.tables(self.title)))
+
+
+def arena(
+    scenario: ScenarioSource,
+    policies: Source | Sequence[Source] | Mapping[str, Source],
+    folder: str | Path,
+    *,
+    levels: int = 1000,
+    split: str = "test",
+    task: TaskSource = None,
+    team: bool = False,
+    mix: bool = False,
+    replays: int = REPLAYS,
+    resume: bool = False,
+    overwrite: bool = False,
+    parameters: Mapping[str, object] | None = None,
+    strict: bool = True,
+    console: Console | None = None,
+) -> Arena:
+    """Let policies play the same levels, and write all that tells them apart into a folder.
+
+    The folder gets ``arena.html``, a page that needs nothing else, ``episodes.csv`` (a row for each episode, of teams
+    for each agent; of these also ``levels.csv``), ``summary.json`` and ``table.txt``; see docs/arena.md.
+
+    Args:
+        scenario: Shipped name, id, path of a YAML file, plain data or a loaded scenario.
+        policies: One, several, or several by the names that they get in the results, each as ``evaluate`` takes it.
+        folder: Where the results go.
+        levels: How many levels of the split, from 0.
+        split: ``"test"``, which no training meets, ``"dev"`` or ``"train"``.
+        task: Shipped name, path or plain data of a task; None for the scenario's own.
+        team: All robots are driven by the policy, each by what it observes itself.
+        mix: Let also two policies drive the robots of one team, each pair in both arrangements.
+        replays: Greatest number of episodes that the page can play.
+        resume: Go on with the arena in the folder: policies that have finished do not play again, new ones join.
+        overwrite: Replace the arena in the folder.
+        parameters: Values for the scenario's parameters.
+        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        console: Where a progress bar goes; it stays quiet when that is no terminal.
+
+    Raises:
+        ValueError: There is no level to play.
+        IrsimGymError: Policies do not exist or do not fit the task, or the folder holds another arena.
+    """
+    place = _place(Path(folder), levels, split, resume=resume, overwrite=overwrite)
+    entrants = _entrants(policies, place if resume and holds_arena(place) else None)
+    made: dict[str, Any] = {"task": task, "parameters": parameters, "team": team or mix, "strict": strict}
+    episodes = make_episodes(scenario, n_worlds=min(WORLDS, levels), **made)
+    contest = Contest(entrants, episodes, place, levels, split, team=team or mix, mix=mix)
+    told = contest.told(task)
+    return contest.run(told, max(replays, 0), console or Console(stderr=True), resume=resume)
+
+
+class Contest:
+    """Policies, the worlds that they play in, and the folder of the results.
+
+    Args:
+        entrants: The policies.
+        episodes: The worlds.
+        folder: Where the results go.
+        levels: How many levels of the split, from 0.
+        split: Split of the levels.
+        team: The task's agents are a team.
+        mix: Let also two policies drive one team.
+
+    Raises:
+        IrsimGymError: Some policies do not fit the task.
+    """
+
+    def __init__(
+        self,
+        entrants: Sequence[Entrant],
+        episodes: Episodes,
+        folder: Path,
+        levels: int,
+        split: str,
+        *,
+        team: bool,
+        mix: bool,
+    ) -> None:
+        check_entrants(entrants, episodes)
+        self.entrants, self.episodes, self.levels, self.split = entrants, episodes, levels, split
+        self.team, self.mix = team, mix
+        self.names = [entrant.name for entrant in entrants]
+        self.players: dict[str, Policy] = {entrant.name: entrant.policy for entrant in entrants}
+        drivers = None
+        if mix:
+            self.players |= mixed(entrants, episodes.n_agents)
+            drivers = {pair.name: pair.drivers(episodes.n_agents) for pair in arrangements(self.names)}
+        limit = episodes.task.max_steps * float(episodes.simulation.model.step_time[0])
+        self.archive = Archive(folder, team, limit, drivers)
+
+    def told(self, task: TaskSource) -> dict[str, Any]:
+        """Return what is played, and by whom."""
+        scenario = self.episodes.simulation.scenario
+        return {
+            "scenario": scenario.label,
+            "scenario_sha256": snapshot_of(scenario, task).digest,
+            "split": self.split,
+            "levels": self.levels,
+            "team": self.team,
+            "mix": self.mix,
+            "irsim_gym": __version__,
+            "policies": [entrant.told() for entrant in self.entrants],
+        }
+
+    def run(self, told: Mapping[str, Any], replays: int, console: Console, *, resume: bool) -> Arena:
+        """Play what has not been played, and write the results."""
+        if resume and holds_arena(self.archive.folder):
+            self.archive.go_on(told)
+        else:
+            self.archive.begin(told)
+        self._play(console)
+        rows = {name: self.archive.rows[name] for name in self.players}
+        met = meetings(self.names, rows) if self.mix else []
+        standings = stand(rows, self.names, team=self.team, meetings=met)
+        whose = f" {self.episodes.n_agents} robots," if self.team else ""
+        title = f"{told['scenario']}:{whose} {self.levels:,} {self.split} levels"
+        found = Arena(title, rows, standings, self.archive.folder / PAGE)
+        named = (team_conditions if self.team else conditions)(self.episodes, self.split, self.levels)
+        summary = {"arena": told, "conditions": named, "machine": machine(), **standings.figures()}
+        self.archive.finish(list(self.players), summary)
+        write_text(self.archive.folder / TABLE, str(found))
+        self._write_page(found, summary, replays, console)
+        return found
+
+    def _play(self, console: Console) -> None:
+        """Let those play that have not finished, one after the other."""
+        optima, waiting = Optima(self.split), [name for name in self.players if name not in self.archive.rows]
+        evaluation: Any = evaluate_team if self.team else evaluate
+        with _bar(console) as bar:
+            line = bar.add_task("playing", total=len(waiting) * self.levels)
+            for name in waiting:
+                bar.update(line, description=name)
+                rows = evaluation(
+                    self.players[name],
+                    self.episodes,
+                    self.levels,
+                    self.split,
+                    optima=optima,
+                    on_episodes=lambda count: bar.advance(line, count),
+                )
+                self.archive.keep(name, rows)
+
+    def _write_page(self, found: Arena, summary: Mapping[str, Any], replays: int, console: Console) -> None:
+        """Play some episodes again for the page, and write it."""
+        board = Board.of(found.rows)
+        chosen = choose_episodes(board, replays)
+        recorded = record_episodes(board, list(self.players.values()), self.episodes, self.split, chosen)
+        data = page_data(found.title, board, len(self.names), found.standings, summary)
+        with _bar(console) as bar:
+            track = bar.track(recorded, total=len(chosen), description="recording")
+            write_page(found.page, data, board, track, chosen)
+
+
+def _bar(console: Console) -> Progress:
+    return Progress(console=console, disable=not console.is_terminal, transient=True)
+
+
+def _place(folder: Path, levels: int, split: str, *, resume: bool, overwrite: bool) -> Path:
+    """Return the folder, if an arena may write there what is asked for.
+
+    Raises:
+        ValueError: There is no level to play.
+        IrsimGymError: It holds results, and nothing is said of what is to become of them.
+    """
+    if levels < 1:
+        raise ValueError(f"levels must be >= 1, got {levels}")
+    check_split(split)
+    if resume and overwrite:
+        raise IrsimGymError("--resume continues an arena and --overwrite replaces it: pass only one of them")
+    if resume and has_results(folder) and not holds_arena(folder):
+        raise IrsimGymError(f"{folder} holds no arena that could be resumed, but other results")
+    if has_results(folder) and not (resume or overwrite):
+        raise IrsimGymError(
+            f"{folder} holds results: choose another folder with --out, continue them with --resume, or replace them "
+            "with --overwrite"
+        )
+    return folder
+
+
+def _entrants(policies: Source | Sequence[Source] | Mapping[str, Source], resumed: Path | None) -> list[Entrant]:
+    """Load policies, behind those of an arena that is gone on with."""
+    known: dict[str, Any] = {}
+    if resumed is not None:
+        told = Archive(resumed, False, 0.0).told()["policies"]
+        known = {policy["name"]: policy["source"] for policy in told if policy["source"] is not None}
+    if isinstance(policies, Mapping):
+        return _loaded({**known, **policies})
+    sources: Any = policies
+    if not isinstance(sources, Sequence) or isinstance(sources, str):
+        sources = [sources]
+    new = [source for source in sources if not isinstance(source, str | Path) or str(source) not in known.values()]
+    return _loaded({**known, **dict(zip(policy_names(new), new, strict=True))})
+
+
+def _loaded(sources: Mapping[str, Source]) -> list[Entrant]:
+    return load_entrants(list(sources.values()), list(sources))

@@ -1,0 +1,150 @@
+"""Cross-play: the agents of a team are driven by two policies that have not met before.
+
+In the arrangement (one, other) the first policy drives every second agent beginning with the first, the other policy
+the rest. Both arrangements of a pair are played, so that each policy drives every agent once in every level; with
+itself a policy drives all of them. This measures how well policies fit to partners that they were not trained with (Hu
+et al. 2020, "Other-Play", arXiv:2003.02979).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from irsim_gym.arenas.entrants import Entrant
+from irsim_gym.arraytypes import Ints
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
+from irsim_gym.evaluation.metrics import Rate
+from irsim_gym.evaluation.policy import Actions, Policy, by_agent, without_lone_axis
+from irsim_gym.evaluation.team_metrics import TeamRow, rate_of_agents
+from irsim_gym.tasks import Episodes
+
+BETWEEN = " + "
+"""Stands between the names of the two policies of an arrangement."""
+
+
+class MixedPolicy:
+    """Drives some agents as one policy does, and the others as another one.
+
+    Args:
+        one: Drives the first agent, the third and so on.
+        other: Drives the second agent, the fourth and so on.
+        n_agents: Number of agents.
+    """
+
+    def __init__(self, one: Policy, other: Policy, n_agents: int) -> None:
+        first, second = range(0, n_agents, 2), range(1, n_agents, 2)
+        self._parts = [(_of_agents(one, first), first), (_of_agents(other, second), second)]
+
+    def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
+        """Tell both that levels begin."""
+        for policy, _ in self._parts:
+            policy.begin(episodes, worlds, levels)
+
+    def act(self, episodes: Episodes, worlds: Ints) -> Actions:
+        """Return the actions of worlds, for each agent those of its policy."""
+        acted: Actions | None = None
+        for policy, driven in self._parts:
+            chosen = by_agent(policy.act(episodes, worlds), episodes, worlds)
+            acted = chosen.copy() if acted is None else acted
+            acted[:, list(driven)] = chosen[:, list(driven)]
+        assert acted is not None
+        return without_lone_axis(acted)
+
+
+def _of_agents(policy: Policy, driven: Sequence[int]) -> Policy:
+    """Return a policy for some agents; one that observes each agent by itself is that already."""
+    return BehaviorPolicy(policy.name, driven) if isinstance(policy, BehaviorPolicy) else policy
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """Who drives the agents of a team.
+
+    Attributes:
+        one: Drives the first agent, the third and so on.
+        other: Drives the second agent, the fourth and so on; the same policy where it plays with itself.
+    """
+
+    one: str
+    other: str
+
+    @property
+    def name(self) -> str:
+        """The policy's name alone, or ``one + other``."""
+        return self.one if self.one == self.other else f"{self.one}{BETWEEN}{self.other}"
+
+    def drivers(self, n_agents: int) -> list[str]:
+        """Return the names of the policies, agent by agent."""
+        return [self.other if a % 2 else self.one for a in range(n_agents)]
+
+
+def arrangements(names: Sequence[str]) -> list[Arrangement]:
+    """Return each policy by itself, and then each pair in both arrangements."""
+    pairs = [Arrangement(*pair) for pair in product(names, repeat=2)]
+    return sorted(pairs, key=lambda pair: pair.one != pair.other)
+
+
+def mixed(entrants: Sequence[Entrant], n_agents: int) -> dict[str, Policy]:
+    """Return the policies of all arrangements of two different entrants.
+
+    Raises:
+        IrsimGymError: There are fewer than two entrants or agents.
+    """
+    if len(entrants) < 2 or n_agents < 2:
+        raise IrsimGymError(
+            "--mix lets different policies drive the agents of one team: it needs two policies and two agents, got "
+            f"{len(entrants)} and {n_agents}"
+        )
+    of = {entrant.name: entrant.policy for entrant in entrants}
+    pairs = [pair for pair in arrangements(list(of)) if pair.one != pair.other]
+    return {pair.name: MixedPolicy(of[pair.one], of[pair.other], n_agents) for pair in pairs}
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """How one policy fares among another one, in both arrangements.
+
+    Attributes:
+        policy: The policy.
+        partner: Who drives the other agents; the policy itself where it drives all.
+        individual_success: Share of the policy's own agents that arrived.
+        collision: Share of its own agents that collided.
+        cooperative_success: Share of levels in which all agents of both arrived, over both arrangements.
+    """
+
+    policy: str
+    partner: str
+    individual_success: Rate
+    collision: Rate
+    cooperative_success: Rate
+
+
+def meetings(names: Sequence[str], rows: Mapping[str, Sequence[TeamRow]]) -> list[Meeting]:
+    """Return how each policy fares among each.
+
+    Args:
+        names: The policies.
+        rows: Levels by the name of the arrangement, all of them the same levels.
+    """
+    return [_meeting(policy, partner, rows) for policy, partner in product(names, repeat=2)]
+
+
+def _meeting(policy: str, partner: str, rows: Mapping[str, Sequence[TeamRow]]) -> Meeting:
+    pairs = dict.fromkeys([Arrangement(policy, partner), Arrangement(partner, policy)])
+    solved, arrived, collided = [], [], []
+    for levels in zip(*(rows[pair.name] for pair in pairs), strict=True):
+        mine = [
+            agent.episode.outcome
+            for pair, level in zip(pairs, levels, strict=True)
+            for agent, driver in zip(level.agents, pair.drivers(len(level.agents)), strict=True)
+            if driver == policy
+        ]
+        arrived.append(mine.count("success"))
+        collided.append(mine.count("collision"))
+        solved.append(sum(level.is_success for level in levels))
+    team = len(mine)
+    shares = rate_of_agents(arrived, team), rate_of_agents(collided, team), rate_of_agents(solved, len(pairs))
+    return Meeting(policy, partner, *shares)

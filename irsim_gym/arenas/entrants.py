@@ -1,0 +1,81 @@
+"""Who takes part in an arena."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.reference_policies import policy_kinds
+from irsim_gym.tasks import Episodes
+from irsim_gym.training.policies import Source, load_policies, policy_file, policy_names
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """One of the policies that play.
+
+    Attributes:
+        name: What it is called in the results.
+        policy: Who drives.
+        source: The name, file or folder that it was loaded from; None for functions, models and other objects.
+        sha256: Of its file; None where there is none.
+    """
+
+    name: str
+    policy: Policy
+    source: str | None
+    sha256: str | None
+
+    def told(self) -> dict[str, str | None]:
+        """Return what results say of it."""
+        return {"name": self.name, "source": self.source, "sha256": self.sha256}
+
+
+def load_entrants(sources: Sequence[Source], names: Sequence[str] | None = None) -> list[Entrant]:
+    """Load policies.
+
+    Args:
+        sources: Policies as ``load_policy`` takes them.
+        names: What they are called; None to take it from the sources.
+
+    Raises:
+        IrsimGymError: There are none, some do not exist, or two of them are the same.
+    """
+    if not sources:
+        raise IrsimGymError(f"an arena needs policies: a .zip, a run's folder, or any of {', '.join(policy_kinds())}")
+    called = policy_names(sources) if names is None else list(names)
+    texts = [str(source) if isinstance(source, str | Path) else None for source in sources]
+    twice = sorted({text for text in texts if text is not None and texts.count(text) > 1})
+    if twice:
+        raise IrsimGymError(f"an arena plays each policy once, but {', '.join(twice)} is given more than once")
+    loaded = load_policies(sources)
+    return [Entrant(*parts, _digest(parts[2])) for parts in zip(called, loaded, texts, strict=True)]
+
+
+def check_entrants(entrants: Sequence[Entrant], episodes: Episodes) -> None:
+    """Make sure that all can drive the agents.
+
+    Raises:
+        IrsimGymError: Some cannot; the message names them all.
+    """
+    problems = []
+    for entrant in entrants:
+        check = getattr(entrant.policy, "check", None)
+        try:
+            if check is not None:
+                check(episodes)
+        except IrsimGymError as error:
+            problems.append(f"{entrant.name}: {error}")
+    if problems:
+        raise IrsimGymError("\n".join(problems))
+
+
+def _digest(source: str | None) -> str | None:
+    """Return SHA-256 of a policy's file; None where it has none."""
+    if source is None or source in policy_kinds():
+        return None
+    return hashlib.sha256(policy_file(source).read_bytes()).hexdigest()

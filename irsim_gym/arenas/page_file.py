@@ -1,0 +1,89 @@
+"""Writes the page of an arena: one HTML file, without anything from elsewhere."""
+
+from __future__ import annotations
+
+import html
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from irsim_gym.arenas.board import Board
+from irsim_gym.arenas.page_data import SCHEMA, VERSION
+from irsim_gym.arenas.shown_episodes import ShownEpisode, count_failures
+
+if TYPE_CHECKING:
+    from irsim_gym.render.replay import Recording
+
+SCRIPTS = ("tables", "matrix", "arena")
+MOST_BYTES = 40_000_000
+"""Replays end when they are as large as this together: a page of more is slow to open."""
+DATA = re.compile(r'<script type="application/octet-stream" id="(data|replay-\d+)">([^<]*)</script>')
+
+
+def write_page(
+    path: Path,
+    data: Mapping[str, Any],
+    board: Board,
+    recorded: Iterable[tuple[ShownEpisode, Recording | None]],
+    chosen: Sequence[ShownEpisode],
+) -> None:
+    """Write the page.
+
+    Beside its data it holds each replay by itself, deflated and in base64, so that only those that are looked at are
+    unpacked: ``replays`` of the data says of which policy and level each is.
+
+    Args:
+        path: The file.
+        data: See `page_data`.
+        board: Results of the policies.
+        recorded: The recordings, None for those that came to another end this time.
+        chosen: The episodes that they are of.
+    """
+    from irsim_gym.render import theme, vocabulary
+    from irsim_gym.render.files import whole_file
+    from irsim_gym.render.page_parts import deflated, filled, page_part, player_parts
+    from irsim_gym.render.replay_items import SharedItems
+
+    shared, told, texts, size, unlike, failed = SharedItems(), [], [], 0, 0, 0
+    for shown, recording in recorded:
+        if recording is None:
+            unlike += 1
+            continue
+        text = deflated(recording.data(shared))
+        size += len(text)
+        if size > MOST_BYTES:
+            break
+        failed += not board.success[shown.policy, shown.level]
+        told.append({"policy": shown.policy, "level": shown.level, "name": recording.name})
+        texts.append(text)
+    left = {"failures": count_failures(board), "shown": failed, "unlike": unlike}
+    colours = {**theme.OUTCOMES, "deadlock": theme.RUNNING}
+    known = {"theme": vocabulary.page_constants(), "colours": colours, **shared.data()}
+    parts = player_parts()
+    parts["style"] += page_part("arena.css", __package__)
+    parts["script"] += "".join(f"\n{page_part(f'{name}.js', __package__)}" for name in SCRIPTS)
+    parts["title"] = html.escape(data["title"])
+    parts["data"] = _held("data", deflated({**data, **known, "replays": told, "left": left}))
+    parts["replays"] = "\n".join(_held(f"replay-{i}", text) for i, text in enumerate(texts))
+    with whole_file(path) as part:
+        part.write_text(filled(page_part("arena.html", __package__), parts), encoding="utf-8")
+
+
+def _held(name: str, text: str) -> str:
+    return f'<script type="application/octet-stream" id="{name}">{text}</script>'
+
+
+def read_page(path: str | Path) -> dict[str, Any]:
+    """Return the data of an arena's page; ``episodes`` are its replays.
+
+    Raises:
+        ValueError: The file is no such page.
+    """
+    from irsim_gym.render.page_parts import inflated
+
+    found = dict(DATA.findall(Path(path).read_text(encoding="utf-8")))
+    data: dict[str, Any] = inflated(found["data"]) if "data" in found else {}
+    if data.get("schema") != SCHEMA or data.get("version") != VERSION:
+        raise ValueError(f"{path} is no arena of version {VERSION}")
+    return {**data, "episodes": [inflated(found[f"replay-{i}"]) for i in range(len(data["replays"]))]}

@@ -1,0 +1,106 @@
+"""Which episodes an arena's page can play, and their recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from irsim_gym.arenas.board import Board
+from irsim_gym.evaluation.policy import Policy
+from irsim_gym.tasks import Episodes, Outcome
+from irsim_gym.training.players import Players
+from irsim_gym.training.record import recorded_episode
+
+if TYPE_CHECKING:
+    from irsim_gym.render.replay import Recording
+
+
+@dataclass(frozen=True)
+class ShownEpisode:
+    """An episode that is recorded for the page.
+
+    Attributes:
+        policy: Index of the policy on the board.
+        level: Index of the level on the board.
+    """
+
+    policy: int
+    level: int
+
+
+def choose_episodes(board: Board, most: int) -> list[ShownEpisode]:
+    """Return failed episodes, and with each the fastest one of a policy that solved the level, if there is one.
+
+    The policies take turns; each one's shortest episodes come first, those of levels that somebody solved before the
+    others. Returns at most ``most`` episodes, by level.
+    """
+    queues = [_failures(board, policy) for policy in range(len(board.policies))]
+    chosen: dict[ShownEpisode, None] = {}
+    while any(queues):
+        for policy, queue in enumerate(queues):
+            if queue:
+                level = queue.pop(0)
+                pair = [ShownEpisode(policy, level), *_solution(board, level)]
+                if len({*chosen, *pair}) > most:
+                    return _by_level(chosen)
+                chosen |= dict.fromkeys(pair)
+    return _by_level(chosen)
+
+
+def count_failures(board: Board) -> int:
+    """Return how many episodes failed."""
+    return int((~board.success).sum())
+
+
+def _failures(board: Board, policy: int) -> list[int]:
+    """Return the levels that a policy failed, in the order in which they are shown."""
+    failed = np.flatnonzero(~board.success[policy])
+    unsolved = ~board.success[:, failed].any(axis=0)
+    order = np.lexsort((failed, board.steps[policy, failed], unsolved))
+    return [int(level) for level in failed[order]]
+
+
+def _solution(board: Board, level: int) -> list[ShownEpisode]:
+    solvers = np.flatnonzero(board.success[:, level])
+    if not len(solvers):
+        return []
+    return [ShownEpisode(int(solvers[np.argmin(board.steps[solvers, level])]), level)]
+
+
+def _by_level(chosen: Mapping[ShownEpisode, None]) -> list[ShownEpisode]:
+    return sorted(chosen, key=lambda episode: (episode.level, episode.policy))
+
+
+def record_episodes(
+    board: Board, policies: Sequence[Policy], episodes: Episodes, split: str, chosen: Sequence[ShownEpisode]
+) -> Iterator[tuple[ShownEpisode, Recording | None]]:
+    """Play episodes again and yield their recordings; None for one that came to another end this time.
+
+    Args:
+        board: What they were.
+        policies: Who drives, in the order of the board.
+        episodes: A world to play in.
+        split: Split of the levels.
+        chosen: Which episodes.
+    """
+    from irsim_gym.render import Renderer
+
+    simulation = episodes.simulation
+    parts = simulation.model, simulation.state, simulation.sensors
+    renderer = Renderer(simulation.scenario, *parts, learners=simulation.agents.tolist(), explored=simulation.explored)
+    for shown in chosen:
+        cast = Players(episodes, [policies[shown.policy]], [board.policies[shown.policy]], renderer, split)
+        recording = recorded_episode(cast, 0, int(board.levels[shown.level]))
+        yield shown, recording if _ended_alike(board, episodes, shown) else None
+    renderer.close()
+
+
+def _ended_alike(board: Board, episodes: Episodes, shown: ShownEpisode) -> bool:
+    """Return whether the episode that has just ended is the one on the board; it is not if a policy has whims."""
+    infos = episodes.view.infos
+    arrived = int((infos["outcome"][0] == Outcome.SUCCESS).sum())
+    same = arrived == board.arrived[shown.policy, shown.level]
+    return bool(same and infos["steps"][0].max() == board.steps[shown.policy, shown.level])

@@ -1,0 +1,50 @@
+"""The command ``irsim-gym arena``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from irsim_gym.cli_options import Given, Imports, Lenient, Levels, Scenario, Split, Task, Team
+from irsim_gym.cli_tools import read_parameters
+
+
+def arena(
+    scenario: Scenario,
+    policies: Annotated[
+        list[str] | None,
+        typer.Argument(help="Folders of runs, policy.zip files, random, behaviors such as dash, rvo, sfm, orca."),
+    ] = None,
+    levels: Levels = 1000,
+    split: Split = "test",
+    task: Task = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for the results (default: runs/arena-SCENARIO[-team]-SPLIT, numbered)."),
+    ] = None,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume",
+            help="Continue the arena in the folder: finished policies do not play again, further ones may join.",
+        ),
+    ] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the arena in the folder.")] = False,
+    replays: Annotated[int, typer.Option(min=0, help="Greatest number of episodes that the page can play.")] = 200,
+    team: Team = False,
+    mix: Annotated[
+        bool,
+        typer.Option("--mix", help="Cross-play: let also two policies drive the robots of one team, in every pairing."),
+    ] = False,
+    given: Given = None,
+    lenient: Lenient = False,
+    modules: Imports = None,
+) -> None:
+    """Let policies play the same levels, and write one page that shows who solves what, with replays of failures."""
+    from irsim_gym.arenas.command import run_arena
+
+    chosen: dict[str, Any] = {"levels": levels, "split": split, "task": task, "team": team, "mix": mix}
+    chosen |= {"replays": replays, "resume": resume, "overwrite": overwrite, "strict": not lenient}
+    run_arena(scenario, policies or [], out, read_parameters(given), **chosen)

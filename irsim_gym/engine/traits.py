@@ -1,0 +1,105 @@
+"""What is drawn of a body for a level besides outline and place: its speed, and whether it pays heed to others."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Ints, Records
+from irsim_gym.jit import kernel
+from irsim_gym.rng import mix, uniform
+from irsim_gym.scenario.body_checks import speed_count
+from irsim_gym.scenario.spec import Scenario
+from irsim_gym.structs import record_type
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+TRAITS = record_type("low high unyielding", body=np.int64, n_axes=np.int64, least=np.dtype((np.float64, 2)))
+"""Bounds of a body's greatest speed [m/s] (low is NaN where nothing is drawn), the probability that it ignores what
+moves, how many of its velocities are speeds, and the least of each that its entry allows.
+"""
+
+PARTY_GAP = 0.3
+"""Distance between the outlines of bodies that walk side by side [m]."""
+
+DRAWN_SPEEDS = frozenset({"velocity_min", "velocity_max", "drawn_speed"})
+DRAWN_HEED = frozenset({"heedless"})
+
+
+def drawn_traits(scenario: Scenario) -> frozenset[str]:
+    """Return the fields of the model that differ between worlds because of traits."""
+    speeds = any(body.speed_range is not None for body in scenario.bodies)
+    heed = any(body.unyielding > 0.0 for body in scenario.bodies)
+    return (DRAWN_SPEEDS if speeds else frozenset()) | (DRAWN_HEED if heed else frozenset())
+
+
+def collect_traits(scenario: Scenario, model: WorldModel) -> Records:
+    """Return one record of type ``TRAITS`` for each body of which something is drawn."""
+    varied = [b for b, body in enumerate(scenario.bodies) if body.speed_range is not None or body.unyielding > 0.0]
+    traits = np.zeros(len(varied), TRAITS)
+    for row, b in zip(traits, varied, strict=True):
+        body = scenario.bodies[b]
+        low, high = (np.nan, np.nan) if body.speed_range is None else body.speed_range
+        row["body"], row["low"], row["high"], row["unyielding"] = b, low, high, body.unyielding
+        row["n_axes"] = 0 if body.kinematics is None else speed_count(body.kinematics)
+        row["least"][: row["n_axes"]] = model.velocity_min[0, b, : row["n_axes"]]
+    return traits
+
+
+@kernel
+def draw_traits(worlds: Ints, traits: Records, model: WorldModel, state: WorldState) -> None:
+    """Draw speeds, and who ignores what moves.
+
+    The world's stream goes on as if nothing had been drawn: its state, which a file of levels holds, gives the numbers.
+
+    Reads: state (random).
+    Writes: model (drawn_speed, heedless, velocity_max, velocity_min), state (random).
+    """
+    for w in worlds:
+        stream = state.random[w]
+        state.random[w] = mix(stream)
+        for k in range(traits.shape[0]):
+            drawn, b = traits[k], traits[k].body
+            if not np.isnan(drawn.low):
+                speed = uniform(state.random, w, drawn.low, drawn.high)
+                model.drawn_speed[w, b] = speed
+                for axis in range(drawn.n_axes):
+                    model.velocity_max[w, b, axis] = speed
+                    model.velocity_min[w, b, axis] = max(drawn.least[axis], -speed)
+            if drawn.unyielding > 0.0:
+                model.heedless[w, b] = uniform(state.random, w, 0.0, 1.0) < drawn.unyielding
+        state.random[w] = stream
+
+
+def watching_bodies(scenario: Scenario) -> list[tuple[str, ...] | None]:
+    """Return the different values of ``seen_by``; the first is None, for all."""
+    return list(dict.fromkeys([None, *(body.seen_by for body in scenario.bodies)]))
+
+
+def write_people(scenario: Scenario, model: WorldModel) -> None:
+    """Write who sees whom, and who walks with whom."""
+    _write_watchers(scenario, model)
+    _write_parties(scenario, model)
+
+
+def _write_watchers(scenario: Scenario, model: WorldModel) -> None:
+    """Write whose behaviours see whom. A word that is a body's name is not that of a group, whose name may be equal."""
+    rows, names = watching_bodies(scenario), {body.name for body in scenario.bodies}
+    for row, words in enumerate(rows):
+        groups = set(words or ()) - names
+        for b, body in enumerate(scenario.bodies):
+            model.watchers[row, b] = words is None or body.name in words or body.role in words
+            model.watchers[row, b] |= body.group_name in groups
+    for b, body in enumerate(scenario.bodies):
+        model.seen_row[b] = rows.index(body.seen_by)
+
+
+def _write_parties(scenario: Scenario, model: WorldModel) -> None:
+    """Write who walks with whom: side by side, as small groups do (Moussaid et al. 2010), the first in the middle."""
+    model.leader[:] = np.arange(len(scenario.bodies))
+    for spec in scenario.placements:
+        for k, b in enumerate(spec.members):
+            party = scenario.bodies[b].party
+            first, place = spec.members[k - k % party], k % party
+            model.leader[b] = first
+            side = (place + 1) // 2 * (1 if place % 2 else -1)
+            model.abreast[b] = side * (2.0 * float(model.reach[:, b].max()) + PARTY_GAP)

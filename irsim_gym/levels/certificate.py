@@ -1,0 +1,169 @@
+"""Certificates: for each level of a set its hash, what it asks of a robot, and how reference policies do in it."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.metrics import OUTCOMES
+from irsim_gym.scenario import library
+from irsim_gym.scenario.level_set import set_hash
+from irsim_gym.scenario.spec import Scenario
+
+SUFFIX = ".certificate.npz"
+FOLDER = "certificates"
+QUARTERS = 4
+DIGITS = 3
+"""Lengths and times are kept to the millimetre and millisecond, which keeps files small."""
+MEASURES = ("reachable", "length", "straight", "clearance", "least_time", "density", "outcome", "time")
+
+Numbers = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What is known of levels 0, 1, ... of one split of a scenario.
+
+    Attributes:
+        name: Name of the scenario, with the values of its parameters.
+        scenario_hash: Hash of what the scenario says about its levels.
+        split: Which split.
+        agents: Names of the robots that were measured, and driven by the policies.
+        policies: Names of the reference policies.
+        hash: Hash of everything drawn, shape ``(n_levels,)``.
+        reachable: A way leads from the start through all goals, shape ``(n_levels, n_agents)``.
+        length: Length of the shortest way that was found [m], likewise; infinite without one.
+        straight: Length of the straight way [m], likewise.
+        clearance: Least clearance on the widest way [m], likewise; NaN without a way.
+        least_time: No robot with these limits of speed and acceleration takes less [s], likewise.
+        density: Share of the world that bodies which stand, and the map, cover, shape ``(n_levels,)``.
+        outcome: Outcome of each policy, an index of ``OUTCOMES``, shape ``(n_policies, n_levels, n_agents)``.
+        time: Duration of its episode [s], likewise.
+        versions: Versions of the packages that it was made with.
+    """
+
+    name: str
+    scenario_hash: str
+    split: str
+    agents: tuple[str, ...]
+    policies: tuple[str, ...]
+    hash: Words
+    reachable: Flags
+    length: Numbers
+    straight: Numbers
+    clearance: Numbers
+    least_time: Numbers
+    density: Numbers
+    outcome: NDArray[np.uint8]
+    time: Numbers
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def count(self) -> int:
+        """Number of levels."""
+        return len(self.hash)
+
+    @property
+    def set_hash(self) -> str:
+        """Hash of all levels together."""
+        return set_hash(self.hash)
+
+    @property
+    def tortuosity(self) -> Floats:
+        """Length of the shortest way over the straight one, at least 1, shape ``(n_levels, n_agents)``."""
+        found = np.ones(self.length.shape)
+        np.divide(self.length, self.straight, out=found, where=self.straight > 0.0)
+        return np.maximum(found, 1.0)
+
+    @property
+    def difficulty(self) -> Floats:
+        """Share of the reference policies' episodes that fail, shape ``(n_levels,)``."""
+        failed: Floats = (self.outcome != OUTCOMES.index("success")).mean(axis=(0, 2))
+        return failed if len(self.policies) else np.zeros(self.count)
+
+    def quarters(self, count: int | None = None) -> Ints:
+        """Return the quarter of difficulty of each of the first levels, from 0 (easiest) to 3, shape ``(count,)``.
+
+        Levels of equal difficulty are in the order of the least time that they take, the longer one the harder.
+        """
+        chosen = slice(0, self.count if count is None else count)
+        ranked = np.lexsort((self.least_time.max(axis=1)[chosen], self.difficulty[chosen]))
+        quarter = np.zeros(len(ranked), np.int64)
+        quarter[ranked] = np.arange(len(ranked)) * QUARTERS // len(ranked)
+        return quarter
+
+    def matches(self, hashes: Words) -> bool:
+        """Return whether levels with these hashes are the first ones of the certificate."""
+        return len(hashes) <= self.count and bool(np.array_equal(self.hash[: len(hashes)], hashes))
+
+    def content(self) -> bytes:
+        """Return the content of its file; equal certificates give equal bytes."""
+        said = {name: getattr(self, name) for name in ("name", "scenario_hash", "split", "agents", "policies")}
+        said |= {"versions": dict(self.versions), "set_hash": self.set_hash, "levels": self.count}
+        room = io.BytesIO()
+        arrays = {name: getattr(self, name) for name in ("hash", *MEASURES)}
+        np.savez_compressed(room, about=np.array(json.dumps(said, sort_keys=True)), allow_pickle=False, **arrays)
+        return room.getvalue()
+
+
+def rounded(values: Sequence[Any] | Floats) -> Numbers:
+    """Return numbers as a certificate keeps them."""
+    return np.round(np.asarray(values, np.float64), DIGITS).astype(np.float32)
+
+
+def read_certificate(file: Path) -> Certificate:
+    """Read a certificate.
+
+    Raises:
+        IrsimGymError: The file is none.
+    """
+    try:
+        with np.load(file, allow_pickle=False) as stored:
+            said = json.loads(str(stored["about"]))
+            arrays: Any = {name: stored[name] for name in ("hash", *MEASURES)}
+        said |= {name: tuple(said[name]) for name in ("agents", "policies")}
+        known = {key: value for key, value in said.items() if key not in ("set_hash", "levels")}
+        return Certificate(**known, **arrays)
+    except (OSError, zipfile.BadZipFile, zlib.error, ValueError, KeyError, TypeError, EOFError) as error:
+        raise IrsimGymError(f"{file} is no certificate of levels: {error}") from None
+
+
+def find_certificate(scenario: Scenario, split: str, hashes: Words) -> Certificate | None:
+    """Return the certificate of a scenario's levels: beside its file of levels or its own file, or shipped.
+
+    None where there is none for levels with these hashes.
+    """
+    for file in _candidates(scenario):
+        if file.is_file():
+            found = read_certificate(file)
+            if found.split == split and found.matches(hashes):
+                return found
+    return None
+
+
+def _candidates(scenario: Scenario) -> list[Path]:
+    """Return the files in which a certificate may be."""
+    files = [scenario.levels.file] if scenario.levels is not None else []
+    beside = [Path(file).with_suffix("").with_suffix(SUFFIX) for file in (*files, scenario.file) if file]
+    return [*beside, shipped_certificate(scenario)]
+
+
+def shipped_certificate(scenario: Scenario) -> Path:
+    """Return where the certificate of a shipped scenario is, or would be; values of parameters are in its name."""
+    stem = Path(scenario.file).stem if scenario.file else scenario.name
+    changed = [f"-{name}={value}" for name, value in sorted(scenario.parameters.items())]
+    folder = library.configs_folder() / FOLDER
+    plain = folder / f"{stem}.npz"
+    named = folder / f"{stem}{''.join(changed)}.npz"
+    return named if named.is_file() else plain

@@ -1,0 +1,50 @@
+"""How full a level is: the share of the world that is covered by what stands."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.paths.queries import standing_bodies
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import outline_rows
+from irsim_gym.world.state import WorldState
+
+CORNERS = 32
+"""Corners of a quarter of a disc."""
+
+
+def covered_share(model: WorldModel, state: WorldState, world: int) -> float:
+    """Return the share of the world's rectangle that bodies which stand, and the map, cover."""
+    import shapely
+
+    parts: list[Any] = []
+    for body in np.flatnonzero(standing_bodies(model, world)).tolist():
+        segments, discs = outline_rows(model, state, world, body)
+        if model.solid[body]:
+            parts += [shapely.Polygon(corners) for corners in _loops(segments)]
+        parts += [shapely.Point(x, y).buffer(radius, quad_segs=CORNERS) for x, y, radius in discs]
+    parts += [shapely.box(*box) for box in _map_boxes(model, world)]
+    bounds = shapely.box(*model.bounds.tolist())
+    return float(shapely.union_all(parts).intersection(bounds).area / bounds.area)
+
+
+def _loops(segments: Floats) -> list[Floats]:
+    """Return the corners of the closed chains that segments make up, each ``(n, 2)`` [m]."""
+    if not len(segments):
+        return []
+    ends = np.flatnonzero((segments[:-1, 2:] != segments[1:, :2]).any(axis=1)) + 1
+    return [chain[:, :2] for chain in np.split(segments, ends)]
+
+
+def _map_boxes(model: WorldModel, world: int) -> Floats:
+    """Return the rectangles of the map's occupied cells: x_min, y_min, x_max, y_max [m], shape ``(n, 4)``."""
+    cells = model.cells
+    if cells is None:
+        return np.zeros((0, 4))
+    first_column, end_column, first_row, end_row = cells.boxes.T
+    x = cells.x + cells.width * np.stack([first_column, end_column])
+    y = cells.y + cells.height * np.stack([first_row, end_row])
+    return np.stack([x[0], y[0], x[1], y[1]], axis=1)

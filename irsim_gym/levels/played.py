@@ -1,0 +1,80 @@
+"""The levels that an evaluation has played: which ones they are, and success by their difficulty."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+from rich.text import Text
+
+from irsim_gym.engine import Simulation
+from irsim_gym.evaluation.metrics import wilson
+from irsim_gym.levels.certificate import QUARTERS, Certificate, find_certificate
+from irsim_gym.levels.draw import draw_levels
+from irsim_gym.scenario.level_set import set_hash
+
+QUARTER_NAMES = ("easiest quarter", "second", "third", "hardest quarter")
+
+
+@dataclass(frozen=True)
+class PlayedLevels:
+    """Levels 0, 1, ... of a split, as an evaluation plays them.
+
+    Attributes:
+        count: How many.
+        hash: Hash of everything that was drawn for them.
+        file: Their file; empty where they are drawn.
+        certificate: Their certificate; None where there is none.
+    """
+
+    count: int
+    hash: str
+    file: str
+    certificate: Certificate | None
+
+    def __str__(self) -> str:
+        source = f" of {self.file}" if self.file else ""
+        return f"set {self.hash}{source}{', certified' if self.certificate is not None else ''}"
+
+    def conditions(self) -> dict[str, Any]:
+        """Return what a published figure has to name."""
+        certified = None if self.certificate is None else self.certificate.name
+        return {"level_hash": self.hash, "level_file": self.file or None, "certificate": certified}
+
+    def tables(self, solved: Mapping[str, Sequence[bool]]) -> list[Table]:
+        """Return the table of success by difficulty; none without a certificate, or with fewer levels than quarters.
+
+        Args:
+            solved: Success in each level, by policy.
+        """
+        if self.certificate is None or self.count < QUARTERS or not self.certificate.policies:
+            return []
+        quarter = self.certificate.quarters(self.count)
+        title = (
+            f"success [%] by difficulty: levels in the order of how many of {', '.join(self.certificate.policies)} fail"
+        )
+        table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+        table.add_column("policy", no_wrap=True)
+        for name in QUARTER_NAMES:
+            table.add_column(Text(name), justify="right")
+        for policy, successes in solved.items():
+            shares = (np.array(successes)[quarter == k] for k in range(QUARTERS))
+            table.add_row(policy, *(_share(int(chosen.sum()), len(chosen)) for chosen in shares))
+        return [table]
+
+
+def _share(count: int, total: int) -> str:
+    low, high = wilson(count, total)
+    return f"{100.0 * count / total:.1f} ({100.0 * low:.1f}-{100.0 * high:.1f})"
+
+
+def played_levels(simulation: Simulation, split: str, count: int) -> PlayedLevels:
+    """Return which levels the first ones of a split are; they are drawn once more."""
+    hashes = draw_levels(simulation, [split], count).hashes()
+    levels = simulation.scenario.levels
+    file = "" if levels is None else levels.file
+    return PlayedLevels(count, set_hash(hashes), file, find_certificate(simulation.scenario, split, hashes))

@@ -1,0 +1,204 @@
+"""cells: in the middle of free cells of the map, with a goal that free cells lead to, as in JaxNav."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import CellMap, CellMaps, Flags, Floats, Ints
+from irsim_gym.geometry.world_maps import map_of
+from irsim_gym.jit import kernel
+from irsim_gym.paths.grid import Grid
+from irsim_gym.paths.regions import way_tables
+from irsim_gym.placements.free_space import WayGrids, has_way, is_goal_free, is_start_free
+from irsim_gym.rng import integer, uniform
+from irsim_gym.scenario.options import kind
+from irsim_gym.structs import Struct
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import place_outline
+from irsim_gym.world.state import WorldState
+
+COARSE, FINE = 1.0, 0.5
+"""Sides of the cells in which a way past standing bodies is looked for, relative to a member's reach."""
+
+
+@dataclass(repr=False)
+class CellTables(Struct):
+    """What starts and goals in cells are drawn from.
+
+    Attributes:
+        members: The bodies to place.
+        everyone: Numbers of all bodies.
+        needs_way: Free cells are no proof of a way, as other bodies may stand in them.
+        free: Scratch: the free cells, shape ``(n_slots, columns * rows)``.
+        found: Scratch: the cells that can be reached from a start, in the same way.
+        seen: Scratch: where a search has been, in the same way.
+    """
+
+    members: Ints
+    everyone: Ints
+    needs_way: bool
+    free: Ints
+    found: Ints
+    seen: Flags
+
+
+@kind
+class CellPlacement:
+    """Starts and goals in the middle of free cells of the map; cells that share sides lead from one to the other."""
+
+    only_kernels: ClassVar[bool] = True
+    is_random: ClassVar[bool] = True
+    roams: ClassVar[bool] = True
+    ensures_way: ClassVar[bool] = True
+    gives_goal: ClassVar[bool] = True
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
+        """Make room for searches; return what does not fit the world."""
+        frame, reaches = model.map_frame[0], model.reach[:, group.members]
+        if frame.body < 0:
+            return "needs an obstacle_map in the section world, among whose free cells it chooses"
+        side = float(min(frame.width, frame.height))
+        if reaches.max(initial=0.0) >= 0.5 * side:
+            return f"needs cells wider than the members: a cell is {side:g} m wide, they reach {reaches.max():g} m"
+        n_bodies, n_cells = len(model.role), int(np.prod(model.map_room.shape[1:]))
+        needs_way = bool((model.stands & ~model.unobstructed).any())
+        reach = float(reaches.min(initial=side)) if needs_way else float(np.max(model.bounds[2:] - model.bounds[:2]))
+        grids = (way_tables(Grid.over(model.bounds, share * reach), n_slots, n_bodies) for share in (COARSE, FINE))
+        group.tables = (
+            CellTables(
+                members=group.members,
+                everyone=np.arange(n_bodies),
+                needs_way=needs_way,
+                free=np.zeros((n_slots, n_cells), np.int64),
+                found=np.zeros((n_slots, n_cells), np.int64),
+                seen=np.zeros((n_slots, n_cells), np.bool_),
+            ),
+            WayGrids(np.zeros((n_slots, n_bodies), np.bool_), *grids),
+        )
+        return None
+
+    @staticmethod
+    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
+        """Draw starts and goals; ``failed[w]`` becomes body + 1 where a member found no place."""
+        tables, way_grids = group.tables
+        cells: Any = model.cells
+        draw_in_cells(shard.worlds, shard.slot, tables, way_grids.of_slot(shard.slot), model, state, cells, failed)
+
+
+@kernel
+def draw_in_cells(
+    worlds: Ints,
+    slot: int,
+    tables: CellTables,
+    grids: WayGrids,
+    model: WorldModel,
+    state: WorldState,
+    cells: CellMaps,
+    failed: Ints,
+) -> None:
+    """Place one member after the other in each world, until one finds no cell.
+
+    Every free cell is as likely a start as any other, and so is every goal that can be reached from it.
+
+    Reads: tables (everyone, found, free, members, needs_way, seen), model (disc_count, disc_start, goal_renewal,
+        has_goal, local_discs, local_segments, present, reach, segment_count, segment_start, solid, stands,
+        waypoint_count, waypoints), state (discs, placed, pose, random, segments).
+    Writes: tables (found, free, seen), grids, model (waypoints), state (discs, placed, pose, random, segments), failed.
+    """
+    free, found, seen = tables.free[slot], tables.found[slot], tables.seen[slot]
+    for w in worlds:
+        here = map_of(cells, w)
+        for b in tables.members:
+            if failed[w] > 0 or not model.present[w, b] or state.placed[w, b]:
+                continue
+            n_free = list_free(here, free)
+            while n_free > 0 and not state.placed[w, b]:
+                n_free -= 1
+                start = take(free, n_free, w, state)
+                put_in_cell(here, start, w, state, state.pose[w, b])
+                place_outline(model, state, w, b)
+                if not is_start_free(w, b, tables.everyone, 0.0, model, state, cells):
+                    continue
+                n_found = find_reached(here, start, found, seen) if model.has_goal[b] else 0
+                state.placed[w, b] = not model.has_goal[b]
+                while n_found > 0 and not state.placed[w, b]:
+                    n_found -= 1
+                    put_in_cell(here, take(found, n_found, w, state), w, state, model.waypoints[w, b, 0])
+                    state.placed[w, b] = is_goal_free(w, b, 0.0, model, state, cells) and (
+                        not tables.needs_way or has_way(w, b, grids, model, state, cells)
+                    )
+            if not state.placed[w, b]:
+                failed[w] = b + 1
+
+
+@kernel
+def list_free(cells: CellMap, free: Ints) -> int:
+    """Write the free cells, numbered column by column; return how many there are."""
+    rows, count = cells.room.shape[1], 0
+    for i in range(cells.room.shape[0]):
+        for j in range(rows):
+            if cells.squares[0, i, j] > 0:
+                free[count] = i * rows + j
+                count += 1
+    return count
+
+
+@kernel
+def take(numbers: Ints, last: int, w: int, state: WorldState) -> int:
+    """Draw one of the first ``last + 1`` numbers, and put the last of them into its place.
+
+    Reads: state (random).
+    Writes: numbers, state (random).
+    """
+    chosen = integer(state.random, w, 0, last + 1)
+    number = int(numbers[chosen])
+    numbers[chosen] = numbers[last]
+    return number
+
+
+@kernel
+def put_in_cell(cells: CellMap, cell: int, w: int, state: WorldState, pose: Floats) -> None:
+    """Write the middle of a cell [m], and draw a heading [rad].
+
+    Reads: state (random).
+    Writes: state (random), pose.
+    """
+    rows = cells.room.shape[1]
+    pose[0] = cells.x + (cell // rows + 0.5) * cells.width
+    pose[1] = cells.y + (cell % rows + 0.5) * cells.height
+    pose[2] = uniform(state.random, w, -np.pi, np.pi)
+
+
+@kernel
+def find_reached(cells: CellMap, start: int, found: Ints, seen: Flags) -> int:
+    """Write the cells that a free cell is joined with by free cells that share sides; return how many there are.
+
+    Args:
+        cells: The map.
+        start: The cell, which does not count itself.
+        found: Written: numbers of cells, nearest first.
+        seen: Scratch, a flag for each cell.
+    """
+    columns, rows = cells.room.shape
+    seen[:] = False
+    seen[start] = True
+    count, next_one, here = 0, 0, start
+    while True:
+        i, j = here // rows, here % rows
+        for side in range(4):
+            to_i, to_j = i + (side == 0) - (side == 1), j + (side == 2) - (side == 3)
+            if to_i < 0 or to_j < 0 or to_i >= columns or to_j >= rows:
+                continue
+            to = to_i * rows + to_j
+            if not seen[to] and cells.squares[0, to_i, to_j] > 0:
+                seen[to], found[count] = True, to
+                count += 1
+        if next_one == count:
+            return count
+        here = int(found[next_one])
+        next_one += 1

@@ -1,0 +1,41 @@
+"""The parts of pages for a browser: files of script and style, and data, all within one file."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import zlib
+from collections.abc import Mapping
+from importlib.resources import files
+from typing import Any
+
+PLAYER = ("data", "primitives", "world", "chart", "player", "input")
+"""Scripts of the player, in the order in which they need each other."""
+
+
+def page_part(name: str, package: str = "irsim_gym.render") -> str:
+    """Return a file of a package's folder ``page``."""
+    return (files(package) / "page" / name).read_text(encoding="utf-8")
+
+
+def player_parts() -> dict[str, str]:
+    """Return the player's ``style``, ``player`` (its elements) and ``script``, which plays nothing by itself."""
+    script = "\n".join(page_part(f"{name}.js") for name in PLAYER)
+    return {"style": page_part("page.css"), "player": page_part("player.html"), "script": script}
+
+
+def filled(page: str, parts: Mapping[str, str]) -> str:
+    """Return a page with its parts in the places ``{{name}}``."""
+    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], page)
+
+
+def deflated(data: object) -> str:
+    """Return plain data as JSON, deflated and in base64: letters that a page can hold anywhere."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
+
+
+def inflated(text: str) -> Any:
+    """Return the data that ``deflated`` has packed."""
+    return json.loads(zlib.decompress(base64.b64decode(text)))

@@ -1,0 +1,256 @@
+"""Arenas: comparisons worked out by hand, what is on disk, and how one that was interrupted goes on."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import irsim_gym
+from irsim_gym import cli
+from irsim_gym.arenas import contest
+from irsim_gym.arenas.board import Board
+from irsim_gym.arenas.crossplay import MixedPolicy, meetings
+from irsim_gym.arenas.page_file import read_page
+from irsim_gym.arenas.shown_episodes import ShownEpisode, choose_episodes
+from irsim_gym.arenas.strata import strata_of_difficulty, strata_of_peers
+from irsim_gym.envs.worlds import Worlds
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.metrics import EpisodeRow
+from irsim_gym.evaluation.paired import compare_pairs
+from irsim_gym.evaluation.policy import ObservationPolicy
+from irsim_gym.evaluation.reference_policies import reference_policy
+from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
+from irsim_gym.evaluation.teams import evaluate_team
+
+ROOM: dict[str, Any] = {
+    "world": {"height": 4, "width": 6, "step_time": 0.25},
+    "robot": [
+        {
+            "kinematics": {"name": "diff"},
+            "shape": {"name": "circle", "radius": 0.2},
+            "vel_max": [1, 2],
+            "state": [1, 2, 0],
+            "goal": [5, 2, 0],
+            "goal_threshold": 0.2,
+            "sensors": [{"name": "lidar2d", "number": 8, "range_max": 2}],
+        }
+    ],
+    "obstacle": [
+        {
+            "shape": {"name": "circle", "radius": 0.4},
+            "distribution": {"name": "random", "range_low": [2.5, 0.5, 0], "range_high": [3.5, 3.5, 0]},
+        }
+    ],
+    "task": {"name": "navigation", "max_steps": 30},
+}
+WORDS = {"s": "success", "c": "collision", "t": "timeout"}
+
+
+def row(level: int, letter: str, steps: int = 10, path: float = 2.0) -> EpisodeRow:
+    hit = "obstacle" if letter == "c" else ""
+    return EpisodeRow(level, WORDS[letter], hit, steps, 0.1 * steps, path, 1.0, 0.3)
+
+
+def board(**outcomes: str) -> Board:
+    """Make a board from a letter for each level; the n-th episode of a policy takes n + 1 steps."""
+    return Board.of({name: [row(i, x, i + 1) for i, x in enumerate(word)] for name, word in outcomes.items()})
+
+
+def test_paired_differences() -> None:
+    """Nine levels against one: 2 (1 + 10) / 2^10; the other two comparisons have 10 : 0, 2 / 2^10, and 2 : 1, 1."""
+    found = board(a="s" * 9 + "cs" + "t" * 9, b="t" * 9 + "ss" + "t" * 9, c="t" * 20)
+    pairs = compare_pairs(found.policies, found.success, found.spl)
+    assert [(pair.one, pair.other, pair.only_one, pair.only_other) for pair in pairs] == [
+        ("a", "b", 9, 1),
+        ("a", "c", 10, 0),
+        ("b", "c", 2, 0),
+    ]
+    assert [pair.p for pair in pairs] == pytest.approx([22 / 1024, 2 / 1024, 0.5])
+    assert [pair.p_adjusted for pair in pairs] == pytest.approx([1.5 * 22 / 1024, 3 * 2 / 1024, 0.5])
+    assert [pair.success.value for pair in pairs] == pytest.approx([0.4, 0.5, 0.1])
+    assert [pair.spl.value for pair in pairs] == pytest.approx([0.2, 0.25, 0.05])  # twice the shortest path
+    assert pairs[0].success.low > 0.0 > pairs[2].success.low - 1e-9
+
+
+def test_easy_and_hard_levels() -> None:
+    found = board(a="sstt", b="stst", c="sttt")
+    peers = strata_of_peers(found)
+    assert [(each.name, each.levels) for each in peers] == [
+        ("0 of 2 fail", (1, 1, 1)),
+        ("1 of 2 fail", (1, 1, 2)),
+        ("2 of 2 fail", (2, 2, 1)),
+    ]
+    assert [[share.count for share in each.success] for each in peers] == [[1, 1, 1], [0, 0, 0], [1, 1, 0]]
+    quarters = strata_of_difficulty(found, np.array([0.7, 0.2, 0.5, 0.1]))
+    assert [[share.value for share in each.success] for each in quarters] == [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [1.0, 1.0, 1.0],
+    ]
+    assert strata_of_peers(board(a="st")) == []
+
+
+def test_which_episodes_are_shown() -> None:
+    """Policies take turns; short failures first, those of solved levels before others, each with the fastest way."""
+    found = board(a="ctctt", b="tsstc", c="ststt")
+    chosen = choose_episodes(found, 5)
+    first = [ShownEpisode(0, 0), ShownEpisode(2, 0)]  # of a, and c's way
+    second = [ShownEpisode(1, 0)]  # of b: c's way is there already
+    third = [ShownEpisode(2, 1), ShownEpisode(1, 1)]  # of c, and b's way
+    assert chosen == sorted([*first, *second, *third], key=lambda each: (each.level, each.policy))
+    assert choose_episodes(found, 4) == sorted([*first, *second], key=lambda each: (each.level, each.policy))
+    assert len(choose_episodes(found, 100)) == 15 - 1  # in the third level b's way stands for c's, which is as fast
+    assert choose_episodes(found, 0) == []
+
+
+def test_the_worst_agent_names_the_outcome_of_a_team() -> None:
+    teams = {"a": [team(0, "ss"), team(1, "st"), team(2, "tc")]}
+    found = Board.of(teams)
+    assert [found.outcome[0, i] for i in range(3)] == [0, 2, 1]
+    assert found.arrived.tolist() == [[2, 1, 0]]
+    assert found.success.tolist() == [[True, False, False]]
+
+
+def team(level: int, letters: str) -> TeamRow:
+    agents = tuple(AgentRow(f"robot_{a}", row(level, letter), 1.0, 1.0, False) for a, letter in enumerate(letters))
+    return TeamRow(level, 3.0, agents)
+
+
+def test_who_meets_whom() -> None:
+    """Three agents: of the first arrangement the first and the third are the row's, of the second the middle one."""
+    rows = {"a": [team(0, "sst")], "b": [team(0, "ttt")], "a + b": [team(0, "sts")], "b + a": [team(0, "csc")]}
+    found = {(each.policy, each.partner): each for each in meetings(["a", "b"], rows)}
+    assert found["a", "a"].individual_success.value == pytest.approx(2 / 3)
+    assert found["a", "b"].individual_success.value == 1.0
+    assert found["b", "a"].individual_success.value == 0.0
+    assert found["b", "a"].collision.value == pytest.approx(2 / 3)
+    assert found["a", "b"].cooperative_success == found["b", "a"].cooperative_success
+    assert found["a", "b"].cooperative_success.value == 0.0
+
+
+def test_a_mixed_team_does_what_each_of_its_policies_does() -> None:
+    def alone(turn: float) -> ObservationPolicy:
+        return ObservationPolicy(lambda seen: np.tile(np.array([1.0, turn]), (len(seen), 1)))
+
+    robots = [{**ROOM["robot"][0], "state": [1, y, 0], "goal": [5, y, 0]} for y in (0.5, 1.5, 2.5)]
+    episodes = Worlds({**ROOM, "robot": robots, "obstacle": []}, 2, team=True).episodes
+    here = np.array([1])
+    episodes.begin(here, here)
+    acted = MixedPolicy(alone(0.5), alone(-0.5), 3).act(episodes, here)
+    assert acted.tolist() == [[[1.0, 0.5], [1.0, -0.5], [1.0, 0.5]]]
+    dash = reference_policy("dash")
+    assert evaluate_team(MixedPolicy(dash, dash, 3), episodes, 2) == evaluate_team(dash, episodes, 2)
+
+
+class Interrupted:
+    """A policy that somebody stops."""
+
+    def begin(self, *_: Any) -> None:
+        raise KeyboardInterrupt
+
+    def act(self, *_: Any) -> np.ndarray:
+        raise AssertionError
+
+
+def test_an_interrupted_arena_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It plays what is missing, and leaves the same files as one that was not interrupted."""
+    whole = irsim_gym.arena(ROOM, ["dash", "random"], tmp_path / "whole", levels=6, replays=4)
+    with pytest.raises(KeyboardInterrupt):
+        irsim_gym.arena(ROOM, {"dash": "dash", "stopped": Interrupted()}, tmp_path / "cut", levels=6)
+    assert not json.loads((tmp_path / "cut" / "summary.json").read_text())["finished"]
+    played: list[str] = []
+    known = contest.evaluate
+    monkeypatch.setattr(
+        contest, "evaluate", lambda policy, *a, **k: played.append(str(policy)) or known(policy, *a, **k)
+    )
+    resumed = irsim_gym.arena(ROOM, "random", tmp_path / "cut", levels=6, replays=4, resume=True)
+    names = sorted(path.name for path in (tmp_path / "whole").iterdir())
+    assert names == ["arena.html", "episodes.csv", "summary.json", "table.txt"]
+    assert names == sorted(path.name for path in (tmp_path / "cut").iterdir())
+    for name in names:
+        assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "cut" / name).read_bytes(), name
+    assert resumed.rows == whole.rows
+    assert len(played) == 1
+    assert "RandomPolicy" in played[0]
+    with pytest.raises(IrsimGymError, match=r"levels 6, asked for: 7"):
+        irsim_gym.arena(ROOM, "dash", tmp_path / "cut", levels=7, resume=True)
+    board, page = Board.of(whole.rows), read_page(whole.page)
+    assert page["outcomes"] == ["".join(map(str, line)) for line in board.outcome.tolist()]
+    assert (page["left"]["failures"], page["left"]["unlike"]) == (int((~board.success).sum()), 0)
+    assert len(page["episodes"]) == len(page["replays"]) <= 4
+    for episode, told in zip(page["episodes"], page["replays"], strict=True):
+        assert episode["count"] == board.steps[told["policy"], told["level"]] + 1
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["irsim-gym", "arena", *arguments])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    return int(end.value.code or 0)
+
+
+def test_cross_play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Two robots, driven by each pairing of two policies: rows say who drove whom, and the page who met whom."""
+    monkeypatch.chdir(tmp_path)
+    robots = [{**ROOM["robot"][0], "state": [1, y, 0], "goal": [5, y, 0]} for y in (1, 3)]
+    Path("pair.yaml").write_text(json.dumps({**ROOM, "robot": robots}), encoding="utf-8")
+    assert run(monkeypatch, "pair.yaml", "dash", "random", "--mix", "--levels", "3", "--replays", "2") == 0
+    said = capsys.readouterr()
+    assert said.out.splitlines()[-1] == "page: runs/arena-pair-team-test/arena.html"
+    assert said.err == ""
+    folder = Path("runs/arena-pair-team-test")
+    with (folder / "episodes.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert {(each["policy"], each["agent"], each["driver"]) for each in rows} == {
+        *((name, f"robot_{a}", name) for name in ("dash", "random") for a in (0, 1)),
+        *(("dash + random", "robot_0", "dash"), ("dash + random", "robot_1", "random")),
+        *(("random + dash", "robot_0", "random"), ("random + dash", "robot_1", "dash")),
+    }
+    assert len(rows) == 4 * 3 * 2
+    summary = json.loads((folder / "summary.json").read_text())
+    mine = [each for each in rows if each["driver"] == "dash" and each["policy"] != "dash"]
+    met = next(each for each in summary["meetings"] if (each["policy"], each["partner"]) == ("dash", "random"))
+    assert met["individual_success"]["count"] == sum(each["outcome"] == "success" for each in mine)
+    assert summary["arena"]["scenario"] == "pair"
+    assert len(summary["arena"]["scenario_sha256"]) == 64
+    page = read_page(folder / "arena.html")
+    assert page["policies"] == ["dash", "random", "dash + random", "random + dash"]
+    assert page["meetings"] == summary["meetings"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ["dsh", "dash", "orcs"],
+            "no policy at dsh (did you mean 'dash'?)\nno policy at orcs (did you mean 'orca'?); use",
+        ),
+        ([], "an arena needs policies: a .zip, a run's folder, or any of random, dash"),
+        (["dash", "dash"], "an arena plays each policy once, but dash is given more than once"),
+        (["dash", "random", "--mix"], "needs two policies and two agents, got 2 and 1"),
+        (["dash", "--resume", "--overwrite"], "pass only one of them"),
+        (["dash", "--split", "tset"], "no split named 'tset'"),
+        (["dash", "--out", "full"], "full holds results: choose another folder with --out"),
+        (["dash", "--out", "full", "--resume"], "full holds no arena that could be resumed"),
+    ],
+)
+def test_bad_calls(
+    arguments: list[str],
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("room.yaml").write_text(json.dumps(ROOM), encoding="utf-8")
+    Path("full").mkdir()
+    Path("full/summary.json").write_text("{}")
+    assert run(monkeypatch, "room.yaml", *arguments, "--levels", "2") == 1
+    assert message in capsys.readouterr().err
