@@ -2,6 +2,7 @@
 
 from irsim_gym.behaviors.dash import Dash
 from irsim_gym.behaviors.dwa import Dwa
+from irsim_gym.behaviors.mppi import Mppi
 from irsim_gym.behaviors.orca import OrcaGroup
 from irsim_gym.behaviors.rvo import Rvo
 from irsim_gym.behaviors.social_force import SocialForce
@@ -10,6 +11,7 @@ from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 
 BEHAVIORS.register("dash", Dash)
 BEHAVIORS.register("dwa", Dwa)
+BEHAVIORS.register("mppi", Mppi)
 BEHAVIORS.register("rvo", Rvo)
 BEHAVIORS.register("sfm", SocialForce)
 GROUP_BEHAVIORS.register("orca", OrcaGroup)

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMap, Flags, Floats, Ints
-from irsim_gym.behaviors.seen_way import SeenCells, find_seen_way, is_still_free, note_hit
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.behaviors.seen_way import SeenCells
 from irsim_gym.behaviors.steering import goal_offset
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, mark_standing
-from irsim_gym.paths.geodesic import shortest_path
-from irsim_gym.paths.grid import Grid, Search
+from irsim_gym.paths.grid import Grid
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import WorldModel
-from irsim_gym.world.own_scan import OwnScan, find_hits
-from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
 MOST_POINTS = 64
@@ -92,16 +88,11 @@ class LocalWays(Struct):
         return ways
 
 
-def follows(group: Group, path: str) -> bool:
-    """Return whether any member of a group follows this kind of path."""
-    return any(options.path == path for options in group.options)
-
-
 @kernel
 def forget_ways(worlds: Ints, ways: LocalWays) -> None:
     """Forget all paths of some worlds, and what was seen.
 
-    Writes: ways (count, goal, seen, since, side).
+    Writes: ways (count, goal, seen, side, since).
     """
     for w in worlds:
         ways.goal[w, :, :] = np.nan
@@ -110,78 +101,12 @@ def forget_ways(worlds: Ints, ways: LocalWays) -> None:
 
 
 @kernel
-def note_scans(
-    worlds: Ints, members: Ints, params: Any, scan: OwnScan, model: WorldModel, state: WorldState, hits: Floats, ways: LocalWays
-) -> None:
-    """Write what the scans show, and the paths of members that go by it, where the known one is blocked."""
-    search, grid = Search(ways.blocked, ways.field, ways.queue), ways.grid
-    for w in worlds:
-        for k in range(members.shape[0]):
-            b, m, options = members[k], ways.row[members[k]], params[k]
-            if options.path != SEEN or not model.has_goal[b] or not model.present[w, b]:
-                continue
-            here, end = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
-            hard, soft, now = ways.seen.hard[w, m], ways.seen.soft[w, m], state.step[w] + 1
-            reach, oldest = model.reach[row_of(model.reach, w), b], now - int(options.memory / model.step_time[0])
-            cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
-            for j in range(find_hits(scan, w, k, options.obstacle_range, hits)):
-                x, y = here[0] + cosine * hits[0, j] - sine * hits[1, j], here[1] + sine * hits[0, j] + cosine * hits[1, j]
-                note_hit(x, y, reach, options.path_clearance, grid, now, hard, soft)
-            is_known = ways.goal[w, m, 0] == end[0] and ways.goal[w, m, 1] == end[1]
-            if is_known and advance_on_way(ways, w, m, here[0], here[1]) <= ASTRAY:
-                free = is_still_free(ways.points[w, m], ways.side[w, m], ways.count[w, m], grid, soft, max(oldest, 0))
-                if (ways.count[w, m] > 1 and free) or now < ways.since[w, m]:
-                    continue
-            count = find_seen_way(here, end, grid, soft, max(oldest, 0), search, ways.path)
-            if count == 0:
-                count = find_seen_way(here, end, grid, hard, max(oldest, 0), search, ways.path)
-            ways.since[w, m] = now + int(PATIENCE / model.step_time[0])
-            keep_way(ways, w, m, count, end)
-
-
-@kernel
-def keep_way(ways: LocalWays, w: int, m: int, count: int, goal: tuple[float, float]) -> None:
-    """Keep the first points of a path that was found."""
-    ways.goal[w, m, 0], ways.goal[w, m, 1], ways.side[w, m] = goal[0], goal[1], 0
-    ways.count[w, m] = min(count, ways.points.shape[2])
-    for i in range(ways.count[w, m]):
-        ways.points[w, m, i, 0], ways.points[w, m, i, 1] = ways.path[i, 0], ways.path[i, 1]
-
-
-@kernel
-def find_ways(
-    worlds: Ints,
-    members: Ints,
-    params: Any,
-    model: WorldModel,
-    cells: CellMap | None,
-    state: WorldState,
-    ways: LocalWays,
-) -> None:
-    """Find the paths of members that follow the map, where the goal is new or the body has gone astray."""
-    search = Search(ways.blocked, ways.field, ways.queue)
-    for w in worlds:
-        for k in range(members.shape[0]):
-            b, m = members[k], ways.row[members[k]]
-            if params[k].path != MAP or not model.has_goal[b] or not model.present[w, b]:
-                continue
-            here, end = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
-            is_known = ways.goal[w, m, 0] == end[0] and ways.goal[w, m, 1] == end[1]
-            if is_known and advance_on_way(ways, w, m, here[0], here[1]) <= ASTRAY:
-                continue
-            mark_standing(model, w, b, ways.blocks)
-            obstacles, reach = Obstacles(model, state, w, ways.blocks, cells), model.reach[row_of(model.reach, w), b]
-            count = 0
-            for share in SHARES:
-                if count == 0:
-                    radius = reach + share * params[k].path_clearance
-                    count = shortest_path(obstacles, radius, here, end, ways.grid, search, ways.path)
-            keep_way(ways, w, m, count, end)
-
-
-@kernel
 def advance_on_way(ways: LocalWays, w: int, m: int, x: float, y: float) -> float:
-    """Write beside which side of its path a member is now, and return how far from it [m]."""
+    """Write beside which side of its path a member is now, and return how far from it [m].
+
+    Reads: ways (count, points, side).
+    Writes: ways (side).
+    """
     best2, found, points, gone = np.inf, ways.side[w, m], ways.points[w, m], 0.0
     for i in range(ways.side[w, m], ways.count[w, m] - 1):
         ax, ay, bx, by = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
@@ -196,14 +121,18 @@ def advance_on_way(ways: LocalWays, w: int, m: int, x: float, y: float) -> float
 
 
 @kernel
-def lay_way(state: WorldState, ways: LocalWays, w: int, b: int, way: Floats) -> int:
+def lay_way(state: WorldState, ways: LocalWays, w: int, b: int, length: float, way: Floats) -> int:
     """Write the path of a body from where it is nearest, in the frame of the body, and return its number of points.
+
+    Reads: state (goal, pose), ways (count, points, row, side).
+    Writes: way.
 
     Args:
         state: The moment.
         ways: The paths.
         w: The world.
         b: The body.
+        length: Points farther ahead on the path are left out [m].
         way: Written: x and y [m], shape ``(2, MOST_POINTS + 1)``.
     """
     m, x, y = ways.row[b], state.pose[w, b, 0], state.pose[w, b, 1]
@@ -214,10 +143,14 @@ def lay_way(state: WorldState, ways: LocalWays, w: int, b: int, way: Floats) -> 
     if count > 1:
         dx, dy = nearest_on_side(points, side, x, y)
         way[0, 0], way[1, 0] = cosine * dx + sine * dy, cosine * dy - sine * dx
+        driven = 0.0
         for i in range(side + 1, count - 1):
             dx, dy = points[i, 0] - x, points[i, 1] - y
             way[0, n_points], way[1, n_points] = cosine * dx + sine * dy, cosine * dy - sine * dx
-            n_points += 1
+            dx, dy = way[0, n_points] - way[0, n_points - 1], way[1, n_points] - way[1, n_points - 1]
+            n_points, driven = n_points + 1, driven + np.sqrt(dx * dx + dy * dy)
+            if driven > length:
+                return n_points
     dx, dy = goal_offset(state, w, b)
     way[0, n_points], way[1, n_points] = cosine * dx + sine * dy, cosine * dy - sine * dx
     return n_points + 1

@@ -73,14 +73,12 @@ def twist_of(wheels: Wheels, first: float, second: float) -> Twist:
 
 
 @kernel
-def command_window(
-    model: WorldModel, state: WorldState, w: int, b: int, axis: int, step: float
-) -> tuple[float, float]:
+def command_window(model: WorldModel, state: WorldState, w: int, b: int, axis: int) -> tuple[float, float]:
     """Return the least and the greatest value of a number of the command that is executed as it is asked for.
 
-    That is the dynamic window: [max(v_min, v - a t), min(v_max, v + a t)], see ``engine.command_limits``.
+    That is the dynamic window: [max(v_min, v - a t), min(v_max, v + a t)] with the step's duration t.
 
-    Reads: model (acceleration_limit, drive, velocity_max, velocity_min), state (twist, velocity).
+    Reads: model (acceleration_limit, drive, step_time, velocity_max, velocity_min), state (twist, velocity).
 
     Args:
         model: What the body can do.
@@ -88,11 +86,10 @@ def command_window(
         w: The world.
         b: The body.
         axis: Which number of the command.
-        step: The time t [s].
     """
     # Drives of plugins are shown as omnidirectional; what they execute is in coordinates of their own.
     now = state.twist[w, b, axis] if model.drive[b] == OMNI_WORLD else state.velocity[w, b, axis]
-    change = model.acceleration_limit[row_of(model.acceleration_limit, w), b, axis] * step
+    change = model.acceleration_limit[row_of(model.acceleration_limit, w), b, axis] * model.step_time[0]
     least = max(model.velocity_min[row_of(model.velocity_min, w), b, axis], now - change)
     most = min(model.velocity_max[row_of(model.velocity_max, w), b, axis], now + change)
     return min(least, most), most
@@ -201,21 +198,3 @@ def spread_over(low: float, high: float, i: int, count: int) -> float:
     if count == 1:
         return 0.5 * (low + high)
     return (low * (count - 1 - i) + high * i) / (count - 1)
-
-
-@kernel
-def thin_out(points: Floats, count: int, spacing: float) -> int:
-    """Leave out points that are nearer than ``spacing`` [m] to the one kept before them; return how many are kept.
-
-    Writes: points.
-    """
-    kept = 0
-    for j in range(count):
-        x, y = points[0, j], points[1, j]
-        if kept > 0:
-            dx, dy = x - points[0, kept - 1], y - points[1, kept - 1]
-            if dx * dx + dy * dy < spacing * spacing:
-                continue
-        points[0, kept], points[1, kept] = x, y
-        kept += 1
-    return kept

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats, Labels
 from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Point
 from irsim_gym.paths.grid import BLOCKED, FREE, Grid, Search, centre
 from irsim_gym.paths.spread import PARENT, clear_field, offer, spread
 
@@ -34,7 +35,9 @@ class SeenCells(NamedTuple):
 
 
 @kernel
-def note_hit(x: float, y: float, reach: float, distance: float, grid: Grid, now: int, hard: Labels, soft: Labels) -> None:
+def note_hit(
+    x: float, y: float, reach: float, distance: float, grid: Grid, now: int, hard: Labels, soft: Labels
+) -> None:
     """Write which cells are too near to a point that was hit.
 
     Writes: hard, soft.
@@ -64,7 +67,7 @@ def note_hit(x: float, y: float, reach: float, distance: float, grid: Grid, now:
 
 @kernel
 def find_seen_way(
-    start: tuple[float, float], goal: tuple[float, float], grid: Grid, seen: Labels, oldest: int, search: Search, path: Floats
+    start: Point, goal: Point, grid: Grid, seen: Labels, oldest: int, search: Search, path: Floats
 ) -> int:
     """Write a short way over cells that are free as far as is known; return its number of points, 0 without one.
 
@@ -100,7 +103,7 @@ def find_seen_way(
 
 
 @kernel
-def free_cell(grid: Grid, blocked: Bytes, place: tuple[float, float]) -> int:
+def free_cell(grid: Grid, blocked: Bytes, place: Point) -> int:
     """Return the number of the free cell whose centre is nearest to a point, -1 if none is near."""
     column, row = (place[0] - grid.origin_x) / grid.cell - 0.5, (place[1] - grid.origin_y) / grid.cell - 0.5
     best, found = np.inf, -1
