@@ -29,8 +29,8 @@ class Dwa:
     circle. A command is admissible if the body can stop before the way touches anything. The cost is
     ``obstacle_weight * c + path_weight * p + goal_weight * g``: c is 253 exp(-cost_scaling d) for the least distance d
     [m] of the padded footprint up to ``inflation_radius`` (as in ROS's cost maps), else 0, and 253 to 506 for a way
-    that ends at something, the more the sooner; p is the distance of the way's end from the path [m], g that from the
-    point ``lookahead`` ahead on the path [m].
+    that ends at something, the more the sooner; p is the distance of the way's end from the path [m], and g what is
+    left of the path from there on [m]; a way that arrives has driven on for the time that it saves.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -57,7 +57,7 @@ class Dwa:
         None,
         ge=0.0,
         unit="s",
-        meaning="How long a way has to be free; default: a step, and what stopping takes by the limits of acceleration.",
+        meaning="How long a way has to be free; default: a step, and half of what stopping takes.",
     )
     min_speed: float = option(
         0.0,
@@ -77,17 +77,12 @@ class Dwa:
     )
     obstacle_weight: float = option(0.002, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")
     path_weight: float = option(0.5, ge=0.0, meaning="Weight of the distance from the path.")
-    goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the distance from the point ahead on the path.")
+    goal_weight: float = option(1.0, ge=0.0, meaning="Weight of what is left of the path.")
     path: local_options.Path = local_options.PATH
     path_clearance: float = local_options.PATH_CLEARANCE
     memory: float = local_options.MEMORY
     lookahead: float = local_options.LOOKAHEAD
-    forward_point: float = option(
-        0.3,
-        ge=0.0,
-        unit="m",
-        meaning="The end of a way of diff and acker is measured so far ahead of the body, or less near the goal.",
-    )
+    forward_point: float = local_options.FORWARD_POINT
     footprint_padding: float = local_options.PADDING
     obstacle_range: float = local_options.OBSTACLE_RANGE
     spacing: float = local_options.SPACING

@@ -18,7 +18,7 @@ from irsim_gym.behaviors.local_task import (
     see_hits,
     task_of,
 )
-from irsim_gym.behaviors.local_way import distance_from_way
+from irsim_gym.behaviors.local_way import off_way
 from irsim_gym.behaviors.rollouts import (
     LANES,
     Twist,
@@ -161,7 +161,7 @@ def best_command(
         tables: What it sees.
     """
     drive, (low, high, least, most) = task.wheels.drive, window
-    rolls, spot = drive == DIFFERENTIAL or drive == ACKERMANN, drive == DIFFERENTIAL and low <= 0.0 <= high
+    rolls, spot = drive in (DIFFERENTIAL, ACKERMANN), drive == DIFFERENTIAL and low <= 0.0 <= high
     if rolls:
         low = max(low, options.min_speed)
         high = max(low, high)
@@ -207,6 +207,7 @@ def way_cost(task: LocalTask, options: Any, twist: Twist, needed: float, tables:
     step, horizon, poses = options.sim_granularity, options.sim_time, tables.poses[0]
     limit = options.footprint_padding + options.inflation_radius
     least, end, obstacle, saved = limit, horizon, 0.0, 0.0
+    speed = np.sqrt(twist[0] * twist[0] + twist[1] * twist[1])
     for i in range(int(np.ceil(max(horizon, needed) / step - CLOSE))):
         k = i % LANES
         if k == 0:
@@ -225,11 +226,11 @@ def way_cost(task: LocalTask, options: Any, twist: Twist, needed: float, tables:
         dx, dy = task.goal_x - poses.x[k], task.goal_y - poses.y[k]
         if dx * dx + dy * dy < task.goal_radius * task.goal_radius:
             end = (i + 1) * step
-            saved = (horizon - end) * np.sqrt(twist[0] * twist[0] + twist[1] * twist[1])
+            saved = (horizon - end) * speed
             break
     x, y, cosine, sine = place_at(twist, end)
     x, y = x + task.forward * cosine, y + task.forward * sine
-    dx, dy = task.ahead_x - x, task.ahead_y - y
-    path, goal = distance_from_way(tables.way, task.n_way, x, y), np.sqrt(dx * dx + dy * dy) - saved
+    path, reached = off_way(tables.way, task.n_way, x, y, speed * end + task.forward)
     obstacle = max(obstacle, obstacle_cost(options, least))
+    goal = task.length - reached - saved
     return float(options.obstacle_weight * obstacle + options.path_weight * path + options.goal_weight * goal)

@@ -9,13 +9,25 @@ from irsim_gym.scenario.options import option
 Path = Literal["straight", "map", "seen"]
 
 PATH = option(
-    "straight",
-    meaning="The path to follow: straight to the goal; the shortest around all that never moves and the map; or a short "
-    "one around what its own scans have shown.",
+    "seen",
+    meaning="The path to follow: straight to the goal; the shortest around all that never moves and the map; or a "
+    "short one around what its own scans have shown.",
 )
 PATH_CLEARANCE = option(0.1, ge=0.0, unit="m", meaning="How far a path keeps from obstacles, or less where it has to.")
 MEMORY = option(60.0, gt=0.0, unit="s", meaning="How long path seen remembers what a scan has shown.")
-LOOKAHEAD = option(1.0, gt=0.0, unit="m", meaning="The point on the path so far ahead is where it wants to go.")
+LOOKAHEAD = option(
+    4.0,
+    gt=0.0,
+    unit="m",
+    meaning="So much of the path counts.",
+    consequence="Less than it can drive in the time that is looked ahead: it goes slower.",
+)
+FORWARD_POINT = option(
+    0.3,
+    ge=0.0,
+    unit="m",
+    meaning="Ways of diff and acker are measured so far ahead of the body, or less near the goal, so that turns count.",
+)
 PADDING = option(
     0.02, ge=0.0, unit="m", meaning="Added to the footprint; who is nearer already may go where it is no nearer."
 )

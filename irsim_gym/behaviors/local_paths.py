@@ -8,10 +8,10 @@ import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Floats, Ints
 from irsim_gym.behaviors.local_task import LocalTables
-from irsim_gym.behaviors.local_way import LocalWays, advance_on_way
+from irsim_gym.behaviors.local_way import CELL, LocalWays, advance_on_way
 from irsim_gym.behaviors.seen_way import find_seen_way, is_still_free, note_hit
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, mark_standing
+from irsim_gym.paths.clearance import Obstacles, Point, mark_standing
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Search
 from irsim_gym.world.group import Group, Shard
@@ -84,16 +84,22 @@ def note_scans(
 
 
 @kernel
-def keep_way(ways: LocalWays, w: int, m: int, count: int, goal: tuple[float, float]) -> None:
-    """Keep the first points of a path that was found.
+def keep_way(ways: LocalWays, w: int, m: int, count: int, goal: Point) -> None:
+    """Keep the points of a path that was found, but for those that are close to the one before.
 
-    Reads: ways (count, path).
+    Reads: ways (path, points).
     Writes: ways (count, goal, points, side).
     """
-    ways.goal[w, m, 0], ways.goal[w, m, 1], ways.side[w, m] = goal[0], goal[1], 0
-    ways.count[w, m] = min(count, ways.points.shape[2])
-    for i in range(ways.count[w, m]):
-        ways.points[w, m, i, 0], ways.points[w, m, i, 1] = ways.path[i, 0], ways.path[i, 1]
+    points, kept, most = ways.points[w, m], 0, ways.points.shape[2]
+    for i in range(count):
+        x, y = ways.path[i, 0], ways.path[i, 1]
+        if kept > 0 and i < count - 1:
+            dx, dy = x - points[kept - 1, 0], y - points[kept - 1, 1]
+            if kept == most or dx * dx + dy * dy < CELL * CELL:
+                continue
+        kept = min(kept + 1, most)
+        points[kept - 1, 0], points[kept - 1, 1] = x, y
+    ways.goal[w, m, 0], ways.goal[w, m, 1], ways.side[w, m], ways.count[w, m] = goal[0], goal[1], 0, kept
 
 
 @kernel

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Records
-from irsim_gym.behaviors.local_way import MOST_POINTS, LocalWays, lay_way, point_ahead
+from irsim_gym.behaviors.local_way import MOST_POINTS, LocalWays, lay_way, way_length
 from irsim_gym.behaviors.rollouts import POSES, Wheels, find_nearest, gap_at, lay_poses, own_outline, wheels_of
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct
@@ -45,7 +45,6 @@ class LocalTables(Struct):
     @classmethod
     def reserve(cls, group: Group, model: WorldModel, n_slots: int) -> list[Self]:
         """Return memory for each slot."""
-        assert group.scan is not None
         by_rate, n_beams = np.zeros(len(model.role), np.bool_), group.scan.ranges.shape[2]
         bodies = () if group.context is None else group.context.bodies
         for b in group.members if bodies else ():
@@ -66,8 +65,7 @@ class LocalTask(NamedTuple):
         n_hits: Number of points that it sees, in ``LocalTables.hits``.
         bearable: Nearer to something than this a way touches it [m]: the padding, or less if the body is nearer now.
         n_way: Number of points of the path, in ``LocalTables.way``.
-        ahead_x: The point ahead on the path [m].
-        ahead_y: The point ahead on the path [m].
+        length: Length of the path [m].
         goal_x: The goal [m].
         goal_y: The goal [m].
         goal_radius: Nearer to the goal than this it has arrived [m].
@@ -80,8 +78,7 @@ class LocalTask(NamedTuple):
     n_hits: int
     bearable: float
     n_way: int
-    ahead_x: float
-    ahead_y: float
+    length: float
     goal_x: float
     goal_y: float
     goal_radius: float
@@ -113,12 +110,11 @@ def task_of(
     wheels, outline = wheels_of(model, state, w, b, tables.by_rate[b]), own_outline(model, w, b)
     dx, dy = state.goal[w, b, 0] - state.pose[w, b, 0], state.goal[w, b, 1] - state.pose[w, b, 1]
     reach, near = model.reach[row_of(model.reach, w), b], model.goal_threshold[row_of(model.goal_threshold, w), b]
-    n_way = lay_way(state, tables.ways, w, b, 2.0 * options.lookahead, tables.way)
-    ahead_x, ahead_y = point_ahead(tables.way, n_way, options.lookahead)
+    n_way = lay_way(state, tables.ways, w, b, options.lookahead, tables.way)
     rolls = wheels.drive == DIFFERENTIAL or wheels.drive == ACKERMANN
     return LocalTask(
         wheels, outline, reach, n_hits, bearable_gap(outline, reach, n_hits, options.footprint_padding, tables), n_way,
-        ahead_x, ahead_y, wheels.cosine * dx + wheels.sine * dy, wheels.cosine * dy - wheels.sine * dx, near,
+        way_length(tables.way, n_way), wheels.cosine * dx + wheels.sine * dy, wheels.cosine * dy - wheels.sine * dx, near,
         min(options.forward_point, np.sqrt(dx * dx + dy * dy)) if rolls else 0.0,
     )  # fmt: skip
 

@@ -18,8 +18,8 @@ from irsim_gym.world.group import Group
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
-MOST_POINTS = 64
-"""Points of a path that are kept; beyond the last one it is straight."""
+MOST_POINTS = 256
+"""Points of a path that are kept, CELL apart or more; beyond the last but one it is straight."""
 CELL = 0.1
 """Side of the cells [m] in which ways are looked for."""
 FINEST = 200
@@ -168,28 +168,45 @@ def nearest_on_side(points: Floats, side: int, x: float, y: float) -> tuple[floa
 
 
 @kernel
-def point_ahead(way: Floats, n_points: int, distance: float) -> tuple[float, float]:
-    """Return the point so far ahead on a way [m], its end if that is nearer.
+def off_way(way: Floats, n_points: int, x: float, y: float, most: float) -> tuple[float, float]:
+    """Return how far a point is from a way, and how far along the way the nearest point on it is [m].
+
+    A body that drives ``most`` gets no farther along: the rest of the way, which may come near again behind a wall, does
+    not count. The way goes on straight behind its beginning.
 
     Args:
         way: x and y of its points [m], shape ``(2, n)``.
         n_points: Number of points.
-        distance: Length of the way up to the point [m].
+        x: The point [m].
+        y: The point [m].
+        most: How much of the way counts [m].
     """
-    left = distance
+    best2, reached, driven = np.inf, 0.0, 0.0
     for i in range(n_points - 1):
+        if driven > most:
+            break
         dx, dy = way[0, i + 1] - way[0, i], way[1, i + 1] - way[1, i]
         length = np.sqrt(dx * dx + dy * dy)
-        if length >= left and length > 0.0:
-            return way[0, i] + dx * (left / length), way[1, i] + dy * (left / length)
-        left -= length
-    return way[0, n_points - 1], way[1, n_points - 1]
+        if length == 0.0:
+            continue
+        from_x, from_y = x - way[0, i], y - way[1, i]
+        along = min((from_x * dx + from_y * dy) / length, length, most - driven)
+        if i > 0:
+            along = max(along, 0.0)
+        from_x, from_y = from_x - along / length * dx, from_y - along / length * dy
+        if from_x * from_x + from_y * from_y < best2:
+            best2, reached = from_x * from_x + from_y * from_y, driven + along
+        driven += length
+    if best2 == np.inf:
+        return float(np.hypot(x - way[0, 0], y - way[1, 0])), 0.0
+    return float(np.sqrt(best2)), reached
 
 
 @kernel
-def distance_from_way(way: Floats, n_points: int, x: float, y: float) -> float:
-    """Return the distance of a point from a way [m]."""
-    best2 = np.inf
+def way_length(way: Floats, n_points: int) -> float:
+    """Return the length of a way [m]; arguments as for ``off_way``."""
+    total = 0.0
     for i in range(n_points - 1):
-        best2 = min(best2, point_segment_distance2(x, y, way[0, i], way[1, i], way[0, i + 1], way[1, i + 1]))
-    return float(np.sqrt(best2))
+        dx, dy = way[0, i + 1] - way[0, i], way[1, i + 1] - way[1, i]
+        total += np.sqrt(dx * dx + dy * dy)
+    return total

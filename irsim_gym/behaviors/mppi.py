@@ -24,9 +24,9 @@ class Mppi:
 
     The body sees what its first range sensor hits, and takes it to stand still. A sequence is driven by the limits of
     the drive; its cost is the integral over ``horizon`` [s] of
-    ``goal_weight * g + path_weight * p + obstacle_weight * c``, with the distances g from the point ``lookahead`` ahead
-    on the path and p from the path [m], and c as of ``dwa``. What it asks for first is the command, and the rest is
-    where the next decision begins. The noise comes from the world's random stream.
+    ``goal_weight * g + path_weight * p + obstacle_weight * c``, with g, p and c as of ``dwa`` at each moment. Two
+    sequences are no random ones: the planned one and a stop. What the average asks for first is the command; the rest
+    is planned for the next decision. The noise comes from the world's random stream.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -57,16 +57,12 @@ class Mppi:
     collision_cost: float = option(100.0, ge=0.0, unit="m s", meaning="Cost of a way that touches something.")
     obstacle_weight: float = option(0.005, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")
     path_weight: float = option(0.5, ge=0.0, meaning="Weight of the distance from the path.")
-    goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the distance from the point ahead on the path.")
+    goal_weight: float = option(1.0, ge=0.0, meaning="Weight of what is left of the path.")
     path: local_options.Path = local_options.PATH
     path_clearance: float = local_options.PATH_CLEARANCE
     memory: float = local_options.MEMORY
-    lookahead: float = option(
-        2.0, gt=0.0, unit="m", meaning="The point on the path so far ahead is where it wants to go."
-    )
-    forward_point: float = option(
-        0.0, ge=0.0, unit="m", meaning="A way of diff and acker is measured so far ahead of the body."
-    )
+    lookahead: float = local_options.LOOKAHEAD
+    forward_point: float = local_options.FORWARD_POINT
     footprint_padding: float = local_options.PADDING
     obstacle_range: float = local_options.OBSTACLE_RANGE
     spacing: float = local_options.SPACING

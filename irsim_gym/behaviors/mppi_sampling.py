@@ -9,7 +9,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.behaviors.local_task import LocalTables, LocalTask, is_under_way, obstacle_cost, see_hits, task_of
-from irsim_gym.behaviors.local_way import distance_from_way
+from irsim_gym.behaviors.local_way import off_way
 from irsim_gym.behaviors.rollouts import LANES, find_nearest, gap_at, twist_of
 from irsim_gym.behaviors.steering import clear_command
 from irsim_gym.jit import kernel
@@ -121,7 +121,7 @@ def motion_of(model: WorldModel, state: WorldState, w: int, b: int) -> Motion:
 
 @kernel
 def draw_samples(w: int, state: WorldState, options: Any, motion: Motion, nominal: Floats, samples: Samples) -> None:
-    """Write sequences about the nominal one, the first without noise, and the part of their cost that comes from it.
+    """Write sequences about the nominal one, itself and a stop among them, and their cost from noise.
 
     With u the nominal commands, e the noise and s its standard deviation, that is gamma times the sum of u e / s^2.
 
@@ -134,8 +134,9 @@ def draw_samples(w: int, state: WorldState, options: Any, motion: Motion, nomina
         for t in range(nominal.shape[0]):
             for axis in range(2):
                 deviation = 0.5 * options.noise * (motion.high[axis] - motion.low[axis])
-                drawn = normal(state.random, w, 0.0, deviation) if i > 0 else 0.0
-                wanted = min(max(nominal[t, axis] + drawn, motion.low[axis]), motion.high[axis])
+                drawn = normal(state.random, w, 0.0, deviation) if i > 1 else 0.0
+                wanted = 0.0 if i == 1 else nominal[t, axis] + drawn
+                wanted = min(max(wanted, motion.low[axis]), motion.high[axis])
                 asked[i, t, axis] = wanted
                 if deviation > 0.0:
                     total += nominal[t, axis] * (wanted - nominal[t, axis]) / (deviation * deviation)
@@ -155,6 +156,7 @@ def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, t
     poses, limit = tables.poses[0], options.footprint_padding + options.inflation_radius
     x, y, cosine, sine, heading, steering = 0.0, 0.0, 1.0, 0.0, 0.0, motion.steering
     one, two, total, n_steps = motion.now[0], motion.now[1], 0.0, asked.shape[0]
+    driven, last_x, last_y = 0.0, 0.0, 0.0
     steers = task.wheels.drive == ACKERMANN and not task.wheels.by_rate
     for t in range(n_steps):
         k = t % LANES
@@ -175,9 +177,11 @@ def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, t
         dx, dy = task.goal_x - here_x, task.goal_y - here_y
         if gap >= task.bearable and dx * dx + dy * dy < task.goal_radius * task.goal_radius:
             break
-        dx, dy = task.ahead_x - here_x, task.ahead_y - here_y
-        away = options.goal_weight * np.sqrt(dx * dx + dy * dy)
-        away += options.path_weight * distance_from_way(tables.way, task.n_way, here_x, here_y)
+        front_x, front_y = here_x + task.forward * poses.cosine[k], here_y + task.forward * poses.sine[k]
+        driven += np.sqrt((here_x - last_x) * (here_x - last_x) + (here_y - last_y) * (here_y - last_y))
+        last_x, last_y = here_x, here_y
+        path, reached = off_way(tables.way, task.n_way, front_x, front_y, driven + task.forward)
+        away = options.path_weight * path + options.goal_weight * (task.length - reached)
         if gap < task.bearable:
             return float(total + options.collision_cost * (2.0 - t / n_steps) + away * (n_steps - t) * motion.step)
         total += (away + options.obstacle_weight * obstacle_cost(options, gap)) * motion.step
@@ -188,7 +192,7 @@ def rollout_cost(task: LocalTask, options: Any, motion: Motion, asked: Floats, t
 def executed(motion: Motion, axis: int, asked: float, now: float) -> float:
     """Return what is executed in a step that asks for a number, see ``engine.command_limits``."""
     change = motion.sharpest[axis] * motion.step
-    return min(max(asked, max(motion.low[axis], now - change)), min(motion.high[axis], now + change))
+    return float(min(max(asked, max(motion.low[axis], now - change)), min(motion.high[axis], now + change)))
 
 
 @kernel
