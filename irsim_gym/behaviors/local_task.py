@@ -112,11 +112,11 @@ def task_of(
     reach, near = model.reach[row_of(model.reach, w), b], model.goal_threshold[row_of(model.goal_threshold, w), b]
     n_way = lay_way(state, tables.ways, w, b, options.lookahead, tables.way)
     rolls = wheels.drive == DIFFERENTIAL or wheels.drive == ACKERMANN
-    return LocalTask(
-        wheels, outline, reach, n_hits, bearable_gap(outline, reach, n_hits, options.footprint_padding, tables), n_way,
-        way_length(tables.way, n_way), wheels.cosine * dx + wheels.sine * dy, wheels.cosine * dy - wheels.sine * dx, near,
-        min(options.forward_point, np.sqrt(dx * dx + dy * dy)) if rolls else 0.0,
-    )  # fmt: skip
+    bearable = bearable_gap(outline, reach, n_hits, options.footprint_padding, tables)
+    goal_x, goal_y = wheels.cosine * dx + wheels.sine * dy, wheels.cosine * dy - wheels.sine * dx
+    forward = min(options.forward_point, np.sqrt(dx * dx + dy * dy)) if rolls else 0.0
+    length = way_length(tables.way, n_way)
+    return LocalTask(wheels, outline, reach, n_hits, bearable, n_way, length, goal_x, goal_y, near, forward)
 
 
 @kernel
@@ -142,7 +142,9 @@ def see_hits(scan: OwnScan, w: int, k: int, options: Any, hits: Floats) -> int:
 
 @kernel
 def bearable_gap(outline: BodyOutline, reach: float, n_hits: int, padding: float, tables: LocalTables) -> float:
-    """Return how near a way may come to something [m]: by the padding, or as near as the body is now.
+    """Return nearer to something than what a way touches it [m]: the padding, or less if the body is nearer now.
+
+    A body that touches something already may go anywhere.
 
     Reads: tables (hits, poses).
     Writes: tables (poses).
@@ -150,7 +152,8 @@ def bearable_gap(outline: BodyOutline, reach: float, n_hits: int, padding: float
     poses = tables.poses[0]
     lay_poses((0.0, 0.0, 0.0), 0, 0.0, poses)
     find_nearest(tables.hits, n_hits, poses)
-    return min(gap_at(outline, reach, padding, tables.hits, n_hits, poses, 0), padding) - CLOSE
+    gap = gap_at(outline, reach, padding + CLOSE, tables.hits, n_hits, poses, 0)
+    return max(min(gap, padding) - CLOSE, CLOSE) if gap > 0.0 else -CLOSE
 
 
 @kernel

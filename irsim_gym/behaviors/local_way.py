@@ -171,8 +171,8 @@ def nearest_on_side(points: Floats, side: int, x: float, y: float) -> tuple[floa
 def off_way(way: Floats, n_points: int, x: float, y: float, most: float) -> tuple[float, float]:
     """Return how far a point is from a way, and how far along the way the nearest point on it is [m].
 
-    A body that drives ``most`` gets no farther along: the rest of the way, which may come near again behind a wall, does
-    not count. The way goes on straight behind its beginning.
+    A body that drives ``most`` gets no farther along: the rest of the way, which may come near again behind a wall,
+    does not count. The way goes on straight behind its beginning.
 
     Args:
         way: x and y of its points [m], shape ``(2, n)``.
