@@ -34,9 +34,9 @@ def provenance(name: str, result: Mapping[str, Any]) -> str:
     """Return where a result comes from: file, machine, versions, load, commit, date."""
     machine = result["machine"]
     versions = {"Python": machine["python"], **machine["versions"]}
-    told = ", ".join(f"{one} {versions[one]}" for one in ("Python", "numpy", "numba", "torch") if versions.get(one))
+    named = ", ".join(f"{one} {versions[one]}" for one in ("Python", "numpy", "numba", "torch") if versions.get(one))
     return (
-        f"[results/{name}](results/{name}): {machine['processor']}, {machine['cores']} cores, {told}; "
+        f"[results/{name}](results/{name}): {machine['processor']}, {machine['cores']} cores, {named}; "
         f"load {machine['load']:.2f} at the start; commit {machine['commit'][:10]}, {machine['date'][:10]}."
     )
 
@@ -91,7 +91,7 @@ def drawing(figures: Mapping[str, float]) -> str:
 
 
 def beside_others(name: str, result: Mapping[str, Any]) -> str:
-    """Return a result of ``peers.py``: one table, what each does not do, and who could not take part."""
+    """Return a result of ``peers.py``: a table, the differences of each work, and missing simulators."""
     rows, who = [], result["peers"]
     for work, figures in result["results"].items():
         for figure, least in figures.items():
@@ -102,19 +102,19 @@ def beside_others(name: str, result: Mapping[str, Any]) -> str:
             rows.append([work, player, *map(number, (least, *others))])
     parts = [provenance(name, result), markdown(["work", "who", "least [us]", "median [us]", "times slower"], rows)]
     if rounds := [counts for players in result.get("rounds", {}).values() for counts in players.values()]:
-        parts.append(rounds_told(rounds))
+        parts.append(rounds_text(rounds))
     parts += [
-        f"`{work}`: {figure.removesuffix('_apart_m')}'s agents end at most {value:.2g} m from ours."
+        f"`{work}`: {figure.removesuffix('_apart_m')}'s robots end at most {value:.2g} m from ours."
         for work, figures in result["results"].items()
         for figure, value in figures.items()
         if figure.endswith("_apart_m")
     ]
-    parts.append("What each does not do, or does otherwise, in the same work:")
+    parts.append("Differences between the works:")
     lines = []
     for said in who.values():
         title = f"{said['package']} {said['version'] or ''}".strip()
         lines += [f"- {title}, `{work}`: {'; '.join(notes)}." for work, notes in said["works"].items() if notes]
-        lines += [f"- {title} took no part: {said['missing']}." for _ in range("missing" in said)]
+        lines += [f"- {title} is missing: {said['missing']}." for _ in range("missing" in said)]
         lines += [f"- {title}, `{work}`: {why}." for work, why in said.get("failures", {}).items()]
     parts.append("\n".join(lines))
     return "\n\n".join(parts)
@@ -130,35 +130,35 @@ WORKS = {
     "orca_100": "100 discs that avoid each other by ORCA, each disc",
     "orca_1000": "1,000 discs, each disc",
 }
-"""The works that the first page tells of."""
+"""The works in the table of the first page."""
 
 OTHERS = {"irsim": "IR-SIM", "vmas": "VMAS", "jaxnav": "JaxNav", "navground": "navground"}
 
 
 def front(result: Mapping[str, Any]) -> str:
-    """Return the first page's table: what a step takes here, and how many times longer elsewhere."""
+    """Return the first page's table: the time of a step here, and how many times longer it takes elsewhere."""
     rows = []
-    for work, told in WORKS.items():
+    for work, text in WORKS.items():
         figures = result["results"].get(work, {})
         if (ours := figures.get("ours_median_us")) is None:
             continue
         slower = [figures.get(f"{other}_median_us") for other in OTHERS]
-        rows.append([told, number(ours), *(number(None if other is None else other / ours) for other in slower)])
+        rows.append([text, number(ours), *(number(None if other is None else other / ours) for other in slower)])
     return markdown(["a step of", "us", *(f"{name}, times" for name in OTHERS.values())], rows)
 
 
-def rounds_told(rounds: Sequence[Mapping[str, float]]) -> str:
-    """Return how many rounds were played, and whether all went at one pace."""
+def rounds_text(rounds: Sequence[Mapping[str, float]]) -> str:
+    """Return the numbers of rounds, and the range of the processor's pace."""
     played, rejected, kept = (int(sum(one[name] for one in rounds)) for name in ("played", "rejected", "disturbed"))
     loops = [one["calibration_us"] for one in rounds if "calibration_us" in one] or [0.0]
     return (
-        f"{played} rounds were played; {rejected} were rejected because disturbed, and {kept} kept though disturbed. "
-        f"By the median of each process the calibrating loop took {min(loops):.0f} to {max(loops):.0f} us."
+        f"{played} rounds were run; {rejected} were rejected as disturbed, {kept} kept although disturbed. "
+        f"The median of the calibrating loop was {min(loops):.0f} to {max(loops):.0f} us, depending on the process."
     )
 
 
 def targets(results: Mapping[str, Mapping[str, float]]) -> str:
-    """Return what is to be reached, and what the results say of it."""
+    """Return the targets, and whether the results reach them."""
     rows = [
         [row["text"], number(row["value"]), number(row["least"]), number(row["aim"]), VERDICTS[row["verdict"]]]
         for row in target_rows(results)

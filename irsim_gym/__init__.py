@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from irsim_gym.envs.batch import make_batch
     from irsim_gym.envs.parallel import parallel_env
     from irsim_gym.envs.replays import RecordReplay
-    from irsim_gym.live import load
+    from irsim_gym.live import load, plan
     from irsim_gym.plugins import (
         action,
         behavior,
@@ -53,6 +53,7 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     "load_scenario": ("irsim_gym.scenario", "load_scenario"),
     "parallel_env": ("irsim_gym.envs.parallel", "parallel_env"),
     "make_batch": ("irsim_gym.envs.batch", "make_batch"),
+    "plan": ("irsim_gym.live", "plan"),
     "plugins": ("irsim_gym.plugins", None),
     "record_demonstrations": ("irsim_gym.training.recorder", "record_demonstrations"),
     "sb3": ("irsim_gym.sb3", None),
@@ -87,6 +88,7 @@ __all__ = [
     "observation",
     "parallel_env",
     "placement",
+    "plan",
     "plugins",
     "record_demonstrations",
     "register",

@@ -45,6 +45,8 @@ class CellMap(NamedTuple):
         n_boxes: How many rows of ``boxes`` count.
         room: Distance of each cell's centre from the nearest occupied cell [m], see ``geometry.cell_room``, shape
             ``(columns, rows)``.
+        radius: 0 where occupied cells are occupied all over; else each of them holds a disc of this radius [m] in its
+            middle, at most half a cell, and the rest of it is free.
     """
 
     x: float
@@ -56,6 +58,7 @@ class CellMap(NamedTuple):
     boxes: Spans
     n_boxes: int
     room: Rays
+    radius: float
 
 
 class CellMaps(NamedTuple):
@@ -73,6 +76,7 @@ class CellMaps(NamedTuple):
         boxes: Boxes of occupied cells, shape ``(n, n_boxes, 4)``.
         n_boxes: How many of these boxes count, shape ``(n,)``.
         room: Distances from the occupied cells [m], shape ``(n, columns, rows)``.
+        radius: Radius of the discs that stand for occupied cells [m], 0 where these are occupied all over.
     """
 
     x: float
@@ -84,6 +88,7 @@ class CellMaps(NamedTuple):
     boxes: Spans
     n_boxes: Ints
     room: Rays
+    radius: float
 
 
 class BodyOutline(NamedTuple):

@@ -301,8 +301,8 @@ def play(
 ) -> None:
     """Drive a robot by hand in a window, level after level. The window lists the keys; esc quits."""
     from irsim_gym.tasks.levels import check_split
-    from irsim_gym.training.play import Wishes
-    from irsim_gym.training.play import play as play_by_hand
+    from irsim_gym.training.manual_play import Wishes
+    from irsim_gym.training.manual_play import play as play_by_hand
 
     check_split(split)
     wishes = Wishes(scenario, task, robot, level, split, read_parameters(given), record, speed, not lenient)

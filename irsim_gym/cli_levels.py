@@ -20,7 +20,9 @@ Splits = Annotated[str, typer.Option("--split", help="Split of the levels: train
 Count = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of levels of each split.")]
 Policies = Annotated[
     str | None,
-    typer.Option(help="Reference policies, separated by commas (default: random, dash, orca, dwa, pursuit); none: ''."),
+    typer.Option(
+        help="Reference policies, separated by commas (default: random, dash, orca and the planners that fit)."
+    ),
 ]
 Certified = Annotated[str, typer.Argument(help="Shipped name, environment id, YAML file, or file of levels (.npz).")]
 OutOrBeside = Annotated[
@@ -67,5 +69,69 @@ def certify(
     from irsim_gym.training.level_commands import Wanted, run_certify
 
     wanted = Wanted(scenario, task, team, read_parameters(given), not lenient)
-    chosen = None if policies is None else [name.strip() for name in policies.split(",") if name.strip()]
-    run_certify(wanted, split, count, chosen, out)
+    run_certify(wanted, split, count, _names(policies), out)
+
+
+imports = typer.Typer(help="Convert levels of others, from your own copy.", no_args_is_help=True)
+levels.add_typer(imports, name="import")
+
+
+@imports.command()
+def barn(
+    path: Annotated[Path, typer.Argument(help="Folder of world_N.world files, or an .npz of cylinders.")], out: Out
+) -> None:
+    """Convert the worlds of the BARN challenge: the cylinders become the outline of an obstacle `cylinders`."""
+    from irsim_gym.levels.barn import import_barn
+    from irsim_gym.training.level_commands import write_levels
+
+    write_levels(import_barn(path), out)
+
+
+@imports.command()
+def jaxnav(
+    path: Annotated[Path, typer.Argument(help="Pickle of states (.pkl), or an .npz with cells, starts and goals.")],
+    out: Out,
+) -> None:
+    """Convert levels of JaxNav. A pickle is read without loading any of its classes."""
+    from irsim_gym.levels.jaxnav import import_jaxnav
+    from irsim_gym.training.level_commands import write_levels
+
+    write_levels(import_jaxnav(path), out)
+
+
+@levels.command("certify-suite")
+def certify_suite(
+    names: Annotated[list[str], typer.Argument(help="Tiers or benchmarks, see `irsim-gym suite list`.")],
+    count: Count = 1000,
+    policies: Policies = None,
+) -> None:
+    """Write the certificates that are shipped with the suite's benchmarks (for maintainers)."""
+    from irsim_gym.suite.certificates import certify_members
+
+    certify_members(names, count, _names(policies))
+
+
+@levels.command()
+def show(
+    scenario: Certified,
+    out: Annotated[Path | None, typer.Option(help="Picture to write, .png (default: SCENARIO-levels.png).")] = None,
+    split: Split = "test",
+    number: Annotated[int, typer.Option(min=4, max=100, help="Number of levels in the picture.")] = 16,
+    count: Count = 1000,
+    task: Task = None,
+    team: Team = False,
+    given: Given = None,
+    lenient: Lenient = False,
+    modules: Imports = None,
+) -> None:
+    """Draw levels into one picture, from the easiest to the hardest where they have a certificate."""
+    from irsim_gym.training.level_commands import Wanted
+    from irsim_gym.training.level_sheet import show_levels
+
+    wanted = Wanted(scenario, task, team, read_parameters(given), not lenient)
+    print(show_levels(wanted, split, count, number, out))
+
+
+def _names(text: str | None) -> list[str] | None:
+    """Return the names in a list that commas separate; None for none given."""
+    return None if text is None else [name.strip() for name in text.split(",") if name.strip()]

@@ -150,6 +150,10 @@ class PlacementError(IrsimGymError, RuntimeError):
     """A level could not be drawn within the allowed number of tries."""
 
 
+class NoWayError(IrsimGymError, ValueError):
+    """No free way leads from one point to another."""
+
+
 class BehaviorError(IrsimGymError, ValueError):
     """A behaviour written in Python returned no command of the body's drive."""
 

@@ -9,7 +9,7 @@ from irsim_gym.registry import Registry
 
 _OWN = "; your own is registered by @irsim_gym.{}, on the command line from --import FILE.py"
 
-_WORLD, _TASK = "irsim_gym.world.kinds", "irsim_gym.tasks.contract"
+_WORLD, _TASK = "irsim_gym.world.kinds", "irsim_gym.tasks.term_contract"
 
 KINEMATICS = Registry("kinematics", _OWN.format("drive"), (_WORLD, "DRIVE"))
 BEHAVIORS = Registry("behavior", _OWN.format("behavior"), (_WORLD, "BEHAVIOR"))

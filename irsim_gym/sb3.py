@@ -1,20 +1,16 @@
 """Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots, and the buffers that these need."""
 
-from irsim_gym.envs.sb3 import (
-    MaskedA2C,
+from irsim_gym.envs.sb3 import WorldVecEnv, make_vec_env
+from irsim_gym.envs.sb3_buffers import (
     MaskedDictReplayBuffer,
     MaskedDictRolloutBuffer,
-    MaskedPPO,
     MaskedReplayBuffer,
     MaskedRolloutBuffer,
-    MaskedVecNormalize,
-    TeamVecEnv,
-    WorldVecEnv,
-    buffers_for,
-    make_multi_agent_vec_env,
-    make_vec_env,
 )
 from irsim_gym.envs.sb3_goals import EndingHerReplayBuffer
+from irsim_gym.envs.sb3_masked import MaskedA2C, MaskedPPO
+from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
+from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
 
 __all__ = [
     "EndingHerReplayBuffer",

@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
 CONTRIBUTING = ROOT / "CONTRIBUTING.md"
 PICTURE = ROOT / "docs" / "cluttered_room.png"
-LONG = {"make", "train", "evaluate", "record", "demo", "play", "bench"}
+LONG = {"make", "train", "evaluate", "arena", "record", "demo", "play", "bench"}
 LARGEST_DIFFERENCE = 8.0
 PROGRAM = [sys.executable, "-c", "from irsim_gym.cli import main; main()"]
 
@@ -134,7 +134,14 @@ def test_the_picture_is_the_first_blocks(folder: Path) -> None:
 
 def test_links_lead_somewhere() -> None:
     decisions = sorted((ROOT / "docs" / "decisions").glob("*.md"))
-    for page in (README, CONTRIBUTING, ROOT / "DESIGN.md", ROOT / "SECURITY.md", *decisions):
+    for page in (
+        README,
+        CONTRIBUTING,
+        ROOT / "DESIGN.md",
+        ROOT / "SECURITY.md",
+        ROOT / "docs" / "arena.md",
+        *decisions,
+    ):
         text = page.read_text(encoding="utf-8")
         for target in re.findall(r"(?:\]\(|^\[\w+\]: )([^)#\s]+)", text, re.MULTILINE):
             assert target.startswith("https://") or (page.parent / target).exists(), f"{page.name}: {target}"

@@ -158,9 +158,9 @@ def team(given: Mapping[str, Any]) -> Play:
     return Play(step, len(robots), rewind, n_steps * len(given["levels"]))
 
 
-ONE_WORLD = "one world at a time: the same step as for a single environment"
+ONE_WORLD = "one world at a time, so the step is that of a single environment"
 POLYGONS = "circles are polygons of 64 corners"
-WRAPPED = Work(wrapped, (POLYGONS, "starts are the next of a list instead of being drawn"))
+WRAPPED = Work(wrapped, (POLYGONS, "starts come from a list instead of being drawn"))
 
 IN_MAP = Work(
     wrapped_in_map,
@@ -177,10 +177,10 @@ PEER = Peer(
         "s1_single": WRAPPED,
         "s1_batch": Work(wrapped, (*WRAPPED.differs, ONE_WORLD)),
         "s2_rvo": Work(crowd, (ONE_WORLD,)),
-        "s2_orca": Work(crowd, (ONE_WORLD, "plans in float32, in a library in C++")),
+        "s2_orca": Work(crowd, (ONE_WORLD, "planning in float32, in a C++ library")),
         "s3_cave": IN_MAP,
         "s3_floor_plan": IN_MAP,
-        "s4": Work(team, (POLYGONS, ONE_WORLD, "no reward, and no observation but the scan", "the first levels only")),
+        "s4": Work(team, (POLYGONS, ONE_WORLD, "no reward; only the scan is observed", "the first levels only")),
     },
 )
 

@@ -50,9 +50,9 @@ def play(given: Mapping[str, Any], n_agents: int, beams: int, batch: int, scanne
 
 
 CELLS = (
-    "beams are marched in steps of 0.05 m through a map of cells, 6 m far: approximate",
-    "float32; the maps are its own, random cells of 1 m in 11 x 11 m",
-    "ended worlds begin anew at states drawn before the run",
+    "beams march through a grid in steps of 0.05 m, up to 6 m (approximate)",
+    "float32; its own maps: random cells of 1 m in 11 x 11 m",
+    "ended worlds restart at states drawn before the run",
 )
 SCAN = f"{SCANNED} steps in one compiled call, its fastest way"
 
@@ -64,7 +64,7 @@ PEER = Peer(
         "s1_batch": Work(lambda given: play(given, 1, 180, given["sizes"]["jaxnav"], SCANNED), (*CELLS, SCAN)),
         "s4": Work(
             lambda given: play(given, 10, 100, given["sizes"]["jaxnav"], SCANNED),
-            (*CELLS, SCAN, "no bodies that wander, and a robot that bumps into something stands still"),
+            (*CELLS, SCAN, "no wandering bodies; a robot that collides stands still"),
         ),
     },
 )

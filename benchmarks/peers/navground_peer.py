@@ -98,11 +98,11 @@ def _add(world: Any, entry: Mapping[str, Any]) -> None:
 
 
 SCAN_ONLY = (
-    "no reward, no observation but the ranges, no ends and no restarts",
-    "the robot drives straight at its goals by itself, whatever is in the way",
+    "no reward, only ranges are observed, no terminations, no restarts",
+    "the robot drives straight to its goals, through obstacles",
     "rectangles are four walls",
 )
-CROWD = ("float32", "agents that bump into each other are pushed apart and counted")
+CROWD = ("float32", "colliding agents are pushed apart and counted")
 
 PEER = Peer(
     "navground",

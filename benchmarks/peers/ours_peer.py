@@ -23,7 +23,7 @@ def _built(name: str, sized: str | None, given: Mapping[str, Any]) -> Play:
     return Play(found.step, found.n_agents, found.rewind, found.n_steps, found.places)
 
 
-TWIN = ("S1 alone, without any interface around it", "starts are drawn without asking whether there is a way")
+TWIN = ("S1 without an interface", "starts are drawn without a check for a path to the goal")
 
 PEER = Peer(
     "ours",

@@ -156,14 +156,14 @@ def navigation(given: Mapping[str, Any], batch: int) -> Play:
 FLOATS = "state and rays in float32"
 ROOM = (
     FLOATS,
-    "what touches is pushed apart, for beams see nothing else",
-    "starts are the next of a list",
+    "touching bodies are pushed apart",
+    "starts come from a list",
 )
 TEAM = (
     FLOATS,
-    "no bodies that wander, and beams see the other agents alone",
+    "no wandering bodies; beams see only the other agents",
     "omnidirectional agents driven by forces, in two half-steps",
-    "no ends and no restarts",
+    "no terminations, no restarts",
 )
 
 PEER = Peer(

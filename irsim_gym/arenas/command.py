@@ -35,7 +35,7 @@ def run_arena(
         split: ``"test"``, ``"dev"`` or ``"train"``.
         resume: Go on with the arena in the folder.
         overwrite: Replace the arena in the folder.
-        strict: False ignores keys that nobody reads.
+        strict: False ignores unused keys.
         **chosen: As ``arena`` takes it: levels, task, team, mix, replays.
 
     Raises:

@@ -26,6 +26,7 @@ from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.tables import table_text, write_text
 from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.levels.played import played_levels
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import conditions, make_episodes, team_conditions
@@ -94,7 +95,7 @@ def arena(
         resume: Go on with the arena in the folder: policies that have finished do not play again, new ones join.
         overwrite: Replace the arena in the folder.
         parameters: Values for the scenario's parameters.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
 
     Raises:
@@ -146,6 +147,7 @@ class Contest:
         if mix:
             self.players |= mixed(entrants, episodes.n_agents)
             drivers = {pair.name: pair.drivers(episodes.n_agents) for pair in arrangements(self.names)}
+        self.level_set = played_levels(episodes.simulation, split, levels)
         limit = episodes.task.max_steps * float(episodes.simulation.model.step_time[0])
         self.archive = Archive(folder, team, limit, drivers)
 
@@ -157,6 +159,7 @@ class Contest:
             "scenario_sha256": snapshot_of(scenario, task).digest,
             "split": self.split,
             "levels": self.levels,
+            **self.level_set.conditions(),
             "team": self.team,
             "mix": self.mix,
             "irsim_gym": __version__,
@@ -172,9 +175,9 @@ class Contest:
         self._play(console)
         rows = {name: self.archive.rows[name] for name in self.players}
         met = meetings(self.names, rows) if self.mix else []
-        standings = stand(rows, self.names, team=self.team, meetings=met)
+        standings = stand(rows, self.names, team=self.team, meetings=met, level_set=self.level_set)
         whose = f" {self.episodes.n_agents} robots," if self.team else ""
-        title = f"{told['scenario']}:{whose} {self.levels:,} {self.split} levels"
+        title = f"{told['scenario']}:{whose} {self.levels:,} {self.split} levels, {self.level_set}"
         found = Arena(title, rows, standings, self.archive.folder / PAGE)
         named = (team_conditions if self.team else conditions)(self.episodes, self.split, self.levels)
         summary = {"arena": told, "conditions": named, "machine": machine(), **standings.figures()}

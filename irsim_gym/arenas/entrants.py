@@ -9,7 +9,7 @@ from pathlib import Path
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.policy import Policy
-from irsim_gym.evaluation.reference_policies import policy_kinds
+from irsim_gym.evaluation.reference_policies import is_named_policy, policy_kinds
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.policies import Source, load_policies, policy_file, policy_names
 
@@ -76,6 +76,6 @@ def check_entrants(entrants: Sequence[Entrant], episodes: Episodes) -> None:
 
 def _digest(source: str | None) -> str | None:
     """Return SHA-256 of a policy's file; None where it has none."""
-    if source is None or source in policy_kinds():
+    if source is None or is_named_policy(source):
         return None
     return hashlib.sha256(policy_file(source).read_bytes()).hexdigest()

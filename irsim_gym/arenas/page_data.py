@@ -3,17 +3,70 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from irsim_gym.arenas.board import Board
 from irsim_gym.arenas.standings import Standings
-from irsim_gym.evaluation.metrics import HITS, OUTCOMES, Rate, Summary
+from irsim_gym.evaluation.metrics import HITS, OUTCOMES, Rate
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.team_metrics import TEAM_HITS, TeamSummary
 
 SCHEMA, VERSION = "irsim_gym arena", 1
 
-Column = tuple[str, str, Any]
+
+class FigureColumn(NamedTuple):
+    """A column of the table of figures.
+
+    Attributes:
+        head: Its heading.
+        field: Name in ``Summary`` or ``TeamSummary``.
+        about: What it means.
+        digits: Behind the decimal point; 0 for a share with its interval.
+        hit: Which of several shares, by what was hit.
+    """
+
+    head: str
+    field: str
+    about: str
+    digits: int = 0
+    hit: str = ""
+
+
+ALWAYS = ("success", "cooperative_success", "individual_success", "collision", "timeout")
+"""Shares that are shown also where all of them are 0."""
+
+SINGLE_COLUMNS = (
+    FigureColumn("success", "success", "Share of levels in which the robot arrived, with Wilson's 95 % interval"),
+    FigureColumn("collision", "collision", "Share that ended in a collision"),
+    FigureColumn("timeout", "timeout", "Share cut by the time limit"),
+    FigureColumn("left world", "left_world", "Share that left the world's rectangle"),
+    FigureColumn("gave up", "deadlock", "Share that the task's ending `deadlocked` ended"),
+    FigureColumn("SPL", "spl", "Mean of success weighted by path length", 3),
+    FigureColumn("SCT", "sct", "Mean of success weighted by completion time: least possible time / time", 3),
+    FigureColumn("time [s]", "time", "Mean duration of the successes", 2),
+    FigureColumn("path ratio", "path_ratio", "Mean of path length / shortest path over the successes", 3),
+    FigureColumn("clearance [m]", "min_clearance", "Mean of the smallest clearance", 3),
+    FigureColumn("jerk [m/s\u00b3]", "jerk", "Mean size of the second derivative of the velocity", 1),
+)
+TEAM_COLUMNS = (
+    FigureColumn(
+        "all arrive", "cooperative_success", "Share of levels in which all robots arrived, with Wilson's interval"
+    ),
+    FigureColumn("arrive", "individual_success", "Share of robots that arrived; its interval counts levels"),
+    FigureColumn("collision", "collision", "Share of robots that collided"),
+    FigureColumn("timeout", "timeout", "Share of robots cut by the time limit"),
+    FigureColumn("left world", "left_world", "Share of robots that left the world's rectangle"),
+    FigureColumn("gave up", "deadlock", "Share of robots that the task's ending `deadlocked` ended"),
+    FigureColumn("deadlocked", "deadlocked", "Share of robots that stood still at the end"),
+    FigureColumn("SPL", "spl", "Mean over robots of success weighted by path length", 3),
+    FigureColumn("SCT", "sct", "Mean over robots of success weighted by completion time", 3),
+    FigureColumn("makespan [s]", "makespan", "Mean time of the last arrival, the limit if a robot never arrives", 1),
+    FigureColumn(
+        "flowtime [s]", "flowtime", "Mean of the sum of arrival times, the limit where a robot never arrives", 1
+    ),
+    FigureColumn("clearance [m]", "min_clearance", "Mean of the smallest clearance", 3),
+    FigureColumn("jerk [m/s\u00b3]", "jerk", "Mean size of the second derivative of the velocity", 1),
+)
 
 
 def page_data(title: str, board: Board, alone: int, standings: Standings, summary: Mapping[str, Any]) -> dict[str, Any]:
@@ -27,7 +80,7 @@ def page_data(title: str, board: Board, alone: int, standings: Standings, summar
         summary: What ``summary.json`` holds.
 
     Returns:
-        ``policies`` (names), ``alone``, ``agents``; ``table``: columns with ``head``, ``unit``, ``about`` and a cell
+        ``policies`` (names), ``alone``, ``agents``; ``table``: columns with ``head``, ``about``, ``digits`` and a cell
         for each policy, a number or a share with its interval; ``pairs``, ``strata`` and ``meetings`` as in
         `Standings`; ``levels`` (their numbers), and for each policy the ``outcomes`` (a digit for each level),
         ``arrived``, ``steps`` and ``times`` [s]; ``facts``: what a published figure has to name.
@@ -54,73 +107,25 @@ def page_data(title: str, board: Board, alone: int, standings: Standings, summar
     }
 
 
-def _columns(summaries: Sequence[Summary] | Sequence[TeamSummary]) -> list[Column]:
-    """Return head, meaning and reader of each column; outcomes that never came are left out."""
-    first = summaries[0]
-    columns = _team_columns(first) if isinstance(first, TeamSummary) else _single_columns()
-    hits = TEAM_HITS if isinstance(first, TeamSummary) else HITS
-    seen = [hit for hit in hits if any(each.collision_with[hit].count for each in summaries)]
-    split: list[Column] = [
-        (f"with {hit}", f"Collisions with: {hit}", lambda each, hit=hit: each.collision_with[hit]) for hit in seen
+def _columns(summaries: Sequence[Any]) -> list[FigureColumn]:
+    """Return the columns of the table of figures; outcomes that never came are left out."""
+    is_team = isinstance(summaries[0], TeamSummary)
+    seen = [
+        hit for hit in (TEAM_HITS if is_team else HITS) if any(each.collision_with[hit].count for each in summaries)
     ]
-    at = next(i for i, column in enumerate(columns) if column[0] == "collision") + 1
-    columns[at:at] = split if len(seen) > 1 else []
-    never = ("left world", "gave up", "deadlocked")
-    return [column for column in columns if column[0] not in never or any(column[2](each).count for each in summaries)]
+    split = [FigureColumn(f"with {hit}", "collision_with", f"Share that collided with: {hit}", hit=hit) for hit in seen]
+    shown: list[FigureColumn] = []
+    for column in TEAM_COLUMNS if is_team else SINGLE_COLUMNS:
+        if column.field in ALWAYS or column.digits or any(getattr(each, column.field).count for each in summaries):
+            shown.append(column)
+        if column.field == "collision" and len(split) > 1:
+            shown += split
+    return shown
 
 
-def _single_columns() -> list[Column]:
-    return [
-        (
-            "success",
-            "Share of levels in which the robot arrived, with Wilson's 95 % interval",
-            lambda each: each.success,
-        ),
-        ("collision", "Share that ended in a collision", lambda each: each.collision),
-        ("timeout", "Share cut by the time limit", lambda each: each.timeout),
-        ("left world", "Share that left the world's rectangle", lambda each: each.left_world),
-        ("gave up", "Share that the task's ending `deadlocked` ended", lambda each: each.deadlock),
-        ("SPL", "Mean of success weighted by path length", lambda each: each.spl),
-        ("time [s]", "Mean duration of the successes", lambda each: each.time),
-        ("path ratio", "Mean of path length / shortest path over the successes", lambda each: each.path_ratio),
-        ("clearance [m]", "Mean of the smallest clearance", lambda each: each.min_clearance),
-    ]
-
-
-def _team_columns(first: TeamSummary) -> list[Column]:
-    return [
-        (
-            "all arrive",
-            "Share of levels in which all robots arrived (CSR), with Wilson's 95 % interval",
-            lambda each: each.cooperative_success,
-        ),
-        (
-            "arrive",
-            "Share of robots that arrived (ISR); its interval counts levels",
-            lambda each: each.individual_success,
-        ),
-        ("collision", "Share of robots that collided", lambda each: each.collision),
-        ("timeout", "Share of robots cut by the time limit", lambda each: each.timeout),
-        ("left world", "Share of robots that left the world's rectangle", lambda each: each.left_world),
-        ("gave up", "Share of robots that the task's ending `deadlocked` ended", lambda each: each.deadlock),
-        ("deadlocked", "Share of robots that stood still at the end", lambda each: each.deadlocked),
-        ("SPL", "Mean over robots of success weighted by path length", lambda each: each.spl),
-        (
-            "makespan [s]",
-            "Mean time of the last arrival, the limit if a robot never arrives",
-            lambda each: each.makespan,
-        ),
-        (
-            "flowtime [s]",
-            "Mean of the sum of arrival times, the limit for each robot that never arrives",
-            lambda each: each.flowtime,
-        ),
-        ("clearance [m]", "Mean of the smallest clearance", lambda each: each.min_clearance),
-    ]
-
-
-def _column(column: Column, summaries: Sequence[Any]) -> dict[str, Any]:
-    head, about, read = column
-    values = [read(each) for each in summaries]
+def _column(column: FigureColumn, summaries: Sequence[Any]) -> dict[str, Any]:
+    values = [getattr(each, column.field) for each in summaries]
+    if column.hit:
+        values = [shares[column.hit] for shares in values]
     cells = [plain(value) if isinstance(value, Rate) else {"value": plain(float(value))} for value in values]
-    return {"head": head, "about": about, "share": isinstance(values[0], Rate), "cells": cells}
+    return {"head": column.head, "about": column.about, "digits": column.digits, "cells": cells}

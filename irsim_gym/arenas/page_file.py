@@ -13,7 +13,7 @@ from irsim_gym.arenas.page_data import SCHEMA, VERSION
 from irsim_gym.arenas.shown_episodes import ShownEpisode, count_failures
 
 if TYPE_CHECKING:
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
 
 SCRIPTS = ("tables", "matrix", "arena")
 MOST_BYTES = 40_000_000

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from irsim_gym.arenas.board import Board
+from irsim_gym.arenas.episode_log import EpisodeLog
 from irsim_gym.evaluation.policy import Policy
+from irsim_gym.evaluation.protocol import drive
 from irsim_gym.tasks import Episodes, Outcome
-from irsim_gym.training.players import Players
-from irsim_gym.training.record import recorded_episode
 
 if TYPE_CHECKING:
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
 
 
 @dataclass(frozen=True)
@@ -82,25 +82,25 @@ def record_episodes(
     Args:
         board: What they were.
         policies: Who drives, in the order of the board.
-        episodes: A world to play in.
+        episodes: Worlds to play in.
         split: Split of the levels.
         chosen: Which episodes.
     """
-    from irsim_gym.render import Renderer
+    log = EpisodeLog(episodes, split)
+    for policy in sorted({shown.policy for shown in chosen}):
+        mine = [shown for shown in chosen if shown.policy == policy]
+        log.policy = board.policies[policy]
+        levels = board.levels[[shown.level for shown in mine]].tolist()
+        for indices, worlds, _ in drive(policies[policy], episodes, levels, split, log):
+            for index, world in zip(indices, worlds, strict=True):
+                recording = log.take(world)
+                yield mine[index], recording if _ended_alike(board, episodes, world, mine[index]) else None
+    log.close()
 
-    simulation = episodes.simulation
-    parts = simulation.model, simulation.state, simulation.sensors
-    renderer = Renderer(simulation.scenario, *parts, learners=simulation.agents.tolist(), explored=simulation.explored)
-    for shown in chosen:
-        cast = Players(episodes, [policies[shown.policy]], [board.policies[shown.policy]], renderer, split)
-        recording = recorded_episode(cast, 0, int(board.levels[shown.level]))
-        yield shown, recording if _ended_alike(board, episodes, shown) else None
-    renderer.close()
 
-
-def _ended_alike(board: Board, episodes: Episodes, shown: ShownEpisode) -> bool:
+def _ended_alike(board: Board, episodes: Episodes, world: int, shown: ShownEpisode) -> bool:
     """Return whether the episode that has just ended is the one on the board; it is not if a policy has whims."""
     infos = episodes.view.infos
-    arrived = int((infos["outcome"][0] == Outcome.SUCCESS).sum())
+    arrived = int((infos["outcome"][world] == Outcome.SUCCESS).sum())
     same = arrived == board.arrived[shown.policy, shown.level]
-    return bool(same and infos["steps"][0].max() == board.steps[shown.policy, shown.level])
+    return bool(same and infos["steps"][world].max() == board.steps[shown.policy, shown.level])

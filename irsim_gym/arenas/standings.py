@@ -10,13 +10,14 @@ from rich.table import Table
 
 from irsim_gym.arenas.board import Board
 from irsim_gym.arenas.crossplay import Meeting
-from irsim_gym.arenas.strata import PEERS, QUARTILES, Stratum, strata_of_difficulty, strata_of_peers
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arenas.strata import PEERS, Stratum, strata_of_peers, strata_of_quarters
 from irsim_gym.evaluation.metrics import Summary, summarize
 from irsim_gym.evaluation.paired import PairedComparison, compare_pairs
 from irsim_gym.evaluation.tables import summary_table
 from irsim_gym.evaluation.team_metrics import TeamSummary, summarize_teams
 from irsim_gym.evaluation.team_tables import compared_table, team_table
+from irsim_gym.levels.certificate import QUARTERS
+from irsim_gym.levels.played import PlayedLevels
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class Standings:
         strata_by: How levels are told to be easy or hard.
         strata: Success on them, the easiest first.
         meetings: How each policy fares among each; empty without cross-play.
+        level_set: Which levels they played.
     """
 
     summaries: list[Summary] | list[TeamSummary]
@@ -36,6 +38,7 @@ class Standings:
     strata_by: str
     strata: list[Stratum]
     meetings: list[Meeting]
+    level_set: PlayedLevels
 
     def figures(self) -> dict[str, object]:
         """Return all of it by name, for a file."""
@@ -58,7 +61,7 @@ def stand(
     *,
     team: bool,
     meetings: list[Meeting],
-    difficulty: Floats | None = None,
+    level_set: PlayedLevels,
 ) -> Standings:
     """Compare policies.
 
@@ -67,11 +70,15 @@ def stand(
         policies: The policies.
         team: They drove teams.
         meetings: How each fares among each.
-        difficulty: Of each level; None where no level set tells it.
+        level_set: The levels, and their certificate if they have one.
     """
     own = {policy: rows[policy] for policy in policies}
     board = Board.of(own)
     summaries = summarize_teams(own) if team else [summarize(policy, episodes) for policy, episodes in own.items()]
-    by = PEERS if difficulty is None else QUARTILES
-    strata = strata_of_peers(board) if difficulty is None else strata_of_difficulty(board, difficulty)
-    return Standings(summaries, compare_pairs(policies, board.success, board.spl), by, strata, meetings)
+    certificate = level_set.certificate
+    if certificate is None or not certificate.policies or level_set.count < QUARTERS:
+        by, strata = PEERS, strata_of_peers(board)
+    else:
+        by = f"by how many of {', '.join(certificate.policies)} fail, in quarters"
+        strata = strata_of_quarters(board, certificate.quarters(level_set.count))
+    return Standings(summaries, compare_pairs(policies, board.success, board.spl), by, strata, meetings, level_set)

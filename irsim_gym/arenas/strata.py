@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.arenas.board import Board
-from irsim_gym.arraytypes import Flags, Floats
+from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.evaluation.metrics import Rate, rate
+from irsim_gym.levels.played import QUARTER_NAMES
 
 PEERS = "by how many of the other policies fail"
-QUARTILES = "quartiles of the level set's difficulty"
 
 
 @dataclass(frozen=True)
@@ -41,22 +41,17 @@ def strata_of_peers(board: Board) -> list[Stratum]:
     return [_stratum(board, f"{k} of {most} fail", others == k) for k in range(most + 1)] if most else []
 
 
-def strata_of_difficulty(board: Board, difficulty: Floats) -> list[Stratum]:
-    """Return success by quarters of the levels, the easiest first; equally hard ones by number.
+def strata_of_quarters(board: Board, quarter: Ints) -> list[Stratum]:
+    """Return success by quarters of the levels, the easiest first.
 
     Args:
         board: The results.
-        difficulty: Of each level, ``(n_levels,)``.
+        quarter: Of each level, from 0 to 3, ``(n_levels,)``.
     """
-    quarters = np.array_split(np.lexsort((board.levels, difficulty)), 4)
-    found = []
-    for number, quarter in enumerate(quarters, start=1):
-        if len(quarter):
-            chosen = np.zeros(board.success.shape, np.bool_)
-            chosen[:, quarter] = True
-            low, high = difficulty[quarter].min(), difficulty[quarter].max()
-            found.append(_stratum(board, f"quarter {number}: {low:.3g} to {high:.3g}", chosen))
-    return found
+    return [
+        _stratum(board, name, np.broadcast_to(quarter == k, board.success.shape))
+        for k, name in enumerate(QUARTER_NAMES)
+    ]
 
 
 def _stratum(board: Board, name: str, chosen: Flags) -> Stratum:

@@ -10,7 +10,7 @@ from irsim_gym.controls.keyboard import open_keyboard
 from irsim_gym.controls.mouse import Mouse
 
 if TYPE_CHECKING:
-    from irsim_gym.render.layout import Layout, Limits
+    from irsim_gym.render.frame_layout import Layout, Limits
 
 
 class Driver:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from irsim_gym.render.layout import Layout, Limits
+    from irsim_gym.render.frame_layout import Layout, Limits
     from irsim_gym.render.window import Window, WindowEvent
 
 LEFT, MIDDLE, RIGHT = 1, 2, 3

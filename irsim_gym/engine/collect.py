@@ -59,9 +59,8 @@ def collect_parts(
     for group in (*behaviors, *group_behaviors):
         guide(group, scenario.bodies, kinematics, model)
     external = scenario.world.step_mode == "external"
-    everyone = np.arange(len(bodies), dtype=np.int64)
-    movers = np.flatnonzero(model.movable)
     in_order = scenario.world.update == "sequential"
+    everyone, movers = np.arange(len(bodies), dtype=np.int64), np.flatnonzero(model.movable)
     placed = [scenario.placements[body.entry].kind.gives_goal for _, body in bodies]
     single = np.array([gives or len(body.goal) <= 1 for gives, (_, body) in zip(placed, bodies, strict=True)], np.bool_)
     return Parts(
@@ -69,11 +68,12 @@ def collect_parts(
         behaviors=behaviors,
         group_behaviors=[] if external else group_behaviors,
         turns=[] if external else take_turns(movers, behaviors, kinematics, in_order=in_order),
+        visitors=[] if external else [group for group in behaviors if hasattr(group.kind, "appear")],
         external=external,
         footprints=_footprints(scenario, model),
         maps=_maps(scenario, model, n_slots),
         placements=placements,
-        levels=lay_levels(scenario),
+        levels=lay_levels(scenario, n_slots),
         free=[group for group in placements if not given_bodies(scenario)[group.members].all()],
         sensors=scanners,
         movers=everyone if external else movers,

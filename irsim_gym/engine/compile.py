@@ -82,7 +82,7 @@ def compile(
     map_shape = (1, 1) if scenario.occupied is None else scenario.occupied.shape
     plans = [_plan_goals(body, scenario, is_agent=b in agents) for b, body in enumerate(scenario.bodies)]
     sizes = {
-        "map_box": _count_boxes(scenario),
+        "map_box": _count_boxes(scenario, varied),
         "world": n_worlds,
         "body": len(scenario.bodies),
         "segment": sum(len(outline.segments) for outline in outlines),
@@ -121,11 +121,11 @@ def _rows_by_world(scenario: Scenario, varied: Flags) -> frozenset[str]:
     return outlines | (RANDOM_MAP if varied[-1] else frozenset())
 
 
-def _count_boxes(scenario: Scenario) -> int:
+def _count_boxes(scenario: Scenario, varied: Flags) -> int:
     """Return how many boxes cover the occupied cells of the map, or may cover them in any level."""
     if scenario.occupied is None:
         return 0
-    if scenario.bodies[-1].shape.is_random:
+    if varied[-1]:
         return most_boxes(*scenario.occupied.shape)
     return int(find_boxes(scenario.occupied, np.zeros((0, 4), np.int32)))
 
@@ -143,6 +143,7 @@ def _write_world(scenario: Scenario, model: WorldModel) -> None:
         columns, rows = scenario.occupied.shape
         size = world.width / columns, world.height / rows
         model.map_frame[0] = x, y, *size, len(scenario.bodies) - 1
+        model.map_disc[0] = getattr(scenario.bodies[-1].shape, "disc_radius", None) or 0.0
         cells: Any = model.cells
         lay_cells(cells, 0, scenario.occupied, np.zeros(columns))
         for field in RANDOM_MAP:

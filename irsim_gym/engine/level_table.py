@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.arraytypes import Flags, Floats, Ints, Words
+from irsim_gym.arraytypes import CellMaps, Flags, Floats, Ints, Words
+from irsim_gym.geometry.world_maps import lay_cells
 from irsim_gym.jit import kernel
 from irsim_gym.rng import level_stream, stream_base
 from irsim_gym.scenario.level_set import LevelSet
@@ -31,6 +32,8 @@ class LevelTable(Struct):
         segment_rows: First row of each body's segments and the row after the last, shape ``(n_levels, n, 2)``.
         discs: Discs of outlines [m], shape ``(n_discs, 3)``.
         disc_rows: The same for discs.
+        cells: Occupied cells of the map, shape ``(n_levels, columns, rows)``; no level where the file gives none.
+        line: Scratch for ``lay_cells``, shape ``(n_slots, columns)``.
         random: Random streams at the start, shape ``(n_levels,)``.
         no_ranges: What is drawn of numbers of bodies: nothing, shape ``(0, 3)``.
     """
@@ -44,13 +47,16 @@ class LevelTable(Struct):
     segment_rows: Ints
     discs: Floats
     disc_rows: Ints
+    cells: Flags
+    line: Floats
     random: Words
     no_ranges: Ints
 
 
-def lay_levels(scenario: Scenario) -> LevelTable | None:
+def lay_levels(scenario: Scenario, n_slots: int) -> LevelTable | None:
     """Return the levels of a scenario's file; None where levels are drawn. Bodies that are gone are left out."""
     levels = scenario.levels
+    is_mapped = levels is not None and levels.cells is not None and scenario.occupied is not None
     if levels is None:
         return None
     number = {body.name: b for b, body in enumerate(scenario.bodies)}
@@ -65,6 +71,8 @@ def lay_levels(scenario: Scenario) -> LevelTable | None:
         segment_rows=_rows(levels.segment_start, here),
         discs=levels.discs,
         disc_rows=_rows(levels.disc_start, here),
+        cells=levels.cells if is_mapped and levels.cells is not None else np.zeros((0, 1, 1), np.bool_),
+        line=np.zeros((n_slots, levels.cells.shape[1] if levels.cells is not None else 1)),
         random=_streams(levels, scenario.name),
         no_ranges=np.zeros((0, 3), np.int64),
     )
@@ -86,10 +94,13 @@ def _streams(levels: LevelSet, name: str) -> Words:
 
 
 def varied_outlines(scenario: Scenario) -> Flags:
-    """Return which bodies have another outline in each level, shape ``(n_bodies,)``."""
+    """Return which bodies have another outline, or map, in each level, shape ``(n_bodies,)``."""
     levels = scenario.levels
     shaped = set() if levels is None else {levels.bodies[k] for k in np.flatnonzero(levels.shaped)}
-    return np.array([body.shape.is_random or body.name in shaped for body in scenario.bodies], np.bool_)
+    varied = np.array([body.shape.is_random or body.name in shaped for body in scenario.bodies], np.bool_)
+    if scenario.occupied is not None and levels is not None:
+        varied[-1] = levels.cells is not None
+    return varied
 
 
 def given_bodies(scenario: Scenario) -> Flags:
@@ -115,6 +126,17 @@ def roomy_outlines(scenario: Scenario) -> list[Outline]:
             longest = levels.outline(int(segments.argmax()), int(k))[0], levels.outline(int(discs.argmax()), int(k))[1]
             outlines[b] = Outline(*longest, solid=own.solid)
     return outlines
+
+
+@kernel
+def copy_maps(worlds: Ints, slot: int, levels: LevelTable, cells: CellMaps, model: WorldModel) -> None:
+    """Write the map of each world's level.
+
+    Reads: levels (cells, line), model (level_stream).
+    Writes: levels (line), cells.
+    """
+    for w in worlds:
+        lay_cells(cells, w, levels.cells[np.int64(model.level_stream[w])], levels.line[slot])
 
 
 @kernel

@@ -18,25 +18,30 @@ RANGES = "ranges"
 def with_scans(group: Group, bodies: Sequence[Any], sensors: Sequence[Group]) -> list[Group]:
     """Return a group that decides as groups whose members read sensors of one group each.
 
-    A member without a range sensor, which nobody but one that cannot move may be, is in the first of them.
+    Members whose options read no scan are a group too. One without a range sensor, which nobody but one that cannot
+    move may be, is in the first of the others.
 
     Args:
-        group: A group whose kind has not prepared anything yet; it comes back as it is if its kind reads no scans.
+        group: A group whose kind has not prepared anything yet; it comes back as it is if nobody in it reads scans.
         bodies: What the file says of each body.
         sensors: The groups of sensors, with their readings.
     """
-    if not getattr(group.kind, "reads_scan", False):
+    reads = np.array([getattr(options, "reads_scan", False) for options in group.options], np.bool_)
+    if not reads.any():
         return [group]
+    if not reads.all():
+        blind, rest = (_part(group, np.flatnonzero(chosen)) for chosen in (~reads, reads))
+        return [blind, *with_scans(rest, bodies, sensors)]
     found = [find_sensor(bodies, sensors, b, RANGES) for b in group.members.tolist()]
     own = list({id(item[0]): item[0] for item in found if item is not None}.values())
     numbers = np.array([-1 if item is None else item[1] for item in found], np.int64)
     place = np.array([0 if item is None else own.index(item[0]) for item in found], np.int64)
-    return [_part(group, np.flatnonzero(place == i), numbers, scanners) for i, scanners in enumerate(own)]
+    parts = [np.flatnonzero(place == i) for i in range(len(own))]
+    return [_part(group, part, _scan(scanners, numbers[part])) for part, scanners in zip(parts, own, strict=True)]
 
 
-def _part(group: Group, chosen: Ints, numbers: Ints, sensors: Group) -> Group:
-    """Return some members of a group, with their scans, as a group of its own."""
-    scan = _scan(sensors, numbers[chosen])
+def _part(group: Group, chosen: Ints, scan: OwnScan | None = None) -> Group:
+    """Return some members of a group, perhaps with their scans, as a group of its own."""
     return Group(group.kind, [group.options[k] for k in chosen], group.members[chosen], names=group.names, scan=scan)
 
 

@@ -23,6 +23,7 @@ class Parts:
         behaviors: Bodies that decide for themselves, by behaviour.
         group_behaviors: Groups whose members decide together, from the state at the beginning of the step.
         turns: Who decides and moves when.
+        visitors: Bodies that come and go as their behaviours say, by behaviour.
         external: Nothing moves but by the caller's hand (``step_mode: external``).
         footprints: Bodies whose outline is drawn anew for each level, by shape.
         maps: The body of an occupancy map that is drawn anew for each level, if there is one.
@@ -48,6 +49,7 @@ class Parts:
     behaviors: list[Group]
     group_behaviors: list[Group]
     turns: list[Turn]
+    visitors: list[Group]
     external: bool
     footprints: list[Group]
     maps: list[Group]

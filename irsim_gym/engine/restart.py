@@ -10,9 +10,9 @@ from irsim_gym.arraytypes import Flags, Ints, Words
 from irsim_gym.engine import arrival, body_buckets, body_measures, contact, fog, outlines, path_checks, traits
 from irsim_gym.engine.arrival import begin_round
 from irsim_gym.engine.fused import Fused
-from irsim_gym.engine.level_table import LevelTable, copy_levels
+from irsim_gym.engine.level_table import LevelTable, copy_levels, copy_maps
 from irsim_gym.engine.parts import Parts
-from irsim_gym.engine.step import sense
+from irsim_gym.engine.step import let_appear, sense
 from irsim_gym.errors import PlacementError
 from irsim_gym.jit import kernel
 from irsim_gym.rng import integer
@@ -82,6 +82,7 @@ def start(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> N
     body_buckets.empty(model, state, shard)
     body_buckets.refresh(parts.everyone, model, state, shard)
     begin_moment(parts, model, state, shard)
+    let_appear(parts, model, state, shard, ahead=0)
     empty_memories(parts, shard)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)
@@ -155,6 +156,8 @@ def take_level(parts: Parts, levels: LevelTable, model: WorldModel, state: World
     """Copy a level from its file; bodies that the file does not place stand where the scenario says."""
     draw_presence(shard.worlds, levels.no_ranges, model, state, state.failed)
     copy_levels(shard.worlds, levels, model, state)
+    if (cells := model.cells) is not None and len(levels.cells):
+        copy_maps(shard.worlds, shard.slot, levels, cells, model)
     for group in parts.free:
         group.kind.draw(group, model, state, shard, state.failed)
     outlines.place(parts.everyone, model, state, shard)

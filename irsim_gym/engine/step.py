@@ -64,12 +64,21 @@ def advance(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, or
     if parts.external:
         outlines.place(parts.everyone, model, state, shard)
         body_buckets.refresh(parts.everyone, model, state, shard)
+    let_appear(parts, model, state, shard, ahead=1)
     contact.find(parts.movers, model, state, shard)
     arrival.check_arrival(shard.worlds, parts.goal_bodies, model, state)
     sense(parts, model, state, shard)
     if parts.fog is not None:
         fog.reveal(parts.fog, model, state, shard)
     tick(shard.worlds, model, state)
+
+
+def let_appear(parts: Parts, model: WorldModel, state: WorldState, shard: Shard, ahead: int) -> None:
+    """Let bodies come and go that do so by themselves, ``ahead`` steps after ``state.step``."""
+    for group in parts.visitors:
+        group.kind.appear(group, model, state, shard, ahead)
+        outlines.place(group.members, model, state, shard)
+        body_buckets.refresh(group.members, model, state, shard)
 
 
 def refresh(parts: Parts, model: WorldModel, state: WorldState, shard: Shard) -> None:

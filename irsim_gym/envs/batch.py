@@ -47,10 +47,10 @@ def make_batch(
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``Batch.render``.
         autoreset: A world whose agents have all ended begins its next level in the same step.
-        respawn: An agent that has ended gets a new start and goal at once; its world goes on.
+        respawn: An agent that has ended gets a new start and goal at once; its world continues.
         world_steps: With ``respawn``, steps after which a world begins its next level; None for four time limits.
         team_state: Steps hold the state of the team too, for a centralised critic.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
     """
     worlds = Worlds(
@@ -79,18 +79,18 @@ class BatchStep:
             it. An agent that has ended and waits for its world keeps its last observation.
         reward: Reward of the step; 0 where ``acted`` is False.
         terminated: The agent's task has ended in this very step.
-        truncated: The agent's episode was cut in this very step, by its time limit or because its world begins anew.
+        truncated: The agent's episode was cut in this very step, by its time limit or because its world restarts.
         acted: The agent was under way when the step began: its row is experience. The others must not be learnt from.
         live: The agent is under way now.
         began: ``observation`` is the first of an episode.
-        final_observation: What the step led to before anything began anew. Where an episode was truncated, its value
+        final_observation: The observation after the step, before any restart. Where an episode was truncated, its value
             stands for what would have followed.
         reward_terms: The terms that ``reward`` is the sum of, ``(n_worlds, n_agents, n_terms)``.
-        infos: Arrays as in ``Transition.infos``, before anything began anew, and ``episode_return``: the sum of the
+        infos: Arrays as in ``Transition.infos``, before any restart, and ``episode_return``: the sum of the
             agent's rewards so far. The outcome of an agent that was cut with its world is RUNNING.
         state: What a centralised critic sees, ``(n_worlds, n_state)``, in [-1, 1], see ``Episodes.team_state``; without
             columns where the batch was made with ``team_state=False``.
-        final_state: The same, before anything began anew.
+        final_state: The same, before any restart.
     """
 
     observation: Observation
@@ -208,7 +208,7 @@ class Batch:
         return self._beginning(chosen)
 
     def step(self, actions: NDArray[Any]) -> BatchStep:
-        """Advance all worlds by one step; agents and worlds begin anew as the batch was told to.
+        """Advance all worlds by one step; agents and worlds restart as the arguments of the batch say.
 
         Args:
             actions: In [-1, 1], ``(n_worlds, n_agents, n_components)``; discrete: whole numbers,
@@ -300,7 +300,7 @@ class Batch:
         return began
 
     def _beginning(self, chosen: Ints) -> BatchStep:
-        """Note that the chosen worlds have begun a level; nobody has acted."""
+        """Record that the chosen worlds have begun a level, in which no agent has acted yet."""
         began = np.zeros((self.n_worlds, self.n_agents), np.bool_)
         began[chosen] = True
         self._age[chosen] = 0

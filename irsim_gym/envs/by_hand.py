@@ -30,7 +30,7 @@ _NO_ACTION = object()
 
 
 class Environment(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """The environment as it is, for whoever expects IR-SIM's: errors say what to use. It is no part of ``spec``."""
+    """The unchanged environment; for IR-SIM's names, errors say what to use. It is no part of ``spec``."""
 
     @property
     def spec(self) -> EnvSpec | None:  # type: ignore[override]
@@ -62,7 +62,7 @@ class Environment(gymnasium.Wrapper[Any, Any, Any, Any]):
         return self.env.render()
 
     def __getattr__(self, name: str) -> NoReturn:
-        if name.startswith("_") or name == "env":  # asked for before there is an environment inside
+        if name.startswith("_") or name == "env":  # read before the environment inside exists
             raise AttributeError(name)
         inside = f" (env.unwrapped.{name} exists)" if hasattr(self.unwrapped, name) else ""
         advice = f": {BY_HAND}" if name in OF_WORLDS else ""

@@ -15,9 +15,9 @@ from gymnasium.spaces import Box, Dict
 from irsim_gym.arraytypes import Floats
 from irsim_gym.envs.spaces import action_space, observation_key, observation_space
 from irsim_gym.tasks import Episodes, HitKind, Outcome
-from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import IsImage, Term
-from irsim_gym.tasks.watch import kind_of
+from irsim_gym.tasks.term_watch import kind_of
 from irsim_gym.tasks.words import Columns, Sectors, TellsActions, TellsColumns, TellsWhen, first_sentence, turning
 
 STATE_NAMES = {"is_success": "success"}
@@ -253,10 +253,10 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
     held: Counter[str] = Counter()
     for term in episodes.terms["observations"]:
         key, summary = observation_key(episodes, term.name), first_sentence(kind_of(term))
-        told = _told(episodes, term, agent)
+        columns = _columns_of(episodes, term, agent)
         if isinstance(term.options, IsImage):
             view = getattr(term.options, "view", "")
-            parts = _parts(told, np.ones(sum(one.count for one in told), np.bool_), (0.0, 255.0), 0)
+            parts = _parts(columns, np.ones(sum(one.count for one in columns), np.bool_), (0.0, 255.0), 0)
             blocks.append(Block(term.name, key, summary, term.image.shape[2:], parts, True, view))
             continue
         low, high = bounds[term.name]
@@ -264,12 +264,12 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
         kept = used if own else np.ones(low.size, np.bool_)
         if kept.any():
             width = int(kept.sum())
-            blocks.append(Block(term.name, key, summary, (width,), _parts(told, kept, (low, high), held[key])))
+            blocks.append(Block(term.name, key, summary, (width,), _parts(columns, kept, (low, high), held[key])))
             held[key] += width
     return tuple(blocks)
 
 
-def _told(episodes: Episodes, term: Term, agent: int) -> Sequence[Columns]:
+def _columns_of(episodes: Episodes, term: Term, agent: int) -> Sequence[Columns]:
     """Return what an observation says of its columns; one part for all of them where it says nothing."""
     if isinstance(term.options, TellsColumns):
         return term.options.columns(term, episodes.simulation.model, agent)
@@ -279,18 +279,18 @@ def _told(episodes: Episodes, term: Term, agent: int) -> Sequence[Columns]:
     return [Columns("not described", count=widths[term.name])]
 
 
-def _parts(told: Sequence[Columns], kept: Any, bounds: tuple[Any, Any], start: int) -> tuple[Part, ...]:
+def _parts(columns: Sequence[Columns], kept: Any, bounds: tuple[Any, Any], start: int) -> tuple[Part, ...]:
     """Return the parts of a block, without columns that are not kept.
 
     Args:
-        told: What the columns say.
+        columns: What the columns say.
         kept: Which of them the agent has, ``(width,)``.
         bounds: Least and greatest values, ``(width,)`` or a number.
         start: Place of the first column that is kept.
     """
     parts, at = [], 0
     lows, highs = (np.broadcast_to(bound, kept.shape) for bound in bounds)
-    for one in told:
+    for one in columns:
         here = slice(at, at + one.count)
         chosen = np.flatnonzero(kept[here])
         at += one.count
@@ -321,7 +321,7 @@ def _components(episodes: Episodes, term: Term, agent: int) -> tuple[Component, 
 
 
 def _action(episodes: Episodes, term: Term, agent: int, space: str) -> Action:
-    """Return what an action means; what choices become is known where the kind tells it."""
+    """Return the meaning of an action, with its choices if the kind describes them."""
     choices: tuple[tuple[float, ...], ...] = ()
     if episodes.n_discrete and isinstance(term.options, TellsActions):
         low, high, _ = _limits(episodes, agent)
@@ -347,18 +347,18 @@ def _when(term: Term) -> str:
 def _infos(info: Mapping[str, Any]) -> list[Info]:
     """Return the keys of an info with what they mean, which their arrays declare."""
     declared = EpisodeState.columns()
-    told = []
+    found = []
     for key in info:
         name = STATE_NAMES.get(key, key)
         if "/" in key:
-            told.append(Info(key, "", f"what the term {key.split('/', 1)[1]} paid in the step"))
+            found.append(Info(key, "", f"what the term {key.split('/', 1)[1]} paid in the step"))
         elif name in declared:
             codes = ", ".join(f"{code.value} {code.name}" for code in CODES.get(key, ()))
             column = declared[name]
-            told.append(Info(key, column.unit, f"{column.meaning}: {codes}" if codes else column.meaning))
+            found.append(Info(key, column.unit, f"{column.meaning}: {codes}" if codes else column.meaning))
         else:
-            told.append(Info(key, "", OF_TEAMS.get(key, "not described")))
-    return told
+            found.append(Info(key, "", OF_TEAMS.get(key, "not described")))
+    return found
 
 
 def _short(space: Space[Any]) -> str:

@@ -24,7 +24,7 @@ NO_INFO = (
 
 
 class GoalReward:
-    """Works out rewards from goals: the sum of the reward terms, ``arrival`` anew, the others as the info has them.
+    """Computes rewards for other goals: ``arrival`` is recomputed, the other terms come from the info.
 
     Args:
         episodes: A task with ``observation_form: goal``.

@@ -27,7 +27,7 @@ SHIPPED = {
     **dict.fromkeys(("corridor", "corridor_two_way", "four_drives", "goals_in_order", "intersection"), 400),
     **{"cave": 500, "door_queue": 500, "floor_plan": 600},
 }
-"""The time limits of shipped scenarios [steps], so that a registered id tells its own without reading a file."""
+"""Time limits of shipped scenarios [steps], known without reading a file."""
 
 OF_BATCHES = {"num_envs", "num_threads", "autoreset_mode", "vectorization_mode"}
 MAKERS = ("make", "make_vec")
@@ -47,9 +47,9 @@ STEP_FOR_STEP = {
 class ScenarioSpec(EnvSpec):
     """A spec whose ``max_episode_steps`` is the time limit of the environments that are made from it.
 
-    It is read from the scenario and its task when somebody asks, and None where these cannot be read. Gymnasium's own
-    ``make`` sees only a limit that was set from outside: the environment keeps its task's limit by itself, and tells it
-    in ``outcome``, so that a ``TimeLimit`` around it would be a second one.
+    The limit is read from the scenario and its task on access, and is None where these cannot be read. Gymnasium's own
+    ``make`` sees only a limit that was set explicitly: the environment enforces its task's limit itself and reports it
+    in ``outcome``, so a ``TimeLimit`` around it would be a second limit.
     """
 
     @property
@@ -132,7 +132,7 @@ def task_limit(kwargs: Mapping[str, Any]) -> int | None:
     parameters = {name: value for name, value in kwargs.items() if is_free(name)}
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # making the environment tells what is ignored
+            warnings.simplefilter("ignore")  # making the environment warns of ignored keys
             if not isinstance(scenario, Scenario):
                 scenario = load_scenario(scenario, parameters, strict=bool(kwargs.get("strict", True)))
             return load_task(scenario, kwargs.get("task")).max_steps
@@ -160,9 +160,9 @@ def agreed_limit(max_steps: int | None, outer: int | None) -> int | None:
 def outer_limit(env: gymnasium.Env[Any, Any]) -> int | None:
     """Return the least limit of the ``TimeLimit`` wrappers through which ``env.reset`` is called now; None without one.
 
-    ``gymnasium.make(id, max_episode_steps=...)`` puts such a wrapper around an environment and tells it nothing, nor
-    does the wrapper, so that it is found among those who call. One with a wrapper in between that may take several
-    steps at a time (``STEP_FOR_STEP``) counts other steps than the environment, and is left alone.
+    ``gymnasium.make(id, max_episode_steps=...)`` adds such a wrapper without informing the environment, so the wrapper
+    is searched for among the callers. A wrapper with another one in between that may take several steps at a time
+    (not in ``STEP_FOR_STEP``) counts different steps and is ignored.
     """
     least: int | None = None
     frame = sys._getframe(1)

@@ -1,7 +1,7 @@
 """The present moment of a world, for wrappers: who is where and what robots see. It can be read only.
 
 The names are those of ``world.robot`` and ``world`` of ``irsim_gym.load`` and of behaviours in plain Python. Arrays are
-copies that cannot be written into, so they stay as they are when the world goes on.
+copies that cannot be written into, so they do not change when the world continues.
 """
 
 from __future__ import annotations

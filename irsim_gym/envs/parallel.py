@@ -18,7 +18,7 @@ from irsim_gym.engine.given import LEVELS
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.moment import Bodies
 from irsim_gym.envs.pictures import RENDER_MODES, render_warning
-from irsim_gym.envs.spaces import Layout, Observation, action_space, observation_layout, observation_space
+from irsim_gym.envs.spaces import Observation, ObservationLayout, action_space, observation_layout, observation_space
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.errors import UnknownNameError, suggestion
 
@@ -49,7 +49,7 @@ def parallel_env(
         padded: True gives all agents the same spaces, those of the richest one; see ``WorldParallelEnv``.
         black_death: True keeps agents that have ended until all have; see ``WorldParallelEnv``.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``WorldEnv.render``.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         **parameters: Values of the scenario's own parameters.
 
     Raises:
@@ -75,7 +75,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
     Agents have the names of the robots: ``robot_0`` and so on, or those that the file gives. Of names that are no word
     with a number PettingZoo's ``api_test`` warns; nothing depends on that.
 
-    ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` goes on with the next level of the chain
+    ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` continues with the next level of the chain
     that follows from the last seed. ``options={"split": "test", "level": 17}`` begins exactly that level, and later
     resets without seed stay in that split.
 
@@ -90,7 +90,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
     0 and ``idle`` in its infos; the others of its infos stay as they were, so ``outcome`` says in the step of its end
     what became of it. Like in SuperSuit's ``black_death_v3`` it is terminated only in the step in which the last agent
     ends, when all are, each by its own end, and ``agents`` is empty: PettingZoo allows no agent that is terminated and
-    stays, and libraries that begin anew as soon as one agent is done would cut the others short. To a learner the zeros
+    stays, and libraries that restart as soon as one agent is done would cut the others short. To a learner the zeros
     are a state in which nothing is ever paid, so their value is 0, as it is after a termination.
 
     Infos hold the same keys at each call, all Python numbers, as those of ``WorldEnv``; with ``black_death`` also
@@ -137,7 +137,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         self.possible_agents: list[str] = list(worlds.agent_names)
         self.agents: list[str] = []
         self._indices = {name: a for a, name in enumerate(self.possible_agents)}
-        self._layouts: dict[str, Layout] = {}
+        self._layouts: dict[str, ObservationLayout] = {}
         self.observation_spaces: dict[str, Space[Any]] = {}
         self.action_spaces: dict[str, Space[Any]] = {}
         for name, a in self._indices.items():
@@ -177,7 +177,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
 
     @property
     def np_random_seed(self) -> int:
-        """The seed of ``np_random``; -1 where somebody else has set it."""
+        """The seed of ``np_random``; -1 if the generator was replaced."""
         if self._np_random_seed is None:
             self._np_random, self._np_random_seed = np_random()
         return self._np_random_seed
@@ -196,7 +196,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
         """Begin an episode for all agents; see the class for what seeds and options choose.
 
         Args:
-            seed: Level of the split; None goes on.
+            seed: Level of the split; None for the next level.
             options: ``split`` and ``level``, both may be absent. A key ``options`` is passed over, because PettingZoo's
                 tests give it to every environment; other keys are errors.
         """
@@ -219,7 +219,7 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
 
         Raises:
             ResetNeeded: No episode has begun.
-            UnknownNameError: An action for somebody who is no agent.
+            UnknownNameError: An action for a name that is no agent.
             ValueError: An agent's action is missing, has the wrong shape or type, is not finite or is no choice.
                 Nothing has moved then.
         """

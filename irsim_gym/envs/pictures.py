@@ -24,7 +24,7 @@ RENDER_MODES = ("human", "rgb_array", "rgb_array_list")
 MOST_SHOWN = 16
 """How many worlds a window shows at most: the first ones."""
 MOST_SECONDS = 1.0
-"""How long ``show`` keeps a picture at most [s]: steps may have been many since somebody looked last."""
+"""The longest time that ``show`` keeps a picture on the screen [s]."""
 ROOM = (1600, 1200)
 """Width and height of a picture of several worlds at most [pixel]."""
 
@@ -34,7 +34,7 @@ Size = tuple[int, int] | None
 class Pictures:
     """Draws worlds when their render mode asks for it. It only reads them.
 
-    ``"rgb_array"``: a picture of the present moment, whenever somebody asks. ``"rgb_array_list"``: a picture is kept at
+    ``"rgb_array"``: a picture of the present moment on request. ``"rgb_array_list"``: a picture is kept at
     the beginning of an episode, at each sample (every ``sample_time``) and at its end; asking takes them all, a
     beginning drops those of the episode before. ``"human"``: at the same moments a window shows the worlds, the first
     sixteen of them side by side, not faster than in real time.
@@ -135,7 +135,7 @@ class Pictures:
             self.trails.record(worlds, state.step[worlds], state.pose[worlds])
 
     def of(self, w: int) -> Bytes | PictureList | None:
-        """Return what ``render`` of one world returns in this mode; a list that is taken begins anew, empty."""
+        """Return what ``render`` returns for one world in this mode; a returned list is cleared."""
         if self.mode == "rgb_array":
             return self.now(w)
         if self.mode == "rgb_array_list":
@@ -239,7 +239,7 @@ class Pictures:
         return f"{self._scenario.name}{which}"
 
     def _tile(self, count: int, columns: int | None, room: tuple[int, int]) -> tuple[int, Size]:
-        """Return columns and size of so many worlds side by side; None for the size of a picture by itself."""
+        """Return columns and size of a picture of several worlds side by side; None for the size of one picture."""
         from irsim_gym.render.tiles import fitting
 
         layout = self._renderer(None).layout
@@ -282,7 +282,7 @@ class Pictures:
 
 
 def render_warning(mode: str | None) -> None:
-    """Warn of a picture that was asked for without a render mode."""
+    """Warn of ``render`` without a render mode."""
     if mode is None:
         gymnasium.logger.warn("render() was called but no render_mode was given: use render_mode='rgb_array'")
 

@@ -78,7 +78,7 @@ def register_scenarios(folder: str | Path, namespace: str = NAMESPACE) -> tuple[
 
 
 def _register(one: str, kwargs: dict[str, Any]) -> None:
-    """Register an id once; twice with the same scenario is once. PettingZoo gets it when somebody imports it."""
+    """Register an id; a second call with the same scenario does nothing. PettingZoo gets it when it is imported."""
     known = gymnasium.registry.get(one)
     if known is None:
         gymnasium.register(one, ENTRY_POINT, vector_entry_point=VECTOR_ENTRY_POINT, kwargs=kwargs)
@@ -118,7 +118,7 @@ def make(
         max_steps: Time limit of the task [steps]; None for the task's.
         max_episode_steps: Another time limit [steps]; of it and ``max_steps`` the smaller one counts.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``WorldEnv.render``.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         numpy_infos: Infos hold NumPy scalars, see ``WorldEnv``.
         disable_env_checker: True leaves out Gymnasium's checks of the first steps.
         **parameters: Values for the scenario's parameters.
@@ -163,7 +163,7 @@ def make_vec(
         autoreset_mode: ``"NextStep"``, ``"SameStep"`` or ``"Disabled"``.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``WorldVectorEnv.render``.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         vectorization_mode: ``"sync"`` or ``"async"`` makes single environments, see ``gymnasium.make_vec``.
         vector_kwargs: With these modes, arguments of Gymnasium's vector environment.
         wrappers: With these modes, wrappers around each single environment.
@@ -196,7 +196,7 @@ def _is_default(name: str, value: Any) -> bool:
 
 
 def _refuse_for_singles(kwargs: Mapping[str, Any]) -> None:
-    """Raise an IrsimGymError for what Gymnasium does with single environments alone, where a batch is asked for."""
+    """Raise an IrsimGymError for arguments of ``gymnasium.make_vec`` that only single environments support."""
     for name in ("wrappers", "vector_kwargs"):
         if kwargs.get(name) and kwargs.get("vectorization_mode") not in ("sync", "async", *SINGLES):
             raise IrsimGymError(

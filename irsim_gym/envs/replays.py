@@ -13,11 +13,11 @@ from irsim_gym.tasks import Episodes, Outcome
 
 if TYPE_CHECKING:
     from irsim_gym.render import Renderer
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
 
 
 def agent_values(episodes: Episodes, world: int) -> list[dict[str, Any]]:
-    """Return what a replay tells of each agent now: how it fares, its action, its rewards, how its episode stands."""
+    """Return what a replay shows of each agent: outcome, action, rewards and the state of its episode."""
     simulation, view = episodes.simulation, episodes.view
     begun = bool(simulation.state.step[world])
     found = []
@@ -61,7 +61,7 @@ class RecordReplay(gymnasium.Wrapper[Any, Any, Any, Any]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode, and its recording."""
         from irsim_gym.render import Renderer
-        from irsim_gym.render.replay import Recording
+        from irsim_gym.render.replay_data import Recording
 
         begun = self.env.reset(seed=seed, options=options)
         worlds = self._worlds

@@ -14,34 +14,10 @@ from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.envs.limits import ScenarioSpec
 from irsim_gym.envs.registration import spec_of
 from irsim_gym.envs.sb3_base import NativeVecEnv, checked_mode
-from irsim_gym.envs.sb3_buffers import (
-    MaskedDictReplayBuffer,
-    MaskedDictRolloutBuffer,
-    MaskedReplayBuffer,
-    MaskedRolloutBuffer,
-)
 from irsim_gym.envs.sb3_keywords import MonitorFiles, refuse_for_singles, with_env_kwargs
-from irsim_gym.envs.sb3_masked import MaskedA2C, MaskedPPO
-from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
-from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
 from irsim_gym.envs.spaces import Observation
-from irsim_gym.envs.views import WorldView
+from irsim_gym.envs.world_view import WorldView
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
-
-__all__ = [
-    "MaskedA2C",
-    "MaskedDictReplayBuffer",
-    "MaskedDictRolloutBuffer",
-    "MaskedPPO",
-    "MaskedReplayBuffer",
-    "MaskedRolloutBuffer",
-    "MaskedVecNormalize",
-    "TeamVecEnv",
-    "WorldVecEnv",
-    "buffers_for",
-    "make_multi_agent_vec_env",
-    "make_vec_env",
-]
 
 
 def make_vec_env(
@@ -75,7 +51,7 @@ def make_vec_env(
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         env_kwargs: More of these keywords, and values for parameters.
         start_index: Number of the first world in the files of ``monitor_dir``.
         monitor_dir: Folder for a file ``<number>.monitor.csv`` of each world's episodes, as ``Monitor`` writes them.
@@ -83,7 +59,7 @@ def make_vec_env(
         **parameters: Values for the scenario's parameters.
 
     Raises:
-        IrsimGymError: Something is asked for that a batch does not do; the message says who does it.
+        IrsimGymError: A batch does not support an argument; the message names what does.
     """
     refuse_for_singles(parameters)
     asked = {"task": task, "max_steps": max_steps, "max_episode_steps": max_episode_steps, **parameters}

@@ -17,7 +17,7 @@ from irsim_gym.arraytypes import Bytes, Flags, Ints
 from irsim_gym.envs.description import Description
 from irsim_gym.envs.infos import Record
 from irsim_gym.envs.sb3_keywords import MonitorFiles
-from irsim_gym.envs.views import WorldView, common_limit
+from irsim_gym.envs.world_view import WorldView, common_limit
 from irsim_gym.envs.worlds import Worlds
 
 Indices = None | int | Iterable[int]
@@ -59,7 +59,7 @@ class NativeVecEnv(VecEnv):
 
     @property
     def reset_infos(self) -> list[dict[str, Any]]:
-        """What each slot's latest episode began with; made when it is asked for, as hardly anybody does."""
+        """Infos at the beginning of each slot's latest episode; made on access, which is rare."""
         begun = np.flatnonzero(self._begun)
         for slot, info in zip(begun.tolist(), self._record.infos_of(begun), strict=True):
             self._reset_infos[slot] = info
@@ -72,16 +72,16 @@ class NativeVecEnv(VecEnv):
         self._reset_infos = infos
 
     def note_beginnings(self, slots: Ints) -> None:
-        """Keep what ``reset_infos`` tells about slots whose episodes have just begun."""
+        """Record the infos of slots whose episodes have just begun, for ``reset_infos``."""
         self._record.note(slots)
         self._begun[slots] = True
 
     def no_infos(self) -> list[dict[str, Any]]:
-        """Return a dict of its own for each slot, as wrappers may write into any; this is the fastest way."""
+        """Return a separate dict for each slot, because wrappers may write into them."""
         return list(map(dict.copy, repeat({}, self.num_envs)))
 
     def describe(self) -> Description:
-        """Return what observations, actions, rewards, endings and infos mean in each slot; it prints as tables."""
+        """Return the meaning of observations, actions, rewards, endings and infos in each slot; it prints as tables."""
         return self.worlds.describe()
 
     def close(self) -> None:

@@ -30,7 +30,7 @@ MEMORIES = ("hidden_states_pi", "cell_states_pi", "hidden_states_vf", "cell_stat
 
 
 class MaskedRecurrentPPO(RecurrentPPO):
-    """``RecurrentPPO`` whose rollout buffer hands out the rows of agents that acted, and no others."""
+    """``RecurrentPPO`` that learns from the rows of robots that acted, and no others; see ``MaskedPPO``."""
 
     leaves_out_waiting: ClassVar[bool] = True
 
@@ -67,7 +67,7 @@ class MaskedRecurrentRolloutBuffer(RecurrentRolloutBuffer):
     Attributes:
         acted: Rows that are experience, ``(buffer_size, n_envs)``.
         team: The source of the mask, see ``read_mask_of``.
-        slot_starts: First row of each slot among those that are handed out, as 1 in zeros, ``(n_rows, 1)``.
+        slot_starts: 1 at the first row of each slot among the rows that acted, else 0, ``(n_rows, 1)``.
     """
 
     acted: Flags
@@ -101,7 +101,7 @@ class MaskedRecurrentDictRolloutBuffer(RecurrentDictRolloutBuffer):
     Attributes:
         acted: Rows that are experience, ``(buffer_size, n_envs)``.
         team: The source of the mask, see ``read_mask_of``.
-        slot_starts: First row of each slot among those that are handed out, as 1 in zeros, ``(n_rows, 1)``.
+        slot_starts: 1 at the first row of each slot among the rows that acted, else 0, ``(n_rows, 1)``.
     """
 
     acted: Flags

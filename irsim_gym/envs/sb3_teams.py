@@ -21,7 +21,7 @@ from irsim_gym.envs.infos import reward_keys
 from irsim_gym.envs.sb3_base import NativeVecEnv, checked_mode
 from irsim_gym.envs.sb3_buffers import MaskedDictReplayBuffer, MaskedReplayBuffer, team_below
 from irsim_gym.envs.spaces import Observation
-from irsim_gym.envs.views import WorldView
+from irsim_gym.envs.world_view import WorldView
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.errors import WaitingRobotsWarning
 from irsim_gym.tasks import Outcome
@@ -56,7 +56,7 @@ def make_multi_agent_vec_env(
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
             ``"human"``: each step shows the worlds in a window, sixteen at most. Or None.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
     """
     worlds = Worlds(
@@ -105,11 +105,11 @@ class TeamVecEnv(NativeVecEnv):
     """Worlds of one scenario with a slot for each robot: slot ``world * n_agents + agent``.
 
     A robot's own end is the end of its slot's episode: ``done``, its last observation as ``terminal_observation``,
-    ``TimeLimit.truncated``, and all that the single environment tells. What comes then depends on ``respawn``:
+    ``TimeLimit.truncated``, and the infos of the single environment. What follows depends on ``respawn``:
 
     * False: the slot idles until all robots of the world have ended and the world restarts, in that same step.
       It observes its last observation, is paid 0 and its info holds ``idle``. At the restart it is ``done`` once
-      more, so that recurrent policies begin anew, but there is no ``episode`` for it.
+      more, so that recurrent policies reset their memory, but there is no ``episode`` for it.
     * True: the robot begins elsewhere at once. A world begins its next level after ``world_steps`` steps; the
       episodes under way are then cut (``TimeLimit.truncated``) and are in no statistics, as they have no outcome.
 

@@ -25,7 +25,7 @@ from irsim_gym.tasks.task import checked_limit
 class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
     """A scenario in which one robot learns.
 
-    ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` goes on with the next level of the chain
+    ``reset(seed=s)`` begins level ``s`` of the split ``train``; ``reset()`` continues with the next level of the chain
     that follows from the last seed. ``options={"split": "test", "level": 17}`` begins exactly that level, and
     later resets without seed stay in that split. A scenario in which nothing is random has but one level, so each
     reset begins the same episode.
@@ -41,7 +41,7 @@ class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
         task: Name of a shipped task, path, or plain data; None for the scenario's own.
         max_steps: Time limit [steps]; None for the task's.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         numpy_infos: Infos hold NumPy scalars, and flags as arrays without axes, in place of Python numbers: what the
             info readers of TorchRL need. Such a step takes half as long again.
         **parameters: Values for the scenario's parameters.

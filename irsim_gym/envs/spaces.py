@@ -22,8 +22,8 @@ VECTOR = "vector"
 
 
 @dataclass(frozen=True)
-class Layout:
-    """Where each observation term stands in the flat observation, and which form the user asked for.
+class ObservationLayout:
+    """The place of each observation term in the flat observation, and the form that the user chose.
 
     Attributes:
         columns: Columns of each term, by name, in order.
@@ -65,7 +65,7 @@ class Layout:
         return {**pictures, VECTOR: vector} if self.columns else pictures
 
     def formed(self, seen: Percepts) -> Observation:
-        """Return observations that nobody else holds in the declared form, themselves where that is theirs."""
+        """Return unshared observations in the declared form; the given arrays where these have it."""
         return seen.observation if self.plain else self.fresh(seen)
 
     def each(self, seen: Percepts | Transition, worlds: Ints, agent: int) -> Sequence[Observation]:
@@ -81,7 +81,7 @@ class Layout:
         return {name: np.array(seen.images[name][place], order="C") for name in self.images}
 
 
-def observation_layout(episodes: Episodes, agent: int | None = None) -> Layout:
+def observation_layout(episodes: Episodes, agent: int | None = None) -> ObservationLayout:
     """Return the layout of the observations of a task.
 
     Args:
@@ -102,7 +102,7 @@ def observation_layout(episodes: Episodes, agent: int | None = None) -> Layout:
     if episodes.task.observation_form == "goal":
         columns = {part: _joined(columns, names) for part, names in _goal_parts(columns).items()}
     is_flat = episodes.task.observation_form == "flat"
-    return Layout(columns, None if every else np.concatenate(picked), is_flat, tuple(episodes.view.images))
+    return ObservationLayout(columns, None if every else np.concatenate(picked), is_flat, tuple(episodes.view.images))
 
 
 def observation_space(episodes: Episodes, agent: int | None = None) -> Space[Any]:

@@ -22,7 +22,7 @@ from irsim_gym.envs.moment import RobotMoments, WorldMoment
 from irsim_gym.envs.pictures import RENDER_MODES, ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.specs import plain_spec
-from irsim_gym.envs.views import WorldView, common_limit
+from irsim_gym.envs.world_view import WorldView, common_limit
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.tasks.task import checked_limit
 
@@ -46,7 +46,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         autoreset_mode: An ``AutoresetMode`` or its value: ``"NextStep"``, ``"SameStep"``, ``"Disabled"``.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``, ``"rgb_array_list"``, ``"human"`` or None, see ``render``.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         **parameters: Values for the scenario's parameters.
     """
 
@@ -156,7 +156,7 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         return self._transition()
 
     def _step_next(self, rows: NDArray[Any]) -> Step:
-        """Step the worlds that go on and restart those that ended in the step before."""
+        """Step the running worlds and restart those that ended in the previous step."""
         restarted = np.flatnonzero(self._ended)
         going = np.flatnonzero(~self._ended)
         if going.size:

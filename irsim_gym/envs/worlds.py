@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.engine import compile
 from irsim_gym.engine.given import LEVELS
+from irsim_gym.envs.action_masks import ActionMasks
 from irsim_gym.envs.description import Description, describe
 from irsim_gym.envs.goals import GoalReward
 from irsim_gym.envs.infos import Infos
 from irsim_gym.envs.limits import agreed_limit
-from irsim_gym.envs.masks import ActionMasks
 from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import Pictures
 from irsim_gym.envs.spaces import Observation, action_space, observation_layout, observation_space
@@ -166,7 +166,7 @@ class Worlds:
         """Begin an episode in each of the given worlds.
 
         A seed begins level ``seed`` of the split (``train`` unless the options say otherwise), the option ``level``
-        exactly that level. Without either the world goes on with the next level of its chain, and a
+        exactly that level. Without either the world continues with the next level of its chain, and a
         world that has none yet, or changes to another split, starts one.
 
         Args:

@@ -30,6 +30,7 @@ from irsim_gym.engine.guide import decide, guide
 from irsim_gym.engine.own_scans import with_scans
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.drive_actions import decided_commands, to_actions
+from irsim_gym.evaluation.named_policies import kind_name, read_options
 from irsim_gym.evaluation.policy import without_lone_axis
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS, KINEMATICS
 from irsim_gym.scenario.body_checks import SCANNER, has_range_sensor
@@ -52,14 +53,15 @@ class BehaviorPolicy:
     all decide with the options of the first agent.
 
     Args:
-        name: The behaviour's or group behaviour's name in YAML.
+        name: The behaviour's or group behaviour's name in YAML, with options if wished: ``pursuit:known=seen``.
         driven: Indices of the agents that it drives; None for all. It sees the others as bodies that move, and its
             actions for them mean nothing.
     """
 
     def __init__(self, name: str, driven: Sequence[int] | None = None) -> None:
         families.load()
-        self.name, self.driven = name, driven
+        self.name, self.driven, self.options = name, driven, read_options(name)
+        name = kind_name(name)
         self.is_group = name not in BEHAVIORS and name in GROUP_BEHAVIORS
         self.kind = (GROUP_BEHAVIORS if self.is_group else BEHAVIORS).entry(name).kind
         self._episodes: Episodes | None = None
@@ -77,7 +79,9 @@ class BehaviorPolicy:
             if not families.commands(self.kind, drive) and not families.steers(self.kind, drive):
                 name = KINEMATICS.name_of(drive)
                 raise UnfitBehaviorError(f"'{self.name}' cannot drive kinematics '{name}' of '{spec.name}'")
-            if getattr(self.kind, "reads_scan", False) and not has_range_sensor(spec.sensors):
+            family = "group_behavior" if self.is_group else "behavior"
+            options = _options(episodes, body, family, self)
+            if getattr(options, "reads_scan", False) and not has_range_sensor(spec.sensors):
                 place = episodes.simulation.parts.places[body]
                 raise UnfitBehaviorError(f"'{self.name}' reads a scan, but {place} has no range sensor; {SCANNER}")
 
@@ -91,7 +95,7 @@ class BehaviorPolicy:
         if self._episodes is not episodes:
             self.check(episodes)
             bind = _one_group if self.is_group else _groups_by_drive
-            self._groups = bind(self.name, self.kind, episodes, self._bodies(episodes))
+            self._groups = bind(self, episodes, self._bodies(episodes))
             for group in self._groups:
                 group.context = simulation.context
                 self.kind.prepare(group, simulation.model, simulation.shards.n_slots)
@@ -123,43 +127,48 @@ class BehaviorPolicy:
         return decided_commands(episodes, worlds)
 
 
-def _groups_by_drive(name: str, kind: object, episodes: Episodes, driven: Ints) -> list[Group]:
+def _groups_by_drive(policy: BehaviorPolicy, episodes: Episodes, driven: Ints) -> list[Group]:
     """Return the driven bodies in groups of one drive each, as behaviours want them."""
     simulation = episodes.simulation
     drives, groups = simulation.model.drive[driven], []
     for drive in np.unique(drives):
         members = driven[drives == drive]
-        options = [_options(episodes, body, "behavior", name, kind) for body in members.tolist()]
-        group = Group(kind, options, members, names=simulation.parts.names)
+        options = [_options(episodes, body, "behavior", policy) for body in members.tolist()]
+        group = Group(policy.kind, options, members, names=simulation.parts.names)
         groups += with_scans(group, simulation.scenario.bodies, simulation.sensors)
     return groups
 
 
-def _one_group(name: str, kind: object, episodes: Episodes, driven: Ints) -> list[Group]:
+def _one_group(policy: BehaviorPolicy, episodes: Episodes, driven: Ints) -> list[Group]:
     """Return everything that can move as one group, in which the driven bodies decide."""
     simulation = episodes.simulation
-    options = _options(episodes, int(driven[0]), "group_behavior", name, kind)
+    options = _options(episodes, int(driven[0]), "group_behavior", policy)
     members = np.flatnonzero(simulation.model.movable)
-    group = Group(kind, [options] * len(members), members, names=simulation.parts.names)
+    group = Group(policy.kind, [options] * len(members), members, names=simulation.parts.names)
     group, *others = with_scans(group, simulation.scenario.bodies, simulation.sensors)
     if others:
         place = simulation.parts.places[int(others[0].members[0])]
-        raise UnfitBehaviorError(f"'{name}' reads scans with the same beams, but {place} has another range sensor")
+        raise UnfitBehaviorError(
+            f"'{policy.name}' reads scans with the same beams, but {place} has another range sensor"
+        )
     group.arrays["decides"] = np.isin(members, driven)
     return [group]
 
 
-def _options(episodes: Episodes, body: int, family: str, name: str, kind: Any) -> Any:
-    """Return a body's options of a kind: its own, or the best defaults with the speeds of its drive."""
-    own = getattr(episodes.simulation.scenario.bodies[body], family)
+def _options(episodes: Episodes, body: int, family: str, policy: BehaviorPolicy) -> Any:
+    """Return a body's options: those given, beside its own or the best defaults with the speeds of its drive."""
+    own, kind = getattr(episodes.simulation.scenario.bodies[body], family), policy.kind
     if isinstance(own, kind):
-        return own
-    options, model = kind(**AT_THEIR_BEST.get(name, {})), episodes.simulation.model
+        return replace(own, **policy.options) if policy.options else own
+    options, model = (
+        kind(**{**AT_THEIR_BEST.get(kind_name(policy.name), {}), **policy.options}),
+        episodes.simulation.model,
+    )
     if not hasattr(options, "vxmax"):
         return options
     fastest = model.velocity_max[:, body].max(axis=0)
     sideways = fastest[0] if model.drive[body] in (DIFFERENTIAL, NO_DRIVE) else fastest[1]
-    return replace(options, vxmax=float(fastest[0]), vymax=float(sideways))
+    return replace(options, **{"vxmax": float(fastest[0]), "vymax": float(sideways), **policy.options})
 
 
 def _show_who_stands(episodes: Episodes, worlds: Ints) -> None:

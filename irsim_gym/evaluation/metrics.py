@@ -31,6 +31,9 @@ class EpisodeRow:
         least_time: No robot with these limits of speed and acceleration takes less [s]; NaN where it was not measured.
         acceleration: Mean size of the derivative of the velocity vector [m/s2]; NaN where it was not measured.
         jerk: Mean size of its second derivative [m/s3], likewise.
+        intrusion_025: Share of steps with less than 0.25 m between it and a person; NaN where there are no people.
+        intrusion_045: The same for 0.45 m.
+        time_to_collision: Least time to collision with a person [s], see ``people``; likewise, infinite if it met none.
     """
 
     level: int
@@ -44,6 +47,9 @@ class EpisodeRow:
     least_time: float = math.nan
     acceleration: float = math.nan
     jerk: float = math.nan
+    intrusion_025: float = math.nan
+    intrusion_045: float = math.nan
+    time_to_collision: float = math.nan
 
     @property
     def spl(self) -> float:
@@ -136,6 +142,9 @@ class Summary:
         min_clearance: Mean over all episodes of the smallest clearance [m].
         acceleration: Mean of the mean sizes of acceleration [m/s2], over all episodes.
         jerk: Mean of the mean sizes of its derivative [m/s3], likewise.
+        intrusion_025: Mean share of steps nearer than 0.25 m to a person; NaN where there are no people.
+        intrusion_045: The same for 0.45 m.
+        time_to_collision: Mean of the least times to collision with a person [s], over episodes that met one.
     """
 
     policy: str
@@ -154,6 +163,9 @@ class Summary:
     min_clearance: float
     acceleration: float
     jerk: float
+    intrusion_025: float = math.nan
+    intrusion_045: float = math.nan
+    time_to_collision: float = math.nan
 
 
 def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
@@ -183,6 +195,9 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
         min_clearance=mean([row.min_clearance for row in rows]),
         acceleration=mean([row.acceleration for row in rows]),
         jerk=mean([row.jerk for row in rows]),
+        intrusion_025=mean([row.intrusion_025 for row in rows]),
+        intrusion_045=mean([row.intrusion_045 for row in rows]),
+        time_to_collision=mean([row.time_to_collision for row in rows]),
     )
 
 

@@ -1,4 +1,4 @@
-"""How smoothly agents move: true derivatives of their velocity, measured from outside."""
+"""How agents move, measured from outside: true derivatives of their velocity, and how near they come to people."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.evaluation.people import PeopleLog
 from irsim_gym.evaluation.trajectories import Watcher
 from irsim_gym.tasks import Episodes, Outcome
 
@@ -19,9 +20,13 @@ class MotionLog:
 
     Args:
         episodes: The worlds.
+
+    Attributes:
+        people: How near agents come to people.
     """
 
     def __init__(self, episodes: Episodes) -> None:
+        self.people = PeopleLog(episodes)
         shape = episodes.n_worlds, episodes.n_agents
         self._count: Ints = np.zeros(shape, np.int64)
         self._velocity: Floats = np.zeros((*shape, 2))
@@ -30,11 +35,13 @@ class MotionLog:
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
         """Note the velocities at the start."""
+        self.people.began(worlds)
         self._count[worlds], self._sums[worlds] = 0, 0.0
         self._velocity[worlds] = self._velocities(episodes, worlds)
 
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
         """Add what agents did whose episode was running."""
+        self.people.stepped(episodes, worlds)
         infos, dt = episodes.view.infos, float(episodes.simulation.model.step_time[0])
         count = self._count[worlds]
         counts = (infos["steps"][worlds] > count) & (infos["outcome"][worlds] != Outcome.COLLISION)

@@ -168,4 +168,7 @@ def episode_row(
         least_time=optima.least_time(level, agent),
         acceleration=motion.acceleration(world, agent),
         jerk=motion.jerk(world, agent),
+        intrusion_025=motion.people.intrusion(world, agent, 0),
+        intrusion_045=motion.people.intrusion(world, agent, 1),
+        time_to_collision=motion.people.time_to_collision(world, agent),
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,7 @@ from irsim_gym import families
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.errors import UnknownNameError, suggestion
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
+from irsim_gym.evaluation.named_policies import kind_name, read_options
 from irsim_gym.evaluation.policy import without_lone_axis
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 from irsim_gym.tasks import Episodes
@@ -68,13 +71,25 @@ def policy_kinds() -> tuple[str, ...]:
     return tuple(dict.fromkeys((*REFERENCES, *BEHAVIORS.names(), *GROUP_BEHAVIORS.names())))
 
 
+def is_named_policy(source: object) -> bool:
+    """Return whether a source is the name of a policy that needs no file, with or without options."""
+    return isinstance(source, str | Path) and kind_name(source) in policy_kinds()
+
+
 def reference_policy(name: str) -> RandomPolicy | BehaviorPolicy:
     """Make the policy that acts at random, or one that drives as a behaviour or group behaviour does.
 
+    Args:
+        name: ``"random"``, or a behaviour's name, with options if wished: ``"pursuit:known=seen"``.
+
     Raises:
         UnknownNameError: There is none of that name.
+        PolicyOptionError: It has no such options.
     """
     known = policy_kinds()
-    if name not in known:
+    if kind_name(name) not in known:
         raise UnknownNameError(f"no reference policy named '{name}'{suggestion(name, known)}")
-    return RandomPolicy() if name == "random" else BehaviorPolicy(name)
+    if kind_name(name) == "random":
+        read_options(name)
+        return RandomPolicy()
+    return BehaviorPolicy(name)

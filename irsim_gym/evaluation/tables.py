@@ -149,7 +149,9 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
     shares = ["success", "95 %\ninterval", "collision", *(f"with {hit}" for hit in split), "timeout", "left"]
     gave_up = any(summary.deadlock.count for summary in summaries)
     shares += ["deadlock"] if gave_up else []
-    for head in [*(f"{share}\n[%]" for share in shares), "SPL", "time\n[s]", "path\nratio", "clear.\n[m]"]:
+    people = any(math.isfinite(summary.intrusion_025) for summary in summaries)
+    social = ["<.25 m\n[%]", "<.45 m\n[%]", "TTC\n[s]"] if people else []
+    for head in [*(f"{share}\n[%]" for share in shares), "SPL", "time\n[s]", "path\nratio", "clear.\n[m]", *social]:
         table.add_column(Text(head), justify="right")
     for summary in summaries:
         success = summary.success
@@ -166,8 +168,15 @@ def summary_table(summaries: Sequence[Summary], title: str) -> Table:
             number(summary.time, 2),
             number(summary.path_ratio, 3),
             number(summary.min_clearance, 3),
+            *(_social(summary) if people else ()),
         )
     return table
+
+
+def _social(summary: Summary) -> tuple[str, ...]:
+    """Return how near a policy comes to people, for the table."""
+    shares = summary.intrusion_025, summary.intrusion_045
+    return (*(number(100.0 * share, 1) for share in shares), number(summary.time_to_collision, 2))
 
 
 def table_text(table: Table) -> str:

@@ -58,6 +58,11 @@ def cast_cells(
     x, y, heading = pose
     cosine, sine = np.cos(heading), np.sin(heading)
     across, up = (x - cells.x) / cells.width, (y - cells.y) / cells.height
+    if cells.radius > 0.0:
+        for k in range(ranges.shape[0]):
+            along_x, along_y = cosine * beams_x[k] - sine * beams_y[k], sine * beams_x[k] + cosine * beams_y[k]
+            ranges[k] = np.float32(walk_to_disc(cells, x, y, along_x, along_y, np.float64(ranges[k])))
+        return
     if not (0.0 <= across < columns and 0.0 <= up < rows) or squares[0, int(across), int(up)] == 0:
         for k in range(ranges.shape[0]):
             east = (cosine * beams_x[k] - sine * beams_y[k]) / cells.width
@@ -221,6 +226,67 @@ def walk(squares: Bytes, x: float, y: float, east: float, north: float, far: flo
         if i < 0 or j < 0 or i >= columns or j >= rows:
             return min(time, far) if inside else far
     return far
+
+
+@kernel
+def walk_to_disc(cells: CellMap, x: float, y: float, along_x: float, along_y: float, far: float) -> float:
+    """Return how far a point goes until it meets the disc in an occupied cell, or leaves the one that it begins in [m].
+
+    Args:
+        cells: The map.
+        x: Position [m].
+        y: Position [m].
+        along_x: Unit vector of its way.
+        along_y: Unit vector of its way.
+        far: Longest way [m].
+    """
+    squares = cells.squares
+    columns, rows = squares.shape[1], squares.shape[2]
+    across, up = (x - cells.x) / cells.width, (y - cells.y) / cells.height
+    east, north = along_x / cells.width, along_y / cells.height
+    slow_x = 1.0 / east if abs(east) > 1.0 / STEEP else STEEP
+    slow_y = 1.0 / north if abs(north) > 1.0 / STEEP else STEEP
+    time = entry(across, up, slow_x, slow_y, float(columns), float(rows))
+    if time >= far:
+        return far
+    step_x, step_y = 1 if east >= 0.0 else -1, 1 if north >= 0.0 else -1
+    quadrant = (0 if step_x > 0 else 1) + (0 if step_y > 0 else 2)
+    i, j = first_cell(across + time * east, step_x, columns), first_cell(up + time * north, step_y, rows)
+    while time < far:
+        free = int(squares[quadrant, i, j])
+        if free == 0:
+            hit = way_to_disc(cells, i, j, x, y, along_x, along_y)
+            if hit < np.inf:
+                return min(hit, far)
+        reach = max(free, 1)
+        to_i, to_j = i + step_x * reach, j + step_y * reach
+        time_x = ((to_i if step_x > 0 else to_i + 1) - across) * slow_x
+        time_y = ((to_j if step_y > 0 else to_j + 1) - up) * slow_y
+        if time_x < time_y:
+            time = max(time, time_x)
+            beside = int(np.floor(up + time * north))
+            i, j = to_i, min(max(beside, j), to_j - 1) if step_y > 0 else max(min(beside, j), to_j + 1)
+        else:
+            time = max(time, time_y)
+            beside = int(np.floor(across + time * east))
+            j, i = to_j, min(max(beside, i), to_i - 1) if step_x > 0 else max(min(beside, i), to_i + 1)
+        if i < 0 or j < 0 or i >= columns or j >= rows:
+            return far
+    return far
+
+
+@kernel
+def way_to_disc(cells: CellMap, i: int, j: int, x: float, y: float, along_x: float, along_y: float) -> float:
+    """Return how far it is along a ray to the disc in a cell, from within it to its edge [m]; inf if it is not met."""
+    dx, dy = cells.x + (i + 0.5) * cells.width - x, cells.y + (j + 0.5) * cells.height - y
+    along, aside = dx * along_x + dy * along_y, dx * along_y - dy * along_x
+    half2 = cells.radius * cells.radius - aside * aside
+    if half2 < 0.0:
+        return np.inf
+    half = np.sqrt(half2)
+    if dx * dx + dy * dy <= cells.radius * cells.radius:
+        return float(along + half)
+    return float(along - half) if along > 0.0 else np.inf
 
 
 @kernel

@@ -25,18 +25,20 @@ def find_room(cells: CellMap, line: Floats) -> None:
         cells: The map.
         line: Scratch, shape ``(columns,)``.
     """
-    squares, room, far = cells.squares, cells.room, farthest(cells)
+    squares, room, far = cells.squares, cells.room, farthest(cells) + cells.radius
     columns, rows = room.shape
     width, height = cells.width, cells.height
+    inset = 0.5 if cells.radius == 0.0 else 0.0
+    first = (1.0 - inset) * height
     for i in range(columns):
         gap = far
         for j in range(rows):
-            gap = 0.0 if squares[0, i, j] == 0 else min(gap + (0.5 * height if gap == 0.0 else height), far)
+            gap = 0.0 if squares[0, i, j] == 0 else min(gap + (first if gap == 0.0 else height), far)
             room[i, j] = gap
         gap = far
         for a in range(rows):
             j = rows - 1 - a
-            gap = 0.0 if squares[0, i, j] == 0 else min(gap + (0.5 * height if gap == 0.0 else height), far)
+            gap = 0.0 if squares[0, i, j] == 0 else min(gap + (first if gap == 0.0 else height), far)
             room[i, j] = min(room[i, j], gap)
     for j in range(rows):
         for i in range(columns):
@@ -44,13 +46,13 @@ def find_room(cells: CellMap, line: Floats) -> None:
         for i in range(columns):
             best = line[i] * line[i]
             for step in range(1, columns):
-                aside = (step - 0.5) * width
+                aside = (step - inset) * width
                 if aside * aside >= best:
                     break
                 near = line[i - step] if i >= step else far
                 near = min(near, line[i + step]) if i + step < columns else near
                 best = min(best, aside * aside + near * near)
-            room[i, j] = np.sqrt(best)
+            room[i, j] = max(np.sqrt(best) - cells.radius, 0.0)
 
 
 @kernel
@@ -73,6 +75,14 @@ def room_about(cells: CellMap, x: float, y: float) -> tuple[float, float]:
     if middle * (1.0 + DOUBT) >= farthest(cells):
         most = np.inf
     return max(middle * (1.0 - DOUBT) - away * (1.0 + DOUBT), 0.0), most
+
+
+@kernel
+def disc_gap2(cells: CellMap, i: int, j: int, x: float, y: float) -> float:
+    """Return the squared distance [m2] of a point from the disc in a cell, 0 within it."""
+    dx, dy = cells.x + (i + 0.5) * cells.width - x, cells.y + (j + 0.5) * cells.height - y
+    gap = max(np.sqrt(dx * dx + dy * dy) - cells.radius, 0.0)
+    return float(gap * gap)
 
 
 @kernel
@@ -103,6 +113,8 @@ def nearest_to_point2(cells: CellMap, x: float, y: float, reach: float) -> float
                 up = max(cells.y + j * cells.height - y, y - (cells.y + (j + 1) * cells.height), 0.0)
                 free, near = int(squares[0, i, j]), aside * aside + up * up
                 if free == 0 or near > bound:
+                    if cells.radius > 0.0 and near <= bound:
+                        near = disc_gap2(cells, i, j, x, y)
                     best = min(best, near) if near <= bound else best
                     break
                 j += free
@@ -112,6 +124,8 @@ def nearest_to_point2(cells: CellMap, x: float, y: float, reach: float) -> float
                 up = max(cells.y + j * cells.height - y, y - (cells.y + (j + 1) * cells.height), 0.0)
                 free, near = int(squares[2, i, j]), aside * aside + up * up
                 if free == 0 or near > bound:
+                    if cells.radius > 0.0 and near <= bound:
+                        near = disc_gap2(cells, i, j, x, y)
                     best = min(best, near) if near <= bound else best
                     break
                 j -= free

@@ -1,7 +1,7 @@
 """An occupancy map: which of many equal rectangles are occupied, and what touches or sees them.
 
-Cells are closed sets, so touching one is overlapping it. These kernels take the map of one world; ``world_maps`` holds
-those of many, or None.
+Cells, and the discs that may stand in them, are closed sets, so touching one is overlapping it. These kernels take the
+map of one world; ``world_maps`` holds those of many, or None.
 """
 
 from __future__ import annotations
@@ -161,6 +161,14 @@ def segment_box_distance2(
 
 
 @kernel
+def segment_disc_distance2(cells: CellMap, i: int, j: int, ax: float, ay: float, bx: float, by: float) -> float:
+    """Return the squared distance [m2] between the segment ab, which may be a point, and the disc in a cell."""
+    x, y = cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height
+    gap = max(np.sqrt(point_segment_distance2(x, y, ax, ay, bx, by)) - cells.radius, 0.0)
+    return float(gap * gap)
+
+
+@kernel
 def nearest_cell2(cells: CellMap, ax: float, ay: float, bx: float, by: float, reach: float, enough: float) -> float:
     """Return the squared distance [m2] of the segment ab from the occupied cells, inf if none is near.
 
@@ -190,7 +198,10 @@ def nearest_cell2(cells: CellMap, ax: float, ay: float, bx: float, by: float, re
             low, high = cells.y + j * cells.height, cells.y + (j + 1) * cells.height
             up = max(low - max(ay, by), min(ay, by) - high, 0.0)
             if aside * aside + up * up < best:
-                best = min(best, segment_box_distance2(ax, ay, bx, by, left, low, right, high))
+                if cells.radius > 0.0:
+                    best = min(best, segment_disc_distance2(cells, i, j, ax, ay, bx, by))
+                else:
+                    best = min(best, segment_box_distance2(ax, ay, bx, by, left, low, right, high))
                 if best <= enough:
                     return best
             j += 1
@@ -270,10 +281,21 @@ def nearest_cell_point(cells: CellMap, x: float, y: float, limit: float) -> tupl
                 continue
             px = min(max(x, cells.x + i * cells.width), cells.x + (i + 1) * cells.width)
             py = min(max(y, cells.y + j * cells.height), cells.y + (j + 1) * cells.height)
+            if cells.radius > 0.0:
+                px, py = nearest_disc_point(cells, i, j, x, y)
             here = np.sqrt((px - x) * (px - x) + (py - y) * (py - y))
             if here < best:
                 best, best_x, best_y = here, px, py
     return best, best_x, best_y
+
+
+@kernel
+def nearest_disc_point(cells: CellMap, i: int, j: int, x: float, y: float) -> tuple[float, float]:
+    """Return the point of the disc in a cell that is nearest to a point [m]: that point itself if it lies within."""
+    cx, cy = cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height
+    away = np.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
+    share = cells.radius / away if away > cells.radius else 1.0
+    return cx + share * (x - cx), cy + share * (y - cy)
 
 
 @kernel
@@ -293,7 +315,8 @@ def outline_meets_cells(cells: CellMap, outline: BodyOutline) -> bool:
 def holds_cell(cells: CellMap, outline: BodyOutline) -> bool:
     """Return whether an area whose boundary touches no occupied cell holds one.
 
-    Occupied cells that touch each other are then on one side, so one point of each run in a column is enough.
+    Occupied cells that touch each other are then on one side, so one point of each run in a column is enough; discs in
+    them may not touch each other.
     """
     squares, segments = cells.squares, outline.segments
     left, low, right, high = np.inf, np.inf, -np.inf, -np.inf
@@ -312,7 +335,8 @@ def holds_cell(cells: CellMap, outline: BodyOutline) -> bool:
                 continue
             if holds_point(outline, cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height):
                 return True
-            while j <= last_j and squares[0, i, j] == 0:
+            j += 1
+            while cells.radius == 0.0 and j <= last_j and squares[0, i, j] == 0:
                 j += 1
     return False
 

@@ -7,11 +7,11 @@ A level's map consists of four arrays, whose first axis is the world, or of leng
 - ``boxes``, int32, shape ``(n, n_boxes, 4)``: boxes that cover the occupied cells.
 - ``n_boxes``, int64, shape ``(n,)``: how many of these boxes count.
 - ``room``, float32, shape ``(n, columns, rows)``: the distance of each cell's centre from the nearest occupied cell
-  [m].
+  [m], or from the disc in it.
 
 ``CellMap`` in ``arraytypes`` says what is in them. ``lay_cells`` writes all four from which cells are occupied, for one
 world, and nothing else does. In a ``WorldModel`` they are ``map_squares``, ``map_boxes``, ``map_n_boxes`` and
-``map_room``; ``model.cells`` holds them together.
+``map_room``; ``model.cells`` holds them together, with the radius of the discs that stand for occupied cells.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def map_of(cells: CellMaps, w: int) -> CellMap:
     row = w if w < cells.n_boxes.shape[0] else 0
     return CellMap(
         cells.x, cells.y, cells.width, cells.height, cells.body,
-        cells.squares[row], cells.boxes[row], cells.n_boxes[row], cells.room[row],
+        cells.squares[row], cells.boxes[row], cells.n_boxes[row], cells.room[row], cells.radius,
     )  # fmt: skip
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import wrap_below, wrap_from
 from irsim_gym.jit import kernel
-from irsim_gym.kinematics import noise
-from irsim_gym.kinematics.noise import Variances
+from irsim_gym.kinematics import motion_noise
+from irsim_gym.kinematics.motion_noise import Variances
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import ACKERMANN, WorldModel
@@ -55,16 +55,16 @@ class Ackermann:
     @property
     def variances(self) -> Variances:
         """What the motion noise of the components depends on."""
-        return noise.growing(self.alpha)
+        return motion_noise.growing(self.alpha)
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from noise.negative_variances(self.alpha)
+        yield from motion_noise.negative_variances(self.alpha)
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
         """Make the tables of the motion noise."""
-        noise.prepare(group, model)
+        motion_noise.prepare(group, model)
 
     @staticmethod
     def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -74,7 +74,7 @@ class Ackermann:
     @staticmethod
     def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
-        executed = noise.executed(group, model, state, shard)
+        executed = motion_noise.executed(group, model, state, shard)
         move_ackermann(shard.worlds, group.members, group.params, model, state, executed)
         Ackermann.begin(group, model, state, shard)
 

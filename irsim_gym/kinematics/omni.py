@@ -10,8 +10,8 @@ import numpy as np
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.geometry.angles import wrap_from
 from irsim_gym.jit import kernel
-from irsim_gym.kinematics import noise
-from irsim_gym.kinematics.noise import Variances
+from irsim_gym.kinematics import motion_noise
+from irsim_gym.kinematics.motion_noise import Variances
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import OMNI_BODY, OMNI_WORLD, WorldModel
@@ -56,18 +56,18 @@ class Omni:
     @property
     def variances(self) -> Variances:
         """What the motion noise of the components depends on."""
-        return noise.constant((self.alpha[0], self.alpha[-1]))
+        return motion_noise.constant((self.alpha[0], self.alpha[-1]))
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
-        yield from noise.negative_variances(self.alpha)
+        yield from motion_noise.negative_variances(self.alpha)
         if len(self.alpha) == 3:
             yield "alpha", "must be 2 numbers, or 4 of which the first and the last count, got 3"
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
         """Make the tables of the motion noise."""
-        noise.prepare(group, model)
+        motion_noise.prepare(group, model)
 
     @staticmethod
     def begin(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
@@ -77,7 +77,7 @@ class Omni:
     @staticmethod
     def move(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Advance the members' positions by one step."""
-        executed = noise.executed(group, model, state, shard)
+        executed = motion_noise.executed(group, model, state, shard)
         move_omni(shard.worlds, group.members, group.params, model, state, executed)
 
 

@@ -92,13 +92,16 @@ class Certificate:
         failed: Floats = (self.outcome != OUTCOMES.index("success")).mean(axis=(0, 2))
         return failed if len(self.policies) else np.zeros(self.count)
 
+    def ranked(self, count: int) -> Ints:
+        """Return the first levels from the easiest to the hardest."""
+        return np.lexsort((self.least_time.max(axis=1)[:count], self.difficulty[:count])).astype(np.int64)
+
     def quarters(self, count: int | None = None) -> Ints:
         """Return the quarter of difficulty of each of the first levels, from 0 (easiest) to 3, shape ``(count,)``.
 
         Levels of equal difficulty are in the order of the least time that they take, the longer one the harder.
         """
-        chosen = slice(0, self.count if count is None else count)
-        ranked = np.lexsort((self.least_time.max(axis=1)[chosen], self.difficulty[chosen]))
+        ranked = self.ranked(self.count if count is None else count)
         quarter = np.zeros(len(ranked), np.int64)
         quarter[ranked] = np.arange(len(ranked)) * QUARTERS // len(ranked)
         return quarter
@@ -139,15 +142,15 @@ def read_certificate(file: Path) -> Certificate:
         raise IrsimGymError(f"{file} is no certificate of levels: {error}") from None
 
 
-def find_certificate(scenario: Scenario, split: str, hashes: Words) -> Certificate | None:
+def find_certificate(scenario: Scenario, agents: Sequence[str], split: str, hashes: Words) -> Certificate | None:
     """Return the certificate of a scenario's levels: beside its file of levels or its own file, or shipped.
 
-    None where there is none for levels with these hashes.
+    None where there is none for levels with these hashes and agents.
     """
     for file in _candidates(scenario):
         if file.is_file():
             found = read_certificate(file)
-            if found.split == split and found.matches(hashes):
+            if found.split == split and found.agents == tuple(agents) and found.matches(hashes):
                 return found
     return None
 
@@ -155,15 +158,19 @@ def find_certificate(scenario: Scenario, split: str, hashes: Words) -> Certifica
 def _candidates(scenario: Scenario) -> list[Path]:
     """Return the files in which a certificate may be."""
     files = [scenario.levels.file] if scenario.levels is not None else []
-    beside = [Path(file).with_suffix("").with_suffix(SUFFIX) for file in (*files, scenario.file) if file]
+    beside = [certificate_beside(Path(file)) for file in (*files, scenario.file) if file]
     return [*beside, shipped_certificate(scenario)]
+
+
+def certificate_beside(file: Path) -> Path:
+    """Return where the certificate of a file of levels, or of a scenario's own file, is or would be."""
+    return file.with_name(file.stem + SUFFIX)
 
 
 def shipped_certificate(scenario: Scenario) -> Path:
     """Return where the certificate of a shipped scenario is, or would be; values of parameters are in its name."""
     stem = Path(scenario.file).stem if scenario.file else scenario.name
-    changed = [f"-{name}={value}" for name, value in sorted(scenario.parameters.items())]
-    folder = library.configs_folder() / FOLDER
-    plain = folder / f"{stem}.npz"
-    named = folder / f"{stem}{''.join(changed)}.npz"
-    return named if named.is_file() else plain
+    declared = scenario.source.data.get("parameters") or {}
+    values = scenario.parameters.items()
+    changed = [f"-{name}={value}" for name, value in values if value != declared[name]["default"]]
+    return library.configs_folder() / FOLDER / f"{stem}{''.join(changed)}.npz"

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.evaluation.certificate_measures import LevelMeasures, measure_level
-from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow
+from irsim_gym.evaluation.metrics import OUTCOMES
+from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.certificate import Certificate, rounded
@@ -48,7 +49,12 @@ def certify(
         density.append(covered_share(simulation.model, simulation.state, world))
 
     drawn = draw_levels(simulation, [split], count, on_levels, look)
-    rows = [_rows(policy, episodes, split, count, on_levels) for policy in policies.values()]
+    optima = Optima(split)
+    teams = (
+        evaluate_team(policy, episodes, count, split, optima=optima, on_episodes=on_levels)
+        for policy in policies.values()
+    )
+    rows = [[[agent.episode for agent in level.agents] for level in levels] for levels in teams]
     n_rows = len(rows), count, len(agents)
     outcomes = [OUTCOMES.index(row.outcome) for levels in rows for team in levels for row in team]
     times = [row.time for levels in rows for team in levels for row in team]
@@ -73,11 +79,3 @@ def certify(
 
 def _column(measured: Sequence[Sequence[LevelMeasures]], name: str) -> Any:
     return rounded([[getattr(one, name) for one in level] for level in measured])
-
-
-def _rows(
-    policy: Policy, episodes: Episodes, split: str, count: int, on_levels: Callable[[int], None] | None
-) -> list[list[EpisodeRow]]:
-    """Return the episodes of a policy, by level and agent."""
-    teams = evaluate_team(policy, episodes, count, split, on_episodes=on_levels)
-    return [[agent.episode for agent in team.agents] for team in teams]

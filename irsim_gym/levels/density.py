@@ -44,7 +44,8 @@ def _map_boxes(model: WorldModel, world: int) -> Floats:
     cells = model.cells
     if cells is None:
         return np.zeros((0, 4))
-    first_column, end_column, first_row, end_row = cells.boxes.T
+    row = world % len(cells.n_boxes)
+    first_column, end_column, first_row, end_row = cells.boxes[row, : cells.n_boxes[row]].T
     x = cells.x + cells.width * np.stack([first_column, end_column])
     y = cells.y + cells.height * np.stack([first_row, end_row])
     return np.stack([x[0], y[0], x[1], y[1]], axis=1)

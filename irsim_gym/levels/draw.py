@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,8 @@ from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.engine import Simulation
 from irsim_gym.engine.level_table import given_bodies, varied_outlines
 from irsim_gym.evaluation.protocol import check_count
-from irsim_gym.scenario import Scenario
-from irsim_gym.scenario.level_checks import drawn_bodies
+from irsim_gym.scenario import Scenario, library
+from irsim_gym.scenario.level_checks import drawn_bodies, without_map
 from irsim_gym.scenario.level_set import LevelSet
 from irsim_gym.world.outline import outline_rows
 
@@ -62,7 +63,10 @@ def draw_levels(
 
 def about(scenario: Scenario) -> dict[str, Any]:
     """Return what a file of levels says about the scenario that drew it."""
-    said = {"scenario": scenario.file or scenario.name, "name": scenario.name, "hash": scenario_hash(scenario)}
+    shipped = library.every_scenario().get(Path(scenario.file).stem)
+    is_shipped = shipped is not None and shipped.resolve() == Path(scenario.file).resolve()
+    home = Path(scenario.file).stem if is_shipped else Path(scenario.file).name
+    said = {"scenario": home, "name": scenario.name, "hash": scenario_hash(scenario)}
     return {**said, "parameters": dict(scenario.parameters)}
 
 
@@ -83,9 +87,11 @@ class _Taker:
     def __init__(self, simulation: Simulation) -> None:
         scenario, self._simulation = simulation.scenario, simulation
         drawn = np.zeros(len(scenario.bodies), np.bool_)
-        drawn[list(drawn_bodies(scenario.bodies, scenario.placements))] = True
+        drawn[list(drawn_bodies(*without_map(scenario)))] = True
         self._bodies: Ints = np.flatnonzero(drawn | given_bodies(scenario))
-        self._shaped: Flags = varied_outlines(scenario)[self._bodies]
+        varied = varied_outlines(scenario)
+        self._shaped: Flags = varied[self._bodies]
+        self._cells: list[Flags] | None = [] if scenario.occupied is not None and varied[-1] else None
         self._rows: dict[str, list[Any]] = {name: [] for name in ("start", "goal", "present", "random")}
         self._outlines: tuple[list[Floats], list[Floats]] = [], []
         self._counts: tuple[list[list[int]], list[list[int]]] = [], []
@@ -100,6 +106,8 @@ class _Taker:
         self._rows["start"].append(np.where(present[..., None], model.start[chosen], 0.0))
         self._rows["goal"].append(np.where(has_goal[..., None], model.waypoints[chosen][:, :, 0], np.nan))
         self._rows["random"].append(model.level_random[worlds])
+        if self._cells is not None:
+            self._cells.append(model.map_squares[worlds, 0] == 0)
         for w in range(count):
             self._take_outlines(w)
 
@@ -134,7 +142,7 @@ class _Taker:
             segment_start=starts[0],
             discs=np.concatenate([np.zeros((0, 3)), *rounds]),
             disc_start=starts[1],
-            cells=None,
+            cells=None if self._cells is None else np.concatenate(self._cells),
             random=rows["random"],
             splits={},
         )

@@ -75,6 +75,6 @@ def _share(count: int, total: int) -> str:
 def played_levels(simulation: Simulation, split: str, count: int) -> PlayedLevels:
     """Return which levels the first ones of a split are; they are drawn once more."""
     hashes = draw_levels(simulation, [split], count).hashes()
-    levels = simulation.scenario.levels
+    levels, agents = simulation.scenario.levels, [simulation.parts.names[b] for b in simulation.agents]
     file = "" if levels is None else levels.file
-    return PlayedLevels(count, set_hash(hashes), file, find_certificate(simulation.scenario, split, hashes))
+    return PlayedLevels(count, set_hash(hashes), file, find_certificate(simulation.scenario, agents, split, hashes))

@@ -20,7 +20,7 @@ from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
     from irsim_gym.render import Renderer
-    from irsim_gym.render.layout import Layout, Limits
+    from irsim_gym.render.frame_layout import Layout, Limits
     from irsim_gym.render.scene import Scene
     from irsim_gym.scenario import Scenario
 

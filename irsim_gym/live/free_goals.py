@@ -90,6 +90,11 @@ def _touches_map(simulation: Simulation, x: float, y: float, radius: float) -> b
     columns, rows = occupied.shape
     first, last = (max(math.floor((x + side * radius - left) / width), 0) for side in (-1, 1))
     low, high = (max(math.floor((y + side * radius - bottom) / height), 0) for side in (-1, 1))
+    disc = float(simulation.model.map_disc[0])
+    if disc > 0.0:
+        columns_rows = np.argwhere(occupied)
+        centres = np.array([left, bottom]) + (columns_rows + 0.5) * [width, height]
+        return bool((np.hypot(*(centres - [x, y]).T) <= radius + disc).any())
     i, j = np.nonzero(occupied[first : min(last, columns - 1) + 1, low : min(high, rows - 1) + 1])
     beside = x - np.clip(x, left + (i + first) * width, left + (i + first + 1) * width)
     above = y - np.clip(y, bottom + (j + low) * height, bottom + (j + low + 1) * height)

@@ -11,9 +11,9 @@ from irsim_gym.engine.telemetry import telemetry
 from irsim_gym.live import moves
 
 if TYPE_CHECKING:
-    from irsim_gym.render.layout import Layout
+    from irsim_gym.render.frame_layout import Layout
     from irsim_gym.render.packing import PackedFrame
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
     from irsim_gym.render.scene import Scene
 
 NOTHING_KEPT = "nothing was kept: load the world with record=True"
@@ -39,7 +39,7 @@ class Reel:
     def keep(self, frame: Bytes, scene: Scene, simulation: Simulation) -> None:
         """Keep a moment: its picture, what that shows, and how the robots fare."""
         from irsim_gym.render.packing import PackedFrame
-        from irsim_gym.render.replay import Recording
+        from irsim_gym.render.replay_data import Recording
 
         if self._filmed or (self._frames and frame.shape != self._frames[0].shape):
             self._frames, self._filmed = [], False  # of another shape: another file was loaded

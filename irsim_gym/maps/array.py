@@ -10,6 +10,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags
 from irsim_gym.errors import OptionError
+from irsim_gym.maps.level import disc_option
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.outline import Outline
 
@@ -24,6 +25,7 @@ class ArrayMap:
     is_random: ClassVar[bool] = False
 
     cells: Any = option(meaning="One list per column, from the left; each lists the rows from the bottom.")
+    disc_radius: float | None = disc_option()
 
     def outline(self) -> Outline:
         """Return an outline without rows: cells are no outline."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.errors import OptionError
+from irsim_gym.maps.level import disc_option
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.outline import Outline
 
@@ -31,6 +32,7 @@ class ImageMap:
         meaning="Image file (PNG, JPEG, ...), searched as given, beside the scenario, among the shipped maps, "
         "then among those of an installed ir-sim.",
     )
+    disc_radius: float | None = disc_option()
 
     def outline(self) -> Outline:
         """Return an outline without rows: cells are no outline."""

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
 from irsim_gym.errors import OptionError
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option, unordered_ranges
 from irsim_gym.structs import Struct
+from irsim_gym.world.group import Group
 from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import Outline
 
 MOST_CELLS = 4_000_000
 MOST_LEVEL_CELLS = 65_536
 """Most cells of a map that every world has for itself."""
+LEAST_ORDER = 512
 
 
 @dataclass(repr=False)
@@ -22,11 +29,13 @@ class MapTables(Struct):
 
     Attributes:
         occupied: Occupied cells, shape ``(n_slots, columns, rows)``.
+        before: Scratch, a flag for each cell, in the same way.
         line: Scratch for ``lay_cells``, shape ``(n_slots, columns)``.
-        order: Scratch, a number for each cell, shape ``(n_slots, columns * rows)``.
+        order: Scratch, a number for each cell and at least ``LEAST_ORDER``, shape ``(n_slots, n)``.
     """
 
     occupied: Flags
+    before: Flags
     line: Floats
     order: Ints
 
@@ -36,9 +45,41 @@ def map_tables(model: WorldModel, n_slots: int) -> MapTables:
     columns, rows = model.map_room.shape[1:]
     return MapTables(
         occupied=np.zeros((n_slots, columns, rows), np.bool_),
+        before=np.zeros((n_slots, columns, rows), np.bool_),
         line=np.zeros((n_slots, columns)),
-        order=np.zeros((n_slots, columns * rows), np.int64),
+        order=np.zeros((n_slots, max(columns * rows, LEAST_ORDER)), np.int64),
     )
+
+
+def disc_option() -> Any:
+    """Declare the option ``disc_radius``."""
+    return option(
+        None,
+        gt=0.0,
+        unit="m",
+        meaning="Each occupied cell holds a disc of this radius in its middle, at most half a cell; default: all of it "
+        "is occupied. Behaviours avoid the whole cell.",
+    )
+
+
+@kind
+class LevelMap:
+    """What all maps that are drawn for each level have."""
+
+    resolution: float = option(
+        1.0, gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world; at most 65536 cells."
+    )
+    border: bool = option(True, meaning="Occupy the outermost cells in every level.")
+    disc_radius: float | None = disc_option()
+
+    def outline(self) -> Outline:
+        """Return an outline without rows: cells are no outline."""
+        return Outline(solid=False)
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Make room to draw in."""
+        group.tables = map_tables(model, n_slots)
 
 
 def map_size(resolution: float, width: float, height: float, most: int = MOST_LEVEL_CELLS) -> tuple[int, int]:
@@ -59,8 +100,36 @@ def map_size(resolution: float, width: float, height: float, most: int = MOST_LE
     return columns, rows
 
 
-def bordered(columns: int, rows: int, border: bool) -> Flags:
-    """Return a map of which the outermost cells are occupied, or none, shape ``(columns, rows)``."""
-    occupied = np.full((columns, rows), border, np.bool_)
-    occupied[1:-1, 1:-1] = False
+def bordered(options: LevelMap, width: float, height: float) -> Flags:
+    """Return the cells that are occupied in every level: the border if there is one, shape ``(columns, rows)``.
+
+    Raises:
+        OptionError: There would be too many cells, or none within the border.
+    """
+    columns, rows = map_size(options.resolution, width, height)
+    if options.border and min(columns, rows) < 3:
+        raise OptionError("resolution", f"makes {columns} x {rows} cells, of which the border leaves none free")
+    occupied = np.full((columns, rows), options.border, np.bool_)
+    if options.border:
+        occupied[1:-1, 1:-1] = False
     return occupied
+
+
+def span(length: float, resolution: float) -> int:
+    """Return how many cells of a side a length [m] is, at least one."""
+    return max(1, round(length / resolution))
+
+
+def share_problems(options: LevelMap, name: str) -> Iterator[tuple[str, str]]:
+    """Yield a problem if an option is no pair of bounds between 0 and 1."""
+    yield from unordered_ranges(options, name, least=0.0)
+    if getattr(options, name)[1] > 1.0:
+        yield name, f"must lie between 0 and 1, got up to {getattr(options, name)[1]:g}"
+
+
+@kernel
+def clear_inside(occupied: Flags, edge: int) -> None:
+    """Free all cells of a map, but occupy so many rings of them along its edge."""
+    columns, rows = occupied.shape
+    occupied[:] = edge > 0
+    occupied[edge : columns - edge, edge : rows - edge] = False

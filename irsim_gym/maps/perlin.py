@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints
-from irsim_gym.maps.level import MOST_CELLS, map_size
+from irsim_gym.maps.level import MOST_CELLS, MOST_LEVEL_CELLS, disc_option, map_size
+from irsim_gym.maps.noise_levels import GRADIENTS, draw_noise_maps, noise_tables
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import Outline
-
-_Q = np.sqrt(0.5)
-GRADIENTS = np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [_Q, _Q], [-_Q, _Q], [_Q, -_Q], [-_Q, -_Q]])
+from irsim_gym.world.state import WorldState
 
 
 @kind
 class PerlinMap:
     """Caves and islands from smooth noise, with a given share of occupied cells."""
 
-    is_random: ClassVar[bool] = False
+    only_kernels: ClassVar[bool] = True
 
     resolution: float = option(gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world.")
     complexity: float = option(0.142857, gt=0.0, meaning="Bumps per cell: larger is finer.")
@@ -30,21 +31,46 @@ class PerlinMap:
     fractal: int = option(1, ge=1, le=32, meaning="Number of octaves, each twice as fine as the previous one.")
     attenuation: float = option(0.5, gt=0.0, meaning="Octave k has this weight divided by k + 1.")
     seed: int | None = option(None, ge=0, meaning="Seed of the map; default: derived from the world's name.")
+    disc_radius: float | None = disc_option()
+    per_level: bool = option(False, meaning="Draw another map in each level; at most 65536 cells.")
+
+    @property
+    def is_random(self) -> bool:
+        """True if each level draws a map of its own."""
+        return self.per_level
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        if self.per_level and self.seed is not None:
+            yield "seed", "has no effect with per_level: each level draws its map from its own random numbers"
 
     def outline(self) -> Outline:
         """Return an outline without rows: cells are no outline."""
         return Outline(solid=False)
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
-        """Return which cells are occupied, shape ``(columns, rows)``.
+        """Return which cells are occupied, shape ``(columns, rows)``; none that are so in every level.
 
         Raises:
             OptionError: There would be too many cells.
         """
-        columns, rows = map_size(self.resolution, width, height, MOST_CELLS)
+        columns, rows = map_size(self.resolution, width, height, MOST_LEVEL_CELLS if self.per_level else MOST_CELLS)
+        if self.per_level:
+            return np.zeros((columns, rows), np.bool_)
         noise = self.noise(columns, rows, seed_of(name) if self.seed is None else self.seed)
         place = min(int((1.0 - self.fill) * noise.size), noise.size - 1)
         return np.asarray(noise > np.sort(noise, axis=None)[place])
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Make room to draw in."""
+        group.tables = noise_tables(model, n_slots)
+
+    @staticmethod
+    def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Draw the map of each world."""
+        cells: Any = model.cells
+        draw_noise_maps(shard.worlds, shard.slot, group.params, group.tables, cells, state)
 
     def noise(self, columns: int, rows: int, seed: int) -> Floats:
         """Return noise from 0 to 1, shape ``(columns, rows)``."""

@@ -12,6 +12,7 @@ from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.segments import gap2, point_segment_distance2, segment_segment_distance2
 from irsim_gym.geometry.world_maps import capsule_meets_map, map_distance
 from irsim_gym.jit import kernel
+from irsim_gym.paths.points import PointMap, capsule_meets_points, points_distance
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
@@ -29,6 +30,7 @@ class Obstacles(NamedTuple):
         w: Which world.
         blocks: Bodies that are in the way, shape ``(n_bodies,)``.
         cells: The occupancy maps, whose occupied cells are always in the way, or None.
+        points: Points that are in the way too, or None.
     """
 
     model: WorldModel
@@ -36,6 +38,7 @@ class Obstacles(NamedTuple):
     w: int
     blocks: Flags
     cells: CellMaps | None
+    points: PointMap | None
 
 
 @kernel
@@ -80,7 +83,9 @@ def way_is_free(obstacles: Obstacles, radius: float, start: Point, end: Point) -
                 return False
         if outline.solid and holds_point(outline, ax, ay):
             return False
-    return not capsule_meets_map(obstacles.cells, obstacles.w, ax, ay, bx, by, radius)
+    if capsule_meets_map(obstacles.cells, obstacles.w, ax, ay, bx, by, radius):
+        return False
+    return not capsule_meets_points(obstacles.points, ax, ay, bx, by, radius)
 
 
 @kernel
@@ -96,4 +101,5 @@ def room_at(obstacles: Obstacles, x: float, y: float, limit: float) -> float:
         dx, dy, far = pose[b, 0] - x, pose[b, 1] - y, model.reach[row_of(model.reach, w), b] + best
         if dx * dx + dy * dy < far * far:
             best = min(best, point_outline_distance(x, y, outline_of(model, obstacles.state, w, b)))
-    return float(np.maximum(map_distance(obstacles.cells, w, x, y, best), 0.0))
+    best = points_distance(obstacles.points, x, y, map_distance(obstacles.cells, w, x, y, best))
+    return float(np.maximum(best, 0.0))

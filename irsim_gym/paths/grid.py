@@ -22,6 +22,7 @@ from irsim_gym.geometry.polygons import holds_point
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.points import PointMap
 from irsim_gym.world.outline import outline_of
 
 FREE, BLOCKED = np.uint8(0), np.uint8(1)
@@ -135,6 +136,7 @@ def mark_blocked(obstacles: Obstacles, radius: float, grid: Grid, blocked: Bytes
         if blocks[b]:
             block_inside(outline_of(obstacles.model, obstacles.state, obstacles.w, b), grid, blocked)
     block_around_cells(obstacles.cells, obstacles.w, wide, grid, blocked)
+    block_around_points(obstacles.points, wide, grid, blocked)
 
 
 @kernel
@@ -147,7 +149,26 @@ def block_around_cells(cells: CellMaps | None, w: int, radius: float, grid: Grid
     for k in range(here.n_boxes):
         left, right = x + boxes[k, 0] * cells.width, x + boxes[k, 1] * cells.width
         low, high = y + boxes[k, 2] * cells.height, y + boxes[k, 3] * cells.height
+        if cells.radius > 0.0:
+            for i in range(boxes[k, 0], boxes[k, 1]):
+                for j in range(boxes[k, 2], boxes[k, 3]):
+                    cx, cy = x + (i + 0.5) * cells.width, y + (j + 0.5) * cells.height
+                    block_capsule(cx, cy, cx, cy, radius + cells.radius, grid.cell, blocked)
+            continue
         block_box(left, low, right, high, radius, grid.cell, blocked)
+
+
+@kernel
+def block_around_points(points: PointMap | None, radius: float, grid: Grid, blocked: Bytes) -> None:
+    """Block the cells whose centres lie within ``radius`` [m] of a point."""
+    if points is None:
+        return
+    places = points.places
+    for i in range(places.shape[0]):
+        for j in range(places.shape[1]):
+            x, y = float(places[i, j, 0]) - grid.origin_x, float(places[i, j, 1]) - grid.origin_y
+            if x == x:
+                block_capsule(x, y, x, y, radius, grid.cell, blocked)
 
 
 @kernel

@@ -63,7 +63,14 @@ def touch_cells(
         right = (cells.x + boxes[k, 1] * cells.width - x) / width
         low = (cells.y + boxes[k, 2] * cells.height - y) / height
         high = (cells.y + boxes[k, 3] * cells.height - y) / height
-        touch_box(left, right, low, high, touched)
+        if cells.radius == 0.0:
+            touch_box(left, right, low, high, touched)
+            continue
+        radius_x, radius_y = cells.radius / width, cells.radius / height
+        for i in range(boxes[k, 0], boxes[k, 1]):
+            for j in range(boxes[k, 2], boxes[k, 3]):
+                cx = (cells.x + (i + 0.5) * cells.width - x) / width
+                touch_disc(cx, (cells.y + (j + 0.5) * cells.height - y) / height, radius_x, radius_y, touched)
 
 
 @kernel

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats
-from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.clearance import Obstacles, way_is_free
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.occupancy import mark_touched
@@ -94,6 +94,22 @@ def has_free_path(
     return bool(is_reachable(obstacles, float(radius), *ends, grid, grid.blocked(), grid.runs()))
 
 
+def blocking_bodies(
+    model: WorldModel, state: WorldState, world: int, radius: float, place: Point, blocks: Flags
+) -> list[int | None]:
+    """Return which of some bodies a disc touches, None for the obstacle map; arguments as for ``free_path``."""
+    touched: list[int | None] = []
+    for b in (*np.flatnonzero(blocks).tolist(), None):
+        alone = np.zeros_like(blocks)
+        alone[[] if b is None else b] = True
+        obstacles = _obstacles(model, state, world, alone)
+        if b is not None:
+            obstacles = obstacles._replace(cells=None)
+        if not way_is_free(obstacles, float(radius), _point(place), _point(place)):
+            touched.append(b)
+    return touched
+
+
 def touched_cells(
     model: WorldModel, state: WorldState, world: int, n_cells: tuple[int, int], *, blocks: Flags | None = None
 ) -> Flags:
@@ -147,4 +163,4 @@ def _point(values: Point) -> tuple[float, float]:
 
 def _obstacles(model: WorldModel, state: WorldState, world: int, blocks: Flags | None) -> Obstacles:
     chosen = standing_bodies(model, world) if blocks is None else np.ascontiguousarray(blocks, np.bool_)
-    return Obstacles(model, state, int(world), chosen, model.cells)
+    return Obstacles(model, state, int(world), chosen, model.cells, None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -11,8 +12,15 @@ from irsim_gym.arraytypes import CellMap, CellMaps, Flags, Floats, Ints
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
-from irsim_gym.paths.regions import way_tables
-from irsim_gym.placements.free_space import WayGrids, has_way, is_goal_free, is_start_free
+from irsim_gym.placements.free_space import (
+    WayGrids,
+    has_way_of_length,
+    is_goal_free,
+    is_start_free,
+    length_option,
+    length_problems,
+    way_grids,
+)
 from irsim_gym.rng import integer, uniform
 from irsim_gym.scenario.options import kind
 from irsim_gym.structs import Struct
@@ -32,7 +40,8 @@ class CellTables(Struct):
     Attributes:
         members: The bodies to place.
         everyone: Numbers of all bodies.
-        needs_way: Free cells are no proof of a way, as other bodies may stand in them.
+        needs_way: Free cells are not proof enough: other bodies may stand in them, or ways have limits.
+        limits: Least and greatest length of a way [m], shape ``(2,)``.
         free: Scratch: the free cells, shape ``(n_slots, columns * rows)``.
         found: Scratch: the cells that can be reached from a start, in the same way.
         seen: Scratch: where a search has been, in the same way.
@@ -41,6 +50,7 @@ class CellTables(Struct):
     members: Ints
     everyone: Ints
     needs_way: bool
+    limits: Floats
     free: Ints
     found: Ints
     seen: Flags
@@ -56,6 +66,13 @@ class CellPlacement:
     ensures_way: ClassVar[bool] = True
     gives_goal: ClassVar[bool] = True
 
+    min_way_length: float = length_option("min_way_length")
+    max_way_length: float | None = length_option("max_way_length")
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from length_problems(self.min_way_length, self.max_way_length)
+
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
         """Make room for searches; return what does not fit the world."""
@@ -66,28 +83,31 @@ class CellPlacement:
         if reaches.max(initial=0.0) >= 0.5 * side:
             return f"needs cells wider than the members: a cell is {side:g} m wide, they reach {reaches.max():g} m"
         n_bodies, n_cells = len(model.role), int(np.prod(model.map_room.shape[1:]))
-        needs_way = bool((model.stands & ~model.unobstructed).any())
+        options = group.options[0]
+        limits = np.array([options.min_way_length, options.max_way_length or np.inf])
+        needs_way = bool((model.stands & ~model.unobstructed).any() or limits[0] > 0.0 or limits[1] < np.inf)
         reach = float(reaches.min(initial=side)) if needs_way else float(np.max(model.bounds[2:] - model.bounds[:2]))
-        grids = (way_tables(Grid.over(model.bounds, share * reach), n_slots, n_bodies) for share in (COARSE, FINE))
+        grids = [Grid.over(model.bounds, share * reach) for share in (COARSE, FINE)]
         group.tables = (
             CellTables(
                 members=group.members,
                 everyone=np.arange(n_bodies),
                 needs_way=needs_way,
+                limits=limits,
                 free=np.zeros((n_slots, n_cells), np.int64),
                 found=np.zeros((n_slots, n_cells), np.int64),
                 seen=np.zeros((n_slots, n_cells), np.bool_),
             ),
-            WayGrids(np.zeros((n_slots, n_bodies), np.bool_), *grids),
+            way_grids(grids, n_slots, n_bodies, limits.tolist()),
         )
         return None
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
         """Draw starts and goals; ``failed[w]`` becomes body + 1 where a member found no place."""
-        tables, way_grids = group.tables
+        tables, grids = group.tables
         cells: Any = model.cells
-        draw_in_cells(shard.worlds, shard.slot, tables, way_grids.of_slot(shard.slot), model, state, cells, failed)
+        draw_in_cells(shard.worlds, shard.slot, tables, grids.of_slot(shard.slot), model, state, cells, failed)
 
 
 @kernel
@@ -105,9 +125,9 @@ def draw_in_cells(
 
     Every free cell is as likely a start as any other, and so is every goal that can be reached from it.
 
-    Reads: tables (everyone, found, free, members, needs_way, seen), model (disc_count, disc_start, goal_renewal,
-        has_goal, local_discs, local_segments, present, reach, segment_count, segment_start, solid, stands,
-        waypoint_count, waypoints), state (discs, placed, pose, random, segments).
+    Reads: tables (everyone, found, free, limits, members, needs_way, seen), model (disc_count, disc_start,
+        goal_renewal, has_goal, local_discs, local_segments, present, reach, segment_count, segment_start, solid,
+        stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
     Writes: tables (found, free, seen), grids, model (waypoints), state (discs, placed, pose, random, segments), failed.
     """
     free, found, seen = tables.free[slot], tables.found[slot], tables.seen[slot]
@@ -130,7 +150,7 @@ def draw_in_cells(
                     n_found -= 1
                     put_in_cell(here, take(found, n_found, w, state), w, state, model.waypoints[w, b, 0])
                     state.placed[w, b] = is_goal_free(w, b, 0.0, model, state, cells) and (
-                        not tables.needs_way or has_way(w, b, grids, model, state, cells)
+                        not tables.needs_way or has_way_of_length(w, b, tables.limits, grids, model, state, cells)
                     )
             if not state.placed[w, b]:
                 failed[w] = b + 1

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
-from irsim_gym.arraytypes import BodyOutline, CellMaps, Flags, Floats, Ints
+import numpy as np
+
+from irsim_gym.arraytypes import BodyOutline, Bytes, CellMaps, Flags, Floats, Ints
 from irsim_gym.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
 from irsim_gym.geometry.world_maps import map_is_closer, outline_near_map
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles
-from irsim_gym.paths.regions import WayTables, of_slot, way_exists
+from irsim_gym.paths.clearance import Obstacles, Point
+from irsim_gym.paths.geodesic import shortest_path
+from irsim_gym.paths.grid import Grid, Search
+from irsim_gym.paths.pulling import path_length
+from irsim_gym.paths.regions import WayTables, of_slot, way_exists, way_tables
+from irsim_gym.scenario.options import option
 from irsim_gym.world.model import KEEP_GOAL, WANDER, WorldModel
 from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
@@ -23,15 +30,77 @@ class WayGrids(NamedTuple):
         blocks: Scratch, shape ``(n_bodies,)``; it and the tables have a first axis for the slot until ``of_slot``.
         coarse: What it finds is a proof.
         fine: Asked where the coarse one finds nothing.
+        search: What lengths of ways are measured with; None where nobody asks for them.
     """
 
     blocks: Flags
     coarse: WayTables
     fine: WayTables
+    search: WaySearch | None
 
     def of_slot(self, slot: int) -> WayGrids:
         """Return one slot's share of the memory."""
-        return WayGrids(self.blocks[slot], of_slot(self.coarse, slot), of_slot(self.fine, slot))
+        search = None if self.search is None else self.search.of_slot(slot)
+        return WayGrids(self.blocks[slot], of_slot(self.coarse, slot), of_slot(self.fine, slot), search)
+
+
+class WaySearch(NamedTuple):
+    """Memory in which the shortest way is looked for; arrays have a first axis for the slot until ``of_slot``.
+
+    Attributes:
+        grid: The grid.
+        blocked: See ``paths.grid.Search``.
+        field: In the same way.
+        queue: In the same way.
+        path: Points of a way [m], shape ``(n_points, 2)``.
+    """
+
+    grid: Grid
+    blocked: Bytes
+    field: Floats
+    queue: Ints
+    path: Floats
+
+    def of_slot(self, slot: int) -> WaySearch:
+        """Return one slot's share of the memory."""
+        return WaySearch(self.grid, self.blocked[slot], self.field[slot], self.queue[slot], self.path[slot])
+
+
+def way_grids(grids: Sequence[Grid], n_slots: int, n_bodies: int, limits: Sequence[float]) -> WayGrids:
+    """Return memory for ways on a coarse and a fine grid, and for their lengths where these have ``limits`` [m]."""
+    coarse, fine = (way_tables(grid, n_slots, n_bodies) for grid in grids)
+    search = None
+    if limits[0] > 0.0 or limits[1] < np.inf:
+        one, points = grids[1].search(), grids[1].path()
+        arrays = (np.zeros((n_slots, *each.shape), each.dtype) for each in (*one, points))
+        search = WaySearch(grids[1], *arrays)
+    return WayGrids(np.zeros((n_slots, n_bodies), np.bool_), coarse, fine, search)
+
+
+def length_option(name: str) -> Any:
+    """Declare the option ``min_way_length`` or ``max_way_length``."""
+    if name == "min_way_length":
+        return option(
+            0.0,
+            ge=0.0,
+            unit="m",
+            meaning="Least length of the shortest way from start to goal, past the map and static bodies.",
+            consequence="Longer than any way: an error that names the body.",
+        )
+    return option(
+        None,
+        gt=0.0,
+        unit="m",
+        meaning="Greatest length of that way, as it is found over cells half as wide as the body's reach: some 3 % "
+        "longer than the shortest at most. Default: any.",
+        consequence="Little more than the least one: levels take long to draw, or cannot be.",
+    )
+
+
+def length_problems(least: float, most: float | None) -> Iterator[tuple[str, str]]:
+    """Yield a problem if no way is as long as these two options ask for."""
+    if most is not None and most < least:
+        yield "max_way_length", f"must not be less than min_way_length, got {most:g} and {least:g}"
 
 
 @kernel
@@ -135,6 +204,40 @@ def is_goal_free(
 
 
 @kernel
+def has_way_of_length(
+    w: int, b: int, limits: Floats, grids: WayGrids, model: WorldModel, state: WorldState, cells: CellMaps | None
+) -> bool:
+    """Return whether a disc around body b has a free way to its goal, whose length is within ``limits`` [m].
+
+    Reads: model (present, reach, stands, waypoints), state (placed, pose).
+    Writes: grids.
+    """
+    dx, dy = model.waypoints[w, b, 0, 0] - state.pose[w, b, 0], model.waypoints[w, b, 0, 1] - state.pose[w, b, 1]
+    straight = np.sqrt(dx * dx + dy * dy)
+    if straight > limits[1] or not has_way(w, b, grids, model, state, cells):
+        return False
+    if straight >= limits[0] and limits[1] == np.inf:
+        return True
+    obstacles, radius = Obstacles(model, state, w, grids.blocks, cells, None), model.reach[row_of(model.reach, w), b]
+    start, goal = (state.pose[w, b, 0], state.pose[w, b, 1]), (model.waypoints[w, b, 0, 0], model.waypoints[w, b, 0, 1])
+    return bool(limits[0] <= way_length(grids.search, obstacles, radius, start, goal) <= limits[1])
+
+
+@kernel
+def way_length(search: WaySearch | None, obstacles: Obstacles, radius: float, start: Point, goal: Point) -> float:
+    """Return the length of the shortest way that is found [m]: inf without one, 0 where there is no memory for it.
+
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: search.
+    """
+    if search is None:
+        return 0.0
+    memory = Search(search.blocked, search.field, search.queue)
+    count = shortest_path(obstacles, radius, start, goal, search.grid, memory, search.path)
+    return float(path_length(search.path, count)) if count > 0 else np.inf
+
+
+@kernel
 def has_way(w: int, b: int, grids: WayGrids, model: WorldModel, state: WorldState, cells: CellMaps | None) -> bool:
     """Return whether a disc around body b has a free way to its goal past the placed static bodies.
 
@@ -144,7 +247,8 @@ def has_way(w: int, b: int, grids: WayGrids, model: WorldModel, state: WorldStat
     blocks, goal = grids.blocks, (model.waypoints[w, b, 0, 0], model.waypoints[w, b, 0, 1])
     for q in range(blocks.shape[0]):
         blocks[q] = q != b and state.placed[w, q] and model.present[w, q] and model.stands[q]
-    obstacles, radius = Obstacles(model, state, w, blocks, cells), model.reach[row_of(model.reach, w), b]
+    obstacles = Obstacles(model, state, w, blocks, cells, None)
+    radius = model.reach[row_of(model.reach, w), b]
     start = (state.pose[w, b, 0], state.pose[w, b, 1])
     return way_exists(obstacles, radius, start, goal, grids.coarse) or way_exists(
         obstacles, radius, start, goal, grids.fine

@@ -12,8 +12,16 @@ from irsim_gym.arraytypes import CellMaps, Flags, Floats, Ints
 from irsim_gym.geometry.buckets import bucket_of, gather_nearby, put
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
-from irsim_gym.paths.regions import way_tables
-from irsim_gym.placements.free_space import WayGrids, has_way, is_goal_free, is_spaced, is_start_free
+from irsim_gym.placements.free_space import (
+    WayGrids,
+    has_way_of_length,
+    is_goal_free,
+    is_spaced,
+    is_start_free,
+    length_option,
+    length_problems,
+    way_grids,
+)
 from irsim_gym.placements.manual import world_box
 from irsim_gym.rng import uniform
 from irsim_gym.scenario.options import crossed_bounds, kind, option
@@ -51,6 +59,7 @@ class DrawTables(Struct):
         clearance: Surface distance kept from everything else [m].
         min_goal_distance: Least distance from start to goal [m].
         needs_way: A start counts only where there is a free way to the goal.
+        limits: Least and greatest length of that way [m], shape ``(2,)``.
         is_member: Bodies of the entry, shape ``(n_bodies,)``.
         everyone: Numbers of all bodies.
     """
@@ -63,6 +72,7 @@ class DrawTables(Struct):
     clearance: float
     min_goal_distance: float
     needs_way: bool
+    limits: Floats
     is_member: Flags
     everyone: Ints
 
@@ -113,9 +123,12 @@ class RandomPlacement:
     reachable: bool = option(
         False, meaning="Hand out only goals that a disc around the body can reach past the static bodies."
     )
+    min_way_length: float = length_option("min_way_length")
+    max_way_length: float | None = length_option("max_way_length")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of what cannot be."""
+        yield from length_problems(self.min_way_length, self.max_way_length)
         if self.range_low is not None and self.range_high is not None:
             yield from crossed_bounds(self.range_low, self.range_high)
         if self.goal_low is not None and self.goal_high is not None:
@@ -124,7 +137,7 @@ class RandomPlacement:
     @property
     def ensures_way(self) -> bool:
         """True if no level is drawn without a way from start to goal."""
-        return self.reachable
+        return self.reachable or self.min_way_length > 0.0 or self.max_way_length is not None
 
     @staticmethod
     def prepare(group: Group, model: WorldModel, n_slots: int) -> str | None:
@@ -145,20 +158,21 @@ class RandomPlacement:
         everyone = np.arange(len(model.role))
         spacing, clearance, away = float(min_distance), float(options.clearance), float(options.min_goal_distance)
         reach = float(np.max(model.bounds[2:] - model.bounds[:2]))
-        if options.reachable:
+        if options.ensures_way:
             reach = float(np.min(model.reach[:, group.members]))
-        grids = (way_tables(Grid.over(area, share * reach), n_slots, len(everyone)) for share in (COARSE, FINE))
-        way_grids = WayGrids(np.zeros((n_slots, len(everyone)), np.bool_), *grids)
+        limits = np.array([options.min_way_length, options.max_way_length or np.inf])
+        grids = [Grid.over(area, share * reach) for share in (COARSE, FINE)]
         is_member = np.isin(everyone, group.members)
-        numbers = spacing, clearance, away, options.reachable
-        group.tables = DrawTables(*bounds, *numbers, is_member, everyone), way_grids
+        numbers = spacing, clearance, away, options.ensures_way
+        tables = DrawTables(*bounds, *numbers, limits, is_member, everyone)
+        group.tables = tables, way_grids(grids, n_slots, len(everyone), limits.tolist())
         return None
 
     @staticmethod
     def draw(group: Group, model: WorldModel, state: WorldState, shard: Shard, failed: Ints) -> None:
         """Draw starts and goals; ``failed[w]`` becomes body + 1 where a member found no place."""
-        tables, way_grids = group.tables
-        grids = way_grids.of_slot(shard.slot)
+        tables, grids = group.tables
+        grids = grids.of_slot(shard.slot)
         draw_members(shard.worlds, group.members, tables, grids, model, state, model.cells, failed)
 
 
@@ -191,10 +205,10 @@ def draw_members(
 ) -> None:
     """Place one member after the other in each world, those that have no place yet, until one finds none.
 
-    Reads: tables (clearance, goal_high, goal_low, high, is_member, low, min_distance, min_goal_distance, needs_way),
-        model (bucket_frame, bucketed, disc_count, disc_start, goal_renewal, has_goal, local_discs, local_segments,
-        present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints), state (bucket,
-        bucket_first, bucket_next, discs, nearby, placed, pose, random, segments).
+    Reads: tables (clearance, goal_high, goal_low, high, is_member, limits, low, min_distance, min_goal_distance,
+        needs_way), model (bucket_frame, bucketed, disc_count, disc_start, goal_renewal, has_goal, local_discs,
+        local_segments, present, reach, segment_count, segment_start, solid, stands, waypoint_count, waypoints), state
+        (bucket, bucket_first, bucket_next, discs, nearby, placed, pose, random, segments).
     Writes: grids, model (waypoints), state (bucket, bucket_first, bucket_next, discs, nearby, placed, pose, random,
         segments), failed.
     """
@@ -210,7 +224,7 @@ def draw_members(
                     not model.has_goal[b] or draw_goal(w, b, members, tables, model, state, cells)
                 )
                 if placed[w, b] and tables.needs_way and model.has_goal[b]:
-                    placed[w, b] = has_way(w, b, grids, model, state, cells)
+                    placed[w, b] = has_way_of_length(w, b, tables.limits, grids, model, state, cells)
                 if placed[w, b]:
                     break
             if not placed[w, b]:
@@ -279,17 +293,18 @@ def draw_goal(
 ) -> bool:
     """Draw a goal for body b that its footprint can stand on; return whether there is one.
 
-    Reads: tables (clearance, goal_high, goal_low, is_member, min_distance, min_goal_distance), model (disc_count,
-        disc_start, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid, stands, waypoints),
-        state (discs, placed, pose, random, segments).
+    Reads: tables (clearance, goal_high, goal_low, is_member, limits, min_distance, min_goal_distance), model
+        (disc_count, disc_start, goal_renewal, has_goal, present, reach, segment_count, segment_start, solid, stands,
+        waypoints), state (discs, placed, pose, random, segments).
     Writes: model (waypoints), state (random).
     """
     goals, goal, least = model.waypoints[w, :, 0], model.waypoints[w, b, 0], tables.min_goal_distance
+    most = tables.limits[1]
     for _ in range(GOAL_TRIES):
         for axis in range(3):
             goal[axis] = uniform(state.random, w, tables.goal_low[axis], tables.goal_high[axis])
         dx, dy = goal[0] - state.pose[w, b, 0], goal[1] - state.pose[w, b, 1]
-        if dx * dx + dy * dy < least * least:
+        if dx * dx + dy * dy < least * least or dx * dx + dy * dy > most * most:
             continue
         placed = state.placed[w]
         if not is_spaced(goals, b, members, tables.is_member, tables.min_distance, model.present[w], placed):

@@ -21,12 +21,12 @@ from irsim_gym.families import (
     SENSORS,
 )
 from irsim_gym.jit import kernel
-from irsim_gym.plugins.parts import drive, placement, sensor
+from irsim_gym.plugins.body_kinds import drive, placement, sensor
 from irsim_gym.plugins.terms import AgentView, action, ending, observation, reward
 from irsim_gym.rng import integer, normal, uniform
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import HitKind, Outcome
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import (
     ActionKind,
     EndingKind,

@@ -14,8 +14,8 @@ from irsim_gym.behaviors.views import EgoView
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.plugins.functions import answer, registering
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Ended, Outcome
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Role, Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState

@@ -19,10 +19,10 @@ from irsim_gym.raster.records import (
     OTHER,
     RECTANGLE,
     WINDSCREEN,
-    Desk,
     Prints,
     RasterCanvas,
     RasterOutline,
+    Scratch,
 )
 from irsim_gym.raster.sheets import paint
 from irsim_gym.raster.ways import add_way, paint_outline
@@ -64,20 +64,20 @@ def extent(
 
 
 @kernel
-def paint_footprint(canvas: RasterCanvas, desk: Desk, item: Any, outline: RasterOutline, solid: bool) -> None:
+def paint_footprint(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: RasterOutline, solid: bool) -> None:
     """Paint a body; one of several parts has no edges where they overlap."""
     n_segments, n_discs = outline.segment_rows[1], outline.disc_rows[1]
     is_area = item.filled and (n_discs > 0 or (n_segments > 0 and solid))
-    area, edge, nothing = item.colours[AREA], item.colours[EDGE] if is_area else item.colours[OTHER], desk.colour
+    area, edge, nothing = item.colours[AREA], item.colours[EDGE] if is_area else item.colours[OTHER], scratch.colour
     width = item.width if is_area else item.other_width
     nothing[3] = 0.0
     if not is_area:
         area = nothing
     elif area[3] >= 1.0 and (n_discs > 1 or n_discs * n_segments > 0):
         line = 2.0 * width, item.style, item.snapped
-        paint_outline(canvas, desk.points, outline, desk.place, (nothing, edge), line)
+        paint_outline(canvas, scratch.points, outline, scratch.place, (nothing, edge), line)
         edge = nothing
-    paint_outline(canvas, desk.points, outline, desk.place, (area, edge), (width, item.style, item.snapped))
+    paint_outline(canvas, scratch.points, outline, scratch.place, (area, edge), (width, item.style, item.snapped))
 
 
 @kernel
@@ -168,15 +168,15 @@ def load_around(points: Floats, form: int, segments: Floats, segment_rows: tuple
 
 
 @kernel
-def paint_ghost(canvas: RasterCanvas, desk: Desk, item: Any, outline: RasterOutline, solid: bool) -> None:
+def paint_ghost(canvas: RasterCanvas, scratch: Scratch, item: Any, outline: RasterOutline, solid: bool) -> None:
     """Paint what a body left behind: its outline, or a simpler shape around it."""
     if item.form not in (CIRCLE, RECTANGLE):
-        paint_footprint(canvas, desk, item, outline, solid and item.form != CURVE)
+        paint_footprint(canvas, scratch, item, outline, solid and item.form != CURVE)
         return
     picture, sheet, box = canvas
     segments, segment_rows, discs, disc_rows = outline
-    points, place = desk.points, desk.place
-    if not load_around(points, item.form, segments, segment_rows, discs, disc_rows, desk.colour):
+    points, place = scratch.points, scratch.place
+    if not load_around(points, item.form, segments, segment_rows, discs, disc_rows, scratch.colour):
         return
     if item.form == RECTANGLE:
         place_points(points, 4, place)

@@ -52,7 +52,6 @@ from irsim_gym.raster.records import (
     SHADOW,
     SHAPE,
     WHOLE,
-    Desk,
     Look,
     Model,
     Past,
@@ -60,6 +59,7 @@ from irsim_gym.raster.records import (
     RasterCanvas,
     RasterOutline,
     RasterSource,
+    Scratch,
     State,
 )
 from irsim_gym.raster.sheets import paint
@@ -80,7 +80,7 @@ def draw_items(
     items: Any,
     source: RasterSource,
     look: Look,
-    desk: Desk,
+    scratch: Scratch,
 ) -> None:
     """Draw the items of a plan on pictures.
 
@@ -91,60 +91,60 @@ def draw_items(
         items: What is drawn, ``records.ITEM``.
         source: What is read of the simulation.
         look: Where the world is on the pictures; rows go by picture.
-        desk: Memory to draw with.
+        scratch: Memory to draw with.
     """
     model, state, readings = source.model, source.state, source.readings
     for f in frames:
         w, picture, view = worlds[f], pictures[f], look.views[f]
-        _find_struck(w, model, state, desk)
+        _find_struck(w, model, state, scratch)
         for item in items:
             kind, b, box = item.kind, item.body, look.boxes[f, item.box]
             if b >= 0 and not model.present[w, b]:
                 continue
-            canvas = RasterCanvas(picture, desk.sheet, box)
+            canvas = RasterCanvas(picture, scratch.sheet, box)
             if kind in (SCAN, HITS):
-                _draw_scan(canvas, item, source, w, f, view, desk)
+                _draw_scan(canvas, item, source, w, f, view, scratch)
             elif kind in (GHOSTS, PATH):
-                _draw_past(canvas, item, source, w, view, desk)
+                _draw_past(canvas, item, source, w, view, scratch)
             elif kind in (GOAL_CIRCLE, GOAL_MARKS):
                 if model.has_goal[b]:
-                    _draw_goal(canvas, item, source, w, view, desk)
+                    _draw_goal(canvas, item, source, w, view, scratch)
             elif kind == SHAPE:
-                _draw_shape(canvas, item, source, w, view, desk)
+                _draw_shape(canvas, item, source, w, view, scratch)
             elif kind == FOG:
-                frame = desk.colour
+                frame = scratch.colour
                 columns, rows = readings.explored.shape[1], readings.explored.shape[2]
                 frame[0], frame[1] = look.bounds[0], look.bounds[1]
                 frame[2], frame[3] = (look.bounds[2] - frame[0]) / columns, (look.bounds[3] - frame[1]) / rows
-                paint_fog(picture, box, readings.explored[w], desk.cells, frame, view, item.colours[AREA])
+                paint_fog(picture, box, readings.explored[w], scratch.cells, frame, view, item.colours[AREA])
             elif kind in (LABEL, GOAL_LABEL):
                 if kind == LABEL or model.has_goal[b]:
-                    _draw_label(picture, item, source, w, f, look, desk)
+                    _draw_label(picture, item, source, w, f, look, scratch)
             elif kind == FIELD:
-                paint_field(picture, desk.sheet, box, desk.points, item, state.pose[w, b], view)
+                paint_field(picture, scratch.sheet, box, scratch.points, item, state.pose[w, b], view)
             else:
-                _draw_body(canvas, item, source, w, view, desk)
+                _draw_body(canvas, item, source, w, view, scratch)
 
 
 @kernel
-def _find_struck(w: int, model: Model, state: State, desk: Desk) -> None:
+def _find_struck(w: int, model: Model, state: State, scratch: Scratch) -> None:
     """Note the bodies that take part in a robot's collision."""
-    n_bodies = desk.struck.shape[0]
+    n_bodies = scratch.struck.shape[0]
     for b in range(n_bodies):
-        desk.struck[b] = False
+        scratch.struck[b] = False
     for b in range(n_bodies):
         if model.role[b] == ROBOT and state.collided[w, b]:
-            desk.struck[b] = True
+            scratch.struck[b] = True
             if 0 <= state.hit[w, b] < n_bodies:
-                desk.struck[state.hit[w, b]] = True
+                scratch.struck[state.hit[w, b]] = True
 
 
 @kernel
-def _draw_body(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, desk: Desk) -> None:
+def _draw_body(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, scratch: Scratch) -> None:
     """Draw a footprint, its shadow, image, heading or impact."""
     picture, _, box = canvas
     model, state, prints = source.model, source.state, source.prints
-    b, kind, place = item.body, item.kind, desk.place
+    b, kind, place = item.body, item.kind, scratch.place
     segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
     disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
     segments, discs = state.segments[w], state.discs[w]
@@ -159,23 +159,23 @@ def _draw_body(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
         set_place(place, view, 0.0, 0.0, 0.0)
     outline = RasterOutline(segments, segment_rows, discs, disc_rows)
     if kind == FOOTPRINT:
-        paint_footprint(canvas, desk, item, outline, model.solid[b])
+        paint_footprint(canvas, scratch, item, outline, model.solid[b])
     elif kind == HEADING:
-        count = load_mark(desk.points, item, segments, segment_rows, discs, disc_rows, desk.colour)
-        place_points(desk.points, count, place)
-        add_polygon(desk.sheet, box, desk.points, 0, count)
-        paint(picture, desk.sheet, box, item.colours[AREA], False)
+        count = load_mark(scratch.points, item, segments, segment_rows, discs, disc_rows, scratch.colour)
+        place_points(scratch.points, count, place)
+        add_polygon(scratch.sheet, box, scratch.points, 0, count)
+        paint(picture, scratch.sheet, box, item.colours[AREA], False)
     elif kind == SHADOW and (disc_rows[1] > 0 or (segment_rows[1] > 0 and model.solid[b])):
         place[2], place[5] = place[2] + item.x, place[5] + item.y
         inks, line = (item.colours[AREA], item.colours[EDGE]), (item.width, item.style, item.snapped)
-        paint_outline(canvas, desk.points, outline, place, inks, line)
-    elif kind == IMPACT and desk.struck[b]:
-        desk.colour[3] = 0.0
+        paint_outline(canvas, scratch.points, outline, place, inks, line)
+    elif kind == IMPACT and scratch.struck[b]:
+        scratch.colour[3] = 0.0
         for width, colour in ((item.other_width, item.colours[OTHER]), (item.width, item.colours[EDGE])):
             line = width, item.style, item.snapped
-            paint_outline(canvas, desk.points, outline, place, (desk.colour, colour), line)
-    elif kind == IMAGE and extent(desk.colour, segments, segment_rows, discs, disc_rows):
-        points, low = desk.points, desk.colour
+            paint_outline(canvas, scratch.points, outline, place, (scratch.colour, colour), line)
+    elif kind == IMAGE and extent(scratch.colour, segments, segment_rows, discs, disc_rows):
+        points, low = scratch.points, scratch.colour
         points[0, 0], points[0, 1], points[1, 0], points[1, 1] = low[LEFT], low[LOW], low[RIGHT], low[LOW]
         points[2, 0], points[2, 1] = low[LEFT], low[HIGH]
         place_points(points, 3, place)
@@ -185,7 +185,7 @@ def _draw_body(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
 
 
 @kernel
-def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, desk: Desk) -> None:
+def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, scratch: Scratch) -> None:
     """Draw the path of a body, or the outlines that it has left behind, from the oldest on."""
     model, past = source.model, source.past
     b, n_slots, count = item.body, past.noted.shape[1], 0
@@ -194,17 +194,17 @@ def _draw_past(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
             continue
         pose = past.poses[w, step % n_slots, item.row]
         if item.kind == PATH:
-            desk.points[count, 0], desk.points[count, 1] = pose[0], pose[1]
+            scratch.points[count, 0], scratch.points[count, 1] = pose[0], pose[1]
             count += 1
         else:
             segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
             disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
-            set_place(desk.place, view, pose[0], pose[1], pose[2])
+            set_place(scratch.place, view, pose[0], pose[1], pose[2])
             segments = model.local_segments[row_of(model.local_segments, w)]
             discs = model.local_discs[row_of(model.local_discs, w)]
-            paint_ghost(canvas, desk, item, RasterOutline(segments, segment_rows, discs, disc_rows), model.solid[b])
+            paint_ghost(canvas, scratch, item, RasterOutline(segments, segment_rows, discs, disc_rows), model.solid[b])
     if item.kind == PATH:
-        paint_path(canvas.picture, desk.sheet, canvas.box, desk.points, item, count, view, desk.colour)
+        paint_path(canvas.picture, scratch.sheet, canvas.box, scratch.points, item, count, view, scratch.colour)
 
 
 @kernel
@@ -246,28 +246,30 @@ def _was_there(past: Past, w: int, step: int, item: Any) -> bool:
 
 
 @kernel
-def _draw_scan(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, f: int, view: Floats, desk: Desk) -> None:
+def _draw_scan(
+    canvas: RasterCanvas, item: Any, source: RasterSource, w: int, f: int, view: Floats, scratch: Scratch
+) -> None:
     """Draw what a sensor sees, or the points that its beams hit."""
     scan, readings = source.scans[item.row], source.readings
-    ranges, speeds, points = readings.ranges[f, scan.first :], readings.speeds[f, 0:], desk.points
+    ranges, speeds, points = readings.ranges[f, scan.first :], readings.speeds[f, 0:], scratch.points
     if speeds.shape[0] > 0:
         speeds = speeds[scan.first :]
     load_beams(points, scan, source.state.pose[w, scan.body], readings.angles, ranges, 0, view)
     if item.kind == SCAN:
-        paint_scan(canvas, points, item, scan, ranges, speeds, desk.colour)
+        paint_scan(canvas, points, item, scan, ranges, speeds, scratch.colour)
     else:
-        paint_hits(canvas, points, item, scan, ranges, speeds, desk.colour, source.prints)
+        paint_hits(canvas, points, item, scan, ranges, speeds, scratch.colour, source.prints)
 
 
 @kernel
-def _draw_goal(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, desk: Desk) -> None:
+def _draw_goal(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, scratch: Scratch) -> None:
     """Draw the circle of a goal, or its flag and the goals after it."""
     model, state, prints = source.model, source.state, source.prints
     b, goal = item.body, state.goal[w, item.body]
     threshold = model.goal_threshold[row_of(model.goal_threshold, w), b]
     if item.kind == GOAL_CIRCLE:
         arrived = state.arrived[w, b]
-        paint_goal(canvas, item, goal, threshold, arrived, view, desk.colour)
+        paint_goal(canvas, item, goal, threshold, arrived, view, scratch.colour)
     else:
         for i in range(state.waypoint[w, b] + 1, model.waypoint_count[w, b]):
             x, y = model.waypoints[w, b, i, 0], model.waypoints[w, b, i, 1]
@@ -278,11 +280,11 @@ def _draw_goal(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, vi
 
 
 @kernel
-def _draw_shape(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, desk: Desk) -> None:
+def _draw_shape(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, view: Floats, scratch: Scratch) -> None:
     """Draw a shape of the table at its body or at the body's goal."""
     picture, sheet, box = canvas
     model, state, prints = source.model, source.state, source.prints
-    b, points = item.body, desk.points
+    b, points = item.body, scratch.points
     pose, heading = state.pose[w, b], 0.0
     if item.form == AT_GOAL:
         pose = state.goal[w, b]
@@ -290,8 +292,8 @@ def _draw_shape(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, v
             return
     if item.turns or item.form == AT_BODY:
         heading = pose[2]
-    set_place(desk.place, view, pose[0], pose[1], heading)
-    load_shape(points, item, prints.corners, model.goal_threshold[row_of(model.goal_threshold, w), b], desk.place)
+    set_place(scratch.place, view, pose[0], pose[1], heading)
+    load_shape(points, item, prints.corners, model.goal_threshold[row_of(model.goal_threshold, w), b], scratch.place)
     if item.filled:
         add_polygon(sheet, box, points, 0, item.length)
         paint(picture, sheet, box, item.colours[AREA], False)
@@ -301,10 +303,10 @@ def _draw_shape(canvas: RasterCanvas, item: Any, source: RasterSource, w: int, v
 
 
 @kernel
-def _draw_label(picture: Bytes, item: Any, source: RasterSource, w: int, f: int, look: Look, desk: Desk) -> None:
+def _draw_label(picture: Bytes, item: Any, source: RasterSource, w: int, f: int, look: Look, scratch: Scratch) -> None:
     """Draw a label: that of a goal below it; that of a body at its place or above it, below it where a flag stands."""
     model, state, prints = source.model, source.state, source.prints
-    b, view, box = item.body, look.views[f], desk.colour
+    b, view, box = item.body, look.views[f], scratch.colour
     x, y, height = state.pose[w, b, 0], state.pose[w, b, 1], 1.3 * item.width / view[2]
     segment_rows = model.segment_start[b], model.segment_count[row_of(model.segment_count, w), b]
     disc_rows = model.disc_start[b], model.disc_count[row_of(model.disc_count, w), b]
@@ -363,7 +365,7 @@ def draw_heads(
 
 
 @kernel
-def draw_frames(pictures: Bytes, frames: Ints, colours: Floats, width: float, look: Look, desk: Desk) -> None:
+def draw_frames(pictures: Bytes, frames: Ints, colours: Floats, width: float, look: Look, scratch: Scratch) -> None:
     """Tint the world's rectangle, or draw its edge where a width is given [pixel].
 
     Args:
@@ -372,12 +374,12 @@ def draw_frames(pictures: Bytes, frames: Ints, colours: Floats, width: float, lo
         colours: Colour and opacity for each picture, shape ``(n, 4)``.
         width: Width of the edge; 0 for the area.
         look: Where the world is.
-        desk: Memory to draw with.
+        scratch: Memory to draw with.
     """
     for f in frames:
         if not colours[f, 3] > 0.0:
             continue
-        view, points, bounds = look.views[f], desk.points, look.bounds
+        view, points, bounds = look.views[f], scratch.points, look.bounds
         shift = 0.5 if int(width + 0.5) % 2 == 1 else 0.0
         for i in range(4):
             x, y = bounds[0] if i in (0, 3) else bounds[2], bounds[1] if i < 2 else bounds[3]
@@ -385,7 +387,7 @@ def draw_frames(pictures: Bytes, frames: Ints, colours: Floats, width: float, lo
             points[i, 0], points[i, 1] = column + shift, row + shift
         box = look.boxes[f, PLOT]
         if width > 0.0:
-            add_line(desk.sheet, box, points, 0, 4, width, True, True)
+            add_line(scratch.sheet, box, points, 0, 4, width, True, True)
         else:
-            add_polygon(desk.sheet, box, points, 0, 4)
-        paint(pictures[f], desk.sheet, box, colours[f], False)
+            add_polygon(scratch.sheet, box, points, 0, 4)
+        paint(pictures[f], scratch.sheet, box, colours[f], False)

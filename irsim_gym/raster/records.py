@@ -228,7 +228,7 @@ class RasterSource(NamedTuple):
     prints: Prints
 
 
-class Desk(NamedTuple):
+class Scratch(NamedTuple):
     """Memory to draw with, one for each thread.
 
     Attributes:

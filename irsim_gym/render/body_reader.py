@@ -11,8 +11,8 @@ import numpy as np
 from irsim_gym.arraytypes import Floats
 from irsim_gym.raster.play import LABEL_GAP
 from irsim_gym.render.images import load_image
-from irsim_gym.render.outlines import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
-from irsim_gym.render.scene import BodyView, Form, GoalView, ImageView, LabelView
+from irsim_gym.render.scene import DrawnBody, Form, GoalView, ImageView, LabelView
+from irsim_gym.render.shapes import NOTHING, arrow, box, chains, placed, replaced, wedge, windscreen
 from irsim_gym.render.styles import BodyStyle, is_omni
 from irsim_gym.scenario.image_files import image_file
 from irsim_gym.world.model import ACKERMANN, WorldModel
@@ -93,7 +93,7 @@ class BodyReader:
         is_car = self._model.drive[body] == ACKERMANN and len(segments) > 0 and body not in self._pixels
         return windscreen(segments, discs) if is_car else wedge(segments, discs)
 
-    def view(self, world: int, body: int) -> BodyView:
+    def view(self, world: int, body: int) -> DrawnBody:
         """Return what is seen of a body now."""
         state, style = self._state, self._styles[body]
         rows = self._rows(world, body)
@@ -106,7 +106,7 @@ class BodyReader:
             first += len(line) - 1
         turn = self._turn(world, body, pose)
         towards = pose + np.array([0.0, 0.0, turn]) if turn else pose
-        return BodyView(
+        return DrawnBody(
             body=body,
             name=self._names[body],
             lines=tuple(lines),
@@ -135,10 +135,10 @@ class BodyReader:
             return None
         return ImageView(self._pixels[body], placed(form.corners, pose), self._styles[body].image_alpha)
 
-    def ghost(self, body: int, form: Form, pose: Floats) -> BodyView:
+    def ghost(self, body: int, form: Form, pose: Floats) -> DrawnBody:
         """Return the body as it stood at a pose, or a simpler shape around it."""
         left = form if form.ghost is None else form.ghost
-        return BodyView(
+        return DrawnBody(
             body=body,
             name=self._names[body],
             lines=tuple(placed(line, pose) for line in left.lines),
@@ -152,7 +152,7 @@ class BodyReader:
         )
 
 
-def labels(bodies: Sequence[BodyView], goals: Sequence[GoalView]) -> tuple[LabelView, ...]:
+def labels(bodies: Sequence[DrawnBody], goals: Sequence[GoalView]) -> tuple[LabelView, ...]:
     """Return the texts beside bodies and below goals."""
     beside = [
         LabelView(*view.anchor, view.style.label, view.style, None if view.style.label_offset else _foot(view))
@@ -192,7 +192,7 @@ def _anchor(pose: Floats, style: BodyStyle, lines: Sequence[Floats], discs: Floa
     return 0.5 * (x_min + x_max), y_max + LABEL_GAP
 
 
-def _foot(view: BodyView) -> float | None:
+def _foot(view: DrawnBody) -> float | None:
     """Return the lowest ordinate of a footprint; None without one."""
     if not view.lines and len(view.discs) == 1:
         _, y, radius = view.discs[0].tolist()

@@ -12,7 +12,7 @@ from irsim_gym.raster.masks import paint_mask
 from irsim_gym.raster.records import RasterCanvas
 from irsim_gym.render import theme
 from irsim_gym.render.colours import colour
-from irsim_gym.render.layout import Layout, Limits, tick_positions
+from irsim_gym.render.frame_layout import Layout, Limits, tick_positions
 from irsim_gym.render.letters import Masks, Word
 
 MARGIN, GAP, TIME_ROOM = 10.0, 14.0, 66.0

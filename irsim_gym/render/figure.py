@@ -15,7 +15,7 @@ from irsim_gym.render import fonts, theme
 from irsim_gym.render.card import NAME_SIZE, STATUS_SIZE, TICK_SIZE, Head, number_text, ticks
 from irsim_gym.render.figure_artists import TEXT, SceneArtists
 from irsim_gym.render.files import whole_file
-from irsim_gym.render.layout import DOTS_PER_INCH, POINTS_PER_INCH, Layout
+from irsim_gym.render.frame_layout import DOTS_PER_INCH, POINTS_PER_INCH, Layout
 from irsim_gym.render.letters import Masks
 from irsim_gym.render.scene import Scene
 from irsim_gym.scenario.plot_spec import SavedFigure

@@ -24,10 +24,10 @@ from irsim_gym.raster.figures import APART, FADE_STEPS, FAINTEST
 from irsim_gym.render import fonts, theme, vocabulary
 from irsim_gym.render.colours import colour
 from irsim_gym.render.figure_images import body_image, fog_image, map_image
-from irsim_gym.render.layout import DOTS_PER_INCH, POINTS_PER_INCH, Layout
-from irsim_gym.render.outlines import placed
+from irsim_gym.render.frame_layout import DOTS_PER_INCH, POINTS_PER_INCH, Layout
 from irsim_gym.render.primitives import Beams, Cover, Figure, Ink, Pen, Picture, Primitive, Shape, SpeedInks, Words
-from irsim_gym.render.scene import BodyView, GoalView, LabelView, ScanView, Scene, TrailView
+from irsim_gym.render.scene import DrawnBody, GoalView, LabelView, ScanView, Scene, TrailView
+from irsim_gym.render.shapes import placed
 
 TEXT: dict[str, Any] = {"family": theme.FONT, "parse_math": False, "usetex": False}
 HALO = 3.0
@@ -98,7 +98,7 @@ class SceneArtists:
         for primitive in _free(scene):
             yield from self._placed(primitive, scene)
 
-    def _of_body(self, primitive: Primitive, view: BodyView) -> Drawn:
+    def _of_body(self, primitive: Primitive, view: DrawnBody) -> Drawn:
         """Yield what stands in the frame of a body; where it was before, and its labels, are views of their own."""
         match primitive:
             case Picture() if view.image is not None:
@@ -300,7 +300,7 @@ def thinned(points: Floats, apart: float) -> Floats:
     return np.asarray(points[kept], np.float64)
 
 
-def _outline(view: BodyView) -> Path:
+def _outline(view: DrawnBody) -> Path:
     """Return a body's footprint as one path: its chains, then its discs."""
     parts = [Path(line, closed=_is_closed(line)) for line in view.lines]
     return Path.make_compound_path(*parts, *(_circle(row[:2], row[2]) for row in view.discs))

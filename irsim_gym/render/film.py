@@ -12,7 +12,7 @@ from irsim_gym.arraytypes import Bytes
 from irsim_gym.raster.masks import paint_mask
 from irsim_gym.render import theme
 from irsim_gym.render.colours import colour
-from irsim_gym.render.layout import DOTS_PER_INCH, LEFT, POINTS_PER_INCH, REFERENCE_SIDE
+from irsim_gym.render.frame_layout import DOTS_PER_INCH, LEFT, POINTS_PER_INCH, REFERENCE_SIDE
 from irsim_gym.render.letters import Masks
 from irsim_gym.render.tiles import grid
 from irsim_gym.render.video import write_video

@@ -16,8 +16,8 @@ from irsim_gym.raster.sheets import new_sheet
 from irsim_gym.render import theme
 from irsim_gym.render.card import Card, Head, plot_box, world_box
 from irsim_gym.render.colours import CLEAR, colour
+from irsim_gym.render.frame_layout import Layout
 from irsim_gym.render.kept_trails import KeptTrails, rows_of
-from irsim_gym.render.layout import Layout
 from irsim_gym.render.letters import Masks
 from irsim_gym.render.mark_painter import MarkPainter, marks_by_layer
 from irsim_gym.render.plan import Plan
@@ -101,7 +101,7 @@ class FramePainter:
         self._image_scale = layout.scale
         self._card = Card(self._masks, self.point, not plot.no_axis)
         self._head = Head(self._masks, self.point, layout, titled=plot.title is not None) if plot.show_title else None
-        self._desks: dict[int, records.Desk] = {}
+        self._scratch: dict[int, records.Scratch] = {}
         self._cards: dict[Layout, Bytes] = {}
         self._looks: dict[Layout, tuple[Floats, Ints]] = {}
         self._backdrops: dict[tuple[Layout, bytes], Bytes] = {}
@@ -150,13 +150,13 @@ class FramePainter:
         """True if all levels have the same map, which ``card`` shows."""
         return bool(self._model.rigid[0])
 
-    def desk(self, slot: int) -> records.Desk:
+    def scratch(self, slot: int) -> records.Scratch:
         """Return the memory of a thread."""
-        desk = self._desks.get(slot)
-        if desk is None:
+        scratch = self._scratch.get(slot)
+        if scratch is None:
             layout, model = self._layout, self._model
             n_points = max(MOST_CORNERS, LONGEST, 2 * len(self.plan.angles), model.local_segments.shape[1]) + 16
-            desk = self._desks[slot] = records.Desk(
+            scratch = self._scratch[slot] = records.Scratch(
                 sheet=new_sheet(layout.height, layout.width),
                 points=np.zeros((3 * n_points, 2)),
                 place=np.zeros(7),
@@ -164,7 +164,7 @@ class FramePainter:
                 cells=np.zeros(self._explored.shape[1:], np.float32),
                 struck=np.zeros(len(model.role), np.bool_),
             )
-        return desk
+        return scratch
 
     def backdrop_key(self, world: int, layout: Layout) -> tuple[Layout, bytes]:
         """Return what the backdrop of a world depends on."""
@@ -251,12 +251,12 @@ class FramePainter:
             inks.append(colour(theme.status_colour(status), 1.0))
         return np.array(placed, np.int64).reshape(-1, 4), np.array(ends, np.int64), np.array(inks)
 
-    def card(self, layout: Layout, desk: records.Desk) -> Bytes:
+    def card(self, layout: Layout, scratch: records.Scratch) -> Bytes:
         """Return the picture of an empty world, with its map if all levels have the same."""
         known = self._cards.get(layout)
         if known is None:
             known = np.empty((layout.height, layout.width, 3), np.uint8)
-            self._card.draw(known, desk.sheet, layout)
+            self._card.draw(known, scratch.sheet, layout)
             if self.is_rigid:
                 self.paint_map(known, 0, layout)
             self._cards.clear()
@@ -290,8 +290,8 @@ class _Job:
         self._overlays = overlays
         self.new_backdrops: dict[tuple[Layout, bytes], Bytes] = {}
         self.new_trails: dict[int, tuple[Any, Bytes]] = {}
-        desk = painter.desk(0)
-        self._cards = {layout: painter.card(layout, desk) for layout in dict.fromkeys(layouts)}
+        scratch = painter.scratch(0)
+        self._cards = {layout: painter.card(layout, scratch) for layout in dict.fromkeys(layouts)}
         self._look = painter.look(layouts)
         self._words = painter.words(worlds, statuses, overlays)
         painter.marks.prepare(overlays)
@@ -303,38 +303,38 @@ class _Job:
     def draw(self, shard: Shard) -> None:
         """Draw a share of the pictures."""
         painter, frames, pictures = self._painter, shard.worlds, self._pictures
-        desk = painter.desk(shard.slot)
-        kept_trails = self._lay_ground(frames, desk)
-        draw_frames(pictures, frames, self._tints, 0.0, self._look, desk)
-        self._draw_kept_trails(frames, kept_trails, desk)
-        self._draw_live(frames, desk)
-        draw_frames(pictures, frames, self._edges, 2.2 * painter.point, self._look, desk)
+        scratch = painter.scratch(shard.slot)
+        kept_trails = self._lay_ground(frames, scratch)
+        draw_frames(pictures, frames, self._tints, 0.0, self._look, scratch)
+        self._draw_kept_trails(frames, kept_trails, scratch)
+        self._draw_live(frames, scratch)
+        draw_frames(pictures, frames, self._edges, 2.2 * painter.point, self._look, scratch)
         draw_heads(pictures, frames, *self._words, self._source.prints, self._look.boxes)
         for f in frames.tolist():
             if (title := self._overlays[f].title) is not None:
                 painter.marks.write_title(pictures[f], title)
 
-    def _draw_live(self, frames: Ints, desk: records.Desk) -> None:
+    def _draw_live(self, frames: Ints, scratch: records.Scratch) -> None:
         """Draw what is drawn anew for each picture, and between its layers what somebody laid over the worlds."""
         painter = self._painter
         items, layers = painter.kept_trails.others, painter.plan.layers[len(painter.kept_trails.items) :]
         is_plain = np.array([not self._overlays[f].marks for f in frames.tolist()])
         if is_plain.any():
-            self._draw_items(items, frames[is_plain], desk)
+            self._draw_items(items, frames[is_plain], scratch)
         for f in frames[~is_plain]:
             first, frame, layout = 0, np.array([f]), self._layouts[f]
             for layer, marks in marks_by_layer(self._overlays[f]):
                 end = int(np.searchsorted(layers, layer, "right"))
-                self._draw_items(items[first:end], frame, desk)
-                painter.marks.paint(self._pictures[f], desk.sheet, self._look.boxes[f, records.WORLD], layout, marks)
+                self._draw_items(items[first:end], frame, scratch)
+                painter.marks.paint(self._pictures[f], scratch.sheet, self._look.boxes[f, records.WORLD], layout, marks)
                 first = end
-            self._draw_items(items[first:], frame, desk)
+            self._draw_items(items[first:], frame, scratch)
 
-    def _draw_items(self, items: Any, frames: Ints, desk: records.Desk) -> None:
+    def _draw_items(self, items: Any, frames: Ints, scratch: records.Scratch) -> None:
         """Draw rows of the plan on some pictures."""
-        draw_items(self._pictures, frames, self._worlds, items, self._source, self._look, desk)
+        draw_items(self._pictures, frames, self._worlds, items, self._source, self._look, scratch)
 
-    def _lay_ground(self, frames: Ints, desk: records.Desk) -> dict[int, Any]:
+    def _lay_ground(self, frames: Ints, scratch: records.Scratch) -> dict[int, Any]:
         """Draw what never moves, or copy it from a picture with the same.
 
         Returns:
@@ -356,14 +356,14 @@ class _Job:
             for f in missing if not painter.is_rigid else ():
                 painter.paint_map(self._pictures[f], int(self._worlds[f]), self._layouts[f])
             chosen = np.array(list(missing), np.int64)
-            self._draw_items(painter.plan.ground, chosen, desk)
+            self._draw_items(painter.plan.ground, chosen, scratch)
             self.new_backdrops |= {key: self._pictures[f].copy() for f, key in missing.items()}
         return kept_trails
 
-    def _draw_kept_trails(self, frames: Ints, kept_trails: dict[int, Any], desk: records.Desk) -> None:
+    def _draw_kept_trails(self, frames: Ints, kept_trails: dict[int, Any], scratch: records.Scratch) -> None:
         """Draw what bodies left behind, where that is not known."""
         if kept_trails and len(self._painter.kept_trails.items):
-            self._draw_items(self._painter.kept_trails.items, np.array(list(kept_trails), np.int64), desk)
+            self._draw_items(self._painter.kept_trails.items, np.array(list(kept_trails), np.int64), scratch)
             found = {
                 int(self._worlds[f]): (key, self._pictures[f]) for f, key in kept_trails.items() if key is not None
             }

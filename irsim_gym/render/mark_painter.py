@@ -14,7 +14,7 @@ from irsim_gym.raster.ways import add_way
 from irsim_gym.render import theme
 from irsim_gym.render.card import Head, whole_box
 from irsim_gym.render.colours import Colour, colour
-from irsim_gym.render.layout import Layout
+from irsim_gym.render.frame_layout import Layout
 from irsim_gym.render.letters import Masks, Word
 from irsim_gym.render.plan import LINE_STYLES
 from irsim_gym.render.styles import faded

@@ -14,7 +14,7 @@ from irsim_gym.render import theme, vocabulary
 from irsim_gym.render.colours import CLEAR, Colour, colour, shade
 from irsim_gym.render.letters import Masks
 from irsim_gym.render.primitives import Figure, Ink
-from irsim_gym.render.scene import BodyView, Form, GoalView
+from irsim_gym.render.scene import DrawnBody, Form, GoalView
 from irsim_gym.render.styles import GROUND, TOP, BodyStyle, ScanStyle, body_style, field_of_view, is_omni, scan_style
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import ACKERMANN, WorldModel
@@ -344,11 +344,11 @@ def _goal(style: BodyStyle, tolerance: float, arrived: bool) -> list[Figure]:
     return [primitive for primitive in vocabulary.goal(view) if isinstance(primitive, Figure)]
 
 
-def _empty_view(style: BodyStyle) -> BodyView:
+def _empty_view(style: BodyStyle) -> DrawnBody:
     """Return a body without an outline at the origin."""
     nothing, discs = np.zeros((0, 2)), np.zeros((0, 3))
     form, pose = Form((), discs, solid=True, mark=nothing), (0.0, 0.0, 0.0)
-    return BodyView(-1, "", (), discs, True, nothing, (0.0, 0.0), style, form, pose)
+    return DrawnBody(-1, "", (), discs, True, nothing, (0.0, 0.0), style, form, pose)
 
 
 def _table(rows: Sequence[tuple[Key, Any]]) -> Any:

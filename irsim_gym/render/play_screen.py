@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import theme
-from irsim_gym.render.layout import Layout, Limits
+from irsim_gym.render.frame_layout import Layout, Limits
 from irsim_gym.render.panel import Panel, Told, Word
 from irsim_gym.render.renderer import Renderer
 

@@ -13,7 +13,7 @@ from irsim_gym.render import theme
 from irsim_gym.render.body_reader import BodyReader, labels
 from irsim_gym.render.scan_reader import ScanReader
 from irsim_gym.render.scene import (
-    BodyView,
+    DrawnBody,
     FieldView,
     FogView,
     GoalView,
@@ -31,6 +31,9 @@ from irsim_gym.world.trails import Trails
 
 if TYPE_CHECKING:
     from irsim_gym.scenario.spec import Scenario
+
+PARTS, MOST_PARTS = 12, 4_000_000
+"""Into how many parts along each side a cell is divided to show a disc in it, and how many parts a map may have."""
 
 
 class SceneReader:
@@ -70,8 +73,8 @@ class SceneReader:
         self._explored = explored
         self._fog: tuple[int, FogView] | None = None
         self._overlays: dict[int, Overlay] = {}
-        self._map: MapView | None = None
-        self._fixed: tuple[object, tuple[BodyView, ...]] = None, ()
+        self._map: tuple[Flags, MapView] | None = None
+        self._fixed: tuple[object, tuple[DrawnBody, ...]] = None, ()
         if trails is None:
             trails = Trails(np.array(trailing(scenario.bodies, learners), np.int64), len(state.pose))
         self.trails = trails
@@ -129,7 +132,7 @@ class SceneReader:
             return "arrived"
         return "collision" if bool(state.collided[world, robots].any()) else "running"
 
-    def _fixed_views(self, world: int, present: Flags) -> tuple[BodyView, ...]:
+    def _fixed_views(self, world: int, present: Flags) -> tuple[DrawnBody, ...]:
         """Return the views of the fixed bodies: while one world is read, the same tuple until an outline changes."""
         bodies = [body for body in self._fixed_bodies if present[body]]
         key = world, self._bodies.signature(world, bodies)
@@ -137,7 +140,7 @@ class SceneReader:
             self._fixed = key, tuple(self._bodies.view(world, body) for body in bodies)
         return self._fixed[1]
 
-    def _struck(self, world: int, views: tuple[BodyView, ...]) -> tuple[BodyView, ...]:
+    def _struck(self, world: int, views: tuple[DrawnBody, ...]) -> tuple[DrawnBody, ...]:
         state = self._state
         robots = self._robots[state.collided[world, self._robots]]
         bodies = {*robots.tolist(), *state.hit[world, robots].tolist()}
@@ -177,14 +180,15 @@ class SceneReader:
         if body < 0:
             return None
         if self._map is not None and self._model.rigid[0]:
-            return self._map
-        squares = self._model.map_squares
+            return self._map[1]
+        squares, radius = self._model.map_squares, float(self._model.map_disc[0])
         occupied = squares[world % len(squares), 0] == 0
-        if self._map is None or not np.array_equal(self._map.occupied, occupied):
+        if self._map is None or not np.array_equal(self._map[0], occupied):
             extent = (x, y, x + width * occupied.shape[0], y + height * occupied.shape[1])
             style = self._styles[int(body)] if body < len(self._styles) else BodyStyle(theme.MAP)
-            self._map = MapView(extent, occupied, style.colour, style.alpha)
-        return self._map
+            shown = occupied if radius == 0.0 else discs_in(occupied, radius / width, radius / height)
+            self._map = occupied, MapView(extent, shown, style.colour, style.alpha)
+        return self._map[1]
 
     def _fog_view(self, world: int) -> FogView | None:
         """Return the fog over the world: while one world is read, the same object until somebody sees more of it."""
@@ -204,3 +208,11 @@ class SceneReader:
             return None  # it was taken out of the world by hand
         x, y, _ = self._state.pose[world, self._names.index(self._viewpoint)]
         return float(x), float(y)
+
+
+def discs_in(occupied: Flags, radius_x: float, radius_y: float) -> Flags:
+    """Return a finer map, in which occupied cells are discs in their middles; radii in widths and heights of a cell."""
+    parts = max(min(PARTS, int(math.sqrt(MOST_PARTS / occupied.size))), 1)
+    middles = (np.arange(parts) + 0.5) / parts - 0.5
+    disc = (middles[:, None] / radius_x) ** 2 + (middles[None, :] / radius_y) ** 2 <= 1.0
+    return np.asarray(np.kron(occupied, disc), np.bool_)

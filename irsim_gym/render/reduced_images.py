@@ -9,7 +9,7 @@ from PIL import Image
 
 from irsim_gym.arraytypes import Bytes, Ints
 from irsim_gym.render.images import load_image
-from irsim_gym.render.outlines import box
+from irsim_gym.render.shapes import box
 from irsim_gym.scenario.image_files import image_file
 from irsim_gym.world.outline import Outline
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Flags
+from irsim_gym.render.frame_layout import Layout, Limits, lay_out
 from irsim_gym.render.frame_painter import FramePainter, Share
-from irsim_gym.render.layout import Layout, Limits, lay_out
 from irsim_gym.render.reader import SceneReader
 from irsim_gym.render.scene import Scene
 from irsim_gym.render.styles import TOP

@@ -11,7 +11,7 @@ from typing import Any
 from irsim_gym.render import vocabulary
 from irsim_gym.render.files import whole_file
 from irsim_gym.render.page_parts import deflated, filled, inflated, page_part, player_parts
-from irsim_gym.render.replay import Recording
+from irsim_gym.render.replay_data import Recording
 from irsim_gym.render.replay_items import SharedItems
 
 SCHEMA, VERSION = "irsim_gym replay", 2

@@ -10,11 +10,11 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats
 from irsim_gym.render import vocabulary
-from irsim_gym.render.outlines import placed
 from irsim_gym.render.packing import METRE, RADIAN, packed
 from irsim_gym.render.primitives import Figure, Ink, Pen, Shape
 from irsim_gym.render.replay_items import Items, SharedItems
-from irsim_gym.render.scene import BodyView, FogView, Form, MapView, ScanView
+from irsim_gym.render.scene import DrawnBody, FogView, Form, MapView, ScanView
+from irsim_gym.render.shapes import placed
 from irsim_gym.world.marks import Mark, Overlay
 
 SPEED = 1e-3
@@ -72,18 +72,18 @@ class BodyTrack:
         fixed: It never moves.
     """
 
-    def __init__(self, view: BodyView, field: tuple[float, float] | None, *, fixed: bool) -> None:
+    def __init__(self, view: DrawnBody, field: tuple[float, float] | None, *, fixed: bool) -> None:
         self._view, self._form, self._field, self.fixed = view, view.form, field, fixed
         self._rows: dict[int, Floats] = {}
 
-    def fits(self, view: BodyView) -> bool:
+    def fits(self, view: DrawnBody) -> bool:
         """Return whether the body still has its outline."""
         if view.form is not self._form and not _alike(view.form, self._form):
             return False
         self._form = view.form
         return True
 
-    def note(self, view: BodyView, pose: Floats, moment: int) -> None:
+    def note(self, view: DrawnBody, pose: Floats, moment: int) -> None:
         """Note where the body is, and where its mark points."""
         self._rows[moment] = np.array([*pose, view.turn])
 
@@ -91,7 +91,7 @@ class BodyTrack:
         """Note that it is where it was."""
         self._rows[moment] = self._rows[moment - 1]
 
-    def view(self, moment: int) -> BodyView | None:
+    def view(self, moment: int) -> DrawnBody | None:
         """Return the body as it stood at a moment, without an image; None where it was not there."""
         row = self._rows.get(moment)
         if row is None:

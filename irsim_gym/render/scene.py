@@ -47,7 +47,7 @@ class Form:
 
 
 @dataclass(frozen=True, eq=False)
-class BodyView:
+class DrawnBody:
     """A body's footprint in the world frame.
 
     Attributes:
@@ -250,13 +250,13 @@ class Scene:
     title: str
     time: float
     status: str
-    fixed: tuple[BodyView, ...]
-    moving: tuple[BodyView, ...]
-    struck: tuple[BodyView, ...]
+    fixed: tuple[DrawnBody, ...]
+    moving: tuple[DrawnBody, ...]
+    struck: tuple[DrawnBody, ...]
     goals: tuple[GoalView, ...]
     scans: tuple[ScanView, ...]
     trails: tuple[TrailView, ...]
-    ghosts: tuple[BodyView, ...]
+    ghosts: tuple[DrawnBody, ...]
     fields: tuple[FieldView, ...] = ()
     labels: tuple[LabelView, ...] = ()
     map: MapView | None = None

@@ -19,7 +19,7 @@ from irsim_gym.arraytypes import Bytes, Floats, Rays
 from irsim_gym.render import fonts, theme
 from irsim_gym.render.figure import READABLE
 from irsim_gym.render.files import whole_file
-from irsim_gym.render.scene import BodyView, MapView, Scene
+from irsim_gym.render.scene import DrawnBody, MapView, Scene
 from irsim_gym.render.tiles import few_columns
 
 PANEL = 4.6
@@ -135,7 +135,7 @@ def _draw_map(axes: Axes, view: MapView, pose: Floats, most: float) -> None:
         axes.add_patch(Polygon(_seen(square, pose), fc=theme.MAP, ec="none", zorder=2))
 
 
-def _draw_body(axes: Axes, body: BodyView, pose: Floats) -> None:
+def _draw_body(axes: Axes, body: DrawnBody, pose: Floats) -> None:
     for line in body.lines:
         look: dict[str, Any] = {"fill": body.solid, "fc": theme.RULE, "ec": theme.WALL, "lw": 1.0, "zorder": 2}
         axes.add_patch(Polygon(_seen(line, pose), closed=np.array_equal(line[0], line[-1]), **look))

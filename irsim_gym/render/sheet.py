@@ -14,7 +14,7 @@ from irsim_gym.render import theme
 from irsim_gym.render.colours import colour
 from irsim_gym.render.files import whole_file
 from irsim_gym.render.film import caption_strip
-from irsim_gym.render.layout import REFERENCE_SIDE
+from irsim_gym.render.frame_layout import REFERENCE_SIDE
 from irsim_gym.render.packing import PackedFrame
 from irsim_gym.render.tiles import grid
 
@@ -98,7 +98,7 @@ def contact_sheet(episodes: Sequence[Sequence[Bytes]], captions: Sequence[str], 
     wide = min(columns or _columns(most, episodes[0][0].shape[:2]), most)
     parts = []
     for frames, caption in zip(episodes, captions, strict=True):
-        picture = grid([_reduced(frame, WIDEST // wide) for frame in frames], wide)
+        picture = grid([reduced(frame, WIDEST // wide) for frame in frames], wide)
         strip = (
             caption_strip(caption, picture.shape[1], picture.shape[1] / len(frames[:wide])) if caption else picture[:0]
         )
@@ -113,7 +113,7 @@ def contact_sheet(episodes: Sequence[Sequence[Bytes]], captions: Sequence[str], 
     return np.vstack(rows)
 
 
-def _reduced(frame: Bytes, width: int) -> Bytes:
+def reduced(frame: Bytes, width: int) -> Bytes:
     """Return a frame that is not wider than so many pixels."""
     if frame.shape[1] <= width:
         return frame

@@ -16,10 +16,10 @@ from matplotlib.colors import to_hex
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import theme
 from irsim_gym.render.figure import Frame, save_figure, scene_figure
-from irsim_gym.render.layout import Layout
-from irsim_gym.render.outlines import NOTHING
-from irsim_gym.render.replay import Recording
-from irsim_gym.render.scene import BodyView, LabelView, Scene, TrailView
+from irsim_gym.render.frame_layout import Layout
+from irsim_gym.render.replay_data import Recording
+from irsim_gym.render.scene import DrawnBody, LabelView, Scene, TrailView
+from irsim_gym.render.shapes import NOTHING
 from irsim_gym.render.sheet import spaced
 from irsim_gym.render.styles import TOP, BodyStyle
 
@@ -47,8 +47,8 @@ def strobe(recording: Recording, layout: Layout, count: int = GHOSTS) -> Scene:
     moments = spaced(len(recording), count)
     last = recording.last
     ways = [way for name in recording.agents for way in _way(recording, name, layout)]
-    ghosts: list[BodyView] = []
-    told: list[tuple[BodyView, float]] = []
+    ghosts: list[DrawnBody] = []
+    told: list[tuple[DrawnBody, float]] = []
     for moment in moments[:-1].tolist():
         for name, view in recording.moving(moment).items():
             is_agent = name in recording.agents
@@ -76,7 +76,7 @@ def _way(recording: Recording, name: str, layout: Layout) -> Iterator[TrailView]
             yield TrailView(piece, replace(style, trajectory_order=order))
 
 
-def _time_labels(told: Sequence[tuple[BodyView, float]], room: float) -> Iterator[LabelView]:
+def _time_labels(told: Sequence[tuple[DrawnBody, float]], room: float) -> Iterator[LabelView]:
     """Yield the times beside a body; where it stood for longer, the first and the last of them.
 
     Args:

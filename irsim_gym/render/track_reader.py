@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.render.body_reader import BodyReader
-from irsim_gym.render.scene import BodyView, Form, TrailView
+from irsim_gym.render.scene import DrawnBody, Form, TrailView
 from irsim_gym.render.styles import BodyStyle
 from irsim_gym.world.trails import Trails
 
@@ -40,7 +40,7 @@ class TrackReader:
                 views.append(TrailView(_latest(table[:, k], style.trajectory_length)[:, :2].copy(), style))
         return tuple(views)
 
-    def ghosts(self, world: int, present: Flags) -> tuple[BodyView, ...]:
+    def ghosts(self, world: int, present: Flags) -> tuple[DrawnBody, ...]:
         """Return the outlines that are left behind, the oldest first."""
         found: list[tuple[int, int, Form, Floats]] = []
         for k, body in self._ghosts:

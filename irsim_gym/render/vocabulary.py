@@ -17,9 +17,9 @@ from irsim_gym.raster.beams import MOST_BEAMS
 from irsim_gym.raster.figures import APART, FADE_STEPS, FAINTEST
 from irsim_gym.raster.play import LABEL_GAP
 from irsim_gym.raster.ways import DASHES
-from irsim_gym.render import layout, theme
+from irsim_gym.render import frame_layout, theme
 from irsim_gym.render.primitives import Beams, Cover, Figure, Ink, Pen, Picture, Primitive, Shape, SpeedInks, Way, Words
-from irsim_gym.render.scene import BodyView, FogView, Form, GoalView
+from irsim_gym.render.scene import DrawnBody, FogView, Form, GoalView
 from irsim_gym.render.styles import GROUND, TOP, BodyStyle, ScanStyle, faded
 from irsim_gym.world.marks import LineMark, Mark, PointsMark, TextMark
 
@@ -81,7 +81,7 @@ def page_constants() -> dict[str, Any]:
         "grid": theme.GRID,
         "rule": theme.RULE,
         "margins": {
-            side: getattr(layout, side.upper()) for side in ("left", "right", "top", "bottom", "bare", "padding")
+            side: getattr(frame_layout, side.upper()) for side in ("left", "right", "top", "bottom", "bare", "padding")
         },
         "flag": theme.FLAG,
         "ranks": {name: rank._asdict() for name, rank in RANKS.items()},
@@ -93,7 +93,7 @@ def page_constants() -> dict[str, Any]:
     }
 
 
-def body(view: BodyView, span: tuple[float, float] | None, *, fixed: bool) -> Iterator[Primitive]:
+def body(view: DrawnBody, span: tuple[float, float] | None, *, fixed: bool) -> Iterator[Primitive]:
     """Yield what is drawn of a body, in its own frame, except when it collides.
 
     Args:

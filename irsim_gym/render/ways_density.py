@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from irsim_gym.arraytypes import Bytes, Floats
-from irsim_gym.render.scene import BodyView, MapView
+from irsim_gym.render.scene import DrawnBody, MapView
 
 CELLS = 240
 """Cells along the longer side of the world."""
@@ -35,7 +35,7 @@ class Density:
         self._first: Bytes = np.zeros(0, np.uint8)
         self.differs = False
 
-    def add(self, bodies: Iterable[BodyView], occupied: MapView | None = None) -> None:
+    def add(self, bodies: Iterable[DrawnBody], occupied: MapView | None = None) -> None:
         """Add the obstacles of a level."""
         picture = Image.new("L", self._size)
         draw = ImageDraw.Draw(picture)

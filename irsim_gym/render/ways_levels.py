@@ -13,7 +13,7 @@ from matplotlib.colors import ListedColormap, to_rgba
 from matplotlib.patches import Circle
 
 from irsim_gym.render import theme
-from irsim_gym.render.scene import BodyView, MapView
+from irsim_gym.render.scene import DrawnBody, MapView
 from irsim_gym.render.ways_marks import (
     DrawnWay,
     colour_of,
@@ -45,8 +45,8 @@ class DrawnLevel:
     number: int
     time: float
     ways: Sequence[DrawnWay]
-    fixed: Sequence[BodyView]
-    moving: Sequence[BodyView]
+    fixed: Sequence[DrawnBody]
+    moving: Sequence[DrawnBody]
     agents: Sequence[int]
     map: MapView | None = None
 
@@ -111,7 +111,7 @@ def draw_level(axes: Axes, level: DrawnLevel, bounds: Sequence[float]) -> None:
     axes.annotate(str(level), (0.0, 1.0), (0.0, 1.0), color=colour_of(level.outcome), **look)
 
 
-def _draw_bodies(axes: Axes, bodies: Sequence[BodyView], colour: str, opacity: float) -> None:
+def _draw_bodies(axes: Axes, bodies: Sequence[DrawnBody], colour: str, opacity: float) -> None:
     areas = [line for view in bodies if view.solid for line in view.lines]
     walls = [line for view in bodies if not view.solid for line in view.lines]
     discs = [Circle((x, y), radius) for view in bodies for x, y, radius in view.discs.tolist()]

@@ -18,7 +18,7 @@ from irsim_gym.render import fonts, theme
 from irsim_gym.render.card import number_text
 from irsim_gym.render.figure import READABLE
 from irsim_gym.render.files import whole_file
-from irsim_gym.render.layout import DOTS_PER_INCH, tick_positions
+from irsim_gym.render.frame_layout import DOTS_PER_INCH, tick_positions
 from irsim_gym.render.tiles import few_columns
 from irsim_gym.render.ways_density import Density
 from irsim_gym.render.ways_levels import DrawnLevel, draw_level
@@ -53,7 +53,7 @@ FEW = 40
 
 
 @dataclass(frozen=True)
-class Panel:
+class WaysPanel:
     """What one policy did.
 
     Attributes:
@@ -75,7 +75,7 @@ Place = tuple[float, float, float, float]
 """Left edge, upper edge, width and height of axes [inch], from the upper left corner of the picture."""
 
 
-class Plan:
+class WaysPlan:
     """Where panels and levels stand.
 
     Args:
@@ -87,7 +87,7 @@ class Plan:
         height: Its height [inch].
     """
 
-    def __init__(self, bounds: Sequence[float], panels: Sequence[Panel]) -> None:
+    def __init__(self, bounds: Sequence[float], panels: Sequence[WaysPanel]) -> None:
         x_min, y_min, x_max, y_max = bounds
         around = 2.0 * BEYOND * max(x_max - x_min, y_max - y_min)
         self._share = share = (y_max - y_min + around) / (x_max - x_min + around)
@@ -128,7 +128,13 @@ class Plan:
 
 
 def draw_ways(
-    paths: Sequence[Path], panels: Sequence[Panel], density: Density, title: str, note: str, *, dots_per_inch: int = 120
+    paths: Sequence[Path],
+    panels: Sequence[WaysPanel],
+    density: Density,
+    title: str,
+    note: str,
+    *,
+    dots_per_inch: int = 120,
 ) -> None:
     """Draw the ways of policies, a panel for each and beside it some of its levels, into files.
 
@@ -148,9 +154,9 @@ def draw_ways(
             figure.savefig(part, dpi=dots_per_inch, facecolor=theme.PAPER)
 
 
-def plot_ways(panels: Sequence[Panel], density: Density, title: str, note: str) -> Figure:
+def plot_ways(panels: Sequence[WaysPanel], density: Density, title: str, note: str) -> Figure:
     """Return the picture of ``draw_ways``."""
-    plan = Plan(density.bounds, panels)
+    plan = WaysPlan(density.bounds, panels)
     entries = legend(outcome for panel in panels for outcome in panel.counts)
     room = plan.width - LEFT - RIGHT
     lines = textwrap.wrap(note, max(int(room / LETTER), 20))
@@ -176,7 +182,7 @@ def plot_ways(panels: Sequence[Panel], density: Density, title: str, note: str) 
     return figure
 
 
-def _draw_panel(axes: Axes, panel: Panel, density: Density) -> None:
+def _draw_panel(axes: Axes, panel: WaysPanel, density: Density) -> None:
     x_min, y_min, x_max, y_max = density.bounds
     dark = ["#DDE2E7", "#9DA9B5"] if density.differs else ["#B8C0CA", "#5B6774"]
     grey = LinearSegmentedColormap.from_list("occupied", [theme.CARD, *dark])
@@ -195,7 +201,7 @@ def _draw_panel(axes: Axes, panel: Panel, density: Density) -> None:
     _add_ticks(axes, density.bounds)
 
 
-def _write(axes: Axes, panel: Panel) -> None:
+def _write(axes: Axes, panel: WaysPanel) -> None:
     """Write a panel's name and success above it, and the outcomes below."""
     title, face = fonts.families(panel.title, bold=True)
     axes.set_title(title, loc="left", fontsize=9, color=theme.INK, pad=15, **face)

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from irsim_gym.errors import Problem, ScenarioError, suggestion
 from irsim_gym.scenario.level_reading import MOST_TOLD, Mistake, load_levels
 from irsim_gym.scenario.level_set import LevelSet
 from irsim_gym.scenario.messages import show
 from irsim_gym.scenario.source import Place, Source
-from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario
+from irsim_gym.scenario.spec import BodySpec, PlacementSpec, Scenario, WorldSpec
 from irsim_gym.scenario.validation import Report
 
 
@@ -37,16 +38,39 @@ def tell(mistakes: Sequence[Mistake], place: Place, report: Report, file: str) -
         report.add((*place, name) if name else place, text if name else f"{file}: {text}")
 
 
+def home_of(levels: LevelSet) -> tuple[str | Path, Mapping[str, Any]]:
+    """Return the scenario that a file of levels names, and the values of its parameters.
+
+    A shipped scenario goes by its name, another one by the name of its file, which is beside that of the levels.
+
+    Raises:
+        ScenarioError: The file names none.
+    """
+    name, values = levels.about.get("scenario"), levels.about.get("parameters", {})
+    if not isinstance(name, str) or not name or not isinstance(values, Mapping):
+        wish = f"names no scenario: load a YAML file that has levels: {Path(levels.file).name}"
+        raise ScenarioError(levels.file, [Problem(0, "about", wish)])
+    beside = Path(levels.file).parent / Path(name).name
+    return (beside if Path(name).suffix else name), values
+
+
 def with_levels(scenario: Scenario, levels: LevelSet) -> Scenario:
     """Return a scenario that takes its levels from a file.
 
     Raises:
         ScenarioError: They do not fit.
     """
-    mistakes = list(misfits(levels, scenario.bodies, scenario.placements))
+    own, placements = without_map(scenario)
+    mistakes = list(misfits(levels, own, placements, scenario.world, scenario.occupied))
     if mistakes:
         raise ScenarioError(levels.file, [Problem(0, name, text) for name, text in mistakes])
     return replace(scenario, levels=levels)
+
+
+def without_map(scenario: Scenario) -> tuple[tuple[BodySpec, ...], tuple[PlacementSpec, ...]]:
+    """Return the bodies and placements of a scenario without those of its obstacle map, which are the last ones."""
+    end = -1 if scenario.occupied is not None else None
+    return scenario.bodies[:end], scenario.placements[:end]
 
 
 def drawn_bodies(bodies: Sequence[BodySpec], placements: Sequence[PlacementSpec]) -> tuple[int, ...]:
@@ -60,8 +84,21 @@ def drawn_bodies(bodies: Sequence[BodySpec], placements: Sequence[PlacementSpec]
     )
 
 
-def misfits(levels: LevelSet, bodies: Sequence[BodySpec], placements: Sequence[PlacementSpec]) -> Iterator[Mistake]:
-    """Yield where levels and the bodies of a scenario do not fit."""
+def misfits(
+    levels: LevelSet,
+    bodies: Sequence[BodySpec],
+    placements: Sequence[PlacementSpec],
+    world: WorldSpec,
+    occupied: NDArray[np.bool_] | None,
+) -> Iterator[Mistake]:
+    """Yield where levels and a scenario do not fit: its bodies, without that of the map, and its map."""
+    if levels.cells is None and getattr(world.obstacle_map, "is_random", False):
+        yield "cells", "the scenario draws its obstacle_map: the file must give the cells"
+    if levels.cells is not None and occupied is None:
+        yield "cells", "the scenario has no obstacle_map for them"
+    elif levels.cells is not None and occupied is not None and levels.cells.shape[1:] != occupied.shape:
+        (columns, rows), (given, other) = occupied.shape, levels.cells.shape[1:]
+        yield "cells", f"must be {columns} x {rows} cells, as the obstacle_map has, got {given} x {other}"
     names = [body.name for body in bodies]
     for name in levels.bodies:
         if name not in names:

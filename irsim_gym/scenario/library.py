@@ -38,6 +38,12 @@ def maps() -> Mapping[str, Path]:
 
 
 @functools.cache
+def recordings() -> Mapping[str, Path]:
+    """Return the shipped recordings of pedestrians by file name."""
+    return MappingProxyType({file.name: file for file in sorted((configs_folder() / "recordings").glob("*.txt"))})
+
+
+@functools.cache
 def images() -> Mapping[str, Path]:
     """Return the shipped images of bodies by file name, in alphabetical order."""
     return MappingProxyType({file.name: file for file in sorted((configs_folder() / "images").glob("*.png"))})

@@ -14,13 +14,15 @@ from irsim_gym.scenario.bodies import make_bodies, name_of, placement_of, with_m
 from irsim_gym.scenario.entries import read_entry
 from irsim_gym.scenario.gui_spec import GuiSpec
 from irsim_gym.scenario.ids import IDS
-from irsim_gym.scenario.level_checks import misfits, read_level_file, tell
+from irsim_gym.scenario.level_checks import home_of, misfits, read_level_file, tell, with_levels
+from irsim_gym.scenario.level_reading import read_levels
 from irsim_gym.scenario.map_cells import read_cells, read_map
 from irsim_gym.scenario.messages import CONTACT_MESSAGE, choices, literal_values, show
 from irsim_gym.scenario.needless import UNOBSTRUCTED_MODES
 from irsim_gym.scenario.options import option_fields
 from irsim_gym.scenario.parameters import fill_in
 from irsim_gym.scenario.plot_spec import ObjectPlot
+from irsim_gym.scenario.recorded_bodies import give_recordings
 from irsim_gym.scenario.shorthand import split_entries, split_sections
 from irsim_gym.scenario.source import ROLES, SECTIONS, WRAPPER, Place, Source, read_file, read_mapping
 from irsim_gym.scenario.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenario, WorldSpec
@@ -41,7 +43,8 @@ def load_scenario(
     """Read and check a scenario.
 
     Args:
-        scenario: A shipped name such as ``cluttered_room``, an id, the path of a YAML file, or the same as plain data.
+        scenario: A shipped name such as ``cluttered_room``, an id, the path of a YAML file, or the same as plain data;
+            or the path of a file of levels, .npz, for the scenario that it names, with these levels.
         parameters: Values for its parameters, e.g. ``{"n_robots": 16}``; the others keep their defaults.
         strict: A key that nobody reads is an error; False: it is ignored, with an ``IgnoredKeyWarning``.
         warn: Warn of values that are hardly ever meant, such as degrees (``ScenarioWarning``), and of keys that are
@@ -58,6 +61,11 @@ def load_scenario(
     if not isinstance(scenario, str | Path | Mapping):
         raise TypeError(f"a scenario is a name, a path or a mapping, got {type(scenario).__name__}")
     scenario = IDS.scenario(scenario)
+    if not isinstance(scenario, Mapping) and Path(scenario).suffix == ".npz":
+        levels = read_levels(scenario)
+        home, values = home_of(levels)
+        how: dict[str, Any] = {"strict": strict, "warn": warn, "may_pend": may_pend}
+        return with_levels(load_scenario(home, {**values, **(parameters or {})}, **how), levels)
     source = read_mapping(scenario) if isinstance(scenario, Mapping) else read_file(library.find(scenario))
     loaded = read_scenario(source, parameters or {}, strict=strict, may_pend=may_pend)
     if warn:
@@ -83,13 +91,14 @@ def read_scenario(
     world = _world(sections.get("world"), places["world"], source, report)
     gui = build(GuiSpec, sections.get("gui"), places["gui"], report)
     task = _task(sections.get("task"), places["task"], report)
-    bodies, placements = _bodies(sections, places, report)
-    levels = read_level_file(sections.get("levels"), places["levels"], source, report)
-    if levels is not None and not report.problems:
-        tell(list(misfits(levels, bodies, placements)), places["levels"], report, levels.file)
+    step_time = float(option_fields(WorldSpec)["step_time"].default) if world is None else world.step_time
+    bodies, placements = _bodies(sections, places, step_time, report)
     _check_viewpoint(world, bodies, (*places["world"], "plot", "viewpoint"), report)
     map_place = (*places["world"], "obstacle_map")
     occupied = read_cells(world, map_place, source, report) if world is not None else None
+    levels = read_level_file(sections.get("levels"), places["levels"], source, report)
+    if world is not None and levels is not None and not report.problems:
+        tell(list(misfits(levels, bodies, placements, world, occupied)), places["levels"], report, levels.file)
     if world is not None and occupied is not None:
         bodies, placements = with_map(world, bodies, placements, source.line(map_place))
     if report.problems:
@@ -189,7 +198,7 @@ def _task(data: object, place: Place, report: Report) -> Mapping[str, Any]:
 
 
 def _bodies(
-    sections: Mapping[str, Any], places: Mapping[str, Place], report: Report
+    sections: Mapping[str, Any], places: Mapping[str, Place], step_time: float, report: Report
 ) -> tuple[tuple[BodySpec, ...], tuple[PlacementSpec, ...]]:
     plot = sections.get("plot")
     if build(ObjectPlot, plot, places["plot"], report) is None or plot is None:
@@ -207,6 +216,7 @@ def _bodies(
                 report.add(entry.raw.place, f"too many bodies: at most {MAX_BODIES}")
                 break
             made = make_bodies(entry, len(placements), total, next_group + k, report)
+            made = give_recordings(made, entry, step_time, report)
             if entry.count:
                 placements.append(placement_of(entry, total, report))
             names.extend(name_of(entry, i, total + i) for i in range(entry.count))

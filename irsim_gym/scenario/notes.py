@@ -107,7 +107,8 @@ def _is_idle(body: BodySpec, scenario: Scenario) -> bool:
     """Return whether a body decides but has nowhere to go; as a goal may still be set by hand, nobody is warned."""
     decides = body.behavior or body.group_behavior
     places = bool(body.goal) or scenario.placements[body.entry].kind.gives_goal
-    return bool(decides) and not body.static and not places and not body.wanders
+    replays = bool(getattr(body.behavior, "replays", False))
+    return bool(decides) and not body.static and not places and not body.wanders and not replays
 
 
 def _goals_outside(body: BodySpec, scenario: Scenario) -> Iterator[str]:

@@ -8,7 +8,7 @@ from irsim_gym.arraytypes import CellMaps, Ints
 from irsim_gym.geometry.cell_rays import cast_cells
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
-from irsim_gym.sensors.tables import ScanTables, beam_row, mount_pose
+from irsim_gym.sensors.scan_tables import ScanTables, beam_row, mount_pose
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 

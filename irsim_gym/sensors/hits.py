@@ -9,7 +9,7 @@ from irsim_gym.geometry.ray_chunks import Eye
 from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
 from irsim_gym.sensors.casting import cast_discs, cast_segments
-from irsim_gym.sensors.tables import ScanTables, beam_row, mount_pose
+from irsim_gym.sensors.scan_tables import ScanTables, beam_row, mount_pose
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState

@@ -11,7 +11,7 @@ import numpy as np
 from irsim_gym.arraytypes import Ints
 from irsim_gym.jit import kernel
 from irsim_gym.rng import normal
-from irsim_gym.sensors.tables import ScanTables, beam_row
+from irsim_gym.sensors.scan_tables import ScanTables, beam_row
 from irsim_gym.world.state import WorldState
 
 

@@ -15,7 +15,7 @@ from irsim_gym.geometry.polygons import contains_point
 from irsim_gym.geometry.ray_chunks import CHUNK, clear_depths, lay_beams
 from irsim_gym.jit import kernel
 from irsim_gym.sensors.casting import cast_chunk, write_ranges
-from irsim_gym.sensors.tables import ScanTables, beam_row, mount
+from irsim_gym.sensors.scan_tables import ScanTables, beam_row, mount
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState

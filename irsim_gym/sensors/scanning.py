@@ -15,7 +15,7 @@ from irsim_gym.sensors import hits, noise
 from irsim_gym.sensors.casting import cast_bodies, cast_discs, cast_segments
 from irsim_gym.sensors.cell_scan import scan_cells
 from irsim_gym.sensors.room_casting import cast_room, is_small
-from irsim_gym.sensors.tables import ScanTables
+from irsim_gym.sensors.scan_tables import ScanTables
 from irsim_gym.world.arrays import aligned
 from irsim_gym.world.group import Group, Shard
 from irsim_gym.world.model import WorldModel

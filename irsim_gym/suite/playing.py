@@ -16,6 +16,7 @@ from irsim_gym.evaluation.behavior_policies import UnfitBehaviorError
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.levels.played import played_levels
 from irsim_gym.suite.members import Member
 from irsim_gym.suite.row_files import write_rows
 from irsim_gym.suite.scores import score_suite
@@ -24,6 +25,7 @@ from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import make_episodes, team_conditions
 from irsim_gym.training.evaluate import WORLDS
+from irsim_gym.training.folders import as_name
 from irsim_gym.training.policies import UnfitPolicyError, load_policy
 
 
@@ -94,6 +96,7 @@ def _play_member(
     chosen: dict[str, Any] = {"parameters": dict(member.parameters), "team": member.team}
     episodes = make_episodes(member.scenario, n_worlds=min(WORLDS, levels), **chosen)
     conditions = team_conditions(episodes, record.split, levels)
+    conditions |= played_levels(episodes.simulation, record.split, levels).conditions()
     record.members[member.name]["conditions"] = plain(conditions)
     optima = Optima(record.split)
     for method in methods:
@@ -101,7 +104,7 @@ def _play_member(
         for number in range(len(done), len(method.sources)):
             label = f"{member.name}: {method.name}" + (f" {number}" if len(method.sources) > 1 else "")
             line = bar.add_task(label, total=levels)
-            file = f"{ROWS}/{member.name}/{method.name}-{number}.csv"
+            file = f"{ROWS}/{member.name}/{as_name(method.name)}-{number}.csv"
             done.append(_play_policy(method.sources[number], episodes, levels, optima, folder / file, bar, line))
             record.write(folder)
             bar.remove_task(line)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.reference_policies import policy_kinds
+from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.evaluation.tables import write_json
 from irsim_gym.suite.members import Member
 from irsim_gym.training.policies import policy_file, policy_names
@@ -146,6 +146,6 @@ def _scenario(member: Member) -> dict[str, Any]:
 
 def _digest(source: str) -> str | None:
     """Return the hash of a policy's file; None for a name."""
-    if source in policy_kinds():
+    if is_named_policy(source):
         return None
     return hashlib.sha256(policy_file(source).read_bytes()).hexdigest()

@@ -66,7 +66,7 @@ def conditions_line(member: Mapping[str, Any]) -> str:
         f"time limit {_each(limit, str)} steps ({seconds})",
         _sensor(of),
         *(["noisy motion"] if of["motion_noise"] not in (False, None) else []),
-        f"scenario {member['sha256'][:12]}",
+        f"scenario {member['sha256'][:12]}, level set {of['level_hash']}",
     ]
     given = ", ".join(f"{name} = {value}" for name, value in member["parameters"].items())
     return "; ".join([*([given] if given else []), *words]) + "."

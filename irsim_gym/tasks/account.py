@@ -6,8 +6,8 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.jit import kernel
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import RUNNING, SUCCESS, TIMEOUT
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 

@@ -11,10 +11,10 @@ from irsim_gym.arraytypes import Flags, Ints, Rays
 from irsim_gym.contract import is_foreign
 from irsim_gym.engine import Simulation, field_of_view
 from irsim_gym.registry import Registry
-from irsim_gym.tasks.contract import check_bound, checked_bounds
 from irsim_gym.tasks.outcome import HitKind
 from irsim_gym.tasks.task import Task
 from irsim_gym.tasks.term import AHEAD_AND_LEFT, HasArrays, HasUnused, IsImage, Term, Words
+from irsim_gym.tasks.term_contract import check_bound, checked_bounds
 from irsim_gym.world.arrays import aligned
 from irsim_gym.world.group import Group, WorldContext
 from irsim_gym.world.model import OMNI_WORLD, ROBOT

@@ -87,8 +87,8 @@ def check_fit(
         goalless = [body for b, body in zip(agents, bodies, strict=True) if not _has_goal(scenario, b)]
         problems += [Problem(body.line, body.name, message) for body in goalless]
     for i, problem in enumerate(problems):
-        told = problem if i else replace(problem, message=problem.message + OTHERWISE)
-        merged.outside.append((scenario.source.title, told))
+        shown = problem if i else replace(problem, message=problem.message + OTHERWISE)
+        merged.outside.append((scenario.source.title, shown))
     given = [type(item) for _, item in terms["observations"]]
     fitting = []
     for place, item in terms["observations"]:

@@ -15,21 +15,21 @@ from irsim_gym.engine.direct import Direct
 from irsim_gym.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.tasks import account, actions, team_state
 from irsim_gym.tasks.binding import action_sizes, bind, hit_kinds, place_observations
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.levels import check_split, take_levels
 from irsim_gym.tasks.outcome import PRECEDENCE
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.task import Task, checked_limit
 from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers, Term
+from irsim_gym.tasks.term_watch import TermWatch
 from irsim_gym.tasks.transition import transition_of
-from irsim_gym.tasks.watch import Watch
 from irsim_gym.world.model import OMNI_WORLD
 
 
 class Episodes:
     """A task played in all worlds of a simulation; every world has its own episode.
 
-    Nothing restarts by itself: ``begin`` and ``begin_next`` say where an episode begins. An agent whose episode has
-    ended is told to stand still, is paid nothing more and keeps its flags until its world begins again.
+    Nothing restarts automatically: ``begin`` and ``begin_next`` start episodes. An agent whose episode has
+    ended is commanded to stand still, gets no more reward and keeps its flags until its world restarts.
 
     Attributes:
         simulation: The worlds, compiled with ``agents=task.agents``.
@@ -82,7 +82,7 @@ class Episodes:
         self._begin = simulation.fuse(self._begin_levels, [*kinds, *levels])
         bounds = {name: (low, high) for name, low, high in self.observation_terms}
         recorded = (self._play, self._begin_episodes, self._begin)
-        self._watch = Watch(self.terms, simulation, bounds, recorded)
+        self._watch = TermWatch(self.terms, simulation, bounds, recorded)
         everything = self._play, simulation.shards.all[0].worlds, self.action_sizes, self.state.given
         self.direct = None if self.n_discrete else Direct(*everything)
 

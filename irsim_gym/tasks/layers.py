@@ -1,6 +1,6 @@
 """Task files laid over each other: a section of a scenario overrides the file that it names.
 
-Every value keeps where it came from, so that a problem found in the merged task is told with the right file and line.
+Every value keeps its origin, so a problem in the merged task names the right file and line.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Layer:
         data: The plain data.
         line: Returns the line of a path within ``data``.
         prefix: Path of ``data`` in the file.
-        remark: Returns what is to be said of a value after any message, e.g. the parameter that it came from.
+        remark: Returns a remark on a value for the end of a message, e.g. the parameter that it came from.
     """
 
     title: str
@@ -71,11 +71,11 @@ class Merged:
             return
         titles = [title for title, _ in found]
         file = main if main in titles else titles[0]
-        told = [problem if title == file else _elsewhere(title, problem) for title, problem in found]
-        raise ScenarioError(file, told)
+        problems = [problem if title == file else _elsewhere(title, problem) for title, problem in found]
+        raise ScenarioError(file, problems)
 
     def ignored(self, main: str) -> list[Problem]:
-        """Return the keys that nobody reads, as ``refuse`` tells problems."""
+        """Return the unused keys as problems, like ``refuse``."""
         found = map(self._origin, self.report.ignored)
         return [problem if title == main else _elsewhere(title, problem) for title, problem in found]
 
@@ -102,7 +102,7 @@ def merge(layers: list[Layer], *, strict: bool = True) -> Merged:
 
     Args:
         layers: The most basic one first.
-        strict: Keys that nobody reads are problems, see ``Report``.
+        strict: Unused keys are problems, see ``Report``.
     """
     complaints: list[tuple[Node, str]] = []
     trees = [_normal(_tree(layer, (), layer.data)) for layer in layers]

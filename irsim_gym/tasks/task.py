@@ -1,4 +1,4 @@
-"""A task: what is learned, by whom, and when it is over."""
+"""A task: the actions, observations, rewards and endings of the learning agents."""
 
 from __future__ import annotations
 

@@ -17,8 +17,8 @@ from irsim_gym.arraytypes import Bytes, Flags, Ints, Rays
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Ended, Outcome
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.world.group import Group, records
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
@@ -54,7 +54,7 @@ class Term:
         agents: Body of each agent, shape ``(n_agents,)``.
         max_steps: Steps of a full episode.
         action_size: Components of an action, and of the command that it becomes; the largest of all agents.
-        action_sizes: The same for each agent by itself, shape ``(n_agents,)``; it has no use for others.
+        action_sizes: The same for each agent, shape ``(n_agents,)``; further components are unused.
         column: Where the term writes: first column of the observation, column of the reward or of the ending.
         arrays: The term's own arrays: tables, memory, live readings of sensors; a dict, or a struct for kernels.
         components: Of each agent, what the components of its action are when they are mapped to its limits, and their

@@ -9,7 +9,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Rays
-from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.episode_state import EpisodeState
 
 
 @dataclass(frozen=True)

@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.contract import refuse
 from irsim_gym.engine import Shard, Simulation
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 
 CLOSELY = 3
 """In how many of them it is looked at everything that it could have written."""
 MARK = 2.0**100
-"""A number that nobody writes, in place of what is to be written; float32 has it exactly."""
+"""A marker for elements that a term has to write; exact in float32."""
 UNSURE = 2.0**90
 """Numbers greater than this come from adding to the mark."""
 BYTE = 171
@@ -99,7 +99,7 @@ class Watched(ABC):
         yield from self._overwritten(term, target, before, worlds)
         yield from self._values(term, episode, worlds, before)
         if returned is not None:
-            yield f"returns {_short(returned)}, which nobody reads: it must write into {where}"
+            yield f"returns {_short(returned)}, which is not used: it must write into {where}"
 
     def _tell(self, term: Term, problem: str | None) -> None:
         if problem is not None:
@@ -119,7 +119,7 @@ class Watched(ABC):
 
     @abstractmethod
     def _mark(self, term: Term, target: Any, worlds: Ints) -> None:
-        """Write what nobody writes into what the term has to write in some worlds, for the first time."""
+        """Fill the term's output in some worlds with the marker."""
 
     @abstractmethod
     def _is_untouched(self, term: Term, target: Any, worlds: Ints) -> bool:
@@ -266,8 +266,8 @@ class WatchedObservation(Watched):
             if wrong.any():
                 place = np.argwhere(wrong)[0]
                 k = int(place[2])
-                told = rule.format(low=float(low[k]), high=float(high[k]))
-                yield f"writes {seen[tuple(place)]:g} into element {k} {self._name(place, worlds)}: {told}"
+                wanted = rule.format(low=float(low[k]), high=float(high[k]))
+                yield f"writes {seen[tuple(place)]:g} into element {k} {self._name(place, worlds)}: {wanted}"
 
 
 class WatchedEnding(Watched):

@@ -1,4 +1,4 @@
-"""From what was asked for to the settings of a run, and to its folder."""
+"""From the arguments of ``train`` to the settings of a run, and to its folder."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Parameters = Mapping[str, object] | None
 
 @dataclass(frozen=True)
 class Asked:
-    """What ``irsim-gym train`` is asked for.
+    """The arguments of ``irsim-gym train``.
 
     Attributes:
         scenario: Shipped name, environment id, or path of a scenario file.
@@ -36,9 +36,9 @@ class Asked:
         hyperparameters: A file in place of the shipped one.
         team: What robots that have ended do while others learn on.
         parameters: Values for the scenario's parameters.
-        strict: False ignores keys of the scenario that nobody reads.
+        strict: False ignores unused keys of the scenario.
         device: Where the networks are, in place of the file's.
-        origin: A run's folder or a ``policy.zip`` to go on from.
+        origin: A run's folder or a ``policy.zip`` to start from.
     """
 
     scenario: str
@@ -132,18 +132,18 @@ class Asked:
         return begun
 
     def _hyperparameters_of(self, begun: Settings, settings: Settings) -> Hyperparameters:
-        """Return the hyper-parameters of a run, with those that were asked for in their places."""
+        """Return the hyper-parameters of a run, with the user's values."""
         if self.hyperparameters is not None:
             return replace(settings.hyperparameters, device=begun.hyperparameters.device)
         own = {name: value for name, value in self.overrides.items() if name != "device"}
         return replace(begun.hyperparameters, **own)
 
     def place(self, settings: Settings, resume: bool, overwrite: bool) -> tuple[Path, str]:
-        """Return the folder of a run that was given none, and what is to be said of it.
+        """Return a folder for a run that was given none, and a remark on it.
 
         Args:
             settings: What it trains.
-            resume: It goes on: the newest run of that name whose settings are these, an unfinished one first.
+            resume: Return the newest run of that name with these settings, an unfinished one first.
             overwrite: It takes the place of the one of that name.
         """
         first = self.folder(settings)

@@ -15,7 +15,7 @@ from irsim_gym.training.look import fitting_task, refused_as_team
 from irsim_gym.training.trial import Reading, try_out
 
 Read = tuple[Scenario, Task | None, ScenarioError | None]
-"""A scenario, its task, and why nobody can learn."""
+"""A scenario, its task, and the reason why no robot can learn."""
 
 
 def check_files(files: Sequence[str], reading: Reading, *, team: bool) -> bool:
@@ -44,7 +44,7 @@ def check_files(files: Sequence[str], reading: Reading, *, team: bool) -> bool:
 
 
 def _describe(file: str, read: Read, *, team: bool) -> None:
-    """Print that a file is fine, for whom, its parameters and notes."""
+    """Print that a file is valid, with its learners, parameters and notes."""
     scenario, task, unfit = read
     refused = None if team or unfit else refused_as_team(scenario)
     robots = len(scenario.robots)

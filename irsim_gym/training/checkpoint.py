@@ -1,4 +1,4 @@
-"""Checkpoints: all that a run needs to go on as if it had never stopped.
+"""Checkpoints: everything that a run needs to continue as if it had never stopped.
 
 A checkpoint is a folder named by its steps. It is written under another name and renamed, so a folder with the
 right name is always whole. Only the newest keeps what resuming needs; the older ones keep their policy, which

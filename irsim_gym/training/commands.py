@@ -39,7 +39,7 @@ def run_training(
         asked: What is trained.
         out: Folder of the run; None for one named after what is trained.
         resume: Go on with the run in the folder.
-        overwrite: Begin anew in the place of the run in the folder.
+        overwrite: Replace the run in the folder.
         dev_levels: Levels of ``dev`` for each checkpoint; 0 scores none.
     """
     if resume and overwrite:
@@ -178,7 +178,7 @@ def run_rollout(
     """Drive a policy through a few levels and print a line for each; of a team, one for each robot.
 
     Raises:
-        IrsimGymError: Demonstrations of a team are asked for, which one file does not hold.
+        IrsimGymError: The task has several learners; a file holds demonstrations of one.
     """
     from irsim_gym.training.record import FILMS, check_suffix, record_film
 
@@ -233,7 +233,7 @@ def run_record(
         parameters: Values for the scenario's parameters.
         team: The policies drive all robots, unless the task names some.
         kind: ``film``, ``replay``, ``sheet`` or ``strobe``.
-        strict: False ignores keys that nobody reads.
+        strict: False ignores unused keys.
     """
     from irsim_gym.training.record import record_film, record_html, record_sheet
 

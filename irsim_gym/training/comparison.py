@@ -34,7 +34,7 @@ def evaluate(
     A policy is a function, a model of Stable-Baselines3, a ``policy.zip``, the folder of a run, ``"random"``, the name
     of a behaviour such as ``"dash"``, or an ``irsim_gym.evaluation.policy.Policy``, if it has a memory. A function gets
     what the environment observes, stacked for n robots (float32 ``(n, n_features)``, or a dict of such arrays), and
-    returns the actions of ``env.step``, ``(n, action_dim)`` or ``(n,)``. A ``ChangedScenarioWarning`` tells of a
+    returns the actions of ``env.step``, ``(n, action_dim)`` or ``(n,)``. A ``ChangedScenarioWarning`` reports a
     scenario that has changed since a run was trained in it.
 
     Args:
@@ -48,7 +48,7 @@ def evaluate(
         n_worlds: Worlds stepped together; the results do not depend on it.
         folder: Where tables, rows and pictures go; None writes none.
         parameters: Values for the scenario's parameters.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
 
     Raises:
         ValueError: There is no level to drive.
@@ -78,7 +78,7 @@ def evaluate(
 
 
 def _warn_of_changes(scenario: ScenarioSource, sources: Sequence[Source], task: TaskSource, strict: bool) -> None:
-    """Warn whoever called ``evaluate`` of a scenario that is not what it was when policies were trained in it."""
+    """Warn the caller of ``evaluate`` of a scenario that has changed since policies were trained in it."""
     if not isinstance(scenario, str | Path) or not isinstance(task, str | Path | None):
         return
     for source in sources:

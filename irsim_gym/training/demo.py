@@ -40,7 +40,7 @@ def run_demo(
         seed: Seed of the training.
 
     Raises:
-        TrainingInterruptedError: Ctrl-C, or SIGTERM during training; the next call goes on.
+        TrainingInterruptedError: Ctrl-C, or SIGTERM during training; the next call resumes.
     """
     with ctrl_c_told("stopped. Run the same command to continue."):
         _stages(folder, scenario, steps, levels, seed)

@@ -1,4 +1,4 @@
-"""Demonstrations: what somebody who can drive saw and did, in one file to learn from by imitation.
+"""Demonstrations for imitation learning: observations and actions of a driver, in one file.
 
 The file is NumPy's ``.npz``. Its arrays are those of ``Demonstrations``, observations in a dict as
 ``observations/NAME``; ``about`` is a text in JSON with what the environment was.
@@ -50,7 +50,7 @@ class Demonstrations:
         terminations: The step ended its episode, ``(n_steps,)``.
         truncations: The step was cut off: by the time limit, or because the driver stopped there, ``(n_steps,)``.
         episode_starts: The step is the first of an episode, ``(n_steps,)``.
-        by_hand: A person drove, not the robot by itself, ``(n_steps,)``.
+        by_hand: A person drove, not a behaviour, ``(n_steps,)``.
         final_observations: What was seen after the last step of each episode, ``(n_episodes, ...)``, or a dict.
         levels: Level of each episode, ``(n_episodes,)``.
         outcomes: How it ended, numbers of ``irsim_gym.tasks.Outcome``, 0 where the driver stopped, ``(n_episodes,)``.

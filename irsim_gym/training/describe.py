@@ -41,7 +41,7 @@ def describe_scenario(
         task: A task in place of the scenario's own.
         parameters: Values of the scenario's parameters.
         team: All robots learn; those that observe and act alike are described once.
-        strict: Refuse keys that nobody reads.
+        strict: Refuse unused keys.
         as_json: Print JSON: one object, with ``team`` a list of them.
         picture: File to draw, or None.
 

@@ -10,7 +10,7 @@ import numpy as np
 from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecNormalize, unwrap_vec_normalize
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
-from irsim_gym.envs import sb3
+from irsim_gym import sb3
 from irsim_gym.training.run import Settings
 
 
@@ -36,7 +36,7 @@ def build_environment(settings: Settings, normalization: Path | None = None) -> 
 
     Args:
         settings: What the run trains.
-        normalization: Saved statistics of ``VecNormalize`` to go on with.
+        normalization: Saved statistics of ``VecNormalize`` to start from.
     """
     wanted = settings.hyperparameters
     env: VecEnv = make_worlds(settings, wanted.n_envs)

@@ -35,7 +35,7 @@ def make_episodes(
         num_threads: Threads that share them.
         parameters: Values for the scenario's parameters.
         team: All robots are agents, unless the task names some; else there has to be one.
-        strict: False ignores keys that nobody reads.
+        strict: False ignores unused keys.
     """
     chosen: dict[str, Any] = {"task": task, "team": team, "strict": strict}
     if isinstance(scenario, Scenario):

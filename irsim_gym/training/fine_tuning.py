@@ -1,4 +1,4 @@
-"""Runs that go on from a policy: its weights, networks and normalisation, with a schedule of their own."""
+"""Runs that start from a policy: its weights, networks and normalisation, with a new schedule."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SHAPES = (
 
 
 def load_origin(source: str | Path) -> tuple[Path, SavedPolicy]:
-    """Return the file of a policy to go on from, and the policy.
+    """Return the file of a policy to start from, and the policy.
 
     Args:
         source: A run's folder, or a ``policy.zip``.
@@ -47,7 +47,7 @@ def algorithm_of(policy: SavedPolicy) -> str:
 
 
 def inheriting(settings: Settings, file: Path, policy: SavedPolicy) -> Settings:
-    """Return settings with the networks and the normalisation of a policy that they go on from.
+    """Return settings with the networks and the normalisation of the policy that they start from.
 
     Raises:
         IrsimGymError: Another algorithm trained it, or its networks are made of the user's own classes.
@@ -94,7 +94,7 @@ def _normalization(learned: VecNormalize | None, wanted: Mapping[str, object] | 
 
 
 def take_weights(model: BaseAlgorithm, settings: Settings) -> None:
-    """Put the weights and the statistics of the policy that a run goes on from into its new model.
+    """Copy the weights and statistics of the policy that a run starts from into its new model.
 
     Raises:
         IrsimGymError: The policy is gone, or was trained with other observations or actions.

@@ -59,8 +59,8 @@ def evaluation_folder(
         split: Split of the levels.
         parameters: Values that were given for the scenario's parameters.
         team: Whole teams play.
-        overwrite: What is there is to be replaced.
-        resume: What is there is to be gone on with.
+        overwrite: Replace an existing run.
+        resume: Continue an existing run.
         kind: ``evaluation`` or ``arena``.
     """
     whose = "-team" if team else ""
@@ -89,7 +89,7 @@ def as_name(text: str) -> str:
 
 
 def free_folder(first: Path, asked: Settings, now: Snapshot) -> tuple[Path, str]:
-    """Return the folder of a new run, and what is to be said of it.
+    """Return the folder of a new run, and a remark on it.
 
     It is the one that holds this very run, if there is one, else the first of ``first``, ``first-run2`` and so on that
     holds none.
@@ -128,7 +128,7 @@ def _numbered(first: Path, before: str = "-") -> Iterator[Path]:
 
 
 def run_differences(run: Run, asked: Settings, now: Snapshot) -> list[str]:
-    """Return in what a run on disk and one that is asked for differ, both values of each.
+    """Return the settings in which a run on disk and a requested one differ, with both values.
 
     Raises:
         IrsimGymError: The folder's settings cannot be read.

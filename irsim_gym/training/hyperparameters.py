@@ -130,7 +130,7 @@ def load_hyperparameters(
         images: Observations hold pictures; where the algorithm has a file for these, ``ALGORITHM_images.yaml``, it is
             read in place of the other. The networks are then on a graphics card where there is one, unless ``device``
             says otherwise.
-        file: A file of one's own in place of the shipped one.
+        file: A file to use in place of the shipped one.
         overrides: Values that replace those of the file.
 
     Raises:
@@ -153,7 +153,7 @@ def stated_hyperparameters(
         algorithm: The algorithm.
         environment_id: The entry that is laid over the default.
         images: Observations hold pictures.
-        file: A file of one's own in place of the shipped one.
+        file: A file to use in place of the shipped one.
         given: Keys that are given elsewhere, so that the file need not have them.
     """
     chosen = find_algorithm(algorithm)
@@ -162,7 +162,7 @@ def stated_hyperparameters(
 
 
 def _shipped(algorithm: str, images: bool) -> Path:
-    """Return the shipped file of an algorithm, the one for pictures where it is asked for and there is one."""
+    """Return the shipped file of an algorithm; the one for images if requested and available."""
     folder = hyperparameters_folder()
     for_images = folder / f"{algorithm}_images.yaml"
     return for_images if images and for_images.is_file() else folder / f"{algorithm}.yaml"

@@ -17,14 +17,12 @@ from irsim_gym.errors import IrsimGymError, several
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.policy import Policy
-from irsim_gym.evaluation.reference_policies import policy_kinds
+from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.evaluation.tables import write_bytes
-from irsim_gym.levels.certificate import SUFFIX, Certificate
+from irsim_gym.levels.certificate import Certificate, certificate_beside
 from irsim_gym.levels.certify import certify
 from irsim_gym.levels.draw import draw_levels
 from irsim_gym.scenario import Scenario, load_scenario
-from irsim_gym.scenario.level_checks import with_levels
-from irsim_gym.scenario.level_reading import read_levels
 from irsim_gym.scenario.level_set import LevelSet, set_hash
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
@@ -32,8 +30,8 @@ from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.policies import load_policy
 
 WORLDS = 64
-REFERENCES = ("random", "dash", "orca", "dwa", "pursuit")
-"""Reference rows of a certificate: at random, straight ahead, by velocity, by a local plan, by the whole map."""
+REFERENCES = ("random", "dash", "orca", "dwa", "pursuit:known=seen", "pursuit")
+"""Reference rows: at random, straight ahead, by velocity, by a local plan, by what was seen, by the whole map."""
 
 
 @dataclass(frozen=True)
@@ -73,23 +71,8 @@ class Wanted:
         return make_episodes(loaded or self.loaded(), n_worlds=n_worlds, **chosen)
 
     def loaded(self) -> Scenario:
-        """Return the scenario; for a file of levels, the one that it names, with these levels.
-
-        Raises:
-            IrsimGymError: The file does not name a scenario that is here.
-        """
-        if Path(self.scenario).suffix != ".npz":
-            return load_scenario(self.scenario, self.parameters, strict=self.strict)
-        about = read_levels(self.scenario).about
-        try:
-            drawn = load_scenario(
-                str(about["scenario"]), {**about["parameters"], **(self.parameters or {})}, warn=False
-            )
-        except (KeyError, TypeError, IrsimGymError) as error:
-            raise IrsimGymError(
-                f"{self.scenario} names no scenario that is here: name a YAML file that has levels: {self.scenario}"
-            ) from error
-        return with_levels(drawn, read_levels(self.scenario))
+        """Return the scenario."""
+        return load_scenario(self.scenario, self.parameters, strict=self.strict)
 
 
 def run_draw(wanted: Wanted, splits: Sequence[str], count: int, out: Path) -> LevelSet:
@@ -102,9 +85,16 @@ def run_draw(wanted: Wanted, splits: Sequence[str], count: int, out: Path) -> Le
     simulation = wanted.simulation(min(WORLDS, count))
     with bar("drawing", count * len(splits)) as advance:
         drawn = draw_levels(simulation, splits, count, advance)
-    write_bytes(out, drawn.content())
-    print(f"{out}: {several(drawn.count, 'level')} of {', '.join(splits)}, hash {set_hash(drawn.hashes())}")
+    write_levels(drawn, out)
     return drawn
+
+
+def write_levels(levels: LevelSet, out: Path) -> None:
+    """Write levels, and say how many they are."""
+    check_suffix(out)
+    write_bytes(out, levels.content())
+    split = "" if "all" in levels.splits else f" of {', '.join(levels.splits)}"
+    print(f"{out}: {several(levels.count, 'level')}{split}, hash {set_hash(levels.hashes())}")
 
 
 def run_certify(
@@ -117,26 +107,38 @@ def run_certify(
         split: ``train``, ``dev`` or ``test``.
         count: How many levels.
         policies: The reference policies, as ``load_policy`` takes them; None for those that fit.
-        out: The file; None for one beside that of the levels, or beside the scenario's in the current folder.
+        out: The file; None for one beside that of the levels or of the scenario; in this folder for a shipped one.
     """
-    path = Path(wanted.scenario).with_suffix(SUFFIX) if out is None else out
-    check_suffix(path)
+    if out is not None:
+        check_suffix(out)
     check_split(split)
     episodes = wanted.episodes(min(WORLDS, count))
-    chosen = _fitting(episodes) if policies is None else {name: load_policy(name) for name in policies}
-    with bar("certifying", count * (1 + len(chosen))) as advance:
-        made = certify(episodes, split, count, chosen, advance)
-    write_bytes(path, made.content())
+    made = certified(episodes, split, count, policies)
+    own = Path(wanted.scenario)
+    path = out or certificate_beside(own if own.is_file() else Path(episodes.simulation.scenario.name))
     for line in _said(made):
         print(line)
-    print(f"{path}: {several(count, 'level')} of {split}, hash {made.set_hash}")
+    write_certificate(made, path)
     return made
+
+
+def certified(episodes: Episodes, split: str, count: int, policies: Sequence[str] | None) -> Certificate:
+    """Return the certificate of levels, with a progress bar; ``policies`` as for ``run_certify``."""
+    chosen = _fitting(episodes) if policies is None else {name: load_policy(name) for name in policies}
+    with bar("certifying", count * (1 + len(chosen))) as advance:
+        return certify(episodes, split, count, chosen, advance)
+
+
+def write_certificate(made: Certificate, path: Path) -> None:
+    """Write a certificate, and say where it is."""
+    write_bytes(path, made.content())
+    print(f"{path}: {several(made.count, 'level')} of {made.split}, hash {made.set_hash}", flush=True)
 
 
 def _fitting(episodes: Episodes) -> dict[str, Policy]:
     """Return those of the usual reference policies that are there and can drive the agents."""
     fitting: dict[str, Policy] = {}
-    for name in (name for name in REFERENCES if name in policy_kinds()):
+    for name in filter(is_named_policy, REFERENCES):
         policy = load_policy(name)
         try:
             if isinstance(policy, BehaviorPolicy):

@@ -1,4 +1,4 @@
-"""A scenario before anybody learns in it: whether it can be used, and how a level looks; without PyTorch."""
+"""Inspect a scenario before training: is it valid, and how does a level look? Without PyTorch."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def draw_level(
     parameters: Parameters = None,
     strict: bool = True,
 ) -> Path:
-    """Draw the start of a level into a file and return it; nobody has to learn in it.
+    """Draw the start of a level into a file and return its path. The scenario needs no learner.
 
     Raises:
         IrsimGymError: The file is to have another ending than ``.png``, ``.pdf`` or ``.svg``.
@@ -59,7 +59,7 @@ def refused_as_team(scenario: Scenario) -> ScenarioError | None:
 
 
 def fitting_task(scenario: Scenario, *, team: bool) -> tuple[Task | None, ScenarioError | None]:
-    """Return a scenario's task, or why nobody can learn though the file asks for nothing; neither without a robot.
+    """Return a scenario's task, or the reason why no robot can learn; neither for a file without robots.
 
     Raises:
         ScenarioError: The task that the file gives, or ``team``, cannot be met.
@@ -75,7 +75,7 @@ def fitting_task(scenario: Scenario, *, team: bool) -> tuple[Task | None, Scenar
 
 
 def begin_level(scenario: Scenario, level: int = 0, split: str = "train", task: str | None = None) -> Simulation:
-    """Return one world at the start of a level, with the learners of its task; with none where nobody can learn.
+    """Return one world at the start of a level, with the learners of its task, if any.
 
     Raises:
         IrsimGymError: The level cannot be drawn, or the named task does not fit.

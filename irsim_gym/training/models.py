@@ -1,4 +1,4 @@
-"""Models of Stable-Baselines3 for the settings of a run: new ones, and those that go on."""
+"""Models of Stable-Baselines3 for the settings of a run: new ones, and those of checkpoints."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.envs.sb3 import buffers_for
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.sb3 import buffers_for
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.environment import build_environment, restore_worlds

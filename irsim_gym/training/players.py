@@ -82,7 +82,7 @@ class Players:
         return f"{self.names[world]}, level {level}: {status.replace('_', ' ')}, {time:.1f} s"
 
     def values(self, world: int) -> list[dict[str, Any]]:
-        """Return what is known of each agent now: how it fares, its action, its rewards and how its episode stands."""
+        """Return the present data of each agent: outcome, action, rewards and the state of its episode."""
         return agent_values(self.episodes, world)
 
 
@@ -107,7 +107,7 @@ def players(
         names: What the policies are called; None to take it from the sources.
         parameters: Values for the scenario's parameters.
         team: The policies drive all robots, unless the task names some.
-        strict: False ignores keys that nobody reads.
+        strict: False ignores unused keys.
     """
     from irsim_gym.render import Renderer
 

@@ -22,7 +22,7 @@ from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
 from irsim_gym.errors import IrsimGymError, suggestion
 from irsim_gym.evaluation.policy import ObservationPolicy, Policy, by_world, percepts
-from irsim_gym.evaluation.reference_policies import policy_kinds, reference_policy
+from irsim_gym.evaluation.reference_policies import is_named_policy, policy_kinds, reference_policy
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint import NORMALIZATION, POLICY, newest_checkpoint
@@ -44,7 +44,7 @@ class UnknownPolicyError(IrsimGymError):
     """There is no policy of a name, and no file or folder.
 
     Args:
-        source: What was asked for.
+        source: The given name or path.
         problem: What is said of it, without what would be right.
     """
 
@@ -157,12 +157,12 @@ def load_policy(source: Source) -> Policy:
     """Return what drives.
 
     Of a file the weights are read, and objects of known, harmless classes; for others it warns, because loading them
-    runs code of whoever made the file.
+    runs code from the file.
 
     Args:
-        source: ``"random"``, the name of a behaviour or group behaviour, a file ``policy.zip``, a run's folder (its
-            newest checkpoint if it is not finished), a model of Stable-Baselines3, a function of observations as
-            ``ObservationPolicy`` takes it, or a ``Policy``.
+        source: ``"random"``, the name of a behaviour or group behaviour (``"dwa"``, ``"pursuit:known=seen"``), a file
+            ``policy.zip``, a run's folder (its newest checkpoint if it is not finished), a model of Stable-Baselines3,
+            a function of observations as ``ObservationPolicy`` takes it, or a ``Policy``.
 
     Raises:
         IrsimGymError: There is no such policy.
@@ -175,7 +175,7 @@ def load_policy(source: Source) -> Policy:
         return ObservationPolicy(source)
     if not isinstance(source, str | Path):
         raise TypeError(f"a policy is a function, a model, a file or a name, got {type(source).__name__}")
-    if str(source) in policy_kinds():
+    if is_named_policy(source):
         return reference_policy(str(source))
     path = policy_file(source)
     model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))

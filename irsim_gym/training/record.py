@@ -14,7 +14,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.players import Players, players
 
 if TYPE_CHECKING:
-    from irsim_gym.render.replay import Recording
+    from irsim_gym.render.replay_data import Recording
 
 FILMS = (".mp4", ".gif")
 REPLAYS = (".html",)
@@ -91,7 +91,7 @@ def record_html(
     cast = players(scenario, sources, **chosen)
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
     with _bar(console) as bar:
-        recordings = [recorded_episode(cast, w, level) for w, level in bar.track(pairs, description="recording")]
+        recordings = [_recorded(cast, w, level) for w, level in bar.track(pairs, description="recording")]
     cast.renderer.close()
     return save_html(path, recordings)
 
@@ -133,7 +133,7 @@ def record_sheet(
         if not strobe:
             shown = [_moments(cast, w, level) for w, level in track]
             return save_sheet(contact_sheet([frames for _, frames in shown], [name for name, _ in shown]), path)
-        recordings = [recorded_episode(cast, w, level) for w, level in track]
+        recordings = [_recorded(cast, w, level) for w, level in track]
     if len(recordings) == 1:
         return save_strobe(recordings[0], path, cast.renderer.layout)
     panels = [draw_strobe(recording, cast.renderer.layout) for recording in recordings]
@@ -151,15 +151,9 @@ def _moments(cast: Players, world: int, level: int) -> tuple[str, list[Bytes]]:
     return cast.title(world, level, status), moments.frames()
 
 
-def recorded_episode(cast: Players, world: int, level: int) -> Recording:
-    """Play a level and return what it looked like.
-
-    Args:
-        cast: Who plays.
-        world: Which of them, by the number of its world.
-        level: The level.
-    """
-    from irsim_gym.render.replay import Recording
+def _recorded(cast: Players, world: int, level: int) -> Recording:
+    """Play a level and return what it looked like."""
+    from irsim_gym.render.replay_data import Recording
 
     scenario, policy = cast.episodes.simulation.scenario, cast.names[world]
     details = {"policy": policy, "level": f"{level} ({cast.split})"}

@@ -32,7 +32,7 @@ SUFFIX = ".npz"
 class Recorder:
     """Keeps the steps of episodes, and writes them to a file.
 
-    A file that is there already is gone on with, if it is of the same environment.
+    An existing file of the same environment is appended to.
 
     Args:
         env: Where they happen.
@@ -132,7 +132,7 @@ def record_demonstrations(
         split: ``"train"``, ``"dev"`` or ``"test"``.
         task: Shipped name or path of a task, or plain data; None for the scenario's own.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
-        strict: False ignores keys that nobody reads, with an ``IgnoredKeyWarning``; else they are errors.
+        strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         **parameters: Values for the scenario's parameters.
 
     Returns:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.reference_policies import policy_kinds
+from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.messages import with_parameters
 from irsim_gym.training.run import Run, lasting, scenario_name
@@ -27,11 +27,11 @@ def remembered_parameters(
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
         sources: Policies as ``load_policy`` takes them.
-        given: Values that were asked for; they stay.
-        strict: False ignores keys that nobody reads.
+        given: Values that the user set; they are kept.
+        strict: False ignores unused keys.
     """
     asked = dict(given or {})
-    runs = [_trained_with(scenario, Path(source)) for source in sources if str(source) not in policy_kinds()]
+    runs = [_trained_with(scenario, Path(source)) for source in sources if not is_named_policy(source)]
     if not any(runs):
         return asked
     defaults = load_scenario(scenario_name(scenario), asked, strict=strict, warn=False).parameters
@@ -56,11 +56,11 @@ def changes_since(
         scenario: Shipped name, environment id, or path of a scenario file.
         source: A run's folder, or a policy in it. Nothing is known of other policies, nor of another scenario's.
         task: Shipped name or path of a task; that of the run is compared where it is the same one.
-        strict: False ignores keys that nobody reads.
+        strict: False ignores unused keys.
     """
     run = _run_of(source)
     before = run.snapshot()
-    if before is None or str(source) in policy_kinds():
+    if before is None or is_named_policy(source):
         return []
     settings = run.settings()
     named = lasting(scenario_name(str(scenario)))

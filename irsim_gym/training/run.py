@@ -1,4 +1,4 @@
-"""A training run on disk: what was asked for, and where its files lie."""
+"""A training run on disk: its settings and its files."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Settings:
         task: Shipped name or path of a task; None for the scenario's own.
         hyperparameters: How it is trained.
         parameters: Values of the scenario's parameters by name.
-        strict: Keys of the scenario that nobody reads are errors.
+        strict: Unused keys of the scenario are errors.
         origin: The policy that it went on from: ``policy``, its file, and ``sha256`` of that; None for fresh weights.
     """
 

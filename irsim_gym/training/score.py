@@ -35,7 +35,7 @@ Point = dict[str, float]
 def score_run(run: Run, *, levels: int = DEV_LEVELS, console: Console | None = None) -> list[Point]:
     """Score every checkpoint that has no score yet; write ``curve.csv``, ``curve.json`` and ``curve.png``.
 
-    The files are renewed after every checkpoint, so an interrupted scoring goes on where it stopped.
+    The files are renewed after every checkpoint, so an interrupted scoring continues where it stopped.
 
     Returns:
         A point per checkpoint, in the order of steps.

@@ -21,6 +21,7 @@ from irsim_gym.scenario.image_files import image_file
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.scenario.map_cells import find_map
 from irsim_gym.scenario.messages import show
+from irsim_gym.scenario.recorded_bodies import find_recording
 from irsim_gym.scenario.source import ROLES, WRAPPER, read_file
 from irsim_gym.scenario.spec import Scenario
 from irsim_gym.tasks.task import merged_task
@@ -81,7 +82,7 @@ def take_snapshot(
         scenario: Shipped name, or path of a scenario file.
         task: Shipped name or path of a task; None for the scenario's own.
         parameters: Values for the scenario's parameters.
-        strict: False ignores keys that nobody reads.
+        strict: False ignores unused keys.
 
     Raises:
         IrsimGymError: They cannot be used.
@@ -98,7 +99,8 @@ def snapshot_of(loaded: Scenario, task: TaskSource) -> Snapshot:
     if loaded.levels is not None:
         sections["levels"] = _kept(Path(loaded.levels.file), pictures)
     for role in ROLES:
-        sections[role] = [_with_pictures(entry, loaded.file, pictures) for entry in sections.get(role, [])]
+        entries = [_with_pictures(entry, loaded.file, pictures) for entry in sections.get(role, [])]
+        sections[role] = [_with_recording(entry, loaded.file, pictures) for entry in entries]
     plain = {key: value for key, value in sections.items() if key not in ("task", "parameters") and value != []}
     task_data = {key: value for key, value in merged.items() if key != "name"}
     return Snapshot(Path(loaded.file).name, name, plain, task_data, pictures)
@@ -196,6 +198,14 @@ def _with_pictures(entry: object, file: str, pictures: dict[str, Path]) -> Any:
 
     given = entry["description"]
     return {**entry, "description": [kept(one) for one in given] if isinstance(given, list) else kept(given)}
+
+
+def _with_recording(entry: object, file: str, pictures: dict[str, Path]) -> Any:
+    """Return an entry whose recording lies beside the copy."""
+    behavior = entry.get("behavior") if isinstance(entry, Mapping) else None
+    if not isinstance(entry, Mapping) or not isinstance(behavior, Mapping) or behavior.get("name") != "recorded":
+        return entry
+    return {**entry, "behavior": {**behavior, "file": _kept(find_recording(behavior["file"], file), pictures)}}
 
 
 def _kept(file: Path, pictures: dict[str, Path]) -> str:

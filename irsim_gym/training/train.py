@@ -66,15 +66,15 @@ def train(
 ) -> Run:
     """Train an agent and leave checkpoints, logs and the final policy in ``folder``.
 
-    A finished run is left as it is. A run that was interrupted goes on from its newest checkpoint with ``resume``;
-    for PPO the result equals that of a run that was never interrupted. It goes on with its own copy of the scenario,
+    A finished run is not changed. With ``resume``, an interrupted run continues from its newest checkpoint;
+    for PPO the result equals that of a run that was never interrupted. It uses its own copy of the scenario,
     and says so where the scenario has changed. Nothing is written before the model is made.
 
     Args:
         settings: What is trained.
         folder: The run's folder.
         resume: Go on with the run in the folder.
-        overwrite: Begin anew in the place of the run in the folder.
+        overwrite: Replace the run in the folder.
         device: Where the networks are this time; None for what the settings say.
         console: Where progress is shown; None for standard error.
 
@@ -118,7 +118,7 @@ def _tidy(run: Run) -> None:
 
 
 def _check(run: Run, settings: Settings, now: Snapshot, resume: bool, screen: Console) -> None:
-    """Make sure that the run in the folder is the one that is asked for, and may be gone on with."""
+    """Raise unless the run in the folder has the requested settings and can be resumed."""
     before = run.snapshot()
     changed = [] if before is None else differences(before, now)
     found = [*setting_differences(run.settings(), settings), *([] if resume else changed)]

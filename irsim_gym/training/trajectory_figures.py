@@ -14,7 +14,7 @@ from irsim_gym.evaluation.trajectories import KEPT_LEVELS, AgentTrajectory, Traj
 from irsim_gym.tasks import Episodes
 
 if TYPE_CHECKING:
-    from irsim_gym.render.scene import BodyView, MapView
+    from irsim_gym.render.scene import DrawnBody, MapView
     from irsim_gym.render.ways_density import Density
     from irsim_gym.render.ways_levels import DrawnLevel
     from irsim_gym.render.ways_marks import DrawnWay
@@ -43,8 +43,8 @@ class Surveyor:
         simulation = ways.episodes.simulation
         self.ways, self._density = ways, density
         self._renderer = Renderer(simulation.scenario, simulation.model, simulation.state)
-        self.fixed: dict[int, tuple[tuple[BodyView, ...], MapView | None]] = {}
-        self.moving: dict[int, tuple[BodyView, ...]] = {}
+        self.fixed: dict[int, tuple[tuple[DrawnBody, ...], MapView | None]] = {}
+        self.moving: dict[int, tuple[DrawnBody, ...]] = {}
 
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
         """Note where agents start and obstacles stand."""
@@ -119,10 +119,10 @@ class Atlas:
             levels: How many levels were driven.
         """
         from irsim_gym.render.ways_levels import worth_showing
-        from irsim_gym.render.ways_plot import FEW, SHOWN_LEVELS, Panel, draw_ways
+        from irsim_gym.render.ways_plot import FEW, SHOWN_LEVELS, WaysPanel, draw_ways
 
         panels = [
-            Panel(
+            WaysPanel(
                 name,
                 successes[name],
                 _drawn(sorted(kept.ways.ways, key=lambda way: way.level)),

@@ -41,7 +41,7 @@ class Reading:
     Attributes:
         parameters: Values of their parameters.
         modules: What ``import_modules`` imports first.
-        strict: Keys that nobody reads are errors.
+        strict: Unused keys are errors.
     """
 
     parameters: Mapping[str, object]
@@ -52,7 +52,7 @@ class Reading:
 def try_out(files: Sequence[str], reading: Reading) -> Failures:
     """Play files that can be read, and return what went wrong by file; those that are fine are not in it.
 
-    Each begins a level and takes some steps, by itself, with a learner and as a team, where it can.
+    Each begins a level and takes some steps without learners, with one and as a team, where possible.
 
     Args:
         files: Scenarios, as ``load_scenario`` takes them.
@@ -112,7 +112,7 @@ def _end(status: int, trace: str) -> str:
 
 
 def play(file: str, reading: Reading) -> None:
-    """Begin a level of a file and take some steps, in each way that it allows: by itself, with one learner, with all.
+    """Begin a level of a file and take some steps: without learners, with one and as a team, where possible.
 
     Raises:
         IrsimGymError: The file cannot be used, or its level not be drawn.
@@ -121,7 +121,7 @@ def play(file: str, reading: Reading) -> None:
 
     scenario = load_scenario(file, reading.parameters, strict=reading.strict, warn=False)
     _take_steps(_by_itself(scenario))
-    with suppress(ScenarioError):  # nobody can learn there: who asks knows why
+    with suppress(ScenarioError):  # no robot can learn there
         _take_steps(_with_a_learner(scenario))
     with suppress(ScenarioError):
         _take_steps(_as_a_team(scenario) if len(scenario.robots) > 1 else iter(()))

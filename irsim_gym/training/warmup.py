@@ -35,7 +35,7 @@ def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
 
     Args:
         names: Shipped names, environment ids or paths of scenario files; none for all in ``configs/scenarios``.
-        strict: False ignores keys that nobody reads.
+        strict: False ignores unused keys.
     """
     begun, watch = time.perf_counter(), compilation()
     before = watch.compiled
@@ -52,12 +52,12 @@ def warm_up(names: Sequence[str], *, strict: bool = True) -> None:
 
 
 def use(scenario: Scenario) -> None:
-    """Do once what commands do with a scenario: step it by itself, with one learner, as a team, and draw it."""
+    """Step a scenario once without learners, with one and as a team, and draw it."""
     simulation = compile(scenario, 1)
     simulation.reset(seed=0)
     for _ in range(WARMUP_STEPS):
         simulation.step()
-    with suppress(ScenarioError):  # nobody can learn there
+    with suppress(ScenarioError):  # no robot can learn there
         env = WorldEnv(scenario)
         env.reset(seed=0)
         for _ in range(WARMUP_STEPS):

@@ -83,6 +83,18 @@ class Begins(Protocol):
         """Forget what is in ``group.arrays`` of the shard's worlds."""
 
 
+@runtime_checkable
+class Appears(Protocol):
+    """A behaviour whose bodies come and go."""
+
+    @staticmethod
+    def appear(group: Group, model: WorldModel, state: WorldState, shard: Shard, ahead: int) -> None:
+        """Write ``model.present`` of the members, and ``state.pose`` of who comes, at the time ``state.step + ahead``.
+
+        It is called at the start of an episode with 0, and at the end of each step with 1, before contacts are found.
+        """
+
+
 class FootprintKind(Protocol):
     """What a body occupies."""
 
@@ -183,7 +195,7 @@ class Reports(Protocol):
 
 
 DRIVE = Contract(DriveKind, (Steers,))
-BEHAVIOR = Contract(BehaviorKind, (ReadsScan, Begins))
+BEHAVIOR = Contract(BehaviorKind, (ReadsScan, Begins, Appears))
 FOOTPRINT = Contract(FootprintKind, (Draws,))
 PLACEMENT = Contract(PlacementKind)
 MAP = Contract(MapKind, (DrawsMaps,))

@@ -104,6 +104,7 @@ class WorldModel(Arrays):
     )
     map_boxes: Spans = column("world* map_box 4", np.int32, "", "what is occupied: first, end column; first, end row")
     map_n_boxes: Ints = column("world*", np.int64, "", "how many of these boxes count")
+    map_disc: Floats = column("1", np.float64, "m", "radius of the disc that stands for an occupied cell; 0: all of it")
     bucket_frame: Records = column("1", BUCKET_FRAME, "m", "where the squares of the buckets lie; columns 0: none")
     bucketed: Flags = column("body", np.bool_, "", "small enough to be found through the buckets")
     present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
@@ -127,5 +128,5 @@ class WorldModel(Arrays):
     def cells(self) -> CellMaps | None:
         """The occupancy maps of all worlds; None without one."""
         x, y, width, height, body = self.map_frame.item()
-        arrays = self.map_squares, self.map_boxes, self.map_n_boxes, self.map_room
+        arrays = self.map_squares, self.map_boxes, self.map_n_boxes, self.map_room, float(self.map_disc[0])
         return CellMaps(x, y, width, height, body, *arrays) if body >= 0 else None

@@ -10,7 +10,7 @@ import pytest
 from gymnasium.spaces import Box, Dict
 from stable_baselines3 import PPO
 
-from irsim_gym.envs import sb3
+from irsim_gym import sb3
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.protocol import evaluate

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from irsim_gym.envs import sb3
+from irsim_gym import sb3
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy

@@ -10,7 +10,7 @@ import pytest
 import yaml
 from sb3_contrib import RecurrentPPO
 
-from irsim_gym.envs import sb3
+from irsim_gym import sb3
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.teams import evaluate_team

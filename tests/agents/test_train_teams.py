@@ -10,8 +10,8 @@ import pytest
 import torch
 import yaml
 
+from irsim_gym import sb3
 from irsim_gym.cli import main
-from irsim_gym.envs import sb3
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.environment import build_environment

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +20,8 @@ from irsim_gym.arenas.board import Board
 from irsim_gym.arenas.crossplay import MixedPolicy, meetings
 from irsim_gym.arenas.page_file import read_page
 from irsim_gym.arenas.shown_episodes import ShownEpisode, choose_episodes
-from irsim_gym.arenas.strata import strata_of_difficulty, strata_of_peers
+from irsim_gym.arenas.standings import stand
+from irsim_gym.arenas.strata import strata_of_peers, strata_of_quarters
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.metrics import EpisodeRow
@@ -27,6 +30,8 @@ from irsim_gym.evaluation.policy import ObservationPolicy
 from irsim_gym.evaluation.reference_policies import reference_policy
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
 from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.levels.certificate import Certificate
+from irsim_gym.levels.played import PlayedLevels
 
 ROOM: dict[str, Any] = {
     "world": {"height": 4, "width": 6, "step_time": 0.25},
@@ -87,7 +92,7 @@ def test_easy_and_hard_levels() -> None:
         ("2 of 2 fail", (2, 2, 1)),
     ]
     assert [[share.count for share in each.success] for each in peers] == [[1, 1, 1], [0, 0, 0], [1, 1, 0]]
-    quarters = strata_of_difficulty(found, np.array([0.7, 0.2, 0.5, 0.1]))
+    quarters = strata_of_quarters(found, np.array([3, 1, 2, 0]))
     assert [[share.value for share in each.success] for each in quarters] == [
         [0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0],
@@ -95,6 +100,28 @@ def test_easy_and_hard_levels() -> None:
         [1.0, 1.0, 1.0],
     ]
     assert strata_of_peers(board(a="st")) == []
+
+
+def test_certified_levels_are_easy_or_hard_by_their_certificate() -> None:
+    """Levels that the reference fails are the harder ones; among equals, those that take longer."""
+    unknown = np.zeros((4, 1), np.float32)
+    certificate = Certificate(
+        *("room", "", "test", ("robot",), ("dash",)),
+        hash=np.zeros(4, np.uint64),
+        reachable=unknown > 0,
+        **dict.fromkeys(("length", "straight", "clearance"), unknown),
+        least_time=np.array([[5], [1], [4], [2]], np.float32),
+        density=unknown[:, 0],
+        outcome=np.array([[[1], [0], [2], [0]]], np.uint8),
+        time=unknown[None],
+    )
+    rows = {"a": [row(i, x) for i, x in enumerate("tsts")], "b": [row(i, x) for i, x in enumerate("stts")]}
+    levels = PlayedLevels(4, "", "", certificate)
+    found = stand(rows, ["a", "b"], team=False, meetings=[], level_set=levels)
+    assert found.strata_by == "by how many of dash fail, in quarters"
+    assert [[share.count for share in each.success] for each in found.strata] == [[1, 0], [1, 1], [0, 0], [0, 1]]
+    bare = stand(rows, ["a", "b"], team=False, meetings=[], level_set=replace(levels, certificate=None))
+    assert bare.strata_by == "by how many of the other policies fail"
 
 
 def test_which_episodes_are_shown() -> None:
@@ -254,3 +281,17 @@ def test_bad_calls(
     Path("full/summary.json").write_text("{}")
     assert run(monkeypatch, "room.yaml", *arguments, "--levels", "2") == 1
     assert message in capsys.readouterr().err
+
+
+def test_the_page_in_docs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its Python runs, and its commands take the options that they are shown with."""
+    text = (Path(__file__).parents[2] / "docs" / "arena.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    (block,) = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    exec(compile(block, "docs/arena.md", "exec"), {})
+    assert "runs/arena/arena.html" in capsys.readouterr().out
+    assert run(monkeypatch, "--help") == 0
+    shown = capsys.readouterr().out
+    asked = {word for line in text.splitlines() if line.startswith("irsim-gym arena") for word in line.split()}
+    assert {"--levels", "--mix", "--resume"} <= asked
+    assert all(word in shown for word in asked if word.startswith("--"))

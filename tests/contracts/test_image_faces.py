@@ -28,8 +28,8 @@ from team_scenes import crossing, mixed
 from team_tools import MEET
 
 import irsim_gym
+from irsim_gym import sb3
 from irsim_gym.engine import compile
-from irsim_gym.envs import sb3
 from irsim_gym.envs.parallel import WorldParallelEnv
 from irsim_gym.envs.sb3_recurrent import MaskedRecurrentPPO
 from irsim_gym.envs.single import WorldEnv

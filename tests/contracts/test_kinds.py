@@ -26,6 +26,7 @@ GIVEN = {
     "linestring": {"vertices": [[0, 0], [0.5, 0.2], [0.5, 0.8]]},
     "image": {"path": "cavern.png"},
     "perlin": {"resolution": 0.25, "fill": 0.25},
+    "cellular": {"resolution": 0.25},
     "array": {"cells": [[0, 0, 0], [0, 100, 0], [0, 0, 0], [0, 0, 100]]},
     "compound": {"parts": [{"name": "rectangle"}, {"name": "circle", "radius": 0.4, "pose": [0.5, 0, 0]}]},
 }

@@ -17,7 +17,7 @@ from irsim_gym import families, plugins
 from irsim_gym.engine import Shard
 from irsim_gym.errors import IrsimGymError, KindError, ScenarioError
 from irsim_gym.plugins import Outcome, kernel, kind, option
-from irsim_gym.tasks import Episodes, load_task, watch
+from irsim_gym.tasks import Episodes, load_task, term_watch
 
 PAGE = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
@@ -325,7 +325,7 @@ def pay_by_kernel(term: Any, model: Any, state: Any, episode: Any, shard: Shard)
     ],
 )
 def test_a_promise_that_is_not_kept_is_found(pay: Any, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(watch, "CALLS", 2)
+    monkeypatch.setattr(term_watch, "CALLS", 2)
     made = type(
         "Mine",
         (),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from irsim_gym.controls.mouse import Mouse
-from irsim_gym.render.layout import Layout, lay_out
+from irsim_gym.render.frame_layout import Layout, lay_out
 from irsim_gym.render.window import WindowEvent
 
 

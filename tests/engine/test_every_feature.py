@@ -75,6 +75,11 @@ obstacle:
       range_low: [0, 2, -3]
       range_high: [20, 22, 3]
       wander_goals: {keep_first: true, radius: 8, jitter: 1, interval: 0.5, chance: 0.5}
+  - number: 2
+    kinematics: {name: omni}
+    vel_min: [-2, -2]
+    vel_max: [2, 2]
+    behavior: {name: recorded, file: square.txt, start_time: 1}
   - {number: 2, shape: {name: polygon, random_shape: true, is_convex: true}, distribution: {name: random}}
   - {shape: {name: linestring, random_shape: true}, distribution: {name: random}, unobstructed: true}
   - shape: {name: compound, parts: [{name: circle, radius: 0.4}, {name: rectangle, length: 1.5, width: 0.2}]}

@@ -23,7 +23,7 @@ from irsim_gym.jit import hooks, kernel, kernels, record
 from irsim_gym.jit.packed import PackedEntries
 from irsim_gym.kinematics.differential import Differential
 from irsim_gym.scenario import load_scenario
-from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.world.state import WorldState
 
 pytestmark = pytest.mark.skipif(not replay.is_possible(), reason="nothing is recorded where nothing is compiled")

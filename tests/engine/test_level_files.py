@@ -14,6 +14,7 @@ from irsim_gym.levels.draw import draw_levels
 from irsim_gym.scenario.level_set import LevelSet
 
 SEED, COUNT = 2, 6
+LIDAR = {"name": "lidar2d", "number": 3, "angle_range": 1.0, "range_max": 9}
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +77,33 @@ def test_later_levels_stay_in_the_file(file: Path) -> None:
     assert first == {(np.uint64(COUNT + k),) for k in range(COUNT)}
 
 
+@pytest.mark.parametrize("num_threads", [1, 2])
+def test_maps_come_from_the_file(tmp_path: Path, num_threads: int) -> None:
+    data = {
+        "world": {"name": "cells", "obstacle_map": {"name": "cells", "fill": [0.0, 0.4]}},
+        "robot": {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "sensors": [LIDAR],
+                  "distribution": {"name": "cells"}},
+    }  # fmt: skip
+    fresh = ig.compile(ig.load_scenario(data), 4)
+    drawn = draw_levels(fresh, ["test"], 5)
+    assert drawn.cells is not None
+    assert drawn.cells.shape == (5, 10, 10)
+    assert len(set(drawn.cells.sum(axis=(1, 2)).tolist())) > 1
+    (tmp_path / "cells.npz").write_bytes(drawn.content())
+    given = ig.compile(ig.load_scenario({**data, "levels": str(tmp_path / "cells.npz")}), 4, num_threads=num_threads)
+    for sim in (fresh, given):
+        sim.reset(1, "test")
+    for name in ("map_squares", "map_room", "map_n_boxes", "start", "waypoints", "level_random"):
+        np.testing.assert_array_equal(getattr(given.model, name), getattr(fresh.model, name), err_msg=name)
+    np.testing.assert_array_equal(given.sensors[0].arrays["ranges"], fresh.sensors[0].arrays["ranges"])
+    assert draw_levels(given, ["test"], 5).hashes().tolist() == drawn.hashes().tolist()
+    for cells, told in ((None, "the scenario draws its obstacle_map"), (np.zeros((5, 9, 10), bool), "10 x 10 cells")):
+        arrays = {name: array for name, array in drawn.arrays().items() if name != "cells"}
+        np.savez(tmp_path / "bad.npz", **arrays, **({} if cells is None else {"cells": cells}))
+        with pytest.raises(ig.errors.ScenarioError, match=told):
+            ig.load_scenario({**data, "levels": str(tmp_path / "bad.npz")})
+
+
 def test_discs_from_a_file_replace_the_shape_of_an_obstacle(tmp_path: Path) -> None:
     """Three discs, then one: seen at x = 3 - 0.5 in one level, at 5 - 0.1 in the other, each from (0, 5)."""
     np.savez(
@@ -85,8 +113,7 @@ def test_discs_from_a_file_replace_the_shape_of_an_obstacle(tmp_path: Path) -> N
         discs=[[3, 5, 0.5], [6, 5, 0.5], [2, 9, 0.3], [5, 5, 0.1]],
         disc_start=[[0, 3], [3, 4]],
     )
-    lidar = {"name": "lidar2d", "number": 3, "angle_range": 1.0, "range_max": 9}
-    robot = {"kinematics": {"name": "diff"}, "state": [0, 5, 0], "goal": [9, 5], "sensors": [lidar]}
+    robot = {"kinematics": {"name": "diff"}, "state": [0, 5, 0], "goal": [9, 5], "sensors": [LIDAR]}
     posts = {"name": "posts", "shape": {"name": "circle"}}
     data = {"robot": robot, "obstacle": posts, "levels": str(tmp_path / "discs.npz")}
     sim = ig.compile(ig.load_scenario(data), 2)

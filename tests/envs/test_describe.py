@@ -241,7 +241,7 @@ def test_on_the_command_line(tmp_path: Any) -> None:
 
 def test_what_is_printed_is_short() -> None:
     """A line with the name of the scenario, also within lists and dictionaries."""
-    from irsim_gym.envs import sb3
+    from irsim_gym import sb3
 
     env: Any = irsim_gym.make("cluttered_room")
     worlds = env.unwrapped.worlds

@@ -76,7 +76,7 @@ def test_environments_show_it_and_it_cannot_be_written() -> None:
 
 
 def test_teams_batches_and_slots_show_it_too() -> None:
-    from irsim_gym.envs import sb3
+    from irsim_gym import sb3
 
     team = irsim_gym.parallel_env({"robot": [ROBOT, {**ROBOT, "state": [8, 2, 0]}]})
     team.reset(seed=0)

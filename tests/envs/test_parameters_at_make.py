@@ -13,7 +13,7 @@ import pytest
 from gymnasium.envs.registration import EnvSpec
 
 import irsim_gym
-from irsim_gym.envs import sb3
+from irsim_gym import sb3
 from irsim_gym.envs.batch import make_batch
 from irsim_gym.envs.parallel import parallel_env
 from irsim_gym.envs.sb3 import make_vec_env

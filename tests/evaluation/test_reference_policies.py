@@ -7,6 +7,7 @@ from irsim_gym.engine import compile
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
 from irsim_gym.evaluation.drive_actions import to_actions
+from irsim_gym.evaluation.named_policies import PolicyOptionError
 from irsim_gym.evaluation.reference_policies import RandomPolicy, reference_policy
 from irsim_gym.scenario import load_scenario
 
@@ -126,3 +127,29 @@ def test_a_behaviour_that_cannot_drive_the_learner_is_refused() -> None:
     episodes, policy = Worlds(data).episodes, reference_policy("rvo")
     with pytest.raises(ValueError, match="'rvo' cannot drive kinematics 'acker'"):
         policy.begin(episodes, HERE, HERE)
+
+
+def test_options_of_a_policy_by_name() -> None:
+    """On an empty way rvo takes the sample next to its own top speed, or, without the option, to that of the drive."""
+    open_way = scenario(kinematics={"name": "omni"}, state=[2, 5, 0], goal=[8, 5, 0], vel_min=[-1, -1], vel_max=[1, 1])
+    for name, speed in (("rvo:vxmax=0.5", 0.5), ("rvo", 1.0)):
+        episodes, policy = Worlds(open_way, 1).episodes, reference_policy(name)
+        episodes.begin(HERE, HERE, "dev")
+        policy.begin(episodes, HERE, HERE)
+        assert isinstance(policy, BehaviorPolicy)
+        assert policy.command(episodes, HERE)[0, 0, :2] == pytest.approx([speed, 0.0], abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("rvo:vxmax", "'rvo:vxmax': write NAME:OPTION=VALUE:..., each option once, got 'vxmax'"),
+        ("rvo:vxmx=1", "'rvo:vxmx=1': vxmx: unknown key (did you mean 'vxmax'?)"),
+        ("rvo:vxmax=fast", "'rvo:vxmax=fast': vxmax: must be a number, got 'fast'"),
+        ("random:a=1", "'random:a=1': 'random' is no behavior, and has no options"),
+    ],
+)
+def test_wrong_options_of_a_policy_are_named(name: str, told: str) -> None:
+    with pytest.raises(PolicyOptionError) as error:
+        reference_policy(name)
+    assert str(error.value).startswith(told)

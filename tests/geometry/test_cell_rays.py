@@ -3,7 +3,7 @@ import pytest
 import shapely
 
 from irsim_gym.geometry.cell_rays import N_FLOATS, N_INTEGERS, cast_cells
-from tests.geometry.cell_maps import cell_map, random_map
+from tests.geometry.cell_maps import area, cell_map, random_map
 
 FAR = 5.0
 
@@ -30,6 +30,28 @@ def test_beams_against_shapely(seed: int) -> None:
             met = beam.intersection(boundary)
             true = FAR if met.is_empty else shapely.distance(shapely.Point(x, y), met)
             assert ranges[k] == pytest.approx(true, abs=1e-5)
+
+
+@pytest.mark.parametrize(("share", "radius"), [(0.05, 0.1), (0.4, 0.06), (0.8, 0.1)])
+def test_beams_meet_discs_where_shapely_does(share: float, radius: float) -> None:
+    occupied = np.random.default_rng(3).random((17, 12)) < share
+    cells, discs = cell_map(occupied, 1.0, 2.0, 0.3, 0.2, radius), area(occupied, 1.0, 2.0, 0.3, 0.2, radius)
+    rng, angles = np.random.default_rng(4), np.linspace(-3.1, 3.1, 25)
+    for _ in range(40):
+        x, y, heading = rng.uniform([0, 1, -3], [7, 6, 3])
+        ranges, here = scan(cells, x, y, heading, angles), shapely.Point(x, y)
+        edge = discs.boundary
+        if discs.contains(here):  # to the edge of the disc that it begins in
+            edge = next(one for one in shapely.get_parts(discs) if one.contains(here)).boundary
+        for k, angle in enumerate(angles + heading):
+            beam = shapely.LineString([(x, y), (x + FAR * np.cos(angle), y + FAR * np.sin(angle))])
+            met = beam.intersection(edge)
+            true = FAR if met.is_empty else shapely.distance(here, met)
+            grazes = not met.is_empty and abs(shapely.distance(shapely.Point(x, y), met) - ranges[k]) > 1e-3
+            if grazes:  # the polygon misses by its flat sides what the disc catches
+                narrow = discs.buffer(1e-5).boundary.intersection(beam)
+                true = shapely.distance(here, narrow)
+            assert ranges[k] == pytest.approx(true, abs=1e-3)
 
 
 def test_beams_along_the_axes() -> None:

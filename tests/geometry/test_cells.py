@@ -5,6 +5,7 @@ import shapely
 from irsim_gym.geometry.cells import (
     capsule_meets_cells,
     find_boxes,
+    nearest_cell_point,
     outline_cells_distance,
     outline_meets_cells,
     outline_near_cells,
@@ -88,6 +89,40 @@ def test_outlines_against_shapely() -> None:
         assert outline_cells_distance(cells, outline, 0.3) == pytest.approx(min(max(true, 0.0), 0.3), abs=TOLERANCE)
         met += true <= 0.0
     assert 100 < met < 550
+
+
+def disc_map(seed: int, share: float, radius: float = 0.1):
+    """Return a map with discs in oblong cells, and the middles of its occupied cells."""
+    occupied = np.random.default_rng(seed).random((17, 12)) < share
+    centres = [(1.0 + 0.3 * (i + 0.5), 2.0 + 0.2 * (j + 0.5)) for i, j in np.argwhere(occupied)]
+    return cell_map(occupied, 1.0, 2.0, 0.3, 0.2, radius), shapely.MultiPoint(centres)
+
+
+@pytest.mark.parametrize(("share", "radius"), [(0.02, 0.1), (0.3, 0.1), (0.3, 0.04), (0.9, 0.1)])
+def test_discs_in_cells_against_shapely(share: float, radius: float) -> None:
+    cells, centres = disc_map(5, share, radius)
+    rng = np.random.default_rng(9)
+    middles = shapely.points(*np.meshgrid(1.15 + 0.3 * np.arange(17), 2.1 + 0.2 * np.arange(12), indexing="ij"))
+    assert cells.room == pytest.approx(np.maximum(shapely.distance(middles, centres) - radius, 0.0), abs=1e-6)
+    for _ in range(400):
+        a = rng.uniform([0, 1], [7, 6])
+        b = a + rng.normal(size=2) * rng.choice([0.0, 0.3, 3.0])
+        true = max(shapely.distance(centres, shapely.LineString([a, b])) - radius, 0.0)
+        wide, limit = rng.choice([0.0, 0.05, 0.4]), rng.choice([0.1, 1.0, np.inf])
+        if abs(true - wide) > TOLERANCE or true == 0.0:
+            assert capsule_meets_cells(cells, *a, *b, wide) == (true <= wide)
+        assert segment_cells_distance(cells, *a, *b, limit) == pytest.approx(min(true, limit), abs=TOLERANCE)
+        gap, x, y = nearest_cell_point(cells, *a, np.inf)
+        true = max(shapely.distance(centres, shapely.Point(a)) - radius, 0.0)
+        assert gap == pytest.approx(true, abs=TOLERANCE)
+        assert shapely.distance(centres, shapely.Point(x, y)) <= radius + TOLERANCE
+        shape = random_shape(rng)
+        points = shape.segments.reshape(-1, 2)
+        shape = shape.moved(0.0, *(a - (points.mean(axis=0) if len(points) else shape.discs[0, :2])))
+        true = max(_distance(shape, centres) - radius, 0.0)
+        if true > TOLERANCE or _distance(shape, centres) < radius - TOLERANCE:
+            assert outline_meets_cells(cells, shape.outline) == (true == 0.0)
+        assert outline_cells_distance(cells, shape.outline, np.inf) == pytest.approx(true, abs=TOLERANCE)
 
 
 def _distance(shape, occupied) -> float:

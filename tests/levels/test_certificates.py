@@ -87,7 +87,7 @@ def assert_certified(name: str, count: int) -> None:
 
 
 def test_certificates_agree_with_another_search() -> None:
-    assert_certified("cluttered_room", 4)
+    assert_certified("cluttered_room", 3)
 
 
 @pytest.mark.slow
@@ -160,7 +160,7 @@ def assert_same_levels(file: Path, count: int) -> None:
     hashes = draw_levels(simulation, [certificate.split], count).hashes()
     moved = np.flatnonzero(hashes != certificate.hash[:count])
     assert not moved.size, f"{name}: {moved.size} levels have moved, first {moved[:3]}; see docs/levels.md"
-    assert find_certificate(scenario, certificate.split, hashes) is not None
+    assert find_certificate(scenario, certificate.agents, certificate.split, hashes) is not None
 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=[file.stem for file in SHIPPED])

@@ -50,6 +50,44 @@ def test_a_way_around_a_block_has_the_length_worked_out_by_hand(radius: float) -
     assert shapely.LineString(way).distance(shapely.box(4, 2, 6, 6)) >= radius - 1e-9
 
 
+def test_plan_takes_worlds_and_scenarios() -> None:
+    """The same way as ``path``, in a world as it stands and in a level of a scenario; clearance adds to the radius."""
+    here = world(BLOCK)
+    assert irsim_gym.plan(here, [2, 4], [8, 4]).tolist() == here.path([2, 4], [8, 4], 0.3).tolist()
+    assert irsim_gym.plan(here, [2, 4], [8, 4], clearance=0.2).tolist() == here.path([2, 4], [8, 4], 0.5).tolist()
+    assert irsim_gym.plan(here, [2, 4], [8, 4], robot="robot_0", radius=0.1).shape[1] == 2
+    drawn = irsim_gym.load("cluttered_room", seed=3)
+    ends = drawn.robot.state, drawn.robot.goal
+    assert irsim_gym.plan("cluttered_room", *ends, seed=3).tolist() == irsim_gym.plan(drawn, *ends).tolist()
+
+
+@pytest.mark.parametrize(
+    ("start", "goal", "options", "words"),
+    [
+        ([5, 4], [8, 4], {}, r"the start \(5, 4\) is nearer than 0.3 m to 'obstacle_1'"),
+        ([2, 4], [5, 6.2], {}, r"the goal \(5, 6.2\) is nearer than 0.3 m to 'obstacle_1'"),
+        ([2, 4], [8, 4], {"clearance": 4.0}, r"the start .* nearer than 4.3 m to 'obstacle_1'"),
+        ([2, 9], [9, 1], {}, r"no way for a disc of radius 0.3 m from \(2, 9\) to \(9, 1\): take a smaller radius"),
+        ([2, 4], [8, 4], {"clearance": -1.0}, "clearance must be >= 0"),
+        ([2, 4], [8, 4], {"seed": 1}, "leave seed out"),
+        ([2], [8, 4], {}, "start must be x and y"),
+        ([2, 4], [8, 4], {"robot": "nobody"}, "nobody"),
+    ],
+)
+def test_plan_says_why_there_is_no_way(start: Any, goal: Any, options: Any, words: str) -> None:
+    around = [{"shape": {"name": "linestring", "vertices": [[8, 0], [8, 2], [10, 2]]}}]
+    with pytest.raises((ValueError, KeyError), match=words):
+        irsim_gym.plan(world(BLOCK, *around), start, goal, **options)
+
+
+def test_plan_names_the_map() -> None:
+    cells = {"name": "array", "cells": [[0, 0, 0], [0, 100, 0], [0, 0, 0]]}
+    with pytest.raises(
+        irsim_gym.errors.NoWayError, match=r"the goal \(5, 5\) is nearer than 0.3 m to the obstacle map"
+    ):
+        irsim_gym.plan(world(obstacle_map=cells), [1, 1], [5, 5])
+
+
 def test_the_first_robots_size_is_the_default() -> None:
     here = world(WALL)
     assert shapely.LineString(here.path([1, 1], [9, 1])).distance(shapely.LineString([(5, 0), (5, 7)])) >= 0.3 - 1e-9

@@ -69,11 +69,11 @@ class Scene:
     def box(self, x0: float, y0: float, x1: float, y1: float) -> Scene:
         return self.polygon([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
 
-    def map(self, occupied: Any) -> Scene:
-        """Stretch an occupancy map over the scene."""
+    def map(self, occupied: Any, radius: float = 0.0) -> Scene:
+        """Stretch an occupancy map over the scene; with a radius there are discs in its cells."""
         columns, rows = np.shape(occupied)
         place = (0.0, 0.0, self.size / columns, self.size / rows)
-        self.cells, self.area = cell_maps([occupied], *place), cell_area(occupied, *place)
+        self.cells, self.area = cell_maps([occupied], *place, radius), cell_area(occupied, *place, radius)
         return self
 
     def walled(self) -> Scene:
@@ -96,7 +96,7 @@ class Scene:
             pose=np.zeros((1, len(self.parts), 3)),
             rigid=np.ones(1, np.bool_),
         )
-        return Obstacles(world, world, 0, np.ones(len(self.parts), np.bool_), self.cells)
+        return Obstacles(world, world, 0, np.ones(len(self.parts), np.bool_), self.cells, None)
 
     @property
     def shape(self) -> Any:

@@ -5,6 +5,7 @@ import pytest
 import shapely
 
 from irsim_gym.paths.clearance import way_is_free
+from irsim_gym.paths.occupancy import mark_touched
 from tests.paths.scenes import Scene, point
 
 RADIUS = 0.17
@@ -23,9 +24,9 @@ def boxes(occupied: np.ndarray, size: float = 6.0) -> Scene:
     return scene
 
 
-@pytest.mark.parametrize("cell", [0.07, 0.2])
-def test_blocked_cells_against_shapely(cell: float) -> None:
-    scene = Scene().map(random_cells(1)).disc(3.0, 3.0, 0.4)
+@pytest.mark.parametrize(("cell", "radius"), [(0.07, 0.0), (0.2, 0.0), (0.07, 0.08)])
+def test_blocked_cells_against_shapely(cell: float, radius: float) -> None:
+    scene = Scene().map(random_cells(1), radius).disc(3.0, 3.0, 0.4)
     grid = scene.grid(cell)
     wide = np.sqrt(RADIUS * RADIUS + 0.5 * cell * cell)
     columns, rows = np.meshgrid(np.arange(grid.columns), np.arange(grid.rows))
@@ -33,6 +34,16 @@ def test_blocked_cells_against_shapely(cell: float) -> None:
     distance = shapely.distance(centres, scene.shape)
     clear = abs(distance - wide) > 2e-4
     assert np.array_equal(scene.blocked(RADIUS, cell).astype(bool)[clear], (distance <= wide)[clear])
+
+
+def test_cells_that_discs_touch_against_shapely() -> None:
+    scene, touched = Scene().map(random_cells(3, 0.1), 0.07), np.zeros((50, 41), np.bool_)
+    mark_touched(scene.obstacles, 0.0, 0.0, 6.0 / 50, 6.0 / 41, touched)
+    for i in range(50):
+        for j in range(41):
+            apart = shapely.box(i * 0.12, j * 6.0 / 41, (i + 1) * 0.12, (j + 1) * 6.0 / 41).distance(scene.area)
+            if apart > 1e-6 or apart == 0.0:
+                assert touched[i, j] == (apart == 0.0)
 
 
 def test_a_map_wider_than_the_grid_blocks_what_lies_in_it() -> None:

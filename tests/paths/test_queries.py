@@ -20,6 +20,7 @@ def worlds(*, per_world: frozenset[str]) -> tuple[WorldModel, WorldState]:
         "map_column": 1,
         "map_row": 1,
         "map_box": 1,
+        "watching": 1,
     }
     model, state = WorldModel.allocate(sizes, per_world=per_world), WorldState.allocate(sizes)
     model.bounds[:] = [0.0, 0.0, 6.0, 6.0]

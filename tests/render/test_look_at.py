@@ -11,7 +11,7 @@ from hand_made import Body, World, box, disc, make_world, standard_world
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.errors import OptionError
 from irsim_gym.render import Renderer
-from irsim_gym.render.layout import Limits
+from irsim_gym.render.frame_layout import Limits
 from irsim_gym.scenario.plot_spec import SavedFigure, WorldPlot
 
 OBSTACLE, CARD = (0x47, 0x55, 0x69), (255, 255, 255)

@@ -15,7 +15,7 @@ from hand_made import Body, World, box, disc, make_world, standard_world, wall
 
 from irsim_gym.arraytypes import Bytes
 from irsim_gym.render import Renderer
-from irsim_gym.render.layout import lay_out
+from irsim_gym.render.frame_layout import lay_out
 from irsim_gym.scenario.plot_spec import ObjectPlot, WorldPlot
 
 ROBOT = (0x00, 0x9E, 0x73)

@@ -15,7 +15,7 @@ from hand_made import SHOWN, Body, World, disc, make_world, standard_world
 from irsim_gym.live.drawing import Drawing
 from irsim_gym.render import primitives, vocabulary
 from irsim_gym.render.packing import packed, unpacked
-from irsim_gym.render.replay import Recording
+from irsim_gym.render.replay_data import Recording
 from irsim_gym.render.replay_items import Items, SharedItems, css
 from irsim_gym.render.replay_page import read_html, save_html
 from irsim_gym.render.replay_tracks import FogTrack, map_figure, marks_seen

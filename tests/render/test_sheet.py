@@ -9,8 +9,8 @@ import pytest
 from hand_made import Body, World, disc, make_world
 from PIL import Image
 
-from irsim_gym.render.layout import lay_out
-from irsim_gym.render.replay import Recording
+from irsim_gym.render.frame_layout import lay_out
+from irsim_gym.render.replay_data import Recording
 from irsim_gym.render.sheet import WIDEST, Moments, contact_sheet, save_sheet, spaced
 from irsim_gym.render.strobe import draw_strobe, save_strobe, strobe
 

@@ -14,7 +14,7 @@ from irsim_gym.render.scene import MapView
 from irsim_gym.render.ways_density import Density
 from irsim_gym.render.ways_levels import DrawnLevel, worth_showing
 from irsim_gym.render.ways_marks import DrawnWay, colour_of
-from irsim_gym.render.ways_plot import Panel, draw_ways, plot_ways
+from irsim_gym.render.ways_plot import WaysPanel, draw_ways, plot_ways
 
 
 def test_density_is_the_share_of_levels() -> None:
@@ -53,8 +53,8 @@ def test_the_picture(tmp_path: Path) -> None:
     nowhere = np.full(2, np.nan)
     ways = [DrawnWay(along, np.array([7.0, 2.0]), "success"), DrawnWay(along[:1], nowhere, "collision")]
     panels = [
-        Panel("one", "50.0 % arrive", ways, {"success": 1, "collision": 1}),
-        Panel("two", "none arrives", [DrawnWay(along, nowhere, "left_world")], {"left_world": 1}),
+        WaysPanel("one", "50.0 % arrive", ways, {"success": 1, "collision": 1}),
+        WaysPanel("two", "none arrives", [DrawnWay(along, nowhere, "left_world")], {"left_world": 1}),
     ]
     files = [tmp_path / name for name in ("ways.png", "ways.svg", "ways.pdf")]
     draw_ways(files, panels, density, "a title", "a note")
@@ -95,7 +95,7 @@ def test_words_stand_on_the_picture_and_apart(bounds: tuple[float, float, float,
     density = Density(np.array(bounds))
     density.add(())
     levels = [level(number, "collision") for number in (0, 7, 12, 100, 133, 187)]
-    panel = Panel("a policy", "0.0 % (0.0\N{EN DASH}3.7) arrive", levels[0].ways, {"collision": 100}, levels)
+    panel = WaysPanel("a policy", "0.0 % (0.0\N{EN DASH}3.7) arrive", levels[0].ways, {"collision": 100}, levels)
     figure = plot_ways([panel, panel], density, "some_scenario: 100 test levels", "A note that is long. " * 9)
     figure.canvas.draw()
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]

@@ -103,7 +103,7 @@ ENTRIES = {
     ),
     "distribution without name": (
         "robot:\n  distribution: {range_low: [0, 0, 0]}",
-        "2 robot.distribution.name: is required: 'manual', 'circle' or 'random'",
+        "2 robot.distribution.name: is required: 'manual', 'circle', 'random' or 'cells'",
     ),
     "distribution text": (
         "robot:\n  distribution: random",
@@ -147,7 +147,7 @@ ENTRIES = {
     ),
     "behaviour without name": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {wander: true}",
-        "3 robot.behavior.name: is required: 'dash', 'rvo' or 'sfm'",
+        "3 robot.behavior.name: is required: 'dash', 'pursuit', 'rvo' or 'sfm'",
     ),
     "wander bounds": (
         "robot:\n  kinematics: {name: diff}\n  behavior: {name: dash, range_low: [11, 0, 0]}",

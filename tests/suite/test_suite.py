@@ -15,13 +15,15 @@ from irsim_gym import cli
 from irsim_gym.errors import IrsimGymError, UnknownNameError
 from irsim_gym.evaluation.metrics import EpisodeRow
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
-from irsim_gym.scenario.library import benchmark_names
+from irsim_gym.levels.draw import draw_levels
+from irsim_gym.scenario.level_set import set_hash
 from irsim_gym.suite import playing, suite_tables
 from irsim_gym.suite.members import Member, read_suite, shipped_suite
 from irsim_gym.suite.playing import play_suite
 from irsim_gym.suite.row_files import read_rows, write_rows
 from irsim_gym.suite.scores import overall, score_member
 from irsim_gym.suite.suite_record import SuiteMethod, read_methods, read_record
+from irsim_gym.training.episode_setup import make_episodes
 
 GOAL = Member("goal", "To drive to a goal.", "empty_goal")
 FIXED = Member("fixed", "To drive.", "jaxnav_single_nav_1", levels=1)
@@ -38,9 +40,8 @@ def level(number: int, *outcomes: str, time: float = 5.0) -> TeamRow:
     return TeamRow(number, 30.0, tuple(agents))
 
 
-def test_the_shipped_suite_holds_all_benchmark_files_and_its_tiers_are_its_members() -> None:
+def test_the_tiers_of_the_shipped_suite_are_its_members() -> None:
     suite = shipped_suite()
-    assert set(benchmark_names()) <= {member.scenario for member in suite.members.values()}
     assert all(len(set(names)) == len(names) for names in suite.tiers.values())
     assert set(suite.tiers["core"]) <= set(suite.tiers["full"])
     assert [member.name for member in suite.chosen(["core"])] == [n for n in suite.members if n in suite.tiers["core"]]
@@ -67,6 +68,7 @@ def test_all_mistakes_of_a_suite_are_named_at_once(tmp_path: Path) -> None:
 def test_methods_are_policies_or_named_seeds() -> None:
     methods = read_methods(["dash", "ppo=runs/a,runs/b", "x/policy.zip"])
     assert methods == [DASH, SuiteMethod("ppo", ("runs/a", "runs/b")), SuiteMethod("x", ("x/policy.zip",))]
+    assert read_methods(["seen=pursuit:known=seen", "rvo:vxmax=1"])[0] == SuiteMethod("seen", ("pursuit:known=seen",))
     with pytest.raises(IrsimGymError, match="two methods are named 'dash'"):
         read_methods(["dash", "dash=orca"])
     with pytest.raises(IrsimGymError, match="needs policies, divided by commas, got 'a,'"):
@@ -86,6 +88,8 @@ def test_a_run_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.Monk
     more = play_suite([GOAL], [DASH, RANDOM], folder, levels=3)
     assert (played, list(more.figures["goal"]), list(more.figures["swap"])) == ([1], ["dash", "random"], ["dash"])
     assert read_record(folder) == more
+    drawn = draw_levels(make_episodes("empty_goal").simulation, ["test"], 3)
+    assert more.members["goal"]["conditions"]["level_hash"] == set_hash(drawn.hashes())
     with pytest.raises(IrsimGymError, match="holds 3 test levels of each benchmark, asked for: 4 test levels"):
         play_suite([GOAL], [DASH], folder, levels=4)
     with pytest.raises(IrsimGymError, match="the scenario of swap changed since rows were played"):

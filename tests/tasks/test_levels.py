@@ -27,12 +27,12 @@ def test_a_chain_stays_in_its_split() -> None:
     kept = streams("dev", range(10_000)) | streams("test", range(10_000))
     n_worlds = 64
     base = np.full(n_worlds, stream_base("cluttered_room", "train"))
-    first, episode = np.arange(n_worlds), np.zeros(n_worlds, np.int64)
+    first, episode, drawn = np.arange(n_worlds), np.zeros(n_worlds, np.int64), np.zeros(n_worlds, np.int64)
     level, stream = np.zeros((n_worlds, 1), np.int64), np.zeros(n_worlds, np.uint64)
     met: set[int] = set()
     for number in range(200):
         episode[:] = number
-        take_levels(np.arange(n_worlds), base, first, episode, level, stream)
+        take_levels(np.arange(n_worlds), base, drawn, first, episode, level, stream)
         assert (stream == [level_stream(base[0], here) for here in level[:, 0].tolist()]).all()
         met |= set(stream.tolist())
     assert len(met) == 200 * n_worlds

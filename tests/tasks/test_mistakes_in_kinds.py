@@ -12,7 +12,7 @@ from task_tools import play
 
 from irsim_gym import families
 from irsim_gym.errors import KindError
-from irsim_gym.tasks import Episodes, watch
+from irsim_gym.tasks import Episodes, term_watch
 
 HEAD = """
 import numpy as np
@@ -141,7 +141,7 @@ WHEN_USED: list[tuple[str, str, str, str]] = [
     ("reward", OWN_COLUMN, "return paid", rf"pay\(\) returns ndarray of shape \(\d, 1\) and writes nothing: {INTO}"),
     ("reward", OWN_COLUMN, "pass", r"leaves episode.reward_term.* as it was"),
     ("reward", "] = paid", "] += paid", r"leaves episode.reward_term.* as it was"),
-    ("reward", OWN_COLUMN, f"{OWN_COLUMN}\n        return paid", "returns ndarray .*, which nobody reads"),
+    ("reward", OWN_COLUMN, f"{OWN_COLUMN}\n        return paid", "returns ndarray .*, which is not used"),
     ("reward", ":, term.column]", ":]", r"pay\(\) writes column \d, which is another term's; its own column: 1,"),
     (
         "reward",
@@ -259,11 +259,11 @@ def test_all_mistakes_of_a_class_are_told_at_once() -> None:
 def test_what_is_right_is_left_alone(family: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is watched for some steps and then played as it is, with the same results as one that nobody watches."""
     registered(family, SOURCES[family])
-    monkeypatch.setattr(watch, "CALLS", 5)
+    monkeypatch.setattr(term_watch, "CALLS", 5)
     watched = run(family, steps=12)
-    monkeypatch.setattr(watch, "CALLS", 0)
+    monkeypatch.setattr(term_watch, "CALLS", 0)
     np.testing.assert_equal(watched, run(family, steps=12))
-    monkeypatch.setattr(watch, "CALLS", 5)
+    monkeypatch.setattr(term_watch, "CALLS", 5)
     played = episodes(family)
     kinds = {type(term.options).__name__ for terms in played.terms.values() for term in terms}
     assert any(name.startswith("Watched") for name in kinds)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from task_tools import BALL, ROBOT, drive, play
 
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.scan import Scan, Sectors, encode, pool, sector_beams
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Bound
 from irsim_gym.world.group import records
 

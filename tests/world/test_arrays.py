@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from irsim_gym.scenario.options import kind, option
-from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.world import arrays
 from irsim_gym.world.group import records
 from irsim_gym.world.model import WorldModel
@@ -21,6 +21,7 @@ SIZES = {
     "segment": 5,
     "disc": 1,
     "waypoint": 4,
+    "watching": 1,
     "bucket": 1,
     "map_column": 1,
     "map_row": 1,

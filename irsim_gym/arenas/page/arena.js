@@ -18,7 +18,7 @@ class Arena {
     this.addClose();
     this.listen();
     this.arrange();
-    this.choose(this.matrix.shown[0] ?? 0, null);
+    this.choose(this.matrix.shown.find((level) => this.replaysOf(level).size) ?? 0, null);
     this.follow();
   }
 
@@ -152,7 +152,7 @@ class Arena {
   }
 
   leave() {
-    window.location.hash = "#levels";
+    window.location.hash = "#/";
   }
 
   /** Show what the address says. */
@@ -172,7 +172,13 @@ class Arena {
     document.body.classList.toggle("playing", isOpen);
     this.player.play(isOpen);
     this.player.isOpen = isOpen;
-    if (isOpen) byId("play").focus();
+    if (isOpen) {
+      this.before ??= document.activeElement;
+      byId("play").focus();
+    } else {
+      this.before?.focus({ preventScroll: true });
+      this.before = null;
+    }
   }
 }
 

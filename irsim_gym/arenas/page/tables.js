@@ -57,9 +57,9 @@ function showFigures({ policies, alone, table: columns }) {
       const cell = make("th", { scope: "col", ariaSort: by === c ? (falls ? "descending" : "ascending") : "none" }, button);
       return cell;
     });
-    const cell = ({ share, cells }, c, i) => {
-      if (share) return shareCell(cells[i], c === 0);
-      return make("td", {}, cells[i].value === null ? "\u2013" : cells[i].value.toFixed(cells[i].value < 10 ? 3 : 1));
+    const cell = ({ digits, cells }, c, i) => {
+      if (!digits) return shareCell(cells[i], c === 0);
+      return make("td", {}, cells[i].value === null ? "\u2013" : cells[i].value.toFixed(digits));
     };
     const rows = order().map((i) => [rowHead(policies[i]), ...columns.map((column, c) => cell(column, c, i))]);
     place.replaceChildren(table([head("policy"), ...heads], rows));
@@ -128,8 +128,8 @@ function showStrata({ strata, policies, alone }) {
     return tint(cell, value);
   })]);
   section.querySelector(".wide").replaceChildren(table([head("policy"), ...strata.rows.map(({ name }) => head(name))], rows));
-  section.querySelector(".note").textContent = strata.by.startsWith("quartiles")
-    ? `Success [%] by ${strata.by}.`
+  section.querySelector(".note").textContent = !strata.by.includes("other policies")
+    ? `Success [%] ${strata.by}: the difficulty that the certificate of the levels states.`
     : "Success [%] by how many of the other policies in this arena fail on the level: there is no level set that says how hard "
       + "levels are. A policy's own failures do not count, so its columns hold other levels than those of another policy.";
 }

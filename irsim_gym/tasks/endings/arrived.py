@@ -7,8 +7,8 @@ from typing import ClassVar
 from irsim_gym.engine import Shard
 from irsim_gym.scenario.options import kind
 from irsim_gym.tasks.endings.body_flag import copy_flag
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState

@@ -10,8 +10,8 @@ import numpy as np
 from irsim_gym.arraytypes import Rays
 from irsim_gym.engine import Shard
 from irsim_gym.scenario.options import kind
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.position import place_scale, write_place
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel

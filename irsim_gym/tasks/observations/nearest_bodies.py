@@ -15,9 +15,9 @@ from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encoded
 from irsim_gym.tasks.scaling import unit
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.model import WorldModel
@@ -90,7 +90,7 @@ class NearestBodies:
         """Return what the five numbers of each body are."""
         gap = coded(self, "g", _sight(self.range, model))
         pace = f"v / {self.speed:g} m/s, relative to the robot"
-        told = [
+        columns = [
             Columns("nearest body: cosine of its nearest point's bearing, 1 straight ahead", "0 without a body"),
             Columns("nearest body: sine of that bearing, 1 to the left", "0 without a body"),
             Columns(
@@ -101,8 +101,10 @@ class NearestBodies:
             Columns("nearest body: speed to the left", pace),
         ]
         others = WIDTH * (self.count - 1)
-        told += [Columns(f"the same five of each of the {self.count - 1} next nearest", count=others)] if others else []
-        return told
+        columns += (
+            [Columns(f"the same five of each of the {self.count - 1} next nearest", count=others)] if others else []
+        )
+        return columns
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -13,9 +13,9 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.nearest_bodies import moving
 from irsim_gym.tasks.scaling import unit
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
@@ -72,7 +72,7 @@ class Neighbors:
         """Return what the numbers of each robot are."""
         far = self.range or float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
         over, pace = f"x / {far:.3g} m", f"v / {self.speed:g} m/s, relative to the robot"
-        told = [
+        columns = [
             Columns("nearest other robot: its origin, how far ahead", over),
             Columns("nearest other robot: how far to the left", over),
             Columns("nearest other robot: speed ahead", pace),
@@ -81,8 +81,10 @@ class Neighbors:
             Columns("nearest other robot: 1 if there is one, else 0, and all its other numbers 0"),
         ]
         others = WIDTH * (self.count - 1)
-        told += [Columns(f"the same six of each of the {self.count - 1} next nearest", count=others)] if others else []
-        return told
+        columns += (
+            [Columns(f"the same six of each of the {self.count - 1} next nearest", count=others)] if others else []
+        )
+        return columns
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

@@ -15,6 +15,7 @@ from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import paint
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.painting import (
     Canvas,
     Paints,
@@ -29,7 +30,6 @@ from irsim_gym.tasks.observations.painting import (
     view_from,
 )
 from irsim_gym.tasks.observations.scan_painting import ScanBeams, beams_of, paint_scan
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import ROBOT, WorldModel

@@ -11,7 +11,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, CellMaps, Floats, Ints, Rays
+from irsim_gym.arraytypes import Bytes, CellMap, CellMaps, Floats, Ints, Rays
 from irsim_gym.engine import Simulation
 from irsim_gym.geometry.world_maps import map_of
 from irsim_gym.jit import kernel
@@ -214,7 +214,21 @@ def add_cells(canvas: Canvas, cells: CellMaps | None, w: int) -> None:
             low, high = y + height * boxes[k, 2], y + height * boxes[k, 3]
             size = CORNER * (right - left + high - low)  # most are far away however the picture is turned
             if max(abs(left - view.x), abs(low - view.y)) < seen + size:
-                add_rectangle(canvas, left, low, right, high)
+                if here.radius > 0.0:
+                    add_cell_discs(canvas, here, k)
+                else:
+                    add_rectangle(canvas, left, low, right, high)
+
+
+@kernel
+def add_cell_discs(canvas: Canvas, cells: CellMap, k: int) -> None:
+    """Add the discs in the cells of a box of a map to a sheet."""
+    view = canvas.camera
+    for i in range(cells.boxes[k, 0], cells.boxes[k, 1]):
+        for j in range(cells.boxes[k, 2], cells.boxes[k, 3]):
+            x, y = cells.x + (i + 0.5) * cells.width, cells.y + (j + 0.5) * cells.height
+            column, row = image_column(view, x, y), image_row(view, x, y)
+            add_disc(canvas.sheet, canvas.box, column, row, cells.radius * view.scale, 1.0)
 
 
 @kernel

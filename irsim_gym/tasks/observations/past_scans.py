@@ -13,8 +13,8 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, shared_sensors
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded, evenly
 from irsim_gym.world.model import WorldModel

@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Floats, Ints, Rays
 from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
@@ -22,7 +22,7 @@ from irsim_gym.world.state import WorldState
 class Position:
     """x and y relative to the world's middle, divided by half its longer side: the world lies within [-1, 1].
 
-    Beyond the world the numbers go on, so that places that differ stay different.
+    The numbers continue beyond the world's edge, so that different places stay different.
     """
 
     only_kernels: ClassVar[bool] = True

@@ -1,4 +1,4 @@
-"""Route: where the shortest way to the goal leads, as somebody knows who has a map."""
+"""Route: the direction of the shortest way to the goal, from the map."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from irsim_gym.paths.grid import Grid, Search, centre
 from irsim_gym.paths.spread import PARENT
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.scaling import unit
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term, forget
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
@@ -109,7 +109,7 @@ class Route:
 
     @staticmethod
     def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
-        """Forget the goals, so that all ways are found anew."""
+        """Forget the goals, so that all routes are searched again."""
         forget(term.arrays.target, np.nan, episode, shard)
 
     @staticmethod
@@ -138,7 +138,10 @@ def find_ways(
                 continue
             target[0], target[1] = goal_x, goal_y
             mark_standing(model, w, own, blocks)
-            obstacles, radius = Obstacles(model, state, w, blocks, cells), model.reach[row_of(model.reach, w), own]
+            obstacles, radius = (
+                Obstacles(model, state, w, blocks, cells, None),
+                model.reach[row_of(model.reach, w), own],
+            )
             search_ways(obstacles, radius, (goal_x, goal_y), ways.grid, Search(blocked, field, queue))
             known = field.reshape(-1)
             for k in range(known.shape[0]):

@@ -14,6 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.raster.areas import add_disc
 from irsim_gym.raster.sheets import paint
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.painting import (
     Canvas,
     Paints,
@@ -27,7 +28,6 @@ from irsim_gym.tasks.observations.painting import (
     image_row,
     view_from,
 )
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import OBSTACLE, ROBOT, WorldModel

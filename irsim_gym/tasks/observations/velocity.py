@@ -11,7 +11,7 @@ from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind
-from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import AHEAD_AND_LEFT, Term
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import OMNI_WORLD, WorldModel
@@ -55,10 +55,10 @@ class Velocity:
         words = term.components[agent]
         if model.drive[body] == OMNI_WORLD:
             words, largest = AHEAD_AND_LEFT, np.full(3, np.hypot(*largest[:2]))
-        told = [
+        columns = [
             Columns(name, f"v / {most:.4g} {unit}".strip()) for (name, unit), most in zip(words, largest, strict=False)
         ]
-        return [*told, *[Columns("unused")] * (term.action_size - len(told))]
+        return [*columns, *[Columns("unused")] * (term.action_size - len(columns))]
 
     @staticmethod
     def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:

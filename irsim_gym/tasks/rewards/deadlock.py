@@ -6,9 +6,9 @@ from typing import ClassVar
 
 from irsim_gym.engine import Shard
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import DEADLOCK, Outcome
 from irsim_gym.tasks.rewards.on_outcome import pay_outcome
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Role, Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState

@@ -14,7 +14,7 @@ from irsim_gym.paths.clearance import Obstacles, mark_standing
 from irsim_gym.paths.geodesic import distance_field, field_at
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.structs import Struct
-from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.rows import row_of
@@ -95,7 +95,10 @@ def draw_fields(
                 continue
             target[0], target[1] = goal_x, goal_y
             mark_standing(model, w, own, blocks)
-            obstacles, radius = Obstacles(model, state, w, blocks, cells), model.reach[row_of(model.reach, w), own]
+            obstacles, radius = (
+                Obstacles(model, state, w, blocks, cells, None),
+                model.reach[row_of(model.reach, w), own],
+            )
             distance_field(obstacles, radius, (goal_x, goal_y), grid, Search(blocked, field, queue))
             here = field_at(field, grid, x, y)
             dx, dy = goal_x - x, goal_y - y

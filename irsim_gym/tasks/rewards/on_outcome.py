@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.jit import kernel
-from irsim_gym.tasks.state import EpisodeState
+from irsim_gym.tasks.episode_state import EpisodeState
 
 
 @kernel

@@ -12,9 +12,9 @@ from irsim_gym.engine import Shard, Simulation
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
 from irsim_gym.tasks.rewards.geodesic import Fields, note_fields, pay_field_gain
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Bound, Role, Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState

@@ -8,8 +8,8 @@ from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.engine import Shard
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.outcome import Outcome
-from irsim_gym.tasks.state import EpisodeState
 from irsim_gym.tasks.term import Role, Term
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState

@@ -12,7 +12,7 @@ from irsim_gym.render import theme, vocabulary
 from irsim_gym.render.packing import METRE, packed
 from irsim_gym.render.replay_items import Items, SharedItems
 from irsim_gym.render.replay_tracks import BodyTrack, Changes, FogTrack, ScanTrack, Seen, map_figure, marks_seen
-from irsim_gym.render.scene import BodyView, Scene
+from irsim_gym.render.scene import DrawnBody, Scene
 from irsim_gym.world.marks import Overlay
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class Recording:
         self.name, self._details = "", dict(details or {})
         self._agents = tuple(agents)
         self._last: Scene | None = None
-        self._fixed: Sequence[BodyView] | None = None
+        self._fixed: Sequence[DrawnBody] | None = None
         self._times: list[float] = []
         self._centers: list[tuple[float, float]] = []
         self._bodies: dict[str, list[BodyTrack]] = {}
@@ -103,7 +103,7 @@ class Recording:
             raise ValueError("nothing was recorded")
         return self._last
 
-    def moving(self, moment: int) -> dict[str, BodyView]:
+    def moving(self, moment: int) -> dict[str, DrawnBody]:
         """Return by name the bodies that can move and were there, as they stood at a moment."""
         tracks = (track for tracks in self._bodies.values() for track in tracks if not track.fixed)
         return {view.name: view for track in tracks if (view := track.view(moment)) is not None}
@@ -217,7 +217,7 @@ class Recording:
             for view in views:
                 self._track(view, fields.get(id(view.style)), fixed).note(view, poses[view.body], moment)
 
-    def _track(self, view: BodyView, field: tuple[float, float] | None, fixed: bool) -> BodyTrack:
+    def _track(self, view: DrawnBody, field: tuple[float, float] | None, fixed: bool) -> BodyTrack:
         """Return where a body's poses go; one whose outline has changed is another body."""
         tracks = self._bodies.setdefault(view.name, [])
         if not tracks or not tracks[-1].fits(view):

@@ -1,7 +1,7 @@
-"""Watches what terms from outside the package do in their first steps, and then lets go of them.
+"""Checks terms of plugins in their first steps.
 
 A watched term is called by way of a ``Watched``, which looks at what it has written. While there is one, steps are not
-recorded. Afterwards everything is as if nobody had looked.
+recorded. Afterwards the checks are removed.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ MAKERS: dict[str, type[Watched]] = {
 }
 
 
-class Watch:
+class TermWatch:
     """Watches the terms of a task that are not the package's own.
 
     Args:

@@ -74,8 +74,8 @@ class Played:
 class Player:
     """Plays level after level until the person leaves.
 
-    Keys are those of ``irsim_gym.load``: r begins the level again and drops what was recorded of it, n goes on with
-    the next level, l reads the file again, x lets the robot drive by itself, alt and a digit choose another robot.
+    Keys are those of ``irsim_gym.load``: r restarts the level and drops its recording, n begins the next level, l reads
+    the file again, x hands over to the robot's behaviour, alt and a digit choose another robot.
 
     Args:
         wishes: What is to be played.
@@ -213,7 +213,7 @@ class Player:
             self._auto.begin(self._worlds.episodes, self._one, np.array([self._level]))
 
     def _switch(self) -> None:
-        """Let the robot drive by itself, by its own behaviour or by dash, or the person again."""
+        """Switch between the person and the robot's own behaviour (or dash)."""
         if self._auto is not None:
             self._auto = None
             return
@@ -308,7 +308,7 @@ def play(wishes: Wishes) -> Played:
 
 
 def _screen(worlds: Worlds, body: int) -> PlayScreen:
-    """Return what shows the one world of an environment to whoever drives a body."""
+    """Return a window on the world of an environment, for the person who drives."""
     from irsim_gym.render import Renderer
     from irsim_gym.render.play_screen import PlayScreen
 

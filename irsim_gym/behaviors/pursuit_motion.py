@@ -1,0 +1,133 @@
+"""Where a command leads: one step with it, and then a stop as soon as the body's limits allow."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats
+from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles, way_is_free
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_WORLD, WorldModel
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
+
+MOST_STEPS = 100
+"""A stop that takes longer is looked at no further."""
+
+Command = tuple[float, float, float]
+
+
+class Moving(NamedTuple):
+    """What a body does and what it can do.
+
+    Attributes:
+        drive: How its command reads, see ``world.model``.
+        by_rate: The second number of an Ackermann drive's command is a turn rate, no steering angle.
+        wheelbase: Axle distance [m].
+        step: Duration of a step [s].
+        pose: x, y, heading [m, m, rad], shape ``(3,)``.
+        steering: Steering angle [rad].
+        velocity: What it executes, in the coordinates of its command [m/s or rad/s], shape ``(3,)``, as all that
+            follow.
+        low: Lower limits.
+        high: Upper limits.
+        change: Largest accelerations [m/s2 or rad/s2].
+    """
+
+    drive: int
+    by_rate: bool
+    wheelbase: float
+    step: float
+    pose: Floats
+    steering: float
+    velocity: Floats
+    low: Floats
+    high: Floats
+    change: Floats
+
+
+@kernel
+def moving_of(model: WorldModel, state: WorldState, w: int, b: int, by_rate: bool) -> Moving:
+    """Return what body b of world w does and can do.
+
+    Reads: model (acceleration_limit, drive, step_time, velocity_max, velocity_min, wheelbase), state (pose, steering,
+        twist, velocity).
+    """
+    # Drives of plugins are shown as omnidirectional, but what they execute is in coordinates of their own.
+    velocity = state.twist[w, b] if model.drive[b] == OMNI_WORLD else state.velocity[w, b]
+    return Moving(
+        model.drive[b], by_rate, model.wheelbase[b], model.step_time[0], state.pose[w, b], state.steering[w, b],
+        velocity, model.velocity_min[row_of(model.velocity_min, w), b],
+        model.velocity_max[row_of(model.velocity_max, w), b],
+        model.acceleration_limit[row_of(model.acceleration_limit, w), b],
+    )  # fmt: skip
+
+
+@kernel
+def executed(moving: Moving, axis: int, asked: float, now: float) -> float:
+    """Return what becomes of one number of a command, from what is executed now, as ``engine.command_limits`` does."""
+    least = max(moving.low[axis], now - moving.change[axis] * moving.step)
+    most = min(moving.high[axis], now + moving.change[axis] * moving.step)
+    return float(min(max(asked, least), most))
+
+
+@kernel
+def can_stop(obstacles: Obstacles, radius: float, room: float, moving: Moving, command: Command) -> bool:
+    """Return whether a body touches nothing in a step with a command and on the way on which it comes to a stop.
+
+    A body that turns as it drives keeps its curvature as it brakes.
+
+    Reads: obstacles (blocks, cells, model, state, w).
+
+    Args:
+        obstacles: What is in the way.
+        radius: Radius of the body [m].
+        room: So far the body may go in any direction [m].
+        moving: What it does and can do.
+        command: What it is asked to do.
+    """
+    x, y, heading, steering = moving.pose[0], moving.pose[1], moving.pose[2], moving.steering
+    one, two, three = moving.velocity[0], moving.velocity[1], moving.velocity[2]
+    first, second, third = command
+    turns, from_x, from_y = moving.drive == DIFFERENTIAL or moving.by_rate, x, y
+    for _ in range(MOST_STEPS):
+        one, two = executed(moving, 0, first, one), executed(moving, 1, second, two)
+        three = executed(moving, 2, third, three)
+        next_x, next_y, heading, steering = roll(moving, x, y, heading, steering, one, two, three)
+        away_x, away_y = next_x - from_x, next_y - from_y
+        if away_x * away_x + away_y * away_y >= room * room and not way_is_free(
+            obstacles, radius, (x, y), (next_x, next_y)
+        ):
+            return False
+        x, y = next_x, next_y
+        if one == 0.0 and (two == 0.0 or moving.drive in (DIFFERENTIAL, ACKERMANN)):
+            return True
+        first, third = 0.0, 0.0
+        if turns:
+            second = two / one * executed(moving, 0, 0.0, one) if one != 0.0 else two
+        elif moving.drive != ACKERMANN:
+            second = 0.0
+    return True
+
+
+@kernel
+def roll(
+    moving: Moving, x: float, y: float, heading: float, steering: float, one: float, two: float, three: float
+) -> tuple[float, float, float, float]:
+    """Return x, y, heading and steering angle [m, m, rad, rad] after a step with executed velocities, without noise.
+
+    As the drives of ``kinematics`` move.
+    """
+    step, cosine, sine = moving.step, np.cos(heading), np.sin(heading)
+    if moving.drive == DIFFERENTIAL:
+        return x + one * cosine * step, y + one * sine * step, heading + two * step, steering
+    if moving.drive == ACKERMANN:
+        rate = two if moving.by_rate else one * np.tan(steering) / moving.wheelbase
+        turn = rate * step if one != 0.0 or not moving.by_rate else 0.0
+        return x + one * cosine * step, y + one * sine * step, heading + turn, steering if moving.by_rate else two
+    if moving.drive == OMNI_WORLD:
+        return x + one * step, y + two * step, heading, steering
+    along, across = cosine * one - sine * two, sine * one + cosine * two
+    return x + along * step, y + across * step, heading + three * step, steering

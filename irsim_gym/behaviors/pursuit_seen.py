@@ -1,0 +1,97 @@
+"""Pursuit on what a body's own scans have shown: points that it remembers, and unknown space taken as free."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.behaviors.pursuit_drive import is_under_way, pursue
+from irsim_gym.behaviors.pursuit_tables import PursuitTables
+from irsim_gym.behaviors.pursuit_way import place_on_way
+from irsim_gym.behaviors.steering import clear_command
+from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles, way_is_free
+from irsim_gym.paths.points import PointMap, add_point
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.own_scan import OwnScan, find_hits
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
+
+
+@kernel
+def pursue_seen(
+    worlds: Ints,
+    slot: int,
+    members: Ints,
+    params: Any,
+    tables: PursuitTables,
+    scan: OwnScan,
+    model: WorldModel,
+    state: WorldState,
+) -> None:
+    """Write the commands of bodies that know what their scans have shown, and remember the latest.
+
+    Reads: tables (back, by_rate, coarse, count, fine, goal, hits, margin, points, retry, seen, side, standing, whole),
+        scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors), model (has_goal, present, reach), state
+        (arrived, goal, pose, step, stopped).
+    Writes: tables (back, coarse, count, fine, goal, hits, margin, points, retry, side, whole), state (command).
+    """
+    frame, nothing = tables.seen, tables.standing[slot]
+    for w in worlds:
+        for k in range(members.shape[0]):
+            b, m = members[k], params[k].index
+            clear_command(state, w, b)
+            points = PointMap(frame.x, frame.y, frame.side, frame.places[w, m])
+            note_scan(scan, w, k, b, state, points, tables.hits[slot])
+            if not is_under_way(model, state, w, b):
+                continue
+            obstacles = Obstacles(model, state, w, nothing, None, points)
+            if tables.count[w, m] == 0 and state.step[w] >= tables.retry[w, m]:
+                points.places[:] = np.nan
+                note_scan(scan, w, k, b, state, points, tables.hits[slot])
+            elif way_is_blocked(obstacles, model.reach[row_of(model.reach, w), b], tables, w, m, b):
+                tables.goal[w, m, 0] = np.nan
+            pursue(obstacles, obstacles, params[k], tables, slot, b)
+
+
+@kernel
+def note_scan(scan: OwnScan, w: int, k: int, b: int, state: WorldState, points: PointMap, hits: Floats) -> None:
+    """Add what the latest scan of a member hit to the points that it remembers.
+
+    Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors), state (pose).
+    Writes: points, hits.
+
+    Args:
+        scan: The scans.
+        w: The world.
+        k: The member.
+        b: Its body.
+        state: Where it is.
+        points: Changed.
+        hits: Scratch, shape ``(2, n_beams)``.
+    """
+    x, y, heading = state.pose[w, b, 0], state.pose[w, b, 1], state.pose[w, b, 2]
+    cosine, sine = np.cos(heading), np.sin(heading)
+    for i in range(find_hits(scan, w, k, np.inf, hits)):
+        ahead, aside = hits[0, i], hits[1, i]
+        add_point(points, x + cosine * ahead - sine * aside, y + sine * ahead + cosine * aside, x, y)
+
+
+@kernel
+def way_is_blocked(obstacles: Obstacles, reach: float, tables: PursuitTables, w: int, m: int, b: int) -> bool:
+    """Return whether something is in what remains of a member's way, nearer than half of what the way keeps away.
+
+    Reads: tables (count, margin, points, side).
+    """
+    way, count, pose = tables.points[w, m], tables.count[w, m], obstacles.state.pose[w, b]
+    if count == 0:
+        return False
+    side, x, y = place_on_way(way, count, tables.side[w, m], pose[0], pose[1])
+    radius = reach + 0.5 * tables.margin[w, m]
+    for i in range(side + 1, count):
+        if not way_is_free(obstacles, radius, (x, y), (way[i, 0], way[i, 1])):
+            return True
+        x, y = way[i, 0], way[i, 1]
+    return False

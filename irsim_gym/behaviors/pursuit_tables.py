@@ -1,0 +1,193 @@
+"""The ways of the members of a group, and what they are found with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles, Point, room_at
+from irsim_gym.paths.geodesic import shortest_path
+from irsim_gym.paths.grid import Grid, Search
+from irsim_gym.paths.points import PointMap
+from irsim_gym.structs import Struct
+from irsim_gym.world.group import Group
+from irsim_gym.world.model import WorldModel
+
+MOST_POINTS = 256
+"""Points of a way that are kept; a longer one is found anew where they end."""
+COARSE, FINE = 0.5, 0.25
+"""Side of the cells in which ways are looked for, as a share of the smallest member's reach."""
+SEEN = 0.25
+"""Side of the cells that hold a point each of what was seen, as a share of the smallest member's reach."""
+PATIENCE = 10
+"""Steps after which a body looks for a way again where it found none, or could not follow it."""
+TIGHT = 0.999
+"""Where a body stands too near to something, it keeps this share of the distance."""
+HALVINGS = 3
+"""How often the distance to keep is halved where there is no way, first on the coarse cells, then on the fine ones."""
+
+
+class WayGrid(NamedTuple):
+    """A grid on which ways are looked for, and its memory; the first axis is the slot.
+
+    Attributes:
+        grid: The grid.
+        blocked: See ``paths.grid.Search``.
+        field: See ``paths.grid.Search``.
+        queue: See ``paths.grid.Search``.
+        path: Points of a way as it is found [m], shape ``(n_slots, n_points, 2)``.
+    """
+
+    grid: Grid
+    blocked: Bytes
+    field: Floats
+    queue: Ints
+    path: Floats
+
+    @classmethod
+    def over(cls, bounds: Floats, cell: float, n_slots: int) -> Self:
+        """Return a grid over the world with cells of some side [m]; memory is claimed from the system when used."""
+        grid = Grid.over(bounds, cell)
+        n_cells = grid.rows * grid.columns
+        shape = (n_slots, grid.rows, grid.columns)
+        queue, path = np.zeros((n_slots, 3, n_cells + 8), np.int64), np.zeros((n_slots, n_cells + 64, 2))
+        return cls(grid, np.zeros(shape, np.uint8), np.zeros(shape), queue, path)
+
+
+@dataclass(repr=False)
+class PursuitTables(Struct):
+    """The ways of the members, and what they are found with.
+
+    Attributes:
+        coarse: Where ways are looked for.
+        fine: Where they are looked for at last.
+        by_rate: Members whose second number of a command is a turn rate of a car, shape ``(n_members,)``.
+        goal: Where each way leads [m], NaN without one, shape ``(n_worlds, n_members, 2)``; the first two axes are the
+            same in all that follow.
+        points: Points of the way [m], shape ``(n_worlds, n_members, MOST_POINTS, 2)``.
+        count: Number of its points, 0 if there is none.
+        whole: All of its points are kept.
+        margin: How far it keeps the body's surface from what stands [m].
+        side: The side of the way on which the body is.
+        back: Steps for which a car goes on to drive back.
+        retry: The step from which on a way may be looked for again.
+        seen: What the members' scans have hit: ``places`` have the shape ``(n_worlds, n_members, columns, rows, 2)``;
+            none without scans.
+        hits: Scratch: what one scan hits, shape ``(n_slots, 2, n_beams)``.
+        standing: Scratch: what stands in the way, shape ``(n_slots, n_bodies)``.
+        everything: Scratch: that, and what moves, shape ``(n_slots, n_bodies)``.
+    """
+
+    coarse: WayGrid
+    fine: WayGrid
+    by_rate: Flags
+    goal: Floats
+    points: Floats
+    count: Ints
+    whole: Flags
+    margin: Floats
+    side: Ints
+    back: Ints
+    retry: Ints
+    seen: PointMap
+    hits: Floats
+    standing: Flags
+    everything: Flags
+
+    @classmethod
+    def reserve(cls, group: Group, model: WorldModel, n_slots: int) -> Self:
+        """Return memory for the members of a group; nobody has a way yet."""
+        shape, n_bodies = (len(model.present), len(group.members)), len(model.role)
+        reach = float(model.reach[:, group.members].min())
+        cells = [reach * COARSE, reach * FINE]
+        if (given := [options.cell for options in group.options if options.cell is not None]) != []:
+            cells = [min(given), 0.5 * min(given)]
+        bodies = () if group.context is None else group.context.bodies
+        modes = [getattr(bodies[b].kinematics, "mode", "") if bodies else "" for b in group.members.tolist()]
+        return cls(
+            coarse=WayGrid.over(model.bounds, cells[0], n_slots),
+            fine=WayGrid.over(model.bounds, cells[1], n_slots),
+            by_rate=np.array([mode == "angular" for mode in modes], np.bool_),
+            goal=np.full((*shape, 2), np.nan),
+            points=np.zeros((*shape, MOST_POINTS, 2)),
+            count=np.zeros(shape, np.int64),
+            whole=np.zeros(shape, np.bool_),
+            margin=np.zeros(shape),
+            side=np.zeros(shape, np.int64),
+            back=np.zeros(shape, np.int64),
+            retry=np.zeros(shape, np.int64),
+            seen=PointMap.over(model.bounds, reach * SEEN, (0, 0) if group.scan is None else shape),
+            hits=np.zeros((n_slots, 2, 0 if group.scan is None else group.scan.ranges.shape[2])),
+            standing=np.zeros((n_slots, n_bodies), np.bool_),
+            everything=np.zeros((n_slots, n_bodies), np.bool_),
+        )
+
+
+@kernel
+def forget_ways(worlds: Ints, tables: PursuitTables) -> None:
+    """Forget all ways of some worlds, and what was seen there.
+
+    Writes: tables (back, goal, retry, seen).
+    """
+    for w in worlds:
+        for m in range(tables.retry.shape[1]):
+            tables.goal[w, m, 0], tables.retry[w, m], tables.back[w, m] = np.nan, 0, 0
+            if tables.seen.places.shape[0] > 0:
+                tables.seen.places[w, m, :, :, :] = np.nan
+
+
+@kernel
+def find_way(
+    obstacles: Obstacles,
+    reach: float,
+    margin: float,
+    ends: tuple[Point, Point],
+    tables: PursuitTables,
+    slot: int,
+    m: int,
+) -> None:
+    """Write a member's way from its place to its goal, as far from what stands as asked for if there is one.
+
+    Else at half the distance, at a quarter, and on finer cells at less and less; at last as near as it gets.
+
+    Reads: tables (coarse, fine).
+    Writes: tables (coarse, count, fine, goal, margin, points, side, whole).
+
+    Args:
+        obstacles: What is in the way; the world is theirs.
+        reach: Radius of the body [m].
+        margin: How far its surface is to keep from obstacles [m].
+        ends: Its place and its goal [m].
+        tables: Written.
+        slot: Whose scratch memory.
+        m: The member.
+    """
+    w, count, coarse, fine = obstacles.w, 0, tables.coarse, tables.fine
+    search, path = Search(coarse.blocked[slot], coarse.field[slot], coarse.queue[slot]), coarse.path[slot]
+    for _ in range(HALVINGS):
+        count = shortest_path(obstacles, reach + margin, ends[0], ends[1], coarse.grid, search, path)
+        if count > 0:
+            break
+        margin *= 0.5
+    if count == 0:
+        search, path = Search(fine.blocked[slot], fine.field[slot], fine.queue[slot]), fine.path[slot]
+    for attempt in range(HALVINGS):
+        if count > 0:
+            break
+        margin = margin * 0.5 if 0 < attempt < HALVINGS - 1 else margin
+        margin = 0.0 if attempt == HALVINGS - 1 else margin
+        count = shortest_path(obstacles, reach + margin, ends[0], ends[1], fine.grid, search, path)
+    if count == 0:
+        room = TIGHT * room_at(obstacles, ends[0][0], ends[0][1], reach)
+        if room < TIGHT * reach:  # the disc about the body, or what was seen, overlaps something: as wide as it can
+            count = shortest_path(obstacles, room, ends[0], ends[1], fine.grid, search, path)
+    kept = min(count, MOST_POINTS)
+    for i in range(kept):
+        tables.points[w, m, i, 0], tables.points[w, m, i, 1] = path[i, 0], path[i, 1]
+    tables.goal[w, m, 0], tables.goal[w, m, 1] = ends[1][0], ends[1][1]
+    tables.count[w, m], tables.whole[w, m], tables.margin[w, m] = kept, kept == count, margin
+    tables.side[w, m] = 0

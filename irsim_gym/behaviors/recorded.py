@@ -1,0 +1,120 @@
+"""Recorded: walk as a person of a file did."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints
+from irsim_gym.behaviors.steering import Turning, to_command
+from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.scenario.recordings import sampled
+from irsim_gym.structs import Struct
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+STRAIGHT = Turning(1.0, 0.0, 0.0, 0.0)
+"""For drives that do not turn."""
+
+
+@kind
+class Recorded:
+    """Replay the way of a recorded person; the body is there only while the person is.
+
+    Between rows it walks in straight lines, each step to where its person is by then. What stops it makes it late.
+    """
+
+    only_kernels: ClassVar[bool] = True
+    kinematics: ClassVar[tuple[str, ...]] = ("omni",)
+    reads_neighbors: ClassVar[bool] = False
+    replays: ClassVar[bool] = True
+
+    file: str = option(
+        min_length=1,
+        meaning="Text file of rows time, id, x, y, beside the scenario or shipped, e.g. those of ETH and UCY.",
+    )
+    time_unit: float = option(
+        1.0, gt=0.0, unit="s", meaning="Duration of one unit of the first column, e.g. 0.04 for frames at 25 Hz."
+    )
+    person: int | None = option(
+        None, meaning="Id of the person; by default the bodies of the entry are those of the file, in its order."
+    )
+    start_time: float = option(
+        0.0, ge=0.0, unit="s", meaning="Time since the file's first row at which episodes begin."
+    )
+    offset: tuple[float, float] = option((0.0, 0.0), unit="m", meaning="Added to all positions.")
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Lay out where each person is at each step."""
+        ways = [sampled(options, float(model.step_time[0])) for options in group.options]
+        points = np.full((len(ways), max(map(len, ways)) + 1, 2), np.nan)
+        for row, way in zip(points, ways, strict=True):
+            row[: len(way)] = way
+        group.tables = RecordedTables(points)
+
+    @staticmethod
+    def appear(group: Group, model: WorldModel, state: WorldState, shard: Shard, ahead: int) -> None:
+        """Let the members come and go with their persons."""
+        come_and_go(shard.worlds, group.members, ahead, model, state, group.tables)
+
+    @staticmethod
+    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' commands."""
+        decide_recorded(shard.worlds, group.members, model, state, group.tables)
+
+
+@dataclass
+class RecordedTables(Struct):
+    """Where persons are.
+
+    Attributes:
+        points: At each step [m], NaN where they are absent, shape ``(n_members, n_steps, 2)``.
+    """
+
+    points: Floats
+
+
+@kernel
+def come_and_go(
+    worlds: Ints, members: Ints, ahead: int, model: WorldModel, state: WorldState, tables: RecordedTables
+) -> None:
+    """Write who is there ``ahead`` steps from now; who comes stands where its person is.
+
+    Reads: model (present), state (step), tables (points).
+    Writes: model (present), state (collided, hit, pose, stopped, twist, velocity).
+    """
+    for w in worlds:
+        step = min(state.step[w] + ahead, tables.points.shape[1] - 1)
+        for k in range(members.shape[0]):
+            b, x, y = members[k], tables.points[k, step, 0], tables.points[k, step, 1]
+            if np.isnan(x):
+                model.present[w, b] = False
+            elif not model.present[w, b] or step == 0:
+                model.present[w, b] = True
+                state.pose[w, b, 0], state.pose[w, b, 1] = x, y
+                state.collided[w, b], state.stopped[w, b], state.hit[w, b] = False, False, -1
+                for axis in range(3):
+                    state.velocity[w, b, axis], state.twist[w, b, axis] = 0.0, 0.0
+
+
+@kernel
+def decide_recorded(worlds: Ints, members: Ints, model: WorldModel, state: WorldState, tables: RecordedTables) -> None:
+    """Write the commands that lead to where the persons are after the step.
+
+    Reads: model (drive, step_time), state (pose, step), tables (points).
+    Writes: state (command).
+    """
+    dt = model.step_time[0]
+    for w in worlds:
+        following = min(state.step[w] + 1, tables.points.shape[1] - 1)
+        for k in range(members.shape[0]):
+            b, x, y = members[k], tables.points[k, following, 0], tables.points[k, following, 1]
+            vx, vy = 0.0, 0.0
+            if not np.isnan(x):
+                vx, vy = (x - state.pose[w, b, 0]) / dt, (y - state.pose[w, b, 1]) / dt
+            to_command(model.drive[b], state.pose[w, b, 2], vx, vy, STRAIGHT, state.command[w, b])

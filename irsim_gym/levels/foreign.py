@@ -1,0 +1,149 @@
+"""Reading what others have written: arrays of known shapes, and pickles of which nothing but numbers is taken."""
+
+from __future__ import annotations
+
+import io
+import pickle
+import zipfile
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.errors import Problem, ScenarioError
+from irsim_gym.scenario.level_set import LevelSet
+
+
+class ForeignObject:
+    """Stands for an object of a class that is not loaded; its attributes are the object's."""
+
+    def __new__(cls, *values: object) -> ForeignObject:
+        """Make a record without looking at what a class would have been given."""
+        return super().__new__(cls)
+
+
+def complete_set(**arrays: Any) -> LevelSet:
+    """Return levels of one split; what is not given is left to the scenario."""
+    start = arrays["start"]
+    offsets = np.zeros((len(start), start.shape[1] + 1), np.int64)
+    whole: dict[str, Any] = {
+        "goal": np.full(start.shape, np.nan),
+        "present": np.ones(start.shape[:2], np.bool_),
+        "segments": np.zeros((0, 4)),
+        "segment_start": offsets,
+        "discs": np.zeros((0, 3)),
+        "disc_start": offsets,
+        "cells": None,
+        "random": None,
+        "splits": {"all": (0, len(start))},
+    }
+    return LevelSet(**{"file": "", **whole, **arrays})
+
+
+def read_arrays(file: Path, axes: Mapping[str, tuple[str, ...]]) -> dict[str, NDArray[Any]]:
+    """Return arrays of numbers from an ``.npz``.
+
+    Args:
+        file: The file.
+        axes: Names of the axes of each array; a digit is a fixed length, ``x+1`` one more than axis ``x``.
+
+    Raises:
+        ScenarioError: An array is missing, of another shape or no numbers; the error lists all of them.
+    """
+    try:
+        with np.load(file, allow_pickle=False) as stored:
+            found = {name: stored[name] for name in axes if name in stored.files}
+    except (OSError, zipfile.BadZipFile, zlib.error, ValueError, EOFError, TypeError, AttributeError) as error:
+        raise ScenarioError(str(file), [Problem(0, "", f"cannot be read as an .npz file: {error}")]) from None
+    problems, sizes = [], dict[str, int]()
+    for name, wanted in axes.items():
+        array = found.get(name)
+        wish = f"must be numbers with the axes ({', '.join(wanted)})"
+        if array is None:
+            problems.append(Problem(0, name, f"is missing: it {wish}"))
+        elif array.ndim != len(wanted) or array.dtype.kind not in "biuf" or not np.isfinite(array).all():
+            problems.append(Problem(0, name, f"{wish}, got {array.dtype}, shape {array.shape}"))
+        else:
+            for axis, length in zip(wanted, array.shape, strict=True):
+                known = int(axis) if axis.isdigit() else sizes.setdefault(axis, length)
+                if length != known:
+                    problems.append(Problem(0, name, f"{wish}: {axis} must be {known} long, got {length}"))
+    if problems:
+        raise ScenarioError(str(file), problems)
+    return found
+
+
+def read_pickle(file: Path) -> Any:
+    """Return what a pickle holds: lists, numbers, text, arrays, and records in the place of all other objects.
+
+    No class and no function of the pickle is loaded or called but those that make up NumPy's arrays.
+
+    Raises:
+        ScenarioError: It needs a function that is not known, or is no pickle.
+    """
+    try:
+        return _NumbersOnly(io.BytesIO(file.read_bytes())).load()
+    except (pickle.UnpicklingError, EOFError, ValueError, TypeError, AttributeError, IndexError, KeyError) as error:
+        raise ScenarioError(str(file), [Problem(0, "", f"cannot be read as a pickle of numbers: {error}")]) from None
+
+
+def _device_array(function: Any, arguments: tuple[Any, ...], state: Any, *_: object) -> Any:
+    """Return an array of JAX as one of NumPy: ``function`` is one of ``_KNOWN``."""
+    made = function(*arguments)
+    made.__setstate__(state)
+    return made
+
+
+def _empty(*_: object) -> NDArray[Any]:
+    """Return the array that a pickle's state is written into."""
+    return np.ndarray((0,), np.int8)
+
+
+def _scalar(dtype: Any, content: bytes = b"") -> Any:
+    if not isinstance(dtype, np.dtype) or dtype.hasobject:
+        raise pickle.UnpicklingError("a scalar of objects")
+    return np.frombuffer(content, dtype, 1)[0]
+
+
+def _dtype(text: str, *_: object) -> np.dtype[Any]:
+    made = np.dtype(text)
+    if made.hasobject:
+        raise pickle.UnpicklingError("an array of objects")
+    return made
+
+
+_KNOWN: Mapping[tuple[str, str], Any] = {
+    ("numpy", "ndarray"): np.ndarray,
+    ("numpy", "dtype"): _dtype,
+    **{(f"numpy.{core}.multiarray", "_reconstruct"): _empty for core in ("core", "_core")},
+    **{(f"numpy.{core}.multiarray", "scalar"): _scalar for core in ("core", "_core")},
+    ("jax._src.array", "_reconstruct_array"): _device_array,
+    ("copyreg", "_reconstructor"): lambda cls, *_: cls() if cls is ForeignObject else _refuse(cls),
+    ("builtins", "object"): object,
+    ("_codecs", "encode"): lambda text, _: text.encode("latin1"),
+}
+
+
+def _refuse(cls: object) -> Any:
+    raise pickle.UnpicklingError(f"an object of {cls}")
+
+
+class _NumbersOnly(pickle.Unpickler):
+    """Reads a pickle; classes of the levels' packages become ``ForeignObject``, all else unknown is refused."""
+
+    PACKAGES = ("jaxmarl", "sfl", "jax_multirobsim")
+
+    def find_class(self, module: str, name: str) -> Any:
+        """Return what stands for a class or function of the pickle.
+
+        Raises:
+            UnpicklingError: Nothing does.
+        """
+        if (module, name) in _KNOWN:
+            return _KNOWN[module, name]
+        if module.split(".")[0] in self.PACKAGES:
+            return ForeignObject
+        raise pickle.UnpicklingError(f"it needs {module}.{name}, which is not read")

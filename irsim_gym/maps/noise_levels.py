@@ -1,0 +1,137 @@
+"""Maps from gradient noise that are drawn for each level, as ``perlin`` makes one for all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import CellMaps, Flags, Floats, Ints
+from irsim_gym.geometry.world_maps import lay_cells
+from irsim_gym.jit import kernel
+from irsim_gym.rng import integer
+from irsim_gym.structs import Struct
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+_Q = np.sqrt(0.5)
+GRADIENTS = np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [_Q, _Q], [-_Q, _Q], [_Q, -_Q], [-_Q, -_Q]])
+N = 256
+"""Length of the table of gradients, which repeats itself."""
+
+
+@dataclass(repr=False)
+class NoiseTables(Struct):
+    """Memory in which noise is drawn; the first axis is the slot.
+
+    Attributes:
+        occupied: Occupied cells, shape ``(n_slots, columns, rows)``.
+        line: Scratch for ``lay_cells``, shape ``(n_slots, columns)``.
+        noise: Noise of each cell, shape ``(n_slots, columns, rows)``.
+        ranked: Scratch, shape ``(n_slots, columns * rows)``.
+        gradients: Which gradient each corner has, shape ``(n_slots, 2 * N)``.
+    """
+
+    occupied: Flags
+    line: Floats
+    noise: Floats
+    ranked: Floats
+    gradients: Ints
+
+
+def noise_tables(model: WorldModel, n_slots: int) -> NoiseTables:
+    """Return memory for maps of the model's size."""
+    columns, rows = model.map_room.shape[1:]
+    return NoiseTables(
+        occupied=np.zeros((n_slots, columns, rows), np.bool_),
+        line=np.zeros((n_slots, columns)),
+        noise=np.zeros((n_slots, columns, rows)),
+        ranked=np.zeros((n_slots, columns * rows)),
+        gradients=np.zeros((n_slots, 2 * N), np.int64),
+    )
+
+
+@kernel
+def draw_noise_maps(
+    worlds: Ints, slot: int, options: Any, tables: NoiseTables, cells: CellMaps, state: WorldState
+) -> None:
+    """Occupy the cells with the highest noise, as many as ``fill`` says.
+
+    Reads: tables (gradients, line, noise, occupied, ranked), state (random).
+    Writes: tables (gradients, line, noise, occupied, ranked), cells, state (random).
+    """
+    occupied, noise, ranked = tables.occupied[slot], tables.noise[slot], tables.ranked[slot]
+    gradients, given = tables.gradients[slot], options[0]
+    columns, rows = occupied.shape
+    place = min(int((1.0 - given.fill) * ranked.shape[0]), ranked.shape[0] - 1)
+    for w in worlds:
+        for k in range(N):
+            gradients[k] = k
+        for k in range(N - 1):
+            chosen = integer(state.random, w, k, N)
+            gradients[k], gradients[chosen] = gradients[chosen], gradients[k]
+        for k in range(N):
+            gradients[N + k] = gradients[k]
+        for i in range(columns):
+            for j in range(rows):
+                total, scale = 0.0, given.complexity
+                for octave in range(given.fractal):
+                    total += given.attenuation / (octave + 1) * noise_at(scale * i, scale * j, gradients)
+                    scale *= 2.0
+                noise[i, j] = ranked[i * rows + j] = total
+        least = nth_smallest(ranked, place)
+        for i in range(columns):
+            for j in range(rows):
+                occupied[i, j] = noise[i, j] > least
+        lay_cells(cells, w, occupied, tables.line[slot])
+
+
+@kernel
+def noise_at(x: float, y: float, gradients: Ints) -> float:
+    """Return gradient noise at a point whose coordinates are not negative."""
+    i, j = int(x), int(y)
+    u, v = x - i, y - j
+    across, up = fade(u), fade(v)
+    i, j = i & (N - 1), j & (N - 1)
+    left, right = gradients[i] + j, gradients[i + 1] + j
+    low = slope(gradients[left], u, v)
+    low += across * (slope(gradients[right], u - 1.0, v) - low)
+    high = slope(gradients[left + 1], u, v - 1.0)
+    high += across * (slope(gradients[right + 1], u - 1.0, v - 1.0) - high)
+    return low + up * (high - low)
+
+
+@kernel
+def slope(chosen: int, u: float, v: float) -> float:
+    """Return what the gradient at a corner contributes at a distance from it."""
+    return float(GRADIENTS[chosen & 7, 0] * u + GRADIENTS[chosen & 7, 1] * v)
+
+
+@kernel
+def fade(t: float) -> float:
+    """Return a smooth step from 0 to 1."""
+    return t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
+
+
+@kernel
+def nth_smallest(values: Floats, n: int) -> float:
+    """Return the number that has n before it in ascending order, and put values in another order (Hoare 1961)."""
+    low, high = 0, values.shape[0] - 1
+    while low < high:
+        pivot, i, j = values[(low + high) // 2], low, high
+        while i <= j:
+            while values[i] < pivot:
+                i += 1
+            while values[j] > pivot:
+                j -= 1
+            if i <= j:
+                values[i], values[j] = values[j], values[i]
+                i, j = i + 1, j - 1
+        if n <= j:
+            high = j
+        elif n >= i:
+            low = i
+        else:
+            break
+    return float(values[n])

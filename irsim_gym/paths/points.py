@@ -1,0 +1,113 @@
+"""Points that are in the way, one for each cell of a map: what a body has seen of its surroundings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Rays
+from irsim_gym.geometry.segments import point_segment_distance2
+from irsim_gym.jit import kernel
+
+MOST_POINT_CELLS = 4_000_000
+
+
+class PointMap(NamedTuple):
+    """At most one point in each square cell over a rectangle.
+
+    Attributes:
+        x: Left end of the first cell [m].
+        y: Lower end of the first cell [m].
+        side: Side of a cell [m].
+        places: The points [m], NaN in a cell without one, shape ``(columns, rows, 2)``.
+    """
+
+    x: float
+    y: float
+    side: float
+    places: Rays
+
+    @classmethod
+    def over(cls, bounds: Sequence[float] | Floats, side: float, shape: tuple[int, ...]) -> Self:
+        """Return maps without points over x_min, y_min, x_max, y_max [m], ``shape`` of them: ``places`` has more axes.
+
+        Cells are larger than asked for where there would be more than ``MOST_POINT_CELLS`` of them.
+        """
+        x_min, y_min, x_max, y_max = (float(value) for value in bounds)
+        side = max(side, float(np.sqrt((x_max - x_min) * (y_max - y_min) / MOST_POINT_CELLS)))
+        columns, rows = int(np.ceil((x_max - x_min) / side)) + 1, int(np.ceil((y_max - y_min) / side)) + 1
+        # What lies on the world's edge is seen on either side of it.
+        places = np.full((*shape, columns, rows, 2), np.nan, np.float32)
+        return cls(x_min - 0.5 * side, y_min - 0.5 * side, float(side), places)
+
+
+@kernel
+def add_point(points: PointMap, x: float, y: float, near_x: float, near_y: float) -> None:
+    """Add a point [m], unless its cell has one that is nearer to (near_x, near_y) [m]; none outside of the map."""
+    i, j = np.floor((x - points.x) / points.side), np.floor((y - points.y) / points.side)
+    if not (0.0 <= i < points.places.shape[0] and 0.0 <= j < points.places.shape[1]):
+        return
+    place = points.places[int(i), int(j)]
+    dx, dy, old_x, old_y = x - near_x, y - near_y, place[0] - near_x, place[1] - near_y
+    if not (old_x * old_x + old_y * old_y <= dx * dx + dy * dy):
+        place[0], place[1] = x, y
+
+
+@kernel
+def cells_between(low: float, high: float, origin: float, side: float, count: int) -> tuple[int, int]:
+    """Return the first of ``count`` cells that an interval [m] touches, and the one after the last."""
+    first = min(max(np.floor((low - origin) / side), 0.0), float(count))
+    end = min(max(np.floor((high - origin) / side) + 1.0, 0.0), float(count))
+    return int(first), int(end)
+
+
+@kernel
+def nearest_point2(points: PointMap, ax: float, ay: float, bx: float, by: float, reach: float, enough: float) -> float:
+    """Return the squared distance [m2] of the segment ab from the points, inf if none is within ``reach`` [m].
+
+    Args:
+        points: The points.
+        ax: First end [m], as ``ay``, ``bx``, ``by``.
+        ay: See ``ax``.
+        bx: See ``ax``.
+        by: See ``ax``.
+        reach: Points farther away are left out [m].
+        enough: A distance [m2] at or below which any is as good as the least.
+    """
+    best, side, places, dx = np.inf, points.side, points.places, bx - ax
+    first, end = cells_between(min(ax, bx) - reach, max(ax, bx) + reach, points.x, side, places.shape[0])
+    for i in range(first, end):
+        low, high = min(ay, by), max(ay, by)
+        if dx != 0.0:
+            left, right = points.x + i * side - reach, points.x + (i + 1) * side + reach
+            one, two = min(max((left - ax) / dx, 0.0), 1.0), min(max((right - ax) / dx, 0.0), 1.0)
+            low, high = ay + one * (by - ay), ay + two * (by - ay)
+            low, high = min(low, high), max(low, high)
+        below, above = cells_between(low - reach, high + reach, points.y, side, places.shape[1])
+        for j in range(below, above):
+            x, y = float(places[i, j, 0]), float(places[i, j, 1])
+            if x == x:
+                distance2 = point_segment_distance2(x, y, ax, ay, bx, by)
+                if distance2 <= reach * reach and distance2 < best:
+                    best = distance2
+                    if best <= enough:
+                        return best
+    return best
+
+
+@kernel
+def capsule_meets_points(points: PointMap | None, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
+    """Return whether a point is within ``radius`` [m] of the segment ab, which may be a point; False without a map."""
+    if points is None:
+        return False
+    return bool(nearest_point2(points, ax, ay, bx, by, radius, radius * radius) < np.inf)
+
+
+@kernel
+def points_distance(points: PointMap | None, x: float, y: float, limit: float) -> float:
+    """Return the distance [m] of a place from the nearest of the points, ``limit`` if it is not smaller."""
+    if points is None:
+        return limit
+    return float(min(np.sqrt(nearest_point2(points, x, y, x, y, limit, 0.0)), limit))

@@ -1,0 +1,96 @@
+"""Bodies that replay a recording: each gets its file, its person and its start."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.errors import suggestion
+from irsim_gym.scenario import library
+from irsim_gym.scenario.entries import BodyEntry
+from irsim_gym.scenario.messages import show
+from irsim_gym.scenario.recordings import BadRecordingError, read_recording, sampled
+from irsim_gym.scenario.source import Place
+from irsim_gym.scenario.spec import BodySpec
+from irsim_gym.scenario.validation import Report
+
+
+def give_recordings(bodies: list[BodySpec], entry: BodyEntry, step_time: float, report: Report) -> list[BodySpec]:
+    """Return the bodies of an entry; those that replay a recording know file and person, and start where that begins.
+
+    Without ``person`` they get the persons in the order of the file, one each.
+
+    Args:
+        bodies: The entry's bodies.
+        entry: The entry.
+        step_time: Duration of a step [s].
+        report: Collects the problems, with the place of the behaviour.
+    """
+    given = []
+    for i, body in enumerate(bodies):
+        place = entry.of("behavior", i)[0]
+        if not getattr(body.behavior, "replays", False):
+            given.append(body)
+        elif (made := _given(body, i, len(bodies), step_time, place, report)) is not None:
+            given.append(made)
+        else:
+            return []
+    return given
+
+
+def _given(body: BodySpec, i: int, count: int, step_time: float, place: Place, report: Report) -> BodySpec | None:
+    """Return a body that knows its person; None after telling what is wrong."""
+    options = body.behavior
+    file = find_recording(options.file, report.source.file)
+    if not file.is_file():
+        near = suggestion(options.file[:40], library.recordings())
+        offer = near or f"; shipped: {', '.join(library.recordings())}; or name a file beside the scenario"
+        report.add((*place, "file"), f"no recording {show(options.file)}{offer}")
+        return None
+    try:
+        recording = read_recording(file)
+    except BadRecordingError as error:
+        report.add((*place, "file"), f"{file}: {error}")
+        return None
+    if options.person is not None and options.person not in recording.persons:
+        known = ", ".join(map(str, recording.persons[:12]))
+        report.add((*place, "person"), f"{file.name} has no person {options.person}; it has {known}")
+        return None
+    if i >= len(recording.persons) or (options.person is not None and count > 1):
+        most = 1 if options.person is not None else len(recording.persons)
+        report.add(place, f"the entry has {count} bodies, but there are {most} persons for them: number: {most}")
+        return None
+    person = recording.persons[i] if options.person is None else options.person
+    known_options = replace(options, file=str(file), person=person)
+    points = sampled(known_options, step_time)
+    return _checked(replace(body, behavior=known_options), points, step_time, place, report)
+
+
+def _checked(
+    body: BodySpec, points: NDArray[np.float64], step_time: float, place: Place, report: Report
+) -> BodySpec | None:
+    """Return the body at its start; None after telling that it is too slow for its person."""
+    fastest = float(np.nanmax(np.abs(np.diff(points, axis=0)), initial=0.0)) / step_time if len(points) > 1 else 0.0
+    most = min(*body.vel_max[:2], *(-speed for speed in body.vel_min[:2]))
+    if fastest > most * (1.0 + 1e-9):
+        needed = math.ceil(fastest * 100.0) / 100.0
+        report.add(
+            place,
+            f"person {body.behavior.person} walks at up to {fastest:.3g} m/s, but vel_max and vel_min allow {most:g}: "
+            f"give vel_min: [-{needed:g}, -{needed:g}] and vel_max: [{needed:g}, {needed:g}]",
+        )
+        return None
+    seen = points[np.isfinite(points[:, 0])]
+    x, y = (float(seen[0, 0]), float(seen[0, 1])) if len(seen) else (0.0, 0.0)
+    return replace(body, state=(x, y, 0.0))
+
+
+def find_recording(name: str, scenario_file: str) -> Path:
+    """Return the file of a recording: beside the scenario, else a shipped one. It need not be there."""
+    file = Path(scenario_file).parent / name
+    shipped = library.recordings()
+    return shipped[name] if name in shipped and not file.is_file() else file

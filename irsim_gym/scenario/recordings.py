@@ -1,0 +1,104 @@
+"""Recorded pedestrians: text files of rows time, id, x, y, as those of ETH and UCY."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irsim_gym.scenario.messages import show
+
+COLUMNS = 4
+MOST_STEPS = 1_000_000
+
+
+class BadRecordingError(ValueError):
+    """A file that cannot be read as a recording; the message names line, what was found and what would be right."""
+
+
+class PersonTracks(NamedTuple):
+    """What a file holds.
+
+    Attributes:
+        persons: Ids in the order of the file.
+        tracks: Rows time, x, y of each, times ascending, in the file's unit and [m], shape ``(n, 3)``.
+        first: The file's first time.
+    """
+
+    persons: tuple[int, ...]
+    tracks: tuple[NDArray[np.float64], ...]
+    first: float
+
+
+def read_recording(file: Path) -> PersonTracks:
+    """Read a file: rows of four numbers, time, id, x and y, parted by blanks, tabs or commas.
+
+    Empty lines and those that begin with # are left out. Rows may be in any order.
+
+    Raises:
+        BadRecordingError: It is no such file; the message says what is wrong with which line.
+    """
+    stamp = file.stat().st_mtime_ns if file.is_file() else 0
+    return _read(file, stamp)
+
+
+@lru_cache(maxsize=16)
+def _read(file: Path, stamp: int) -> PersonTracks:
+    rows: dict[int, dict[float, tuple[float, float]]] = {}
+    lines: dict[tuple[int, float], int] = {}
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadRecordingError(f"cannot be read: {error}") from None
+    for number, line in enumerate(text.splitlines(), start=1):
+        cells = line.replace(",", " ").split()
+        if not cells or cells[0].startswith("#"):
+            continue
+        time, person, x, y = _numbers(cells, number, line)
+        if (person, time) in lines:
+            raise BadRecordingError(
+                f"line {number}: person {person} is at two places at the time {time:g}, see line {lines[person, time]}"
+            )
+        lines[person, time] = number
+        rows.setdefault(person, {})[time] = x, y
+    if not rows:
+        raise BadRecordingError("holds no rows: each must be time, id, x, y, such as 0.4 1 3.25 -1.5")
+    tracks = tuple(np.array([(t, *points[t]) for t in sorted(points)]) for points in rows.values())
+    return PersonTracks(tuple(rows), tracks, min(float(track[0, 0]) for track in tracks))
+
+
+def _numbers(cells: Sequence[str], number: int, line: str) -> tuple[float, int, float, float]:
+    shown = show(line.strip()[:60])
+    if len(cells) != COLUMNS:
+        raise BadRecordingError(f"line {number}: must have 4 numbers, time, id, x, y, got {len(cells)}: {shown}")
+    try:
+        time, person, x, y = map(float, cells)
+    except ValueError:
+        raise BadRecordingError(f"line {number}: must have 4 numbers, time, id, x, y, got {shown}") from None
+    if not all(map(math.isfinite, (time, person, x, y))) or person != int(person):
+        raise BadRecordingError(f"line {number}: must have finite numbers and a whole id, got {shown}")
+    return time, int(person), x, y
+
+
+def sampled(options: Any, step_time: float) -> NDArray[np.float64]:
+    """Return where a person is at each step, by straight lines between rows [m]; NaN where it is absent, ``(n, 2)``.
+
+    Row k is the time ``start_time + k * step_time``; the last one is that after the person has gone.
+
+    Args:
+        options: A behaviour ``recorded`` whose person is known.
+        step_time: Duration of a step [s].
+    """
+    recording = read_recording(Path(options.file))
+    track = recording.tracks[recording.persons.index(options.person)]
+    times = (track[:, 0] - recording.first) * options.time_unit - options.start_time
+    last = min(max(math.ceil(times[-1] / step_time), 0), MOST_STEPS)
+    at = np.arange(last + 2) * step_time
+    points = np.stack([np.interp(at, times, track[:, 1 + axis]) + options.offset[axis] for axis in range(2)], axis=1)
+    points[(at < times[0] - 1e-9) | (at > times[-1] + 1e-9)] = np.nan
+    return points

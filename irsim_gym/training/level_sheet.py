@@ -1,0 +1,88 @@
+"""Levels in one picture: ``irsim-gym levels show``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Ints
+from irsim_gym.engine import Simulation
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation.protocol import check_count
+from irsim_gym.levels.certificate import Certificate
+from irsim_gym.levels.played import played_levels
+from irsim_gym.tasks.levels import check_split
+from irsim_gym.training.level_commands import WORLDS, Wanted
+
+SIDE = 320
+"""Frames are reduced to this width [pixel]."""
+
+
+def show_levels(wanted: Wanted, split: str, count: int, number: int, out: Path | None) -> Path:
+    """Draw the starts of levels into one picture, and return its path.
+
+    Args:
+        wanted: The scenario.
+        split: ``train``, ``dev`` or ``test``.
+        count: Levels to choose from, as far as a certificate or a file has so many.
+        number: How many are shown: evenly spaced by difficulty, or the first ones without a certificate.
+        out: A ``.png`` file.
+
+    Raises:
+        IrsimGymError: The file has another ending.
+    """
+    if out is not None and out.suffix != ".png":
+        raise IrsimGymError(f"a sheet of levels is a .png file, got '{out.name}'")
+    check_split(split)
+    simulation = wanted.simulation(min(WORLDS, count))
+    _, here = simulation.level_base(split)
+    certificate = _certificate(simulation, split, min(count, here) if here else count)
+    chosen = (
+        _by_difficulty(certificate, count, number)
+        if certificate is not None
+        else np.arange(min(number, here or number))
+    )
+    check_count(simulation, split, int(chosen.max()) + 1)
+    path = out or Path(f"{simulation.scenario.name}-levels.png")
+    _draw(simulation, split, chosen, certificate, path)
+    return path
+
+
+def _certificate(simulation: Simulation, split: str, count: int) -> Certificate | None:
+    """Return the certificate of a split's levels, which may be of fewer than are asked for."""
+    few = played_levels(simulation, split, 1).certificate
+    return None if few is None else played_levels(simulation, split, min(count, few.count)).certificate
+
+
+def _by_difficulty(certificate: Certificate, count: int, number: int) -> Ints:
+    """Return levels that are evenly spaced in the order of difficulty."""
+    ranked = certificate.ranked(min(count, certificate.count))
+    return ranked[np.unique(np.rint(np.linspace(0, len(ranked) - 1, min(number, len(ranked)))).astype(np.int64))]
+
+
+def _draw(simulation: Simulation, split: str, levels: Ints, certificate: Certificate | None, path: Path) -> None:
+    """Draw the starts of levels, each under its number and what is known of it."""
+    from irsim_gym.render import Renderer
+    from irsim_gym.render.film import EpisodeFilm
+    from irsim_gym.render.sheet import reduced, save_sheet
+
+    parts = simulation.model, simulation.state, simulation.sensors
+    chosen: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored}
+    renderer = Renderer(simulation.scenario, *parts, **chosen)
+    frames: list[Bytes] = []
+    for level in levels.tolist():
+        simulation.reset(level, split)
+        renderer.clear(0)
+        frames.append(reduced(renderer.frame(0), SIDE))
+    renderer.close()
+    film = EpisodeFilm([_caption(level, certificate) for level in levels.tolist()], fps=1.0)
+    save_sheet(film.compose(frames), path)
+
+
+def _caption(level: int, certificate: Certificate | None) -> str:
+    if certificate is None:
+        return f"level {level}"
+    length = certificate.length[level].max()
+    return f"{level}: {100.0 * certificate.difficulty[level]:.0f} % fail, {length:.1f} m"
