@@ -129,7 +129,8 @@ def find_ways(
             if is_known and advance_on_way(ways, w, m, here[0], here[1]) <= ASTRAY:
                 continue
             mark_standing(model, w, b, ways.blocks)
-            obstacles, reach = Obstacles(model, state, w, ways.blocks, cells), model.reach[row_of(model.reach, w), b]
+            reach = model.reach[row_of(model.reach, w), b]
+            obstacles = Obstacles(model, state, w, ways.blocks, cells, None)
             count = 0
             for share in SHARES:
                 if count == 0:
