@@ -118,8 +118,8 @@ def holds_arena(folder: Path) -> bool:
 
 
 def _differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """Return in what two arenas differ; further policies are no difference."""
-    keys = [key for key in dict.fromkeys([*before, *now]) if key != "policies"]
+    """Return in what two arenas differ; further policies are no difference, nor are other paths of the same files."""
+    keys = [key for key in dict.fromkeys([*before, *now]) if key not in ("policies", "source", "task")]
     found = [
         f"{key} {show(before.get(key))}, asked for: {show(now.get(key))}"
         for key in keys

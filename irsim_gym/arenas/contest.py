@@ -107,7 +107,7 @@ def arena(
     made: dict[str, Any] = {"task": task, "parameters": parameters, "team": team or mix, "strict": strict}
     episodes = make_episodes(scenario, n_worlds=min(WORLDS, levels), **made)
     contest = Contest(entrants, episodes, place, levels, split, team=team or mix, mix=mix)
-    told = contest.told(task)
+    told = contest.told(scenario, task)
     return contest.run(told, max(replays, 0), console or Console(stderr=True), resume=resume)
 
 
@@ -151,11 +151,18 @@ class Contest:
         limit = episodes.task.max_steps * float(episodes.simulation.model.step_time[0])
         self.archive = Archive(folder, team, limit, drivers)
 
-    def told(self, task: TaskSource) -> dict[str, Any]:
-        """Return what is played, and by whom."""
+    def told(self, source: ScenarioSource, task: TaskSource) -> dict[str, Any]:
+        """Return what is played, and by whom.
+
+        Args:
+            source: What the scenario was made from.
+            task: The task, None for the scenario's own.
+        """
         scenario = self.episodes.simulation.scenario
         return {
             "scenario": scenario.label,
+            "source": _named(source),
+            "task": _named(task),
             "scenario_sha256": snapshot_of(scenario, task).digest,
             "split": self.split,
             "levels": self.levels,
@@ -213,6 +220,11 @@ class Contest:
         with _bar(console) as bar:
             track = bar.track(recorded, total=len(chosen), description="recording")
             write_page(found.page, data, board, track, chosen)
+
+
+def _named(source: object) -> str | None:
+    """Return the name or path that something was loaded from; None for plain data."""
+    return str(source) if isinstance(source, str | Path) else None
 
 
 def _bar(console: Console) -> Progress:

@@ -64,6 +64,11 @@ def suite_file() -> Path:
     return configs_folder() / "suite.yaml"
 
 
+def references_file() -> Path:
+    """Return the file with the results of the reference policies on the suite."""
+    return configs_folder() / "suite_references.json"
+
+
 def every_scenario() -> dict[str, Path]:
     """Return all shipped scenarios, those of the benchmarks behind the others."""
     return {**names("scenarios"), **names("benchmarks")}

@@ -8,7 +8,7 @@ from functools import cache
 from textwrap import wrap
 from typing import Any
 
-from irsim_gym.scenario.library import configs_folder, every_scenario
+from irsim_gym.scenario.library import every_scenario, references_file
 from irsim_gym.scenario.summary import summarize_file
 from irsim_gym.suite.members import Member, shipped_suite
 
@@ -35,20 +35,16 @@ def print_suite(names: Sequence[str]) -> None:
             print(f"  {line}")
 
 
-def reference_rows() -> dict[str, Any]:
-    """Return the shipped reference rows by benchmark and policy; none where the file is not there."""
-    return dict(_shipped())
-
-
 @cache
-def _shipped() -> Mapping[str, Any]:
-    file = configs_folder() / "suite_references.json"
+def reference_figures() -> Mapping[str, Any]:
+    """Return the shipped figures of reference policies by benchmark and policy; none where there is no such file."""
+    file = references_file()
     return json.loads(file.read_text(encoding="utf-8"))["figures"] if file.is_file() else {}
 
 
 def _lines(member: Member, one: str) -> list[str]:
     given = "".join(f", {name}={value}" for name, value in member.parameters.items())
-    rows = reference_rows().get(member.name, {})
+    rows = reference_figures().get(member.name, {})
     figures = ", ".join(f"{name} {100.0 * row['success']['value']:.1f} %" for name, row in rows.items())
     texts = [member.asks, f"{one}{given}", *([f"success: {figures}"] if figures else [])]
     texts += [f"differs from the original: {member.differs}"] if member.differs else []

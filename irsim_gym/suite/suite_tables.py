@@ -36,8 +36,8 @@ class TextTable:
 
 
 def text_tables(record: SuiteRecord) -> list[TextTable]:
-    """Return a table over all benchmarks, and one for each benchmark."""
-    return [*_overall(record), *(_member(record, member) for member in record.figures)]
+    """Return the tables over all benchmarks, and one for each benchmark."""
+    return [*_overview(record), *_overall(record), *(_member(record, member) for member in record.figures)]
 
 
 def markdown(record: SuiteRecord) -> str:
@@ -48,6 +48,16 @@ def markdown(record: SuiteRecord) -> str:
 def latex(record: SuiteRecord) -> str:
     """Return all tables as LaTeX, for the package booktabs."""
     return "\n".join(_latex(table) for table in text_tables(record))
+
+
+def overview(record: SuiteRecord) -> str:
+    """Return the success of all methods on all benchmarks as Markdown."""
+    return "\n".join(_markdown(table) for table in _overview(record))
+
+
+def member_markdown(record: SuiteRecord, name: str) -> str:
+    """Return the table of one benchmark as Markdown."""
+    return _markdown(_member(record, name))
 
 
 def conditions_line(member: Mapping[str, Any]) -> str:
@@ -70,6 +80,18 @@ def conditions_line(member: Mapping[str, Any]) -> str:
     ]
     given = ", ".join(f"{name} = {value}" for name, value in member["parameters"].items())
     return "; ".join([*([given] if given else []), *words]) + "."
+
+
+def _overview(record: SuiteRecord) -> list[TextTable]:
+    if len(record.figures) < 2:
+        return []
+    methods = [name for name in record.methods if any(name in scores for scores in record.figures.values())]
+    rows = [
+        [name, *(_with_interval(scores[method]["success"]) if method in scores else DASH for method in methods)]
+        for name, scores in record.figures.items()
+    ]
+    note = "Success [%], of whole teams where several robots learn, with its 95 % interval."
+    return [TextTable("Benchmarks", [note], ["benchmark", *methods], rows)]
 
 
 def _overall(record: SuiteRecord) -> list[TextTable]:
@@ -232,6 +254,11 @@ def _words(name: str) -> str:
 def _interval(estimate: Mapping[str, float | None]) -> str:
     low, high = estimate["low"], estimate["high"]
     return DASH if low is None or high is None else f"{100.0 * low:.1f}-{100.0 * high:.1f}"
+
+
+def _with_interval(estimate: Mapping[str, float | None]) -> str:
+    interval = _interval(estimate)
+    return _percent(estimate["value"]) + ("" if interval == DASH else f" ({interval})")
 
 
 def _percent(value: float | None) -> str:

@@ -193,7 +193,7 @@ def environment_id(scenario: str) -> str:
 
 def lasting(source: str) -> str:
     """Make the path of a file absolute, so that a run can be resumed from another folder."""
-    return str(Path(source).resolve()) if Path(source).suffix in SUFFIXES else source
+    return str(Path(source).resolve()) if Path(source).suffix in (*SUFFIXES, ".npz") else source
 
 
 def machine() -> dict[str, Any]:

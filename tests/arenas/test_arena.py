@@ -247,6 +247,7 @@ def test_cross_play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pyt
     assert met["individual_success"]["count"] == sum(each["outcome"] == "success" for each in mine)
     assert summary["arena"]["scenario"] == "pair"
     assert len(summary["arena"]["scenario_sha256"]) == 64
+    assert (summary["arena"]["source"], summary["arena"]["task"]) == ("pair.yaml", None)
     page = read_page(folder / "arena.html")
     assert page["policies"] == ["dash", "random", "dash + random", "random + dash"]
     assert page["meetings"] == summary["meetings"]

@@ -188,8 +188,10 @@ def test_tables_name_their_conditions(tmp_path: Path) -> None:
     ):
         assert words in said
     assert "over: swap, goal, fixed." in said
+    assert "| fixed | 0.0 (0.0-79.3) | 0.0 (0.0-79.3) |" in said  # Wilson's interval for 0 of 1
+    assert suite_tables.overview(record) in said
     paper = suite_tables.latex(record)
-    assert paper.count(r"\begin{tabular}") == 4
+    assert paper.count(r"\begin{tabular}") == 5
     assert r"success [\%]" in paper
     assert json.loads((tmp_path / "summary.json").read_text())["machine"]["versions"]["irsim_gym"]
     with pytest.raises(IrsimGymError, match="holds no run of the suite"):

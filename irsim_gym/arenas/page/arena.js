@@ -131,19 +131,20 @@ class Arena {
     });
     const heading = make("h3", {}, `Level ${this.data.levels[level]}`);
     const content = [heading, make("ul", {}, ...rows)];
-    if (replays.size < this.names.length) content.push(make("p", { className: "note" }, "Play any of them: ", make("code", {}, this.command(level))));
+    if (replays.size < this.names.length && this.command(level)) content.push(make("p", { className: "note" }, "Play any of them: ", make("code", {}, this.command(level))));
     byId("chosen").replaceChildren(...content);
     if (policy !== null && replays.has(policy) && this.matrix.outcomes[policy][level] !== SOLVED) this.go(level, policy, solver ?? null);
   }
 
-  /** Return the command that records a level. */
+  /** Return the command that records a level; none for plain data and functions, which have no name there. */
   command(level) {
     const { arena, conditions } = this.data.facts;
     const quoted = (text) => (/^[\w./=+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
-    const sources = arena.policies.map(({ source, name }) => quoted(source ?? name));
+    const sources = arena.policies.flatMap(({ source }) => (source === null ? [] : [quoted(source)]));
+    if (arena.source === null || !sources.length) return null;
     const given = Object.entries(conditions.parameters).flatMap(([key, value]) => ["--set", quoted(`${key}=${value}`)]);
-    return ["irsim-gym record", quoted(conditions.scenario), ...sources, "--level", this.data.levels[level], "--split", arena.split,
-      ...(arena.team ? ["--team"] : []), ...given, "--html"].join(" ");
+    return ["irsim-gym record", quoted(arena.source), ...sources, "--level", this.data.levels[level], "--split", arena.split,
+      ...(arena.team ? ["--team"] : []), ...(arena.task === null ? [] : ["--task", quoted(arena.task)]), ...given, "--html"].join(" ");
   }
 
   /** Go to an episode; the address says which, so that the browser goes back from it. */

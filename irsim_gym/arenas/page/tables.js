@@ -130,7 +130,7 @@ function showStrata({ strata, policies, alone }) {
   section.querySelector(".wide").replaceChildren(table([head("policy"), ...strata.rows.map(({ name }) => head(name))], rows));
   section.querySelector(".note").textContent = !strata.by.includes("other policies")
     ? `Success [%] ${strata.by}: the difficulty that the certificate of the levels states.`
-    : "Success [%] by how many of the other policies in this arena fail on the level: there is no level set that says how hard "
+    : "Success [%] by how many of the other policies in this arena fail on the level: no certificate says how hard these "
       + "levels are. A policy's own failures do not count, so its columns hold other levels than those of another policy.";
 }
 

@@ -1,0 +1,92 @@
+"""Write the end of docs/benchmarks.md: the reference rows of configs/suite_references.json, and what is played.
+
+python docs/benchmark_page.py [FOLDER]    # FOLDER: a run of the suite that takes the place of the reference rows
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from textwrap import fill
+
+from irsim_gym.evaluation.tables import plain, write_text
+from irsim_gym.scenario.library import references_file
+from irsim_gym.suite import suite_tables
+from irsim_gym.suite.members import shipped_suite
+from irsim_gym.suite.suite_record import SuiteRecord, read_record
+
+PAGE = Path(__file__).parent / "benchmarks.md"
+MARK = "<!-- Below: made by docs/benchmark_page.py. Do not edit. -->\n"
+ROUNDED = 6
+WIDTH = 120
+
+
+def main(folder: Path | None = None) -> None:
+    """Take over a run, and write the page."""
+    if folder is not None:
+        take_over(folder)
+    text = PAGE.read_text(encoding="utf-8")
+    write_text(PAGE, text[: text.index(MARK) + len(MARK)] + tables())
+
+
+def take_over(folder: Path) -> None:
+    """Keep the figures of a run as the reference rows."""
+    data = plain(read_record(folder))
+    for key in ("figures", "overall"):
+        data[key] = _rounded(data[key])
+    order = {name: number for number, name in enumerate(shipped_suite().members)}
+    for key in ("members", "figures", "runs"):
+        data[key] = dict(sorted(data[key].items(), key=lambda item: order[item[0]]))
+    lines = [f"{json.dumps(key)}: {_compact(value)}" for key, value in data.items()]
+    write_text(references_file(), "{\n" + ",\n".join(lines) + "\n}\n")
+
+
+def tables() -> str:
+    """Return what the page says below its mark."""
+    record = SuiteRecord(**json.loads(references_file().read_text(encoding="utf-8")))
+    members = shipped_suite().members
+    parts = [_made(record), suite_tables.overview(record).split("\n", 2)[2], "## Benchmarks\n"]
+    for name, member in members.items():
+        parts.append(f"### {name}\n\n{member.asks}\n\n![Levels of {name}](benchmarks/{name}.png)\n")
+        if name in record.figures:
+            parts.append(suite_tables.member_markdown(record, name).split("\n", 2)[2])
+    return "\n" + "\n".join(_wrapped(line) for line in "\n".join(parts).split("\n"))
+
+
+def _wrapped(line: str) -> str:
+    return line if line[:1] in ("|", "!", "#") else fill(line, WIDTH, break_on_hyphens=False)
+
+
+def _made(record: SuiteRecord) -> str:
+    methods = " ".join(source if name == source else f"{name}={source}" for name, (source,) in _sources(record).items())
+    machine = record.machine
+    return (
+        f"`irsim-gym suite run full,shift,singletons {methods} --levels {record.levels}`\n\n"
+        f"irsim_gym {machine['versions']['irsim_gym']}, {machine['processor']}. `random` draws each action, `dash`\n"
+        "drives straight at its goal. Behaviours know the state of the world (`pursuit:known=seen` and `dwa`:\n"
+        "what they have scanned), and learn nothing.\n"
+    )
+
+
+def _sources(record: SuiteRecord) -> dict[str, list[str]]:
+    return {name: [entry["source"] for entry in entries] for name, entries in record.methods.items()}
+
+
+def _rounded(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _rounded(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_rounded(each) for each in value]
+    return round(value, ROUNDED) if isinstance(value, float) else value
+
+
+def _compact(value: object) -> str:
+    """Return JSON with a line for each entry of a mapping, so that differences can be read."""
+    if not isinstance(value, dict) or not value:
+        return json.dumps(value)
+    return "{\n" + ",\n".join(f" {json.dumps(key)}: {json.dumps(each)}" for key, each in value.items()) + "\n}"
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else None)

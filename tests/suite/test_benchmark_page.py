@@ -1,0 +1,40 @@
+"""docs/benchmarks.md shows the shipped reference rows, and a picture of every benchmark."""
+
+from __future__ import annotations
+
+import re
+import runpy
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from irsim_gym.suite.listing import reference_figures
+from irsim_gym.suite.members import shipped_suite
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS / "benchmarks.md"
+LARGEST_DIFFERENCE = 4.0
+
+
+def test_the_tables_of_the_page_are_those_of_the_reference_rows() -> None:
+    script = runpy.run_path(str(DOCS / "benchmark_page.py"))
+    text = PAGE.read_text(encoding="utf-8")
+    assert text.partition(script["MARK"])[2] == script["tables"]()
+
+
+def test_every_benchmark_has_a_picture_and_reference_rows_are_of_benchmarks() -> None:
+    shown = re.findall(r"!\[[^\]]*\]\(benchmarks/(.+)\.png\)", PAGE.read_text(encoding="utf-8"))
+    assert shown == list(shipped_suite().members)
+    assert {file.stem for file in (DOCS / "benchmarks").glob("*.png")} == set(shown)
+    assert set(reference_figures()) <= set(shown)
+
+
+def test_the_picture_of_a_benchmark_is_what_its_script_draws(tmp_path: Path) -> None:
+    runpy.run_path(str(DOCS / "benchmark_pictures.py"))["main"](tmp_path, ["bug_trap"])
+    drawn, shown = (
+        np.asarray(Image.open(folder / "bug_trap.png").convert("RGB"), np.float64)
+        for folder in (tmp_path, DOCS / "benchmarks")
+    )
+    assert drawn.shape == shown.shape
+    assert np.abs(drawn - shown).mean() < LARGEST_DIFFERENCE
