@@ -39,10 +39,11 @@ OWNERS = {
 
 
 SMALL = {
+    "recorded": {"file": "square.txt"},
     "dwa": {"samples": [3, 5], "sim_granularity": 0.5, "path": "straight"},
     "mppi": {"samples": 6, "horizon": 0.5, "path": "straight"},
 }
-"""Options of behaviours that would take long in plain Python."""
+"""Options that behaviours need, or without which they would take long in plain Python."""
 
 
 ROUNDING = {"behavior mppi": 1e-7}
@@ -106,6 +107,8 @@ def scene(family: str, name: str) -> dict[str, Any]:
         kinds = getattr(registry.entry(name).kind, "kinematics", families.KINEMATICS.names())
         robots = row(robot, [mode for item in kinds for mode in drives(item)])
         given = {"group": 0, family: {"name": name, **SMALL.get(name, {})}}
+        if name == "recorded":
+            given |= {"vel_min": [-2, -2], "vel_max": [2, 2]}
         if getattr(registry.entry(name).kind, "reads_scan", False):
             given["sensors"] = [{"name": "lidar2d", "number": 9}]
         return {"robot": [{**item, **given} for item in robots]}
