@@ -11,6 +11,7 @@ import numpy as np
 from effort import Effort, Figures, repeat
 from faces import FACES
 from growth import GROWTH
+from level_maps import level_maps
 from memory import memory
 from phases import PHASES
 from startup import startup
@@ -110,6 +111,7 @@ CASES: dict[str, Callable[[Effort], Figures]] = {
     **FACES,
     **PHASES,
     **GROWTH,
+    "level_maps": level_maps,
     "simulator/cluttered_room": partial(simulator, "cluttered_room"),
     "simulator/dense_room": partial(simulator, "dense_room"),
     "environment/cluttered_room": partial(environment, "cluttered_room"),
