@@ -77,6 +77,14 @@ BY_HAND: dict[str, dict[str, Any]] = {
         "robot": leaving(3, ["dash", "rvo", "sfm"]),
         "task": GOES_ON,
     },
+    "pursuit leaves the map": {
+        "world": {**SHORT, "obstacle_map": PERLIN},
+        "robot": [
+            *leaving(3, ["pursuit"])[:1],
+            {**leaving(3, ["pursuit"])[2], "behavior": {"name": "pursuit", "known": "seen", "cell": 0.5}},
+        ],
+        "task": GOES_ON,
+    },
     **{f"map by level: {one['name']}": map_by_level(one) for one in MAPS_BY_LEVEL},
     "scanner of one beam": {"robot": {**FAST, "state": [1, 1], "goal": [3, 3], "sensors": ONE_BEAM}},
     "crowd that dashes": crowd("behavior", "dash"),
