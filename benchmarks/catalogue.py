@@ -11,6 +11,7 @@ import numpy as np
 from effort import Effort, Figures, repeat
 from faces import FACES
 from growth import GROWTH
+from level_maps import level_maps
 from memory import memory
 from phases import PHASES
 from startup import startup
@@ -90,6 +91,13 @@ def crowd(behavior: dict[str, Any], effort: Effort) -> Figures:
     return measure(behavior, effort)
 
 
+def decision(name: str, policy: str, effort: Effort) -> Figures:
+    """Measure what decisions of a behaviour cost."""
+    from decisions import measure
+
+    return measure(name, policy, effort)
+
+
 def drawing(effort: Effort) -> Figures:
     """Measure frames with everything on: ours, a plain redraw with matplotlib, and IR-SIM if installed."""
     from drawing import measure
@@ -103,6 +111,7 @@ CASES: dict[str, Callable[[Effort], Figures]] = {
     **FACES,
     **PHASES,
     **GROWTH,
+    "level_maps": level_maps,
     "simulator/cluttered_room": partial(simulator, "cluttered_room"),
     "simulator/dense_room": partial(simulator, "dense_room"),
     "environment/cluttered_room": partial(environment, "cluttered_room"),
@@ -110,6 +119,8 @@ CASES: dict[str, Callable[[Effort], Figures]] = {
     "frames/everything": drawing,
     "crowd_orca": partial(crowd, {"group_behavior": {"name": "orca"}}),
     "crowd_rvo": partial(crowd, {"behavior": {"name": "rvo"}}),
+    "decision/pursuit": partial(decision, "dense_room", "pursuit"),
+    "decision/pursuit_seen": partial(decision, "dense_room", "pursuit:known=seen"),
     "training_share/cluttered_room": training_share,
     "training_noop/s1": training_noop,
 }

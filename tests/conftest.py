@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 
 import pytest
 from hypothesis import settings
 
 from irsim_gym.engine import shards, timing
+
+# PyTorch's threads only wait for each other where every core has a test of its own.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 # The first example of a test may compile a kernel, and the machine may be busy.
 settings.register_profile("untimed", deadline=None)

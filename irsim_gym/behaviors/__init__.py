@@ -1,6 +1,8 @@
 """How a body decides."""
 
 from irsim_gym.behaviors.dash import Dash
+from irsim_gym.behaviors.dwa import Dwa
+from irsim_gym.behaviors.mppi import Mppi
 from irsim_gym.behaviors.orca import OrcaGroup
 from irsim_gym.behaviors.pursuit import Pursuit
 from irsim_gym.behaviors.recorded import Recorded
@@ -10,6 +12,8 @@ from irsim_gym.behaviors.social_force_group import SocialForceGroup
 from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 
 BEHAVIORS.register("dash", Dash)
+BEHAVIORS.register("dwa", Dwa)
+BEHAVIORS.register("mppi", Mppi)
 BEHAVIORS.register("pursuit", Pursuit)
 BEHAVIORS.register("recorded", Recorded)
 BEHAVIORS.register("rvo", Rvo)

@@ -8,11 +8,11 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.behaviors.pursuit_drive import is_under_way, pursue
-from irsim_gym.behaviors.pursuit_tables import PursuitTables
+from irsim_gym.behaviors.pursuit_tables import TIGHT, PursuitTables
 from irsim_gym.behaviors.pursuit_way import place_on_way
 from irsim_gym.behaviors.steering import clear_command
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, way_is_free
+from irsim_gym.paths.clearance import Obstacles, room_at, way_is_free
 from irsim_gym.paths.points import PointMap, add_point
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.own_scan import OwnScan, find_hits
@@ -83,14 +83,21 @@ def note_scan(scan: OwnScan, w: int, k: int, b: int, state: WorldState, points: 
 def way_is_blocked(obstacles: Obstacles, reach: float, tables: PursuitTables, w: int, m: int, b: int) -> bool:
     """Return whether something is in what remains of a member's way, nearer than half of what the way keeps away.
 
+    The body itself and its goal may be nearer.
+
     Reads: tables (count, margin, points, side).
     """
     way, count, pose = tables.points[w, m], tables.count[w, m], obstacles.state.pose[w, b]
     if count == 0:
         return False
     side, x, y = place_on_way(way, count, tables.side[w, m], pose[0], pose[1])
-    radius = reach + 0.5 * tables.margin[w, m]
+    far = reach + 0.5 * tables.margin[w, m]
     for i in range(side + 1, count):
+        radius = far
+        if i == side + 1:
+            radius = min(radius, TIGHT * room_at(obstacles, x, y, far))
+        if i == count - 1:
+            radius = min(radius, max(TIGHT * room_at(obstacles, way[i, 0], way[i, 1], far), reach))
         if not way_is_free(obstacles, radius, (x, y), (way[i, 0], way[i, 1])):
             return True
         x, y = way[i, 0], way[i, 1]

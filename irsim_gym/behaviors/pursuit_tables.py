@@ -9,7 +9,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
 from irsim_gym.jit import kernel
-from irsim_gym.paths.clearance import Obstacles, Point, room_at
+from irsim_gym.paths.clearance import Obstacles, Point, room_at, way_is_free
 from irsim_gym.paths.geodesic import shortest_path
 from irsim_gym.paths.grid import Grid, Search
 from irsim_gym.paths.points import PointMap
@@ -27,6 +27,8 @@ PATIENCE = 10
 """Steps after which a body looks for a way again where it found none, or could not follow it."""
 TIGHT = 0.999
 """Where a body stands too near to something, it keeps this share of the distance."""
+RINGS, DIRECTIONS = 8, 16
+"""Places that are looked at around an end of a way that is too near to something."""
 HALVINGS = 3
 """How often the distance to keep is halved where there is no way, first on the coarse cells, then on the fine ones."""
 
@@ -169,7 +171,7 @@ def find_way(
     w, count, coarse, fine = obstacles.w, 0, tables.coarse, tables.fine
     search, path = Search(coarse.blocked[slot], coarse.field[slot], coarse.queue[slot]), coarse.path[slot]
     for _ in range(HALVINGS):
-        count = shortest_path(obstacles, reach + margin, ends[0], ends[1], coarse.grid, search, path)
+        count = way_between(obstacles, reach + margin, ends, coarse.grid, search, path)
         if count > 0:
             break
         margin *= 0.5
@@ -180,14 +182,59 @@ def find_way(
             break
         margin = margin * 0.5 if 0 < attempt < HALVINGS - 1 else margin
         margin = 0.0 if attempt == HALVINGS - 1 else margin
-        count = shortest_path(obstacles, reach + margin, ends[0], ends[1], fine.grid, search, path)
-    if count == 0:
-        room = TIGHT * room_at(obstacles, ends[0][0], ends[0][1], reach)
-        if room < TIGHT * reach:  # the disc about the body, or what was seen, overlaps something: as wide as it can
-            count = shortest_path(obstacles, room, ends[0], ends[1], fine.grid, search, path)
+        count = way_between(obstacles, reach + margin, ends, fine.grid, search, path)
     kept = min(count, MOST_POINTS)
     for i in range(kept):
         tables.points[w, m, i, 0], tables.points[w, m, i, 1] = path[i, 0], path[i, 1]
     tables.goal[w, m, 0], tables.goal[w, m, 1] = ends[1][0], ends[1][1]
     tables.count[w, m], tables.whole[w, m], tables.margin[w, m] = kept, kept == count, margin
     tables.side[w, m] = 0
+
+
+@kernel
+def way_between(
+    obstacles: Obstacles, radius: float, ends: tuple[Point, Point], grid: Grid, search: Search, path: Floats
+) -> int:
+    """Write ``shortest_path`` and return its number of points, also where the ends are too near to something.
+
+    There it leads straight to a place near the end where a body of this radius may stand.
+
+    Reads: obstacles (blocks, cells, model, state, w).
+    Writes: search, path.
+    """
+    begin, end = place_beside(obstacles, radius, ends[0]), place_beside(obstacles, radius, ends[1])
+    count = shortest_path(obstacles, radius, begin, end, grid, search, path)
+    if count == 0:
+        return 0
+    if end[0] != ends[1][0] or end[1] != ends[1][1]:
+        path[count, 0], path[count, 1] = ends[1][0], ends[1][1]
+        count += 1
+    if begin[0] != ends[0][0] or begin[1] != ends[0][1]:
+        for i in range(count, 0, -1):
+            path[i, 0], path[i, 1] = path[i - 1, 0], path[i - 1, 1]
+        path[0, 0], path[0, 1] = ends[0][0], ends[0][1]
+        count += 1
+    return count
+
+
+@kernel
+def place_beside(obstacles: Obstacles, radius: float, end: Point) -> Point:
+    """Return a point [m], or one near it where a body of some radius may stand, to which it can go straight.
+
+    On the way it comes no nearer to anything than at the point itself. The point itself if there is none.
+
+    Reads: obstacles (blocks, cells, model, state, w).
+    """
+    room = room_at(obstacles, end[0], end[1], 2.0 * radius)
+    if room > radius:
+        return end
+    for ring in range(1, RINGS + 1):
+        away = radius * ring / RINGS
+        for k in range(DIRECTIONS):
+            angle = 2.0 * np.pi * k / DIRECTIONS
+            place = (end[0] + away * np.cos(angle), end[1] + away * np.sin(angle))
+            if room_at(obstacles, place[0], place[1], 2.0 * radius) > radius and way_is_free(
+                obstacles, TIGHT * room, end, place
+            ):
+                return place
+    return end

@@ -14,6 +14,9 @@ INTRUSIONS = 0.25, 0.45
 intimate distance (Hall, The Hidden Dimension, 1966).
 """
 
+HORIZON = 10.0
+"""A collision that is farther away than this counts as none [s]: hardly anybody keeps a velocity for longer."""
+
 
 class PeopleLog:
     """Measures intrusions and times to collision of the episodes that are under way.
@@ -75,7 +78,7 @@ class PeopleLog:
 
 
 def time_to_contact(away: Floats, speed: Floats, both: Floats) -> Floats:
-    """Return when discs would touch if all kept their velocities [s]; 0 where they do, infinite where they never will.
+    """Return when discs would touch if all kept their velocities [s]; 0 where they do, infinite beyond ``HORIZON``.
 
     The root of |p + v t| = R.
 
@@ -90,4 +93,4 @@ def time_to_contact(away: Floats, speed: Floats, both: Floats) -> Floats:
     meets = (along < 0.0) & (root >= 0.0) & (beyond > 0.0)
     time = np.full(np.shape(beyond), np.inf)
     np.divide(beyond, np.sqrt(np.maximum(root, 0.0)) - along, out=time, where=meets)
-    return np.where(beyond <= 0.0, 0.0, time)
+    return np.where(beyond <= 0.0, 0.0, np.where(time <= HORIZON, time, np.inf))

@@ -54,7 +54,7 @@ def draw_cells(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: 
     """
     occupied, order = tables.occupied[slot], tables.order[slot]
     columns, rows = occupied.shape
-    edge, fill = options[0].border, options[0].fill
+    edge, fill = options[0].border, options[0]["fill"]
     up = rows - 2 * edge
     n_inner = (columns - 2 * edge) * up
     fewest, most = int(np.floor(fill[0] * n_inner)), int(np.floor(fill[1] * n_inner))

@@ -70,7 +70,7 @@ def draw_cellular(worlds: Ints, slot: int, options: Any, tables: MapTables, cell
     edge = given.border
     for w in worlds:
         clear_inside(occupied, edge)
-        fill = uniform(state.random, w, given.fill[0], given.fill[1])
+        fill = uniform(state.random, w, given["fill"][0], given["fill"][1])
         for i in range(edge, columns - edge):
             for j in range(edge, rows - edge):
                 occupied[i, j] = uniform(state.random, w, 0.0, 1.0) < fill

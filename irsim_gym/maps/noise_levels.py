@@ -64,7 +64,7 @@ def draw_noise_maps(
     occupied, noise, ranked = tables.occupied[slot], tables.noise[slot], tables.ranked[slot]
     gradients, given = tables.gradients[slot], options[0]
     columns, rows = occupied.shape
-    place = min(int((1.0 - given.fill) * ranked.shape[0]), ranked.shape[0] - 1)
+    place = min(int((1.0 - given["fill"]) * ranked.shape[0]), ranked.shape[0] - 1)
     for w in worlds:
         for k in range(N):
             gradients[k] = k

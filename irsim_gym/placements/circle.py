@@ -35,6 +35,7 @@ class CircleTables(Struct):
         jitter: By how much starts and goals are shifted at most [m].
         turn: The circle is turned.
         scatter: Each place is drawn.
+        mirror: Goals are the starts' mirror images.
         clearance: What is kept between outlines [m]; 0 where places are even.
         angles: Direction of each member's place from the centre [rad], shape ``(n_bodies,)``.
         everyone: Numbers of all bodies.
@@ -46,6 +47,7 @@ class CircleTables(Struct):
     jitter: float
     turn: bool
     scatter: bool
+    mirror: bool
     clearance: float
     angles: Floats
     everyone: Ints
@@ -77,6 +79,11 @@ class CirclePlacement:
     scatter: bool = option(
         False, meaning="Each body gets a place of its own on the circle, drawn in each level, instead of even ones."
     )
+    mirror: bool = option(
+        False,
+        meaning="Each goal is its start's mirror image in the centre, and nobody starts at the goal of another; by "
+        "default goals are shifted by themselves.",
+    )
     clearance: float = option(
         0.05, ge=0.0, unit="m", meaning="What shifted or scattered starts, and goals, keep between the outlines."
     )
@@ -107,7 +114,7 @@ class CirclePlacement:
         x, y, jitter = float(center[0]), float(center[1]), float(options.jitter)
         clearance = options.clearance if options.scatter or jitter > 0.0 else 0.0
         group.tables = CircleTables(
-            x, y, float(radius), jitter, options.turn, options.scatter, clearance, angles, everyone
+            x, y, float(radius), jitter, options.turn, options.scatter, options.mirror, clearance, angles, everyone
         )
         return _beyond_the_edge(center, radius + options.jitter, model) if options.is_random else None
 
@@ -140,9 +147,10 @@ def draw_shifted(
 ) -> None:
     """Turn the circle, then shift the start and the goal of one member after the other until they are free.
 
-    Reads: circle (angles, clearance, everyone, jitter, radius, scatter, turn, x, y), model (abreast, disc_count,
-        disc_start, goal_renewal, has_goal, leader, local_discs, local_segments, present, reach, segment_count,
-        segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
+    Reads: circle (angles, clearance, everyone, jitter, mirror, radius, scatter, turn, x, y), model (abreast,
+        disc_count, disc_start, goal_renewal, has_goal, leader, local_discs, local_segments, present, reach,
+        segment_count, segment_start, solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random,
+        segments).
     Writes: model (waypoints), state (discs, placed, pose, random, segments), failed.
     """
     placed = state.placed
@@ -166,7 +174,7 @@ def shift_start(
 ) -> float:
     """Draw a pose near body b's place on the circle, facing the centre; return the place's angle, NaN if none is free.
 
-    Reads: circle (clearance, everyone, jitter, radius, scatter, x, y), model (abreast, disc_count, disc_start,
+    Reads: circle (clearance, everyone, jitter, mirror, radius, scatter, x, y), model (abreast, disc_count, disc_start,
         goal_renewal, has_goal, leader, local_discs, local_segments, present, reach, segment_count, segment_start,
         solid, stands, waypoint_count, waypoints), state (discs, placed, pose, random, segments).
     Writes: state (discs, pose, random, segments).
@@ -183,9 +191,28 @@ def shift_start(
         x, y = shifted(w, place_x, place_y, circle.jitter, state)
         pose[0], pose[1], pose[2] = circle.x + x, circle.y + y, np.arctan2(-y, -x)
         place_outline(model, state, w, b)
+        if circle.mirror and not faces_nobody(w, b, circle, model, state):
+            continue
         if is_start_free(w, b, circle.everyone, circle.clearance, model, state, cells):
             return angle
     return np.nan
+
+
+@kernel
+def faces_nobody(w: int, b: int, circle: CircleTables, model: WorldModel, state: WorldState) -> bool:
+    """Return whether the mirror image of body b's start keeps the clearance from the bodies that are placed.
+
+    Reads: circle (clearance, everyone, x, y), model (present, reach, stands), state (placed, pose).
+    """
+    x, y = 2.0 * circle.x - state.pose[w, b, 0], 2.0 * circle.y - state.pose[w, b, 1]
+    reaches = model.reach[row_of(model.reach, w)]
+    for q in circle.everyone:
+        if q == b or not state.placed[w, q] or not model.present[w, q] or model.stands[q]:
+            continue
+        dx, dy, room = state.pose[w, q, 0] - x, state.pose[w, q, 1] - y, reaches[b] + reaches[q] + circle.clearance
+        if dx * dx + dy * dy < room * room:
+            return False
+    return True
 
 
 @kernel
@@ -201,16 +228,18 @@ def shift_goal(
 ) -> bool:
     """Draw a goal near the place opposite of body b's, headed away from the centre; return whether one is free.
 
-    Reads: circle (clearance, jitter, radius, x, y), model (abreast, disc_count, disc_start, goal_renewal, has_goal,
-        present, reach, segment_count, segment_start, solid, stands, waypoints), state (discs, placed, pose, random,
-        segments).
+    Reads: circle (clearance, jitter, mirror, radius, x, y), model (abreast, disc_count, disc_start, goal_renewal,
+        has_goal, present, reach, segment_count, segment_start, solid, stands, waypoints), state (discs, placed, pose,
+        random, segments).
     Writes: model (waypoints), state (random).
     """
     clearance, goal = circle.clearance, model.waypoints[w, b, 0]
     for _ in range(TRIES):
         cosine, sine, aside = np.cos(angle), np.sin(angle), model.abreast[b]
         place_x, place_y = aside * sine - circle.radius * cosine, -circle.radius * sine - aside * cosine
-        x, y = shifted(w, place_x, place_y, circle.jitter, state)
+        x, y = circle.x - state.pose[w, b, 0], circle.y - state.pose[w, b, 1]
+        if not circle.mirror:
+            x, y = shifted(w, place_x, place_y, circle.jitter, state)
         goal[0], goal[1], goal[2] = circle.x + x, circle.y + y, np.arctan2(y, x)
         if are_goals_apart(w, b, members, clearance, model, state) and is_goal_free(
             w, b, clearance, model, state, cells

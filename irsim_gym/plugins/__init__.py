@@ -46,6 +46,7 @@ from irsim_gym.world.kinds import (
     Begins,
     BehaviorKind,
     Draws,
+    DrawsMaps,
     DriveKind,
     FootprintKind,
     MapKind,
@@ -63,7 +64,7 @@ from irsim_gym.world.state import WorldState
 __all__ = [
     "ACTIONS", "BEHAVIORS", "ENDINGS", "FOOTPRINTS", "GROUP_BEHAVIORS", "KINEMATICS", "MAPS", "OBSERVATIONS",
     "PLACEMENTS", "REWARDS", "SENSORS", "ActionKind", "AgentView", "Begins", "BehaviorKind", "BodyView", "Columns",
-    "Draws", "DriveKind", "EgoView", "EndingKind", "EpisodeState", "FootprintKind", "Group", "HasArrays",
+    "Draws", "DrawsMaps", "DriveKind", "EgoView", "EndingKind", "EpisodeState", "FootprintKind", "Group", "HasArrays",
     "HasBounds", "HasUnused", "HitKind", "IsImage", "MapKind", "MindsClearance", "ObservationKind", "Outcome",
     "Outline", "OwnScan", "PlacementKind", "ReadsScan", "Remembers", "Reports", "RewardKind", "SensorKind", "Shard",
     "Steers", "TellsActions", "TellsColumns", "TellsWhen", "Term", "WorldModel", "WorldState", "action", "behavior",

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints
-from irsim_gym.world.own_scan import OwnScan
 
 
 @dataclass
@@ -41,7 +40,7 @@ class Group:
         names: Names of all bodies, for kinds that tell them; may be empty.
         context: Specifications and sensors of all bodies, for kinds that show them; may be None.
         guide: The members that a behaviour drives through velocities (``engine.guide``); None without any.
-        scan: The members' own scans, for behaviours with ``reads_scan``; else None.
+        scan: The members' own scans (``own_scan.OwnScan``), for behaviours with ``reads_scan``; else None.
     """
 
     kind: Any
@@ -53,7 +52,7 @@ class Group:
     names: tuple[str, ...] = ()
     context: WorldContext | None = None
     guide: Any = None
-    scan: OwnScan | None = None
+    scan: Any = None
 
     def __post_init__(self) -> None:
         if self.params is None:

@@ -15,7 +15,8 @@ from irsim_gym.behaviors.pursuit_formulas import arc_curvature, lookahead_distan
 from irsim_gym.behaviors.pursuit_way import place_on_way, point_at_distance, remaining_length
 from irsim_gym.engine import Shard, Simulation
 from irsim_gym.envs.worlds import Worlds
-from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
+from irsim_gym.errors import ScenarioError
+from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.scenario.library import configs_folder
 from irsim_gym.scenario.options import defaults
@@ -202,6 +203,78 @@ def test_every_drive_arrives_in_drawn_levels(name: str) -> None:
     scenario["robot"][0] |= DRIVES[name]
     rows = evaluate(BehaviorPolicy("pursuit"), Worlds(scenario, 16).episodes, 24, "dev")
     assert {row.outcome for row in rows} == {"success"}
+
+
+SCANNER = [{"name": "lidar2d", "number": 90, "angle_range": 2 * np.pi, "range_max": 3.0}]
+SEEN = {"behavior": {"name": "pursuit", "known": "seen"}, "sensors": SCANNER}
+
+
+def test_what_scans_have_not_shown_makes_no_difference() -> None:
+    """A block behind the wall, never in sight, is not there in the other world: every step is the same."""
+    block = {"shape": {"name": "rectangle", "length": 1.0, "width": 1.0}}
+    robot = {"kinematics": {"name": "diff"}, "state": [2.5, 5.0, 0.0], "goal": [8.0, 5.0], **SEEN}
+    there = {**block, "state": [9.5, 0.6, 0.0]}
+    hidden, bare = (begun(robot, [wall([5.0, 4.0], [5.0, 6.0]), *more]) for more in ([there], []))
+    ways = []
+    while not hidden.state.arrived[0, 0]:
+        hidden.step()
+        bare.step()
+        ways.append(way_of(hidden).shape)
+        assert hidden.state.pose[0, 0].tolist() == bare.state.pose[0, 0].tolist()
+        assert hidden.state.step[0] < 200
+    assert ways[0] != (2, 2)  # the wall was in sight from the start, and is in the way
+
+
+def test_what_is_out_of_sight_is_not_in_the_way() -> None:
+    """The way is straight until the wall comes into the range of 3 m, and leads around it from then on."""
+    robot = {"kinematics": {"name": "omni"}, "state": [1.0, 5.0, 0.0], "goal": [9.0, 5.0], **SEEN}
+    simulation = begun(robot, [wall([6.0, 3.5], [6.0, 6.5])])
+    while simulation.state.pose[0, 0, 0] < 2.9:
+        simulation.step()
+        assert way_of(simulation).tolist() == [[1.0, 5.0], [9.0, 5.0]]
+    while not simulation.state.arrived[0, 0]:
+        simulation.step()
+        assert not simulation.state.collided[0, 0]
+    assert length_of(way_of(simulation)) > 1.0
+
+
+def test_a_way_that_a_body_barred_is_found_again() -> None:
+    """What was seen of a body that has gone since is forgotten when no way is left."""
+    gate = [wall([5.0, 0.0], [5.0, 4.6]), wall([5.0, 5.4], [5.0, 10.0])]
+    guard = {"shape": {"name": "circle", "radius": 0.3}, "kinematics": {"name": "omni"}, "state": [5.0, 5.0, 0.0]}
+    robot = {"kinematics": {"name": "omni"}, "state": [3.0, 5.0, 0.0], "goal": [8.0, 5.0], **SEEN}
+    simulation = begun(robot, [*gate, guard])
+    for _ in range(40):
+        simulation.step()
+    assert simulation.state.pose[0, 0, 0] < 5.0
+    simulation.model.present[0, -1] = False
+    while not simulation.state.arrived[0, 0]:
+        simulation.step()
+        assert simulation.state.step[0] < 300
+
+
+def test_who_sees_nothing_needs_a_scanner() -> None:
+    robot = {"kinematics": {"name": "diff"}, "state": [1, 1, 0], "goal": [9, 9], "behavior": SEEN["behavior"]}
+    with pytest.raises(ScenarioError, match="'pursuit' reads the body's own scan, but the body has no range sensor"):
+        ig.load_scenario({"robot": robot})
+    assert ig.load_scenario({"robot": {**robot, "behavior": {"name": "pursuit"}}})
+    policy = BehaviorPolicy("pursuit:known=seen")
+    with pytest.raises(UnfitBehaviorError, match="has no range sensor"):
+        policy.check(Worlds({"robot": robot | {"behavior": {"name": "dash"}}, "task": {}}, 1).episodes)
+
+
+def test_seen_ways_are_the_same_in_any_batch() -> None:
+    """Batch, share and single environment agree bit for bit, and a recorded step is the plain one."""
+    scenario = yaml.safe_load((configs_folder() / "scenarios" / "cluttered_room.yaml").read_text(encoding="utf-8"))
+    scenario["robot"][0]["behavior"] = SEEN["behavior"]
+    loaded = ig.load_scenario(scenario)
+    made = [ig.compile(loaded, 3, num_threads=2), ig.compile(loaded, 1), ig.compile(loaded, 3, fused=False)]
+    for simulation, seed in zip(made, (4, 6, 4), strict=True):
+        simulation.reset(seed)
+        for _ in range(40):
+            simulation.step()
+    assert made[0].state.pose[2].tobytes() == made[1].state.pose[0].tobytes()
+    assert made[0].state.pose.tobytes() == made[2].state.pose.tobytes()
 
 
 def test_options_that_cannot_be() -> None:

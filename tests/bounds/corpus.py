@@ -46,6 +46,24 @@ def crowd(key: str, way: str) -> dict[str, Any]:
     return {"world": {**SHORT, "width": 20, "height": 20}, "robot": far, "obstacle": inside}
 
 
+MAPS_BY_LEVEL: tuple[dict[str, Any], ...] = (
+    {"name": "cells"},
+    {"name": "rooms", "resolution": 0.5, "least_side": 1, "loops": 1, "border": False},
+    {"name": "maze", "loops": 0.5, "border": False},
+    {"name": "cellular", "resolution": 0.5, "disc_radius": 0.25, "border": False},
+    {"name": "shelves", "resolution": 0.5, "shelf": [1, 0.5], "aisle": 0.5},
+    {"name": "perlin", "resolution": 0.5, "per_level": True, "fill": 0.2},
+)
+
+
+def map_by_level(obstacle_map: dict[str, Any]) -> dict[str, Any]:
+    """Return robots in the cells of a map that each level draws, one with a way of limited length."""
+    disc = {**FAST, "shape": {"name": "circle", "radius": 0.1}, "behavior": {"name": "dash"}, "sensors": SCANNER}
+    there = {**disc, "distribution": {"name": "cells", "max_way_length": 5}}
+    anywhere = {**disc, "behavior": {"name": "rvo"}, "distribution": {"name": "random", "reachable": True}}
+    return {"world": {**SHORT, "obstacle_map": obstacle_map, "fog_map": True}, "robot": [there, anywhere]}
+
+
 PERLIN = {"name": "perlin", "resolution": 1, "fill": 0.1, "seed": 2}
 ONE_BEAM = [{"name": "lidar2d", "number": 1}]
 LOOP = {"name": "dash", "loop": True}
@@ -59,6 +77,15 @@ BY_HAND: dict[str, dict[str, Any]] = {
         "robot": leaving(3, ["dash", "rvo", "sfm"]),
         "task": GOES_ON,
     },
+    "pursuit leaves the map": {
+        "world": {**SHORT, "obstacle_map": PERLIN},
+        "robot": [
+            *leaving(3, ["pursuit"])[:1],
+            {**leaving(3, ["pursuit"])[2], "behavior": {"name": "pursuit", "known": "seen", "cell": 0.5}},
+        ],
+        "task": GOES_ON,
+    },
+    **{f"map by level: {one['name']}": map_by_level(one) for one in MAPS_BY_LEVEL},
     "scanner of one beam": {"robot": {**FAST, "state": [1, 1], "goal": [3, 3], "sensors": ONE_BEAM}},
     "crowd that dashes": crowd("behavior", "dash"),
     "crowd that avoids": crowd("behavior", "rvo"),

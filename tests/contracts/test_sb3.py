@@ -30,15 +30,6 @@ CONSTANT = {
 }
 
 
-@pytest.fixture(autouse=True, scope="module")
-def one_torch_thread():
-    """Small networks learn faster on one thread, above all on a busy machine."""
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(threads)
-
-
 def pair(n=4, **kwargs):
     """The native environments and ``DummyVecEnv``."""
     native = irsim_gym.sb3.make_vec_env(NAME, n, **kwargs)

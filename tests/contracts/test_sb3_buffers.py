@@ -17,14 +17,6 @@ from irsim_gym.envs.sb3_recurrent import MaskedRecurrentPPO, MaskedRecurrentRoll
 GAMMA, LAMBDA = 0.9, 0.8
 
 
-@pytest.fixture(autouse=True, scope="module")
-def one_torch_thread():
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(threads)
-
-
 def team(scenario=MEET, n_worlds=4, **kwargs):
     return sb3.make_multi_agent_vec_env(scenario, n_worlds, seed=0, render_mode=None, **kwargs)
 

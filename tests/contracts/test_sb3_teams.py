@@ -8,7 +8,6 @@ from copy import deepcopy
 import gymnasium
 import numpy as np
 import pytest
-import torch
 from contract_tools import arrays_in, assert_same
 from gymnasium.error import ResetNeeded
 from stable_baselines3 import DQN, PPO
@@ -24,14 +23,6 @@ from irsim_gym.tasks import Episodes, Outcome, load_task
 
 pytestmark = pytest.mark.filterwarnings("ignore::irsim_gym.errors.WaitingRobotsWarning")
 MODES = pytest.mark.parametrize("respawn", [False, True])
-
-
-@pytest.fixture(autouse=True, scope="module")
-def one_torch_thread():
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(threads)
 
 
 def team(scenario=MEET, n_worlds=3, **kwargs):

@@ -58,6 +58,7 @@ def test_the_least_time_to_collision_is_kept() -> None:
         ((3.0, 0.0), (0.0, 0.0), math.inf),
         ((3.0, 0.7), (-1.0, 0.0), math.inf),  # passes 0.1 m aside
         ((0.5, 0.0), (1.0, 0.0), 0.0),  # touches already
+        ((3.0, 0.0), (-0.2, 0.0), math.inf),  # in 12 s: beyond the horizon
     ],
 )
 def test_time_to_contact(away: tuple[float, float], speed: tuple[float, float], time: float) -> None:

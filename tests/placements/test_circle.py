@@ -120,3 +120,16 @@ def test_absent_members_leave_gaps() -> None:
     assert set(sim.model.present.sum(axis=1)) == {1, 2, 3}
     shift = np.linalg.norm(sim.state.pose[..., :2] - nominal(3), axis=-1)
     assert shift[sim.model.present].max() <= 0.1 + 1e-9
+
+
+def test_scattered_places_are_anywhere_on_the_circle_and_mirrored_goals_opposite() -> None:
+    sim = levels(6, distribution={"scatter": True, "mirror": True, "jitter": 0.3, "clearance": 0.2})
+    starts, goals = sim.state.pose[:, :, :2], sim.state.goal[:, :, :2]
+    assert starts + goals == pytest.approx(np.broadcast_to(2 * CENTER, starts.shape))
+    away = np.linalg.norm(starts - CENTER, axis=-1)
+    assert 3.7 <= away.min() < 3.75
+    assert 4.25 < away.max() <= 4.3
+    assert gaps(starts).min() >= 2 * RADIUS + 0.2
+    angles = np.arctan2(*(starts - CENTER).T[::-1]).ravel()
+    counts = np.histogram(angles, bins=6, range=(-np.pi, np.pi))[0]
+    assert counts.min() > 0.6 * len(angles) / 6  # 60 in each of six parts, give or take

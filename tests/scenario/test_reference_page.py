@@ -53,8 +53,15 @@ def test_the_example_of_the_page_runs() -> None:
     assert len(simulation.scenario.bodies) == 8
 
 
+def test_the_example_of_maps_by_level_has_a_level() -> None:
+    _, _, example, *_ = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    simulation = compile(load_scenario(yaml.safe_load(example)), 2, agents=(0,))
+    simulation.reset(seed=0)
+    assert (simulation.model.map_squares[0] != simulation.model.map_squares[1]).any()
+
+
 def test_the_example_with_parameters_loads() -> None:
-    _, example, _ = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    _, example, *_ = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     scenario = load_scenario(yaml.safe_load(example), {"n_robots": 12, "drive": "omni"})
     assert (scenario.name, scenario.world.width, len(scenario.bodies)) == ("swap of 12", 12.0, 12)
     assert scenario.bodies[0].vel_max[:2] == (1.0, 1.5)

@@ -1,0 +1,139 @@
+"""Finding the paths that local planners follow: over the map, or around what scans have shown."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.arraytypes import CellMaps, Floats, Ints
+from irsim_gym.behaviors.local_task import LocalTables
+from irsim_gym.behaviors.local_way import CELL, LocalWays, advance_on_way
+from irsim_gym.behaviors.seen_way import find_seen_way, is_still_free, note_hit
+from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles, Point, mark_standing
+from irsim_gym.paths.geodesic import shortest_path
+from irsim_gym.paths.grid import Search
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.own_scan import OwnScan, find_hits
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
+
+MAP, SEEN = 1, 2
+"""Kinds of paths, as ``local_options.Path`` lists them."""
+ASTRAY = 1.0
+"""A body that is farther from its path than this [m] gets another one."""
+PATIENCE = 0.5
+"""A path around what was seen is found anew after this time [s] at the earliest."""
+SHARES = (1.0, 0.5, 0.0)
+"""Shares of the distance that a path keeps from obstacles, one after the other until there is a way."""
+
+
+def find_paths(group: Group, model: WorldModel, state: WorldState, shard: Shard, tables: LocalTables) -> None:
+    """Find the paths of members that follow one, where there is a new goal or the known one is no good."""
+    paths = {options.path for options in group.options}
+    if "seen" in paths:
+        note_scans(shard.worlds, group.members, group.params, group.scan, model, state, tables.hits, tables.ways)
+    if "map" in paths:
+        find_ways(shard.worlds, group.members, group.params, model, model.cells, state, tables.ways)
+
+
+@kernel
+def note_scans(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    scan: OwnScan,
+    model: WorldModel,
+    state: WorldState,
+    hits: Floats,
+    ways: LocalWays,
+) -> None:
+    """Write what the scans show, and the paths of members that go by it, where the known one is blocked.
+
+    Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors), model (has_goal, present, reach,
+        step_time), state (goal, pose, step), ways (blocked, count, field, goal, grid, path, points, queue, row, seen,
+        side, since).
+    Writes: hits, ways (count, goal, path, points, seen, side, since).
+    """
+    search, grid = Search(ways.blocked, ways.field, ways.queue), ways.grid
+    for w in worlds:
+        for k in range(members.shape[0]):
+            b, m, options = members[k], ways.row[members[k]], params[k]
+            if options.path != SEEN or not model.has_goal[b] or not model.present[w, b]:
+                continue
+            here, end = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
+            hard, soft, now = ways.seen.hard[w, m], ways.seen.soft[w, m], state.step[w] + 1
+            reach, oldest = model.reach[row_of(model.reach, w), b], now - int(options.memory / model.step_time[0])
+            cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
+            for j in range(find_hits(scan, w, k, options.obstacle_range, hits)):
+                x = here[0] + cosine * hits[0, j] - sine * hits[1, j]
+                y = here[1] + sine * hits[0, j] + cosine * hits[1, j]
+                note_hit(x, y, reach, options.path_clearance, grid, now, hard, soft)
+            is_known = ways.goal[w, m, 0] == end[0] and ways.goal[w, m, 1] == end[1]
+            if is_known and advance_on_way(ways, w, m, here[0], here[1]) <= ASTRAY:
+                free = is_still_free(ways.points[w, m], ways.side[w, m], ways.count[w, m], grid, soft, max(oldest, 0))
+                if (ways.count[w, m] > 1 and free) or now < ways.since[w, m]:
+                    continue
+            count = find_seen_way(here, end, grid, soft, max(oldest, 0), search, ways.path)
+            if count == 0:
+                count = find_seen_way(here, end, grid, hard, max(oldest, 0), search, ways.path)
+            ways.since[w, m] = now + int(PATIENCE / model.step_time[0])
+            keep_way(ways, w, m, count, end)
+
+
+@kernel
+def keep_way(ways: LocalWays, w: int, m: int, count: int, goal: Point) -> None:
+    """Keep the points of a path that was found, but for those that are close to the one before.
+
+    Reads: ways (path, points).
+    Writes: ways (count, goal, points, side).
+    """
+    points, kept, most = ways.points[w, m], 0, ways.points.shape[2]
+    for i in range(count):
+        x, y = ways.path[i, 0], ways.path[i, 1]
+        if kept > 0 and i < count - 1:
+            dx, dy = x - points[kept - 1, 0], y - points[kept - 1, 1]
+            if kept == most or dx * dx + dy * dy < CELL * CELL:
+                continue
+        kept = min(kept + 1, most)
+        points[kept - 1, 0], points[kept - 1, 1] = x, y
+    ways.goal[w, m, 0], ways.goal[w, m, 1], ways.side[w, m], ways.count[w, m] = goal[0], goal[1], 0, kept
+
+
+@kernel
+def find_ways(
+    worlds: Ints,
+    members: Ints,
+    params: Any,
+    model: WorldModel,
+    cells: CellMaps | None,
+    state: WorldState,
+    ways: LocalWays,
+) -> None:
+    """Find the paths of members that follow the map, where the goal is new or the body has gone astray.
+
+    Reads: model (has_goal, present, reach, stands, unobstructed), state (goal, pose), ways (blocked, blocks, count,
+        field, goal, grid, path, points, queue, row, side).
+    Writes: ways (blocks, count, goal, path, points, side).
+    """
+    search = Search(ways.blocked, ways.field, ways.queue)
+    for w in worlds:
+        for k in range(members.shape[0]):
+            b, m = members[k], ways.row[members[k]]
+            if params[k].path != MAP or not model.has_goal[b] or not model.present[w, b]:
+                continue
+            here, end = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
+            is_known = ways.goal[w, m, 0] == end[0] and ways.goal[w, m, 1] == end[1]
+            if is_known and advance_on_way(ways, w, m, here[0], here[1]) <= ASTRAY:
+                continue
+            mark_standing(model, w, b, ways.blocks)
+            reach = model.reach[row_of(model.reach, w), b]
+            obstacles = Obstacles(model, state, w, ways.blocks, cells, None)
+            count = 0
+            for share in SHARES:
+                if count == 0:
+                    radius = reach + share * params[k].path_clearance
+                    count = shortest_path(obstacles, radius, here, end, ways.grid, search, ways.path)
+            keep_way(ways, w, m, count, end)

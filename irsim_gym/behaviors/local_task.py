@@ -1,0 +1,165 @@
+"""What a local planner has to do at one moment: where to go, and what is in the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Records
+from irsim_gym.behaviors.local_way import MOST_POINTS, LocalWays, lay_way, way_length
+from irsim_gym.behaviors.rollouts import POSES, Wheels, find_nearest, gap_at, lay_poses, own_outline, wheels_of
+from irsim_gym.jit import kernel
+from irsim_gym.structs import Struct
+from irsim_gym.world.group import Group
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, WorldModel
+from irsim_gym.world.own_scan import OwnScan, find_hits
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
+
+LETHAL = 253.0
+"""Cost of touching the padded footprint, as in ROS's cost maps."""
+CLOSE = 1e-9
+"""Less than this is rounding."""
+
+
+@dataclass(repr=False)
+class LocalTables(Struct):
+    """What a body sees and follows. Memory of one shard.
+
+    Attributes:
+        by_rate: Bodies that are commanded by a turn rate although they steer, shape ``(n_bodies,)``.
+        hits: Scratch: x and y of what the scan hits [m], shape ``(2, n_beams)``.
+        poses: Scratch: a record of type ``POSES``, shape ``(1,)``.
+        way: Scratch: x and y of the path ahead [m], shape ``(2, MOST_POINTS + 1)``.
+        ways: The paths.
+    """
+
+    by_rate: Flags
+    hits: Floats
+    poses: Records
+    way: Floats
+    ways: LocalWays
+
+    @classmethod
+    def reserve(cls, group: Group, model: WorldModel, n_slots: int) -> list[Self]:
+        """Return memory for each slot."""
+        by_rate, n_beams = np.zeros(len(model.role), np.bool_), group.scan.ranges.shape[2]
+        bodies = () if group.context is None else group.context.bodies
+        for b in group.members if bodies else ():
+            by_rate[b] = getattr(bodies[b].kinematics, "mode", "") == "angular"
+        return [
+            cls(by_rate, np.zeros((2, n_beams)), np.zeros(1, POSES), np.zeros((2, MOST_POINTS + 1)), ways)
+            for ways in LocalWays.reserve(group, model, n_slots)
+        ]
+
+
+class LocalTask(NamedTuple):
+    """What a body has to do, in its own frame.
+
+    Attributes:
+        wheels: How it moves.
+        outline: Its outline.
+        reach: Radius that holds it [m].
+        n_hits: Number of points that it sees, in ``LocalTables.hits``.
+        bearable: Nearer to something than this a way touches it [m]: the padding, or less if the body is nearer now.
+        n_way: Number of points of the path, in ``LocalTables.way``.
+        length: Length of the path [m].
+        goal_x: The goal [m].
+        goal_y: The goal [m].
+        goal_radius: Nearer to the goal than this it has arrived [m].
+        forward: The end of a way is measured so far ahead of the body [m].
+    """
+
+    wheels: Wheels
+    outline: BodyOutline
+    reach: float
+    n_hits: int
+    bearable: float
+    n_way: int
+    length: float
+    goal_x: float
+    goal_y: float
+    goal_radius: float
+    forward: float
+
+
+@kernel
+def is_under_way(model: WorldModel, state: WorldState, w: int, b: int) -> bool:
+    """Return whether a body is there and has a goal that it has not reached.
+
+    Reads: model (goal_threshold, has_goal, present), state (goal, pose).
+    """
+    if not model.has_goal[b] or not model.present[w, b]:
+        return False
+    dx, dy = state.goal[w, b, 0] - state.pose[w, b, 0], state.goal[w, b, 1] - state.pose[w, b, 1]
+    return bool(np.sqrt(dx * dx + dy * dy) >= model.goal_threshold[row_of(model.goal_threshold, w), b])
+
+
+@kernel
+def task_of(
+    w: int, b: int, n_hits: int, options: Any, model: WorldModel, state: WorldState, tables: LocalTables
+) -> LocalTask:
+    """Return what body b of world w has to do; ``tables.way`` is written.
+
+    Reads: model (disc_count, disc_start, drive, goal_threshold, local_discs, local_segments, reach, segment_count,
+        segment_start, solid, wheelbase), state (goal, pose), tables (by_rate, hits, poses, way, ways).
+    Writes: tables (poses, way).
+    """
+    wheels, outline = wheels_of(model, state, w, b, tables.by_rate[b]), own_outline(model, w, b)
+    dx, dy = state.goal[w, b, 0] - state.pose[w, b, 0], state.goal[w, b, 1] - state.pose[w, b, 1]
+    reach, near = model.reach[row_of(model.reach, w), b], model.goal_threshold[row_of(model.goal_threshold, w), b]
+    n_way = lay_way(state, tables.ways, w, b, options.lookahead, tables.way)
+    rolls = wheels.drive == DIFFERENTIAL or wheels.drive == ACKERMANN
+    bearable = bearable_gap(outline, reach, n_hits, options.footprint_padding, tables)
+    goal_x, goal_y = wheels.cosine * dx + wheels.sine * dy, wheels.cosine * dy - wheels.sine * dx
+    forward = min(options.forward_point, np.sqrt(dx * dx + dy * dy)) if rolls else 0.0
+    length = way_length(tables.way, n_way)
+    return LocalTask(wheels, outline, reach, n_hits, bearable, n_way, length, goal_x, goal_y, near, forward)
+
+
+@kernel
+def see_hits(scan: OwnScan, w: int, k: int, options: Any, hits: Floats) -> int:
+    """Write what member k sees, in the body frame [m]; return the number of points.
+
+    A point that is nearer than ``options.spacing`` to the one of the beam before it is left out.
+
+    Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors).
+    Writes: hits.
+    """
+    kept, spacing2 = 0, options.spacing * options.spacing
+    for j in range(find_hits(scan, w, k, options.obstacle_range, hits)):
+        x, y = hits[0, j], hits[1, j]
+        if kept > 0:
+            dx, dy = x - hits[0, kept - 1], y - hits[1, kept - 1]
+            if dx * dx + dy * dy < spacing2:
+                continue
+        hits[0, kept], hits[1, kept] = x, y
+        kept += 1
+    return kept
+
+
+@kernel
+def bearable_gap(outline: BodyOutline, reach: float, n_hits: int, padding: float, tables: LocalTables) -> float:
+    """Return nearer to something than what a way touches it [m]: the padding, or less if the body is nearer now.
+
+    A body that touches something already may go anywhere.
+
+    Reads: tables (hits, poses).
+    Writes: tables (poses).
+    """
+    poses = tables.poses[0]
+    lay_poses((0.0, 0.0, 0.0), 0, 0.0, poses)
+    find_nearest(tables.hits, n_hits, poses)
+    gap = gap_at(outline, reach, padding + CLOSE, tables.hits, n_hits, poses, 0)
+    return max(min(gap, padding) - CLOSE, CLOSE) if gap > 0.0 else -CLOSE
+
+
+@kernel
+def obstacle_cost(options: Any, gap: float) -> float:
+    """Return the cost of a distance [m] from the nearest obstacle: LETHAL at the padding, and falling with it."""
+    beyond = gap - options.footprint_padding
+    if beyond >= options.inflation_radius:
+        return 0.0
+    return float(LETHAL * np.exp(-options.cost_scaling * max(beyond, 0.0)))

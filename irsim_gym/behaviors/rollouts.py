@@ -1,0 +1,200 @@
+"""Where constant commands lead, and how near that comes to what a scan shows: what local planners share.
+
+All is in the frame of the body as it stands: x ahead, y to the left [m].
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from irsim_gym.arraytypes import BodyOutline, Floats, Record
+from irsim_gym.geometry.overlap import point_outline_distance
+from irsim_gym.jit import kernel
+from irsim_gym.structs import record_type
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_WORLD, WorldModel
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
+
+LANES = 16
+"""So many poses are compared with a point side by side."""
+
+POSES = record_type("x y cosine sine near", LANES)
+"""Poses [m], and the squared distance of each from the nearest point [m2]."""
+
+Twist = tuple[float, float, float]
+"""Velocity ahead and to the left [m/s], turn rate [rad/s]."""
+
+
+class Wheels(NamedTuple):
+    """What tells how a body moves with a command.
+
+    Attributes:
+        drive: How the command reads, see ``world.model``.
+        by_rate: The second number of an Ackermann drive's command is a turn rate, no steering angle.
+        wheelbase: Its axle distance [m].
+        cosine: Cosine of its heading.
+        sine: Sine of its heading.
+    """
+
+    drive: int
+    by_rate: bool
+    wheelbase: float
+    cosine: float
+    sine: float
+
+
+@kernel
+def wheels_of(model: WorldModel, state: WorldState, w: int, b: int, by_rate: bool) -> Wheels:
+    """Return how body b of world w moves.
+
+    Reads: model (drive, wheelbase), state (pose).
+    """
+    heading = state.pose[w, b, 2]
+    return Wheels(model.drive[b], by_rate, model.wheelbase[b], np.cos(heading), np.sin(heading))
+
+
+@kernel
+def twist_of(wheels: Wheels, first: float, second: float) -> Twist:
+    """Return the twist with which a command is executed.
+
+    An Ackermann drive is taken to steer at once, although its wheels follow one step later.
+    """
+    if wheels.drive == DIFFERENTIAL:
+        return first, 0.0, second
+    if wheels.drive == ACKERMANN:
+        if wheels.by_rate:
+            return first, 0.0, second if first != 0.0 else 0.0
+        return first, 0.0, first * np.tan(second) / wheels.wheelbase
+    if wheels.drive == OMNI_WORLD:
+        return wheels.cosine * first + wheels.sine * second, wheels.cosine * second - wheels.sine * first, 0.0
+    return first, second, 0.0
+
+
+@kernel
+def command_window(model: WorldModel, state: WorldState, w: int, b: int, axis: int) -> tuple[float, float]:
+    """Return the least and the greatest value of a number of the command that is executed as it is asked for.
+
+    That is the dynamic window: [max(v_min, v - a t), min(v_max, v + a t)] with the step's duration t.
+
+    Reads: model (acceleration_limit, drive, step_time, velocity_max, velocity_min), state (twist, velocity).
+
+    Args:
+        model: What the body can do.
+        state: The moment.
+        w: The world.
+        b: The body.
+        axis: Which number of the command.
+    """
+    # Drives of plugins are shown as omnidirectional; what they execute is in coordinates of their own.
+    now = state.twist[w, b, axis] if model.drive[b] == OMNI_WORLD else state.velocity[w, b, axis]
+    change = model.acceleration_limit[row_of(model.acceleration_limit, w), b, axis] * model.step_time[0]
+    least = max(model.velocity_min[row_of(model.velocity_min, w), b, axis], now - change)
+    most = min(model.velocity_max[row_of(model.velocity_max, w), b, axis], now + change)
+    return min(least, most), most
+
+
+@kernel
+def place_at(twist: Twist, time: float) -> tuple[float, float, float, float]:
+    """Return x, y [m], cosine and sine of the heading after some time with a constant twist: on a circle, or straight.
+
+    Args:
+        twist: The twist.
+        time: The time [s].
+    """
+    ahead, left, rate = twist
+    turn = rate * time
+    cosine, sine = np.cos(turn), np.sin(turn)
+    along, across = (sine / rate, (1.0 - cosine) / rate) if rate != 0.0 else (time, 0.0)
+    return ahead * along - left * across, ahead * across + left * along, cosine, sine
+
+
+@kernel
+def lay_poses(twist: Twist, first: int, step: float, poses: Record) -> None:
+    """Write where a twist leads at LANES moments: from ``first + 1`` steps on [s].
+
+    Writes: poses.
+    """
+    for k in range(LANES):
+        poses.x[k], poses.y[k], poses.cosine[k], poses.sine[k] = place_at(twist, (first + k + 1) * step)
+
+
+@kernel
+def find_nearest(points: Floats, n_points: int, poses: Record) -> None:
+    """Write the squared distance of each pose from the nearest of some points, infinite without any.
+
+    Writes: poses.
+
+    Args:
+        points: x and y [m], shape ``(2, n)``.
+        n_points: Number of points.
+        poses: The poses; ``near`` is written.
+    """
+    for k in range(LANES):
+        poses.near[k] = np.inf
+    for j in range(n_points):
+        x, y = points[0, j], points[1, j]
+        for k in range(LANES):
+            dx, dy = poses.x[k] - x, poses.y[k] - y
+            distance2 = dx * dx + dy * dy
+            poses.near[k] = distance2 if distance2 < poses.near[k] else poses.near[k]
+
+
+@kernel
+def own_outline(model: WorldModel, w: int, b: int) -> BodyOutline:
+    """Return the outline of body b of world w in its own frame.
+
+    Reads: model (disc_count, disc_start, local_discs, local_segments, segment_count, segment_start, solid).
+    """
+    return BodyOutline(
+        model.local_segments[row_of(model.local_segments, w)], model.segment_start[b],
+        model.segment_count[row_of(model.segment_count, w), b],
+        model.local_discs[row_of(model.local_discs, w)], model.disc_start[b],
+        model.disc_count[row_of(model.disc_count, w), b], model.solid[b],
+    )  # fmt: skip
+
+
+@kernel
+def gap_at(
+    outline: BodyOutline, reach: float, limit: float, points: Floats, n_points: int, poses: Record, k: int
+) -> float:
+    """Return the distance [m] of an outline at pose k from the nearest point, 0 if it is within; at most ``limit``.
+
+    Args:
+        outline: The outline in the body frame.
+        reach: Radius about the body's origin that holds it [m].
+        limit: Distances above this are reported as this [m].
+        points: x and y [m], shape ``(2, n)``.
+        n_points: Number of points.
+        poses: The poses, with ``near`` as ``find_nearest`` writes it.
+        k: Which pose.
+    """
+    far = reach + limit
+    if poses.near[k] >= far * far:
+        return limit
+    if is_round(outline):
+        return float(max(np.sqrt(poses.near[k]) - reach, 0.0))
+    best = limit
+    for j in range(n_points):
+        dx, dy = points[0, j] - poses.x[k], points[1, j] - poses.y[k]
+        if dx * dx + dy * dy < far * far:
+            x, y = poses.cosine[k] * dx + poses.sine[k] * dy, poses.cosine[k] * dy - poses.sine[k] * dx
+            best = min(best, point_outline_distance(x, y, outline))
+    return best
+
+
+@kernel
+def is_round(outline: BodyOutline) -> bool:
+    """Return whether an outline is a single disc about the origin."""
+    if outline.n_segments != 0 or outline.n_discs != 1:
+        return False
+    return bool(outline.discs[outline.first_disc, 0] == 0.0 and outline.discs[outline.first_disc, 1] == 0.0)
+
+
+@kernel
+def spread_over(low: float, high: float, i: int, count: int) -> float:
+    """Return the i-th of some values from low to high, evenly spread; mirrored bounds give mirrored values."""
+    if count == 1:
+        return 0.5 * (low + high)
+    return (low * (count - 1 - i) + high * i) / (count - 1)
