@@ -121,6 +121,8 @@ CASES: dict[str, Callable[[Effort], Figures]] = {
     "crowd_rvo": partial(crowd, {"behavior": {"name": "rvo"}}),
     "decision/pursuit": partial(decision, "dense_room", "pursuit"),
     "decision/pursuit_seen": partial(decision, "dense_room", "pursuit:known=seen"),
+    "decision/dwa": partial(decision, "dense_room", "dwa"),
+    "decision/mppi": partial(decision, "dense_room", "mppi"),
     "training_share/cluttered_room": training_share,
     "training_noop/s1": training_noop,
 }

@@ -80,7 +80,7 @@ levels.add_typer(imports, name="import")
 def barn(
     path: Annotated[Path, typer.Argument(help="Folder of world_N.world files, or an .npz of cylinders.")], out: Out
 ) -> None:
-    """Convert the worlds of the BARN challenge: the cylinders become the outline of an obstacle `cylinders`."""
+    """Convert the worlds of the BARN challenge into levels of the benchmark `barn`: `irsim-gym evaluate OUT dwa`."""
     from irsim_gym.levels.barn import import_barn
     from irsim_gym.training.level_commands import write_levels
 

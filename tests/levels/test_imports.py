@@ -38,20 +38,28 @@ def shared(name: str) -> Path:
 
 
 def test_barn_folders_are_read_in_the_order_of_their_numbers(tmp_path: Path) -> None:
-    for number, places in ((10, [(-2, 3)]), (2, [(-1.5, 4), (-0.075, 9.525)])):
-        models = [CYLINDER.format(i, x, y, 0.075 + 0.1 * i) for i, (x, y) in enumerate(places)]
+    def write(number: int, *cylinders: tuple[float, float, float]) -> None:
+        models = [CYLINDER.format(i, *cylinder) for i, cylinder in enumerate(cylinders)]
         (tmp_path / f"world_{number}.world").write_text(WORLD.format("".join(models)))
+
+    write(10, (-4.425, 0.075, 0.075))
+    write(2, (-2.175, 5.0249999, 0.075), (-0.075, 9.525, 0.075))
     levels = import_barn(tmp_path)
-    assert levels.discs == pytest.approx(np.array([[-1.5, 4, 0.075], [-0.075, 9.525, 0.175], [-2, 3, 0.075]]))
-    assert levels.disc_start.tolist() == [[0, 2], [2, 3]]
-    (tmp_path / "levels.npz").write_bytes(levels.content())
-    robot = {"kinematics": {"name": "diff"}, "state": [-2.25, 3, 1.57], "goal": [-2.25, 13]}
-    world = {"width": 4.5, "height": 16, "offset": [-4.5, 0]}
-    data = {"world": world, "robot": robot, "obstacle": {"name": "cylinders"}, "levels": str(tmp_path / "levels.npz")}
-    sim = ig.compile(ig.load_scenario(data), 2)
+    assert [np.argwhere(cells).tolist() for cells in levels.cells] == [[[15, 33], [29, 63]], [[0, 0]]]
+    file = tmp_path / "levels.npz"
+    file.write_bytes(levels.content())
+    sim = ig.compile(ig.load_scenario(file), 2)  # of the benchmark that it names
     sim.reset(0)
-    assert sim.model.disc_count[:, 1].tolist() == [2, 1]
-    assert sim.state.discs[1, sim.model.disc_start[1]].tolist() == [-2, 3, 0.075]
+    assert sim.state.pose[:, 0].tolist() == [[-2.25, 3.0, np.pi / 2]] * 2
+    assert sim.state.goal[1, 0, :2].tolist() == [-2.25, 13.0]
+    ahead = sim.sensors[0].arrays["ranges"][0, 0, 300:420]
+    # World 2: from 0.065 m behind (-2.25, 3), the post at (-2.175, 5.025) is ahead and a little to the right.
+    assert ahead.min() == pytest.approx(np.hypot(0.075, 2.09) - 0.075, abs=1e-3)
+    write(5, (-2.0, 3.075, 0.075), (-2.025, 3.075, 0.075))
+    write(6, (-2.025, 3.075, 0.175))
+    write(7, (-2.025, 13.575, 0.075))
+    with pytest.raises(ScenarioError, match=r"(?s)3 problems.*5.world.*\(-2, 3.075\).*6.world.*0.175 at.*7.world"):
+        import_barn(tmp_path)
     (tmp_path / "world_3.world").write_text("<sdf>")
     (tmp_path / "world_4.world").write_text(WORLD.format(""))
     with pytest.raises(ScenarioError, match=r"(?s)2 problems.*world_3.world: cannot be read.*world_4.world: holds no"):
@@ -174,6 +182,5 @@ def test_the_published_levels_of_jaxnav(tmp_path: Path) -> None:
 def test_the_worlds_of_barn() -> None:
     levels = import_barn(shared("barn_worlds.npz"))
     assert levels.count == 300
-    counts = np.diff(levels.disc_start, axis=1)[:, 0]
+    counts = levels.cells.sum(axis=(1, 2))
     assert (counts.min(), counts.max(), counts.sum()) == (181, 365, 78925)
-    assert set(np.round(levels.discs[:, 0] / 0.15 - 0.5, 3).tolist()) == set(range(-30, 0))
