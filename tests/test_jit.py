@@ -183,7 +183,7 @@ def test_a_kernel_on_disk_may_allocate(tmp_path: Path) -> None:
 import numpy as np
 from irsim_gym.engine.body_measures import measure
 from irsim_gym.world.model import WorldModel
-sizes = dict.fromkeys(("disc", "map_column", "map_row", "map_box", "waypoint"), 0)
+sizes = dict.fromkeys(("disc", "map_column", "map_row", "map_box", "waypoint", "watching"), 0)
 model = WorldModel.allocate({**sizes, "world": 1, "body": 1, "segment": 4})
 corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
 model.local_segments[0] = [[*corners[k - 1], *corners[k]] for k in range(4)]

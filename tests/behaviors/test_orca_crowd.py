@@ -26,13 +26,16 @@ class Bodies(Struct):
     pose: Any
     plan: Any
     twist: Any
+    watchers: Any
+    seen_row: Any
 
 
-def found_by(crowd: Crowd, m: int, x: float, y: float, reach: float) -> list[int]:
+def found_by(bodies: Any, crowd: Crowd, m: int, x: float, y: float, reach: float) -> list[int]:
     """Return the bodies that a member sees, nearest first."""
     squares = crowd.squares
     place = int(np.searchsorted(crowd.starts[1 : squares.columns * squares.rows + 1], m, side="right"))
-    return list(crowd.body[crowd.nearest[: find_nearest(Ego(x, y, 0.0, 0.0, 0.0), m, place, reach, crowd)]])
+    ego = Ego(x, y, 0.0, 0.0, 0.0)
+    return list(crowd.body[crowd.nearest[: find_nearest(bodies, ego, m, place, reach, crowd)]])
 
 
 @pytest.mark.parametrize(
@@ -52,7 +55,10 @@ def test_the_nearest_are_those_of_all_pairs(
     squares = lay_squares(BOUNDS, n_bodies, reach, most)
     assert squares.columns * squares.rows >= n_squares
     crowd, moves = Crowd.reserve(members, squares, seen, seen, most), np.zeros((1, len(pose), 3))
-    bodies: Any = Bodies(present[None], moves[..., 0].copy(), pose[None], moves[..., :2].copy(), moves)
+    bodies: Any = Bodies(
+        *(present[None], moves[..., 0].copy(), pose[None], moves[..., :2].copy(), moves),
+        *(np.ones((1, len(pose)), np.bool_), np.zeros(len(pose), np.int64)),
+    )
     sort_members(bodies, bodies, 0, crowd)
     n_present = int(present[members].sum())
     assert sorted(crowd.body[:n_present]) == members[present[members]].tolist()
@@ -63,7 +69,7 @@ def test_the_nearest_are_those_of_all_pairs(
             continue
         gap2 = (pose[:, 0] - pose[b, 0]) ** 2 + (pose[:, 1] - pose[b, 1]) ** 2
         others = [(gap2[q], q) for q in members if q != b and seen[q] and present[q] and np.sqrt(gap2[q]) < reach]
-        assert found_by(crowd, m, pose[b, 0], pose[b, 1], reach) == [q for _, q in sorted(others)[:most]]
+        assert found_by(bodies, crowd, m, pose[b, 0], pose[b, 1], reach) == [q for _, q in sorted(others)[:most]]
 
 
 def test_half_planes_side_by_side_are_those_one_by_one() -> None:

@@ -40,7 +40,8 @@ def assert_same(one: Any, other: Any, path: str = "") -> None:
         else:
             np.testing.assert_array_equal(one, other, err_msg=path)
     else:
-        assert one == other, (path, one, other)
+        both_are_nan = one != one and other != other
+        assert one == other or both_are_nan, (path, one, other)
 
 
 def arrays_in(data: Any) -> Iterator[np.ndarray]:

@@ -11,7 +11,7 @@ from irsim_gym.world.state import WorldState
 
 def limited(worlds: list[int], fastest: list[list[float]], sharpest: list[list[float]], asked: float) -> np.ndarray:
     """Return the velocities of one body in three worlds, from rest, after a step of 0.1 s."""
-    sizes = dict.fromkeys(("segment", "disc", "map_column", "map_row", "map_box", "bucket", "waypoint"), 0)
+    sizes = dict.fromkeys(("segment", "disc", "map_column", "map_row", "map_box", "bucket", "waypoint", "watching"), 0)
     sizes |= {"world": 3, "body": 1}
     limits = frozenset({"velocity_min", "velocity_max", "acceleration_limit"}) if len(fastest) > 1 else frozenset()
     model, state = WorldModel.allocate(sizes, per_world=limits), WorldState.allocate(sizes)

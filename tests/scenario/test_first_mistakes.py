@@ -14,7 +14,7 @@ KEYS = {
     "a size beside the shape": (
         "robot: {radius: 0.3}",
         "1 robot.radius: unknown key (did you mean 'fov_radius'? "
-        "'radius' is a key of shape circle, distribution circle)",
+        "'radius' is a key of wander_goals, shape circle, distribution circle)",
     ),
     "a limit within the drive": (
         "robot: {kinematics: {name: diff, vel_max: [1, 1]}}",

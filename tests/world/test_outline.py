@@ -9,7 +9,7 @@ from irsim_gym.world.outline import outline_of, place_outline
 from irsim_gym.world.state import WorldState
 from tests.geometry.shapes import Floats, closed, star
 
-AXES = ("world", "body", "waypoint", "bucket", "map_column", "map_row", "map_box")
+AXES = ("world", "body", "waypoint", "bucket", "map_column", "map_row", "map_box", "watching")
 
 
 def body(segments: Floats, discs: Floats) -> tuple[WorldModel, WorldState]:
