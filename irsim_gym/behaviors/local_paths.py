@@ -8,7 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import CellMaps, Floats, Ints
 from irsim_gym.behaviors.local_task import LocalTables
-from irsim_gym.behaviors.local_way import CELL, LocalWays, advance_on_way
+from irsim_gym.behaviors.local_way import ASTRAY, CELL, LocalWays, advance_on_way
 from irsim_gym.behaviors.seen_way import find_seen_way, is_still_free, note_hit
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, Point, mark_standing
@@ -22,8 +22,6 @@ from irsim_gym.world.state import WorldState
 
 MAP, SEEN = 1, 2
 """Kinds of paths, as ``local_options.Path`` lists them."""
-ASTRAY = 1.0
-"""A body that is farther from its path than this [m] gets another one."""
 PATIENCE = 0.5
 """A path around what was seen is found anew after this time [s] at the earliest."""
 SHARES = (1.0, 0.5, 0.0)

@@ -24,13 +24,8 @@ CELL = 0.1
 """Side of the cells [m] in which ways are looked for."""
 FINEST = 200
 """Most cells along the longer side of the world."""
-PATIENCE = 0.5
-"""A path around what was seen is found anew after this time [s] at the earliest."""
-STRAIGHT, MAP, SEEN = 0, 1, 2
 ASTRAY = 1.0
 """A body that is farther from its path than this [m] gets another one."""
-SHARES = (1.0, 0.5, 0.0)
-"""Shares of the distance that a path keeps from obstacles, one after the other until there is a way."""
 
 
 @dataclass(repr=False)

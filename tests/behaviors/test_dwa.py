@@ -103,6 +103,24 @@ def test_mirrored_and_turned_levels(drive: str) -> None:
     np.testing.assert_allclose(command(scene(POSTS, turn=np.pi / 2, **options), 2), here, atol=1e-9)
 
 
+@pytest.mark.slow
+def test_mppi_is_mirrored_on_average() -> None:
+    """Commands are drawn: means over other levels agree within four standard errors of their difference."""
+    means, errors = [], []
+    for seed, mirror in ((0, 1.0), (10_000, -1.0)):
+        options = {"options": {"path": "straight"}, "to": (3.0, 1.5), **DIFF}
+        simulation = ig.compile(ig.load_scenario(scene(POSTS, "mppi", mirror=mirror, **options)), 400)
+        simulation.reset(seed=seed)
+        simulation.step()
+        simulation.step()
+        commands = simulation.state.command[:, 0, :2] * [1, mirror]
+        means.append(commands.mean(axis=0))
+        errors.append(commands.std(axis=0) / np.sqrt(len(commands)))
+    error = np.hypot(*errors)
+    assert abs(means[0][1]) > 20 * error[1]
+    assert (np.abs(means[0] - means[1]) < 4 * error).all()
+
+
 @pytest.mark.parametrize("name", ["dwa", "mppi"])
 @pytest.mark.parametrize("path", ["map", "seen"])
 def test_batches_and_shards_follow_the_same_paths(name: str, path: str) -> None:
