@@ -93,7 +93,7 @@ def crowd(behavior: dict[str, Any], effort: Effort) -> Figures:
 
 def decision(name: str, policy: str, effort: Effort) -> Figures:
     """Measure what decisions of a behaviour cost."""
-    from decisions import measure
+    from decision_costs import measure
 
     return measure(name, policy, effort)
 
