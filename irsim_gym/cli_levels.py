@@ -101,14 +101,13 @@ def jaxnav(
 
 @levels.command("certify-suite")
 def certify_suite(
-    names: Annotated[list[str], typer.Argument(help="Tiers or benchmarks, see `irsim-gym suite list`.")],
-    count: Count = 1000,
-    policies: Policies = None,
+    folder: Annotated[Path, typer.Argument(help="A run of the suite; its methods are the reference policies.")],
+    names: Annotated[list[str] | None, typer.Argument(help="Tiers or benchmarks; default: all of the run.")] = None,
 ) -> None:
     """Write the certificates that are shipped with the suite's benchmarks (for maintainers)."""
     from irsim_gym.suite.certificates import certify_members
 
-    certify_members(names, count, _names(policies))
+    certify_members(folder, names or [])
 
 
 @levels.command()

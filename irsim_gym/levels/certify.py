@@ -1,4 +1,4 @@
-"""Makes certificates: draws levels, measures them, and lets reference policies drive them."""
+"""Makes certificates: draws levels, measures them, and adds what reference policies reached."""
 
 from __future__ import annotations
 
@@ -11,9 +11,7 @@ import numpy as np
 
 from irsim_gym.evaluation.certificate_measures import LevelMeasures, measure_level
 from irsim_gym.evaluation.metrics import OUTCOMES
-from irsim_gym.evaluation.optimum import Optima
-from irsim_gym.evaluation.policy import Policy
-from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.evaluation.team_metrics import TeamRow
 from irsim_gym.levels.certificate import Certificate, rounded
 from irsim_gym.levels.density import covered_share
 from irsim_gym.levels.draw import draw_levels, scenario_hash
@@ -26,7 +24,7 @@ def certify(
     episodes: Episodes,
     split: str,
     count: int,
-    policies: Mapping[str, Policy],
+    rows: Mapping[str, Sequence[TeamRow]],
     on_levels: Callable[[int], None] | None = None,
 ) -> Certificate:
     """Return the certificate of the first levels of a split.
@@ -35,8 +33,8 @@ def certify(
         episodes: The worlds, and the task that says who drives and when an episode ends.
         split: ``"test"``, ``"dev"`` or ``"train"``.
         count: How many levels.
-        policies: The reference policies, by name.
-        on_levels: Called with the number of levels that have just been measured, or driven by one of the policies.
+        rows: What the reference policies reached in these levels, by name.
+        on_levels: Called with the number of levels that have just been measured.
 
     Raises:
         IrsimGymError: The levels come from a file that has fewer.
@@ -49,21 +47,16 @@ def certify(
         density.append(covered_share(simulation.model, simulation.state, world))
 
     drawn = draw_levels(simulation, [split], count, on_levels, look)
-    optima = Optima(split)
-    teams = (
-        evaluate_team(policy, episodes, count, split, optima=optima, on_episodes=on_levels)
-        for policy in policies.values()
-    )
-    rows = [[[agent.episode for agent in level.agents] for level in levels] for levels in teams]
+    episodes_of = [[[agent.episode for agent in level.agents] for level in levels] for levels in rows.values()]
     n_rows = len(rows), count, len(agents)
-    outcomes = [OUTCOMES.index(row.outcome) for levels in rows for team in levels for row in team]
-    times = [row.time for levels in rows for team in levels for row in team]
+    outcomes = [OUTCOMES.index(row.outcome) for levels in episodes_of for team in levels for row in team]
+    times = [row.time for levels in episodes_of for team in levels for row in team]
     return Certificate(
         name=simulation.scenario.label,
         scenario_hash=scenario_hash(simulation.scenario),
         split=split,
         agents=episodes.agent_names,
-        policies=tuple(policies),
+        policies=tuple(rows),
         hash=drawn.hashes(),
         reachable=np.array([[one.reachable for one in level] for level in measured], np.bool_),
         length=_column(measured, "length"),

@@ -1,25 +1,50 @@
-"""The certificates that are shipped with the benchmarks."""
+"""The certificates that are shipped with the benchmarks, made from a run of the suite."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
-from irsim_gym.levels.certificate import shipped_certificate
-from irsim_gym.suite.members import shipped_suite
-from irsim_gym.training.level_commands import WORLDS, Wanted, certified, write_certificate
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.levels.certificate import Certificate, shipped_certificate
+from irsim_gym.levels.certify import certify
+from irsim_gym.suite.members import Member, shipped_suite
+from irsim_gym.suite.row_files import read_rows
+from irsim_gym.suite.suite_record import SuiteRecord, read_record
+from irsim_gym.training.level_commands import WORLDS, Wanted, bar, write_certificate
 
 
-def certify_members(names: Sequence[str], count: int, policies: Sequence[str] | None) -> None:
-    """Write the shipped certificates of benchmarks, for their ``test`` levels.
+def certify_members(folder: Path, names: Sequence[str]) -> None:
+    """Write the shipped certificates of benchmarks, for the levels of a run of the suite.
 
     Args:
-        names: Tiers or single benchmarks of the suite.
-        count: How many levels, of benchmarks that have so many.
-        policies: The reference policies, as ``load_policy`` takes them; None for those that fit.
+        folder: The run. Its methods are the reference policies.
+        names: Tiers or single benchmarks of the suite; none for all that were played.
+
+    Raises:
+        IrsimGymError: A benchmark was not played, or its levels have moved since.
     """
-    for member in shipped_suite().chosen(names):
+    record = read_record(folder)
+    for member in shipped_suite().chosen(names or list(record.members)):
+        if member.name not in record.members:
+            raise IrsimGymError(f"{folder} holds no rows of {member.name}: play them with `irsim-gym suite run`")
         wanted = Wanted(member.scenario, team=member.team, parameters=member.parameters)
-        n_levels = min(count, member.levels or count)
-        episodes = wanted.episodes(min(WORLDS, n_levels))
-        made = certified(episodes, "test", n_levels, policies)
+        count = min(record.levels, member.levels or record.levels)
+        episodes = wanted.episodes(min(WORLDS, count))
+        with bar(f"certifying {member.name}", count) as advance:
+            rows = {
+                record.methods[method][0]["source"]: read_rows(folder / entries[0]["file"])
+                for method, entries in record.runs[member.name].items()
+                if entries and "file" in entries[0]
+            }
+            made = certify(episodes, record.split, count, rows, advance)
+        _check(member, made, record, folder)
         write_certificate(made, shipped_certificate(episodes.simulation.scenario))
+
+
+def _check(member: Member, made: Certificate, record: SuiteRecord, folder: Path) -> None:
+    played = record.members[member.name]["conditions"]["level_hash"]
+    if played != made.set_hash:
+        raise IrsimGymError(
+            f"{folder} holds rows of {member.name} on other levels, set {played}, now {made.set_hash}: play them again"
+        )

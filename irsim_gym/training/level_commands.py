@@ -16,9 +16,11 @@ from irsim_gym.engine import Simulation, compile
 from irsim_gym.errors import IrsimGymError, several
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.metrics import OUTCOMES
+from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.evaluation.tables import write_bytes
+from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.certificate import Certificate, certificate_beside
 from irsim_gym.levels.certify import certify
 from irsim_gym.levels.draw import draw_levels
@@ -113,7 +115,7 @@ def run_certify(
         check_suffix(out)
     check_split(split)
     episodes = wanted.episodes(min(WORLDS, count))
-    made = certified(episodes, split, count, policies)
+    made = _certified(episodes, split, count, policies)
     own = Path(wanted.scenario)
     path = out or certificate_beside(own if own.is_file() else Path(episodes.simulation.scenario.name))
     for line in _said(made):
@@ -122,11 +124,16 @@ def run_certify(
     return made
 
 
-def certified(episodes: Episodes, split: str, count: int, policies: Sequence[str] | None) -> Certificate:
+def _certified(episodes: Episodes, split: str, count: int, policies: Sequence[str] | None) -> Certificate:
     """Return the certificate of levels, with a progress bar; ``policies`` as for ``run_certify``."""
     chosen = _fitting(episodes) if policies is None else {name: load_policy(name) for name in policies}
+    optima = Optima(split)
     with bar("certifying", count * (1 + len(chosen))) as advance:
-        return certify(episodes, split, count, chosen, advance)
+        rows = {
+            name: evaluate_team(policy, episodes, count, split, optima=optima, on_episodes=advance)
+            for name, policy in chosen.items()
+        }
+        return certify(episodes, split, count, rows, advance)
 
 
 def write_certificate(made: Certificate, path: Path) -> None:

@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 import irsim_gym as ig
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.reference_policies import reference_policy
+from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.certificate import Certificate, find_certificate, read_certificate, rounded
 from irsim_gym.levels.certify import certify
 from irsim_gym.levels.draw import draw_levels
@@ -134,7 +135,8 @@ def test_evaluate_names_its_levels_and_reports_by_difficulty(tmp_path: Path) -> 
     assert plain.level_set.certificate is None
     assert len(plain.tables) == 1
     episodes = make_episodes(file, n_worlds=8)
-    made = certify(episodes, "test", 8, {name: reference_policy(name) for name in ("random", "dash")})
+    rows = {name: evaluate_team(reference_policy(name), episodes, 8, "test") for name in ("random", "dash")}
+    made = certify(episodes, "test", 8, rows)
     assert made.set_hash == plain.level_set.hash
     (tmp_path / "room.certificate.npz").write_bytes(made.content())
     found = ig.evaluate(file, "dash", levels=8, references=False, folder=tmp_path / "out")

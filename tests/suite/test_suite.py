@@ -13,11 +13,13 @@ import pytest
 
 from irsim_gym import cli
 from irsim_gym.errors import IrsimGymError, UnknownNameError
-from irsim_gym.evaluation.metrics import EpisodeRow
+from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
+from irsim_gym.levels.certificate import read_certificate
 from irsim_gym.levels.draw import draw_levels
 from irsim_gym.scenario.level_set import set_hash
-from irsim_gym.suite import playing, suite_tables
+from irsim_gym.suite import certificates, playing, suite_tables
+from irsim_gym.suite.certificates import certify_members
 from irsim_gym.suite.members import Member, read_suite, shipped_suite
 from irsim_gym.suite.playing import play_suite
 from irsim_gym.suite.row_files import read_rows, write_rows
@@ -175,6 +177,26 @@ def test_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     (tmp_path / "other" / "file").touch()
     status, said = run("run", "bug_trap", "dash", "--out", tmp_path / "other")
     assert (status, "is not empty, and holds no run of the suite" in said) == (1, True)
+
+
+def test_a_run_gives_the_certificates_of_its_benchmarks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(certificates, "shipped_certificate", lambda scenario: tmp_path / f"{scenario.name}.npz")
+    folder = tmp_path / "run"
+    suite = shipped_suite()
+    play_suite(suite.chosen(["bug_trap"]), [RANDOM, SuiteMethod("straight", ("dash",))], folder, levels=3)
+    certify_members(folder, [])
+    made = read_certificate(tmp_path / "bug_trap.npz")
+    assert (made.policies, made.count, made.split) == (("random", "dash"), 3, "test")
+    levels = read_rows(folder / "rows/bug_trap/straight-0.csv")
+    assert [OUTCOMES[k] for k in made.outcome[1, :, 0]] == [row.agents[0].episode.outcome for row in levels]
+    assert made.time[1, :, 0] == pytest.approx([row.agents[0].episode.time for row in levels], abs=1e-3)
+    with pytest.raises(IrsimGymError, match="holds no rows of maze"):
+        certify_members(folder, ["maze"])
+    record = read_record(folder)
+    record.members["bug_trap"]["conditions"]["level_hash"] = "0"
+    record.write(folder)
+    with pytest.raises(IrsimGymError, match="rows of bug_trap on other levels, set 0, now "):
+        certify_members(folder, [])
 
 
 def test_tables_name_their_conditions(tmp_path: Path) -> None:
