@@ -43,8 +43,8 @@ def run_suite(
     """Play policies on benchmarks and print the table. The same command goes on where it was stopped."""
     from irsim_gym.suite.members import shipped_suite
     from irsim_gym.suite.playing import play_suite
-    from irsim_gym.suite.suite_record import read_methods
     from irsim_gym.suite.suite_tables import markdown
+    from irsim_gym.training.methods import read_methods
 
     members = shipped_suite().chosen([name for name in names.split(",") if name])
     if not members:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.policy import Policy
-from irsim_gym.evaluation.reference_policies import is_named_policy, policy_kinds
+from irsim_gym.evaluation.reference_policies import policy_kinds
 from irsim_gym.tasks import Episodes
-from irsim_gym.training.policies import Source, load_policies, policy_file, policy_names
+from irsim_gym.training.policies import Source, load_policies, policy_digest, policy_names
 
 
 @dataclass(frozen=True)
@@ -53,7 +52,10 @@ def load_entrants(sources: Sequence[Source], names: Sequence[str] | None = None)
     if twice:
         raise IrsimGymError(f"an arena plays each policy once, but {', '.join(twice)} is given more than once")
     loaded = load_policies(sources)
-    return [Entrant(*parts, _digest(parts[2])) for parts in zip(called, loaded, texts, strict=True)]
+    return [
+        Entrant(*parts, None if parts[2] is None else policy_digest(parts[2]))
+        for parts in zip(called, loaded, texts, strict=True)
+    ]
 
 
 def check_entrants(entrants: Sequence[Entrant], episodes: Episodes) -> None:
@@ -72,10 +74,3 @@ def check_entrants(entrants: Sequence[Entrant], episodes: Episodes) -> None:
             problems.append(f"{entrant.name}: {error}")
     if problems:
         raise IrsimGymError("\n".join(problems))
-
-
-def _digest(source: str | None) -> str | None:
-    """Return SHA-256 of a policy's file; None where it has none."""
-    if source is None or is_named_policy(source):
-        return None
-    return hashlib.sha256(policy_file(source).read_bytes()).hexdigest()

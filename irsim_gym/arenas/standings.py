@@ -16,7 +16,6 @@ from irsim_gym.evaluation.paired import PairedComparison, compare_pairs
 from irsim_gym.evaluation.tables import summary_table
 from irsim_gym.evaluation.team_metrics import TeamSummary, summarize_teams
 from irsim_gym.evaluation.team_tables import compared_table, team_table
-from irsim_gym.levels.certificate import QUARTERS
 from irsim_gym.levels.played import PlayedLevels
 
 
@@ -75,10 +74,10 @@ def stand(
     own = {policy: rows[policy] for policy in policies}
     board = Board.of(own)
     summaries = summarize_teams(own) if team else [summarize(policy, episodes) for policy, episodes in own.items()]
-    certificate = level_set.certificate
-    if certificate is None or not certificate.policies or level_set.count < QUARTERS:
+    certificate, quarters = level_set.certificate, level_set.quarters
+    if certificate is None or quarters is None:
         by, strata = PEERS, strata_of_peers(board)
     else:
         by = f"by how many of {', '.join(certificate.policies)} fail, in quarters"
-        strata = strata_of_quarters(board, certificate.quarters(level_set.count))
+        strata = strata_of_quarters(board, quarters)
     return Standings(summaries, compare_pairs(policies, board.success, board.spl), by, strata, meetings, level_set)

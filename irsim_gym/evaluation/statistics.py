@@ -109,28 +109,6 @@ def paired_difference(first: ArrayLike, second: ArrayLike, confidence: float = C
     return _estimate(_mean_of_means, [a - b], confidence)
 
 
-def worst_share(success: ArrayLike, share: float) -> float:
-    """Return the success on the worst levels: CVaR at ``share``, without the bias of choosing and scoring at once.
-
-    The levels are chosen by one half of the repetitions and scored by the other, both ways round; the mean counts.
-    Levels of the same success are chosen in the order of their numbers.
-
-    Args:
-        success: One row per repetition (seeds of one method, or runs of one policy that draws), one column per level.
-        share: Which share of the levels, e.g. 0.05; at least one level is chosen.
-
-    Returns:
-        The success on them; NaN with fewer than two repetitions.
-    """
-    rows = np.asarray(success, np.float64)
-    if len(rows) < 2 or rows.shape[1] == 0:
-        return math.nan
-    count = max(1, math.ceil(share * rows.shape[1] - 1e-9))
-    halves = rows[::2].mean(axis=0), rows[1::2].mean(axis=0)
-    worst = [np.argsort(half, kind="stable")[:count] for half in halves]
-    return float(0.5 * (halves[1][worst[0]].mean() + halves[0][worst[1]].mean()))
-
-
 def _strata(scores: Scores) -> list[Floats]:
     strata = [np.asarray(task, np.float64) for task in scores]
     if not strata or any(task.ndim != 1 or not task.size for task in strata):

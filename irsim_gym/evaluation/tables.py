@@ -179,6 +179,25 @@ def _social(summary: Summary) -> tuple[str, ...]:
     return (*(number(100.0 * share, 1) for share in shares), number(summary.time_to_collision, 2))
 
 
+def worst_table(worst: Mapping[str, Mapping[str, float]], seeds: Mapping[str, Sequence[str]]) -> Table:
+    """Lay out the success on the worst levels, one row for each policy and for each method of several.
+
+    Args:
+        worst: By policy or method and by share of the levels, see ``worst_of_policies``.
+        seeds: Names of its policies, for each method that has several.
+    """
+    title = "success [%] on the worst levels: each policy on its own"
+    title += "; a method on those that are worst for the other half of its policies" if seeds else ""
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table.add_column("policy", no_wrap=True)
+    for share in next(iter(worst.values())):
+        table.add_column(f"worst {share}", justify="right")
+    for name, shares in worst.items():
+        label = f"{name} ({len(seeds[name])} policies)" if name in seeds else name
+        table.add_row(label, *(number(100.0 * value, 1) for value in shares.values()))
+    return table
+
+
 def table_text(table: Table) -> str:
     """Return a table as plain text."""
     console = Console(width=WIDTH, file=io.StringIO(), record=True)

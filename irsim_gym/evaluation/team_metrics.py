@@ -144,6 +144,9 @@ class TeamSummary:
         min_clearance: Mean over agents of the smallest clearance [m].
         acceleration: Mean over agents of the mean size of acceleration [m/s2].
         jerk: Mean over agents of the mean size of its derivative [m/s3].
+        intrusion_025: Mean over agents of the share of steps nearer than 0.25 m to a person; NaN without people.
+        intrusion_045: The same for 0.45 m.
+        time_to_collision: Mean of the least times to collision with a person [s], over agents that met one.
     """
 
     policy: str
@@ -168,6 +171,9 @@ class TeamSummary:
     min_clearance: float
     acceleration: float
     jerk: float
+    intrusion_025: float = math.nan
+    intrusion_045: float = math.nan
+    time_to_collision: float = math.nan
 
 
 def rate_of_agents(counts: Sequence[int], team: int) -> Rate:
@@ -241,6 +247,9 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
         min_clearance=mean([episode.min_clearance for episode in episodes]),
         acceleration=mean([episode.acceleration for episode in episodes]),
         jerk=mean([episode.jerk for episode in episodes]),
+        intrusion_025=mean([episode.intrusion_025 for episode in episodes]),
+        intrusion_045=mean([episode.intrusion_045 for episode in episodes]),
+        time_to_collision=mean([episode.time_to_collision for episode in episodes]),
     )
 
 

@@ -92,6 +92,12 @@ class Certificate:
         failed: Floats = (self.outcome != OUTCOMES.index("success")).mean(axis=(0, 2))
         return failed if len(self.policies) else np.zeros(self.count)
 
+    @property
+    def solved(self) -> Flags:
+        """Whether a reference policy brings all agents to their goals, which proves a level, shape ``(n_levels,)``."""
+        arrived: Flags = (self.outcome == OUTCOMES.index("success")).all(axis=2).any(axis=0)
+        return arrived
+
     def ranked(self, count: int) -> Ints:
         """Return the first levels from the easiest to the hardest."""
         return np.lexsort((self.least_time.max(axis=1)[:count], self.difficulty[:count])).astype(np.int64)
@@ -106,9 +112,9 @@ class Certificate:
         quarter[ranked] = np.arange(len(ranked)) * QUARTERS // len(ranked)
         return quarter
 
-    def matches(self, hashes: Words) -> bool:
-        """Return whether levels with these hashes are the first ones of the certificate."""
-        return len(hashes) <= self.count and bool(np.array_equal(self.hash[: len(hashes)], hashes))
+    def matches(self, digest: str, count: int) -> bool:
+        """Return whether its first levels have this hash of a set."""
+        return count <= self.count and set_hash(self.hash[:count]) == digest
 
     def content(self) -> bytes:
         """Return the content of its file; equal certificates give equal bytes."""
@@ -142,15 +148,25 @@ def read_certificate(file: Path) -> Certificate:
         raise IrsimGymError(f"{file} is no certificate of levels: {error}") from None
 
 
-def find_certificate(scenario: Scenario, agents: Sequence[str], split: str, hashes: Words) -> Certificate | None:
+def find_certificate(
+    scenario: Scenario, agents: Sequence[str], split: str, digest: str, count: int
+) -> Certificate | None:
     """Return the certificate of a scenario's levels: beside its file of levels or its own file, or shipped.
 
-    None where there is none for levels with these hashes and agents.
+    Args:
+        scenario: The scenario.
+        agents: Names of the robots that are driven.
+        split: Split of the levels.
+        digest: Hash of the set of levels.
+        count: How many they are, from 0.
+
+    Returns:
+        The certificate; None where there is none for these agents and levels.
     """
     for file in _candidates(scenario):
         if file.is_file():
             found = read_certificate(file)
-            if found.split == split and found.agents == tuple(agents) and found.matches(hashes):
+            if found.split == split and found.agents == tuple(agents) and found.matches(digest, count):
                 return found
     return None
 

@@ -11,6 +11,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
+from irsim_gym.arraytypes import Ints
 from irsim_gym.engine import Simulation
 from irsim_gym.evaluation.metrics import wilson
 from irsim_gym.levels.certificate import QUARTERS, Certificate, find_certificate
@@ -40,29 +41,54 @@ class PlayedLevels:
         source = f" of {self.file}" if self.file else ""
         return f"set {self.hash}{source}{', certified' if self.certificate is not None else ''}"
 
+    @property
+    def unsolved(self) -> int | None:
+        """Number of levels that no reference policy solves; None without a certificate, or without such policies."""
+        if self.certificate is None or not self.certificate.policies:
+            return None
+        return int((~self.certificate.solved[: self.count]).sum())
+
+    @property
+    def quarters(self) -> Ints | None:
+        """Quarter of difficulty of each level, 0 to 3, shape ``(count,)``; None where it is not known.
+
+        That is without a certificate, or with fewer levels than quarters.
+        """
+        if self.certificate is None or self.count < QUARTERS or not self.certificate.policies:
+            return None
+        return self.certificate.quarters(self.count)
+
     def conditions(self) -> dict[str, Any]:
         """Return what a published figure has to name."""
-        certified = None if self.certificate is None else self.certificate.name
-        return {"level_hash": self.hash, "level_file": self.file or None, "certificate": certified}
+        certificate = self.certificate
+        return {
+            "level_hash": self.hash,
+            "level_file": self.file or None,
+            "certificate": None if certificate is None else certificate.name,
+            "certified_by": None if certificate is None else list(certificate.policies),
+            "unsolved": self.unsolved,
+        }
 
     def tables(self, solved: Mapping[str, Sequence[bool]]) -> list[Table]:
-        """Return the table of success by difficulty; none without a certificate, or with fewer levels than quarters.
+        """Return the table of success by difficulty; none where the quarters of difficulty are not known.
 
         Args:
             solved: Success in each level, by policy.
         """
-        if self.certificate is None or self.count < QUARTERS or not self.certificate.policies:
+        quarters = self.quarters
+        if self.certificate is None or quarters is None:
             return []
-        quarter = self.certificate.quarters(self.count)
+        policies = ", ".join(self.certificate.policies)
         title = (
-            f"success [%] by difficulty: levels in the order of how many of {', '.join(self.certificate.policies)} fail"
+            f"success [%] by difficulty: levels in the order of how many of {policies} fail; "
+            f"{self.unsolved:,} of {self.count:,} are solved by none of them"
         )
         table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
         table.add_column("policy", no_wrap=True)
         for name in QUARTER_NAMES:
             table.add_column(Text(name), justify="right")
         for policy, successes in solved.items():
-            shares = (np.array(successes)[quarter == k] for k in range(QUARTERS))
+            shares = (np.array(successes)[quarters == k] for k in range(QUARTERS))
             table.add_row(policy, *(_share(int(chosen.sum()), len(chosen)) for chosen in shares))
         return [table]
 
@@ -74,7 +100,7 @@ def _share(count: int, total: int) -> str:
 
 def played_levels(simulation: Simulation, split: str, count: int) -> PlayedLevels:
     """Return which levels the first ones of a split are; they are drawn once more."""
-    hashes = draw_levels(simulation, [split], count).hashes()
+    digest = set_hash(draw_levels(simulation, [split], count).hashes())
     levels, agents = simulation.scenario.levels, [simulation.parts.names[b] for b in simulation.agents]
-    file = "" if levels is None else levels.file
-    return PlayedLevels(count, set_hash(hashes), file, find_certificate(simulation.scenario, agents, split, hashes))
+    certificate = find_certificate(simulation.scenario, agents, split, digest, count)
+    return PlayedLevels(count, digest, "" if levels is None else levels.file, certificate)

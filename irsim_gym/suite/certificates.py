@@ -1,13 +1,16 @@
-"""The certificates that are shipped with the benchmarks, made from a run of the suite."""
+"""The certificates that are shipped with the benchmarks, and those of levels that were played."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.levels.certificate import Certificate, shipped_certificate
+from irsim_gym.levels.certificate import Certificate, find_certificate, shipped_certificate
 from irsim_gym.levels.certify import certify
+from irsim_gym.levels.played import PlayedLevels
+from irsim_gym.scenario import load_scenario
 from irsim_gym.suite.members import Member, shipped_suite
 from irsim_gym.suite.row_files import read_rows
 from irsim_gym.suite.suite_record import SuiteRecord, read_record
@@ -48,3 +51,19 @@ def _check(member: Member, made: Certificate, record: SuiteRecord, folder: Path)
         raise IrsimGymError(
             f"{folder} holds rows of {member.name} on other levels, set {played}, now {made.set_hash}: play them again"
         )
+
+
+def certified_levels(member: Mapping[str, Any]) -> PlayedLevels:
+    """Return the levels of a benchmark with their certificate, which may be younger than the rows.
+
+    Args:
+        member: What the record of a run says of the benchmark.
+    """
+    of = member["conditions"]
+    count, digest = of["levels"], of["level_hash"]
+    try:
+        scenario = load_scenario(member["scenario"], member["parameters"], warn=False)
+    except IrsimGymError:  # rows of another version, in which the scenario had other parameters
+        return PlayedLevels(count, digest, of["level_file"] or "", None)
+    found = find_certificate(scenario, of["agents"], of["split"], digest, count)
+    return PlayedLevels(count, digest, of["level_file"] or "", found)

@@ -20,18 +20,19 @@ from irsim_gym.levels.played import played_levels
 from irsim_gym.suite.members import Member
 from irsim_gym.suite.row_files import write_rows
 from irsim_gym.suite.scores import score_suite
-from irsim_gym.suite.suite_record import ROWS, SUMMARY, SuiteMethod, SuiteRecord, read_record
+from irsim_gym.suite.suite_record import ROWS, SUMMARY, SuiteRecord, read_record
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import make_episodes, team_conditions
 from irsim_gym.training.evaluate import WORLDS
 from irsim_gym.training.folders import as_name
+from irsim_gym.training.methods import Method
 from irsim_gym.training.policies import UnfitPolicyError, load_policy
 
 
 def play_suite(
     members: Sequence[Member],
-    methods: Sequence[SuiteMethod],
+    methods: Sequence[Method],
     folder: Path,
     *,
     levels: int = 1000,
@@ -89,7 +90,7 @@ def _begin(folder: Path, levels: int, split: str, overwrite: bool) -> SuiteRecor
 
 
 def _play_member(
-    member: Member, methods: Sequence[SuiteMethod], record: SuiteRecord, folder: Path, screen: Console, bar: Progress
+    member: Member, methods: Sequence[Method], record: SuiteRecord, folder: Path, screen: Console, bar: Progress
 ) -> None:
     """Play one benchmark with all methods that have not finished it."""
     levels = min(record.levels, member.levels or record.levels)

@@ -10,21 +10,22 @@ from statistics import fmean
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow, mean
 from irsim_gym.evaluation.statistics import (
     Estimate,
     interquartile_mean,
     probability_of_improvement,
     stratified_mean,
-    worst_share,
 )
 from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.team_metrics import COMPARED, TEAM_HITS, TeamRow, TeamSummary, summarize_team
+from irsim_gym.evaluation.worst_levels import worst_shares
+from irsim_gym.levels.played import QUARTER_NAMES
+from irsim_gym.suite.certificates import certified_levels
 from irsim_gym.suite.row_files import read_rows
 from irsim_gym.suite.suite_record import SuiteRecord
 
-WORST = (0.05, 0.01)
 Repetitions = Sequence[Sequence[TeamRow]]
 """The levels that the policies of one method played, one list for each."""
 
@@ -43,7 +44,9 @@ class Score:
         deadlocked: Share of robots whose episode ended while they stood still.
         spl: Success weighted by path length.
         sct: Success weighted by completion time.
-        worst: Success on the worst 5 % and 1 % of levels, chosen by half of the policies and scored by the other half.
+        worst: Success of each policy on its own worst 5 % and 1 % of levels.
+        worst_shared: The same on levels that are chosen by half of the policies and scored by the other half.
+        quarters: Success by quarter of difficulty; empty where the levels have no certificate.
         time: Mean time of successful episodes [s].
         path: Mean path length of successful episodes [m].
         common_levels: Number of levels that all compared methods solved.
@@ -53,6 +56,9 @@ class Score:
         clearance: Mean of the smallest clearances [m].
         acceleration: Mean size of acceleration [m/s2].
         jerk: Mean size of its derivative [m/s3].
+        intrusion_025: Share of steps nearer than 0.25 m to a person; NaN where there are no people.
+        intrusion_045: The same for 0.45 m.
+        time_to_collision: Mean of the least times to collision with a person [s], over episodes that met one.
     """
 
     repetitions: int
@@ -64,6 +70,8 @@ class Score:
     spl: float
     sct: float
     worst: Mapping[str, float]
+    worst_shared: Mapping[str, float]
+    quarters: Mapping[str, float]
     time: float
     path: float
     common_levels: int
@@ -73,6 +81,9 @@ class Score:
     clearance: float
     acceleration: float
     jerk: float
+    intrusion_025: float
+    intrusion_045: float
+    time_to_collision: float
 
 
 def score_suite(record: SuiteRecord, folder: Path) -> None:
@@ -83,7 +94,11 @@ def score_suite(record: SuiteRecord, folder: Path) -> None:
         played[member] = {
             method: [read_rows(folder / file) for file in found] for method, found in files.items() if found
         }
-    scores = {member: score_member(methods) for member, methods in played.items()}
+    scores = {}
+    for member, methods in played.items():
+        levels = certified_levels(record.members[member])
+        record.members[member]["conditions"] |= levels.conditions()
+        scores[member] = score_member(methods, levels.quarters)
     record.figures = plain(scores)
     success = {
         member: {method: [_share(rows) for rows in repetitions] for method, repetitions in methods.items()}
@@ -92,25 +107,34 @@ def score_suite(record: SuiteRecord, folder: Path) -> None:
     record.overall = plain(overall(success, list(record.methods)))
 
 
-def score_member(methods: Mapping[str, Repetitions]) -> dict[str, Score]:
-    """Return the figures of several methods on the same levels."""
+def score_member(methods: Mapping[str, Repetitions], quarters: Ints | None = None) -> dict[str, Score]:
+    """Return the figures of several methods on the same levels.
+
+    Args:
+        methods: The levels that the policies of each played.
+        quarters: Quarter of difficulty of each level, from 0; None where it is not known.
+    """
     solved = {name: _solved(repetitions) for name, repetitions in methods.items()}
     n_levels = {name: len(repetitions[0]) for name, repetitions in methods.items()}
     compared = [name for name, levels in solved.items() if len(levels) >= max(COMPARED * n_levels[name], 1)]
     common = set.intersection(*(solved[name] for name in compared)) if len(compared) > 1 else set()
     return {
-        name: score_method(repetitions, common if name in compared else set()) for name, repetitions in methods.items()
+        name: score_method(repetitions, common if name in compared else set(), quarters)
+        for name, repetitions in methods.items()
     }
 
 
-def score_method(repetitions: Repetitions, common: set[int]) -> Score:
+def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | None = None) -> Score:
     """Return the figures of one method.
 
     Args:
         repetitions: The levels that its policies played.
         common: Levels that all compared methods solved.
+        quarters: Quarter of difficulty of each level, from 0; None where it is not known.
     """
     summaries = [summarize_team("", rows) for rows in repetitions]
+    success = _successes(repetitions)
+    own = [worst_shares([levels]) for levels in success]
     episodes = [agent.episode for rows in repetitions for row in rows for agent in row.agents]
     there = [episode for episode in episodes if episode.level in common]
 
@@ -126,7 +150,9 @@ def score_method(repetitions: Repetitions, common: set[int]) -> Score:
         deadlocked=over(lambda summary: summary.deadlocked.value),
         spl=over(lambda summary: summary.spl),
         sct=over(lambda summary: summary.sct),
-        worst={f"{share:.0%}": worst_share(_successes(repetitions), share) for share in WORST},
+        worst={share: mean([one[share] for one in own]) for share in own[0]},
+        worst_shared=worst_shares(success) if len(success) > 1 else {},
+        quarters=_by_quarter(success, quarters),
         time=_of_successes(episodes, lambda episode: episode.time),
         path=over(lambda summary: summary.path_length),
         common_levels=len(common),
@@ -136,6 +162,9 @@ def score_method(repetitions: Repetitions, common: set[int]) -> Score:
         clearance=over(lambda summary: summary.min_clearance),
         acceleration=over(lambda summary: summary.acceleration),
         jerk=over(lambda summary: summary.jerk),
+        intrusion_025=over(lambda summary: summary.intrusion_025),
+        intrusion_045=over(lambda summary: summary.intrusion_045),
+        time_to_collision=over(lambda summary: summary.time_to_collision),
     )
 
 
@@ -174,6 +203,13 @@ def _success(summaries: Sequence[TeamSummary]) -> Estimate:
 
 def _successes(repetitions: Repetitions) -> Floats:
     return np.array([[row.is_success for row in rows] for rows in repetitions], np.float64)
+
+
+def _by_quarter(success: Floats, quarters: Ints | None) -> dict[str, float]:
+    """Return the success in each quarter of difficulty, none where the quarters are not known."""
+    if quarters is None:
+        return {}
+    return {name: float(success[:, quarters == k].mean()) for k, name in enumerate(QUARTER_NAMES)}
 
 
 def _share(rows: Sequence[TeamRow]) -> float:

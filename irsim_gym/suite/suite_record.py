@@ -2,65 +2,21 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.reference_policies import is_named_policy
 from irsim_gym.evaluation.tables import write_json
 from irsim_gym.suite.members import Member
-from irsim_gym.training.policies import policy_file, policy_names
+from irsim_gym.training.methods import Method
 from irsim_gym.training.run import machine
 from irsim_gym.training.snapshot import take_snapshot
 
 SUMMARY = "summary.json"
 ROWS = "rows"
-
-
-@dataclass(frozen=True)
-class SuiteMethod:
-    """Policies of one kind: a single one, or the seeds of one training.
-
-    Attributes:
-        name: What it is called in tables.
-        sources: Its policies, as ``load_policy`` takes them.
-    """
-
-    name: str
-    sources: tuple[str, ...]
-
-    def identity(self) -> list[dict[str, Any]]:
-        """Return what its policies are: their sources, and the hashes of files."""
-        return [{"source": source, "sha256": _digest(source)} for source in self.sources]
-
-
-def read_methods(texts: Sequence[str]) -> list[SuiteMethod]:
-    """Return the methods of a command line: ``POLICY``, or ``NAME=POLICY,POLICY,...`` for several seeds.
-
-    Raises:
-        IrsimGymError: Two have one name, or one has no policy.
-    """
-    named = [text.partition("=") if re.match(r"[\w.-]+=", text) else ("", "", text) for text in texts]
-    short = iter(policy_names([source for name, _, source in named if not name]))
-    methods = [
-        SuiteMethod(name or next(short), tuple(sources.split(",")) if name else (sources,))
-        for name, _, sources in named
-    ]
-    for method in methods:
-        if "" in method.sources:
-            raise IrsimGymError(
-                f"'{method.name}=...' needs policies, divided by commas, got '{','.join(method.sources)}'"
-            )
-    names = [method.name for method in methods]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise IrsimGymError(f"two methods are named '{twice[0]}': give them names, NAME=POLICY")
-    return methods
 
 
 @dataclass
@@ -95,7 +51,7 @@ class SuiteRecord:
         """Return the entries of a method's policies on a benchmark, so far."""
         return self.runs.setdefault(member, {}).setdefault(method, [])
 
-    def add(self, members: Sequence[Member], methods: Sequence[SuiteMethod]) -> None:
+    def add(self, members: Sequence[Member], methods: Sequence[Method]) -> None:
         """Take note of what is to be played.
 
         Raises:
@@ -143,9 +99,3 @@ def _scenario(member: Member) -> dict[str, Any]:
     own = {"scenario": member.scenario, "parameters": dict(member.parameters), "team": member.team}
     return {**own, "differs": member.differs, "sha256": digest}
 
-
-def _digest(source: str) -> str | None:
-    """Return the hash of a policy's file; None for a name."""
-    if is_named_policy(source):
-        return None
-    return hashlib.sha256(policy_file(source).read_bytes()).hexdigest()

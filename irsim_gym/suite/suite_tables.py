@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from irsim_gym.evaluation.worst_levels import WORST
+from irsim_gym.levels.played import QUARTER_NAMES
 from irsim_gym.suite.suite_record import SuiteRecord
 
 DASH = "-"
@@ -135,7 +137,9 @@ def _columns(scores: Sequence[Figures], is_team: bool) -> dict[str, Reader]:
     columns |= {f"{end.replace('_', ' ')} [%]": _percents("outcomes", end) for end in ends}
     if is_team:
         columns["deadlocked [%]"] = _percents("deadlocked")
-    columns |= {f"worst {share.replace('%', ' %')} [%]": _percents("worst", share) for share in scores[0]["worst"]}
+    columns |= {f"{quarter} [%]": _percents("quarters", quarter) for quarter in QUARTER_NAMES}
+    columns |= {f"worst {share} [%]": _percents("worst", share) for share in WORST}
+    columns |= {f"shared worst {share} [%]": _percents("worst_shared", share) for share in WORST}
     columns |= {"SPL": _numbers("spl", 3), "SCT": _numbers("sct", 3)}
     if is_team:
         columns["makespan [s]"] = _numbers("makespan", 1)
@@ -144,18 +148,21 @@ def _columns(scores: Sequence[Figures], is_team: bool) -> dict[str, Reader]:
         "common time [s]": _numbers("common_time", 2),
         "common path [m]": _numbers("common_path", 2),
         "clearance [m]": _numbers("clearance", 3),
+        "steps within 0.25 m [%]": _percents("intrusion_025"),
+        "within 0.45 m [%]": _percents("intrusion_045"),
+        "time to collision [s]": _numbers("time_to_collision", 2),
         "acceleration [m/s2]": _numbers("acceleration", 2),
         "jerk [m/s3]": _numbers("jerk", 1),
     }
 
 
 def _percents(*keys: str) -> Reader:
-    """Return what reads a share below some keys, in percent."""
+    """Return what reads a share below some keys, in percent; figures of an earlier version may not have it."""
 
     def read(score: Figures) -> str:
         found: Any = score
         for key in keys:
-            found = found[key]
+            found = (found or {}).get(key)
         return _percent(found)
 
     return read
@@ -163,7 +170,7 @@ def _percents(*keys: str) -> Reader:
 
 def _numbers(key: str, digits: int) -> Reader:
     """Return what reads a number with so many digits."""
-    return lambda score: _number(score[key], digits)
+    return lambda score: _number(score.get(key), digits)
 
 
 def _notes(record: SuiteRecord, name: str) -> list[str]:
@@ -171,6 +178,12 @@ def _notes(record: SuiteRecord, name: str) -> list[str]:
     notes = [conditions_line(member)]
     if member["differs"]:
         notes.append(f"Differs from the original: {member['differs']}")
+    of = member["conditions"]
+    if of.get("certified_by"):
+        notes.append(
+            f"Difficulty: by how many of {', '.join(of['certified_by'])} fail, the policies of the certificate. "
+            f"{of['unsolved']:,} of {of['levels']:,} levels are solved by none of them."
+        )
     common = max((score["common_levels"] for score in scores.values()), default=0)
     if common:
         notes.append(f"Common: the {common:,} levels that all methods with at least half of the levels solved.")
@@ -245,10 +258,6 @@ def _vector(values: Any) -> str:
 def _each(value: Any, said: Any) -> str:
     """Return a value in words, or those of several robots, each once."""
     return ", ".join(dict.fromkeys(map(said, value))) if isinstance(value, list) else str(said(value))
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
 
 
 def _interval(estimate: Mapping[str, float | None]) -> str:

@@ -20,6 +20,7 @@ from irsim_gym.training.asked import Asked
 from irsim_gym.training.evaluate import Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
 from irsim_gym.training.folders import evaluation_folder, has_results
+from irsim_gym.training.methods import read_methods
 from irsim_gym.training.remembered import remembered_parameters, tell_changes
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.score import MARKS, Point, reached, score_run
@@ -140,15 +141,17 @@ def run_evaluation(
     """
     if not policies and not references:
         raise IrsimGymError("nothing to evaluate: name a policy, or keep the references")
-    parameters = remembered_parameters(scenario, policies, parameters, strict=strict)
+    methods = {method.name: method.sources for method in read_methods(policies)}
+    sources = [source for seeds in methods.values() for source in seeds]
+    parameters = remembered_parameters(scenario, sources, parameters, strict=strict)
     if out is not None and has_results(out) and not overwrite:
         raise IrsimGymError(f"{out} holds results: choose another folder with --out, or replace them with --overwrite")
     folder = out or evaluation_folder(scenario, split, parameters, team, overwrite=overwrite)
-    tell_changes(scenario, policies, task, strict=strict)
+    tell_changes(scenario, sources, task, strict=strict)
     evaluated = evaluate_team_policies if team else evaluate_policies
     found = evaluated(
         scenario,
-        policies,
+        methods,
         levels=levels,
         split=split,
         task=task,

@@ -11,13 +11,14 @@ from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 from irsim_gym.errors import ChangedScenarioWarning
 from irsim_gym.training.evaluate import WORLDS, Evaluation, evaluate_policies
 from irsim_gym.training.evaluate_teams import TeamEvaluation, evaluate_team_policies
+from irsim_gym.training.methods import Sources, by_method
 from irsim_gym.training.policies import Source
 from irsim_gym.training.remembered import change_told, changes_since
 
 
 def evaluate(
     scenario: ScenarioSource,
-    policies: Source | Sequence[Source] | Mapping[str, Source],
+    policies: Source | Sources,
     *,
     levels: int = 1000,
     split: str = "test",
@@ -39,7 +40,8 @@ def evaluate(
 
     Args:
         scenario: Shipped name, id, path of a YAML file, plain data or a loaded scenario.
-        policies: One, several, or several by the names that they get in the results.
+        policies: One, several, or several by the names that they get in the results; a list behind a name holds the
+            seeds of one method.
         levels: How many levels of the split, from 0.
         split: ``"test"``, which no training meets, ``"dev"`` or ``"train"``.
         task: Shipped name, path or plain data of a task; None for the scenario's own.
@@ -56,11 +58,9 @@ def evaluate(
     """
     if levels < 1:
         raise ValueError(f"levels must be >= 1, got {levels}")
-    names = list(policies) if isinstance(policies, Mapping) else None
-    sources: Any = list(policies.values()) if isinstance(policies, Mapping) else policies
-    if not isinstance(sources, Sequence) or isinstance(sources, str):
-        sources = [sources]
-    _warn_of_changes(scenario, sources, task, strict)
+    is_one = isinstance(policies, str) or not isinstance(policies, Sequence | Mapping)
+    sources: Any = [policies] if is_one else policies
+    _warn_of_changes(scenario, [one for several in by_method(sources).values() for one in several], task, strict)
     evaluated = evaluate_team_policies if team else evaluate_policies
     return evaluated(
         scenario,
@@ -70,7 +70,6 @@ def evaluate(
         task=task,
         n_worlds=n_worlds,
         references=references,
-        names=names,
         folder=None if folder is None else Path(folder),
         parameters=parameters,
         strict=strict,

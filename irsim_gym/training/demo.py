@@ -65,7 +65,7 @@ def _stages(folder: Path, scenario: str, steps: int | None, levels: int, seed: i
     _say(screen, 3, f"evaluating on {levels:,} test levels, beside random and dash", done)
     policy, film = folder / FILES["policy"], folder / FILES["film"]
     if not done:
-        evaluate_policies(scenario, [policy], names=["ppo"], levels=levels, folder=folder, console=screen)
+        evaluate_policies(scenario, {"ppo": policy}, levels=levels, folder=folder, console=screen)
     filmed = film.is_file() and film.stat().st_mtime >= policy.stat().st_mtime
     _say(screen, 4, "filming it beside dash", filmed)
     if not filmed:

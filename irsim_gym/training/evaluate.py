@@ -17,11 +17,21 @@ from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.protocol import evaluate
 from irsim_gym.evaluation.reference_policies import ALWAYS_SHOWN
-from irsim_gym.evaluation.tables import percent, summary_table, table_text, write_episodes, write_json, write_text
+from irsim_gym.evaluation.tables import (
+    percent,
+    summary_table,
+    table_text,
+    worst_table,
+    write_episodes,
+    write_json,
+    write_text,
+)
+from irsim_gym.evaluation.worst_levels import worst_of_policies
 from irsim_gym.levels.played import PlayedLevels, played_levels
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.episode_setup import conditions, make_episodes
-from irsim_gym.training.policies import Source, load_policies, load_policy, policy_names
+from irsim_gym.training.methods import Sources, by_method, names_of_policies
+from irsim_gym.training.policies import load_policies, load_policy
 from irsim_gym.training.run import machine
 from irsim_gym.training.trajectory_figures import Atlas
 
@@ -40,6 +50,7 @@ class Evaluation:
         rows: Episodes by policy.
         summaries: Figures, in the same order.
         level_set: Hash of the levels, and their certificate.
+        seeds: Names of its policies, for each method that has several.
     """
 
     scenario: str
@@ -47,13 +58,24 @@ class Evaluation:
     rows: dict[str, list[EpisodeRow]]
     summaries: list[Summary]
     level_set: PlayedLevels
+    seeds: dict[str, list[str]]
 
     @property
     def tables(self) -> list[Table]:
-        """Return the table of all figures, and that of success by difficulty where the levels have a certificate."""
+        """Return the tables of all figures, of the worst levels, and of success by difficulty for certified levels."""
         title = f"{self.scenario}: {self.summaries[0].episodes:,} {self.split} levels, {self.level_set}"
-        solved = {name: [row.outcome == "success" for row in rows] for name, rows in self.rows.items()}
-        return [summary_table(self.summaries, title), *self.level_set.tables(solved)]
+        worst = worst_table(self.worst, self.seeds)
+        return [summary_table(self.summaries, title), worst, *self.level_set.tables(self.solved)]
+
+    @property
+    def solved(self) -> dict[str, list[bool]]:
+        """Success in each level, by policy."""
+        return {name: [row.outcome == "success" for row in rows] for name, rows in self.rows.items()}
+
+    @property
+    def worst(self) -> dict[str, dict[str, float]]:
+        """Success on the worst 5 % and 1 % of levels, by policy and by method of several, see ``worst_levels``."""
+        return worst_of_policies(self.solved, self.seeds)
 
     def __str__(self) -> str:
         return "\n".join(map(table_text, self.tables))
@@ -61,14 +83,13 @@ class Evaluation:
 
 def evaluate_policies(
     scenario: ScenarioSource,
-    sources: Sequence[Source],
+    sources: Sources,
     *,
     levels: int = 1000,
     split: str = "test",
     task: TaskSource = None,
     n_worlds: int = WORLDS,
     references: bool = True,
-    names: Sequence[str] | None = None,
     folder: Path | None = None,
     console: Console | None = None,
     parameters: Mapping[str, object] | None = None,
@@ -78,13 +99,12 @@ def evaluate_policies(
 
     Args:
         scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
-        sources: Policies as ``load_policy`` takes them.
+        sources: Policies as ``load_policy`` takes them; by name, those of a method, one or several seeds.
         levels: How many levels of the split, from 0.
         split: ``"test"``, ``"dev"`` or ``"train"``.
         task: Shipped name, path or plain data of a task; None for the scenario's own.
         n_worlds: Worlds stepped together; the results do not depend on it.
         references: Add the reference policies.
-        names: Names of the policies in the results; None to take them from the sources.
         folder: Where the files go; None writes none.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
         parameters: Values for the scenario's parameters.
@@ -92,12 +112,12 @@ def evaluate_policies(
     """
     made: dict[str, Any] = {"task": task, "parameters": parameters, "strict": strict}
     episodes = make_episodes(scenario, n_worlds=max(1, min(n_worlds, levels)), **made)
-    chosen = named_policies(sources, names, ALWAYS_SHOWN if references else ())
+    chosen, seeds = named_policies(sources, ALWAYS_SHOWN if references else ())
     atlas = None if folder is None else Atlas(episodes)
     rows = drive_policies(evaluate, episodes, chosen, levels, split, console or Console(stderr=True), atlas)
     played = played_levels(episodes.simulation, split, levels)
     summaries = [summarize(name, rows[name]) for name in rows]
-    found = Evaluation(episodes.simulation.scenario.label, split, rows, summaries, played)
+    found = Evaluation(episodes.simulation.scenario.label, split, rows, summaries, played, seeds)
     if folder is not None and atlas is not None:
         write_evaluation(folder, found, conditions(episodes, split, levels))
         said = {each.policy: f"{rate_text(each.success)} arrive" for each in found.summaries}
@@ -109,7 +129,8 @@ def write_evaluation(folder: Path, found: Evaluation, named: Mapping[str, object
     """Write the rows, the figures and the table."""
     write_episodes(folder / "episodes.csv", found.rows)
     named = {**named, **found.level_set.conditions()}
-    write_json(folder / "summary.json", {"conditions": named, "machine": machine(), "policies": found.summaries})
+    figures = {"conditions": named, "machine": machine(), "policies": found.summaries, "worst": found.worst}
+    write_json(folder / "summary.json", figures)
     write_text(folder / "table.txt", "\n".join(map(table_text, found.tables)))
 
 
@@ -118,13 +139,22 @@ def rate_text(share: Rate) -> str:
     return f"{percent(share)} % ({100.0 * share.low:.1f}\N{EN DASH}{100.0 * share.high:.1f})"
 
 
-def named_policies(
-    sources: Sequence[Source], names: Sequence[str] | None, references: Sequence[str]
-) -> dict[str, Policy]:
-    """Load policies and, behind them, those reference policies that are not among them."""
-    labels = policy_names(sources) if names is None else names
-    chosen = dict(zip(labels, load_policies(sources), strict=True))
-    return {**chosen, **{name: load_policy(name) for name in references if name not in chosen}}
+def named_policies(sources: Sources, references: Sequence[str]) -> tuple[dict[str, Policy], dict[str, list[str]]]:
+    """Load policies.
+
+    Args:
+        sources: See ``evaluate_policies``.
+        references: Policies that are added where they are not among them.
+
+    Returns:
+        The policies by name, and the names of its policies for each method that has several.
+    """
+    methods = by_method(sources)
+    names = names_of_policies(methods)
+    loaded = load_policies([source for several in methods.values() for source in several])
+    chosen = dict(zip((name for several in names.values() for name in several), loaded, strict=True))
+    chosen |= {name: load_policy(name) for name in references if name not in chosen}
+    return chosen, {method: several for method, several in names.items() if len(several) > 1}
 
 
 def drive_policies(

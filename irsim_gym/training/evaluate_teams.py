@@ -14,15 +14,16 @@ from irsim_gym.envs.worlds import ScenarioSource, TaskSource
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.reference_policies import TEAM_SHOWN
-from irsim_gym.evaluation.tables import percent, table_text, write_json, write_text
+from irsim_gym.evaluation.tables import percent, table_text, worst_table, write_json, write_text
 from irsim_gym.evaluation.team_metrics import TeamRow, TeamSummary, summarize_teams
 from irsim_gym.evaluation.team_tables import compared_table, team_table, write_agents, write_levels
 from irsim_gym.evaluation.teams import evaluate_team
+from irsim_gym.evaluation.worst_levels import worst_of_policies
 from irsim_gym.levels.played import PlayedLevels, played_levels
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.episode_setup import make_episodes, team_conditions
 from irsim_gym.training.evaluate import WORLDS, drive_policies, named_policies, rate_text
-from irsim_gym.training.policies import Source
+from irsim_gym.training.methods import Sources
 from irsim_gym.training.run import machine
 from irsim_gym.training.trajectory_figures import Atlas
 
@@ -37,6 +38,7 @@ class TeamEvaluation:
         rows: Levels by policy.
         summaries: Figures, in the same order.
         level_set: Hash of the levels, and their certificate.
+        seeds: Names of its policies, for each method that has several.
     """
 
     scenario: str
@@ -44,20 +46,27 @@ class TeamEvaluation:
     rows: dict[str, list[TeamRow]]
     summaries: list[TeamSummary]
     level_set: PlayedLevels
+    seeds: dict[str, list[str]]
 
     @property
     def tables(self) -> list[Table]:
-        """Return the tables of all figures, of extra times where some are compared, and of success by difficulty."""
+        """Return the tables of figures, of extra times that are compared, of the worst levels, and by difficulty."""
         first = self.summaries[0]
         whose = "1 agent" if first.agents == 1 else f"{first.agents} agents"
         title = f"{self.scenario}: {whose}, {first.levels:,} {self.split} levels, {self.level_set}"
         compared = compared_table(self.summaries)
-        solved = {
-            name: [all(agent.episode.outcome == "success" for agent in row.agents) for row in rows]
-            for name, rows in self.rows.items()
-        }
         tables = [team_table(self.summaries, title), *([] if compared is None else [compared])]
-        return [*tables, *self.level_set.tables(solved)]
+        return [*tables, worst_table(self.worst, self.seeds), *self.level_set.tables(self.solved)]
+
+    @property
+    def solved(self) -> dict[str, list[bool]]:
+        """Success of the whole team in each level, by policy."""
+        return {name: [row.is_success for row in rows] for name, rows in self.rows.items()}
+
+    @property
+    def worst(self) -> dict[str, dict[str, float]]:
+        """Success on the worst 5 % and 1 % of levels, by policy and by method of several, see ``worst_levels``."""
+        return worst_of_policies(self.solved, self.seeds)
 
     def __str__(self) -> str:
         return "\n".join(map(table_text, self.tables))
@@ -65,14 +74,13 @@ class TeamEvaluation:
 
 def evaluate_team_policies(
     scenario: ScenarioSource,
-    sources: Sequence[Source],
+    sources: Sources,
     *,
     levels: int = 1000,
     split: str = "test",
     task: TaskSource = None,
     n_worlds: int = WORLDS,
     references: bool = True,
-    names: Sequence[str] | None = None,
     folder: Path | None = None,
     console: Console | None = None,
     parameters: Mapping[str, object] | None = None,
@@ -84,13 +92,13 @@ def evaluate_team_policies(
 
     Args:
         scenario: Shipped name, environment id, path of a scenario file, plain data or a loaded scenario.
-        sources: Policies as ``load_policy`` takes them; all robots share each of them.
+        sources: Policies as ``load_policy`` takes them; by name, those of a method, one or several seeds. All robots
+            share each of them.
         levels: How many levels of the split, from 0.
         split: ``"test"``, ``"dev"`` or ``"train"``.
         task: Shipped name, path or plain data of a task; None for the scenario's own.
         n_worlds: Worlds stepped together; the results do not depend on it.
         references: Add the reference policies.
-        names: Names of the policies in the results; None to take them from the sources.
         folder: Where the files go; None writes none.
         console: Where a progress bar goes; it stays quiet when that is no terminal.
         parameters: Values for the scenario's parameters.
@@ -100,14 +108,14 @@ def evaluate_team_policies(
     made: dict[str, Any] = {"task": task, "parameters": parameters, "strict": strict}
     episodes = make_episodes(scenario, n_worlds=n_worlds, team=True, **made)
     screen = console or Console(stderr=True)
-    chosen = named_policies(sources, names, ())
+    chosen, seeds = named_policies(sources, ())
     if references:
-        shown = named_policies((), None, [name for name in TEAM_SHOWN if name not in chosen])
+        shown, _ = named_policies((), [name for name in TEAM_SHOWN if name not in chosen])
         chosen = {**chosen, **_fitting(shown, episodes, screen)}
     atlas = None if folder is None else Atlas(episodes)
     rows = drive_policies(evaluate_team, episodes, chosen, levels, split, screen, atlas)
     played = played_levels(episodes.simulation, split, levels)
-    found = TeamEvaluation(episodes.simulation.scenario.label, split, rows, summarize_teams(rows), played)
+    found = TeamEvaluation(episodes.simulation.scenario.label, split, rows, summarize_teams(rows), played, seeds)
     if folder is not None and atlas is not None:
         write_team_evaluation(folder, found, team_conditions(episodes, split, levels))
         said = {
@@ -124,7 +132,8 @@ def write_team_evaluation(folder: Path, found: TeamEvaluation, named: Mapping[st
     write_agents(folder / "episodes.csv", found.rows)
     write_levels(folder / "levels.csv", found.rows)
     named = {**named, **found.level_set.conditions()}
-    write_json(folder / "summary.json", {"conditions": named, "machine": machine(), "policies": found.summaries})
+    figures = {"conditions": named, "machine": machine(), "policies": found.summaries, "worst": found.worst}
+    write_json(folder / "summary.json", figures)
     write_text(folder / "table.txt", "\n".join(map(table_text, found.tables)))
 
 

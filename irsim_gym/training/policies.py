@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import pickle
 import zipfile
@@ -217,6 +218,11 @@ def policy_file(source: str | Path) -> Path:
         near = suggestion(str(source), policy_kinds())
         raise UnknownPolicyError(source, f"no policy at {source}{near}")
     return path
+
+
+def policy_digest(source: str | Path) -> str | None:
+    """Return SHA-256 of a policy's file; None for a name, which has none."""
+    return None if is_named_policy(source) else hashlib.sha256(policy_file(source).read_bytes()).hexdigest()
 
 
 def policy_names(sources: Sequence[Source]) -> list[str]:

@@ -12,7 +12,6 @@ from irsim_gym.evaluation.statistics import (
     paired_difference,
     probability_of_improvement,
     stratified_mean,
-    worst_share,
 )
 
 
@@ -50,24 +49,6 @@ def test_a_lone_run_has_no_interval() -> None:
     assert found.value == 0.5
     assert math.isnan(found.low)
     assert math.isnan(found.high)
-
-
-@pytest.mark.parametrize(
-    ("rows", "share", "value"),
-    [
-        # The first row calls levels 0 and 1 the worst (second: 0 and 1), the second 0 and 2 (first: 0 and 1).
-        ([[0, 0, 1, 1], [0, 1, 0, 1]], 0.5, 0.5),
-        # Failures by chance are not the same ones again: choosing and scoring by one row would say 0.
-        ([[0, 1, 1, 1], [1, 1, 1, 0]], 0.25, 1.0),
-        ([[0, 1, 1, 1], [0, 1, 1, 1]], 0.01, 0.0),
-    ],
-)
-def test_worst_share_is_scored_by_the_other_half(rows: list[list[int]], share: float, value: float) -> None:
-    assert worst_share(rows, share) == pytest.approx(value)
-
-
-def test_worst_share_needs_two_repetitions() -> None:
-    assert math.isnan(worst_share([[0, 1]], 0.5))
 
 
 @pytest.mark.parametrize("scores", [[], [[]], [[[1.0]]]])

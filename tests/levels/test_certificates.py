@@ -19,6 +19,7 @@ from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.certificate import Certificate, find_certificate, read_certificate, rounded
 from irsim_gym.levels.certify import certify
 from irsim_gym.levels.draw import draw_levels
+from irsim_gym.scenario.level_set import set_hash
 from irsim_gym.scenario.library import configs_folder
 from irsim_gym.scenario.load import load_scenario
 from irsim_gym.training.episode_setup import make_episodes
@@ -121,8 +122,9 @@ def test_difficulty_is_the_share_of_failures_and_time_breaks_ties(tmp_path: Path
     again = read_certificate(tmp_path / "c.npz")
     assert again.content() == certificate.content()
     assert again.policies == ("dash", "orca")
-    assert certificate.matches(np.arange(3, dtype=np.uint64))
-    assert not certificate.matches(np.arange(1, 4, dtype=np.uint64))
+    assert certificate.matches(set_hash(np.arange(3, dtype=np.uint64)), 3)
+    assert not certificate.matches(set_hash(np.arange(1, 4, dtype=np.uint64)), 3)
+    assert certificate.solved.tolist() == [True] * 6 + [False] * 2
     (tmp_path / "c.npz").write_bytes(b"PK")
     with pytest.raises(IrsimGymError, match=r"c.npz is no certificate of levels"):
         read_certificate(tmp_path / "c.npz")
@@ -133,7 +135,7 @@ def test_evaluate_names_its_levels_and_reports_by_difficulty(tmp_path: Path) -> 
     file.write_bytes((configs_folder() / "scenarios" / "cluttered_room.yaml").read_bytes())
     plain = ig.evaluate(file, "dash", levels=8, references=False)
     assert plain.level_set.certificate is None
-    assert len(plain.tables) == 1
+    assert len(plain.tables) == 2
     episodes = make_episodes(file, n_worlds=8)
     rows = {name: evaluate_team(reference_policy(name), episodes, 8, "test") for name in ("random", "dash")}
     made = certify(episodes, "test", 8, rows)
@@ -149,7 +151,11 @@ def test_evaluate_names_its_levels_and_reports_by_difficulty(tmp_path: Path) -> 
     shown = str(found)
     assert f"set {made.set_hash}, certified" in shown
     assert all(f"{100 * share:.1f} (" in shown for share in by_quarter)
-    conditions = json.loads((tmp_path / "out" / "summary.json").read_text())["conditions"]
+    assert f"{(~made.solved).sum()} of 8 are solved by none of them" in shown.replace("\n", " ")
+    figures = json.loads((tmp_path / "out" / "summary.json").read_text())
+    conditions = figures["conditions"]
+    assert conditions["unsolved"] == (~made.solved).sum()
+    assert figures["worst"] == {"dash": {"5 %": 0.0, "1 %": 0.0}}
     assert (conditions["level_hash"], conditions["certificate"]) == (made.set_hash, "room")
 
 
@@ -162,7 +168,7 @@ def assert_same_levels(file: Path, count: int) -> None:
     hashes = draw_levels(simulation, [certificate.split], count).hashes()
     moved = np.flatnonzero(hashes != certificate.hash[:count])
     assert not moved.size, f"{name}: {moved.size} levels have moved, first {moved[:3]}; see docs/levels.md"
-    assert find_certificate(scenario, certificate.agents, certificate.split, hashes) is not None
+    assert find_certificate(scenario, certificate.agents, certificate.split, set_hash(hashes), count) is not None
 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=[file.stem for file in SHIPPED])

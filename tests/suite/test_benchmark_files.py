@@ -9,7 +9,20 @@ import pytest
 import irsim_gym
 from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.library import benchmark_names, every_scenario, names, scenario_names
+from irsim_gym.suite.members import shipped_suite
 from irsim_gym.tasks import load_task
+
+
+NO_MEMBERS = {
+    "recorded_people": "its people walk the same ways in every level: the file is a small one, drawn by us",
+}
+"""Files of configs/benchmarks that the suite does not play, and why."""
+
+
+def test_every_file_is_played_by_the_suite_or_named_with_the_reason() -> None:
+    played = {member.scenario for member in shipped_suite().members.values()}
+    assert set(names("benchmarks")) - played == set(NO_MEMBERS)
+    assert all(NO_MEMBERS.values())
 
 
 def test_names_are_unique_over_both_folders() -> None:

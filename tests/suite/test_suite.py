@@ -9,28 +9,32 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from irsim_gym import cli
 from irsim_gym.errors import IrsimGymError, UnknownNameError
 from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow
+from irsim_gym.evaluation.tables import plain
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
 from irsim_gym.levels.certificate import read_certificate
 from irsim_gym.levels.draw import draw_levels
 from irsim_gym.scenario.level_set import set_hash
+from irsim_gym.scenario.library import configs_folder
 from irsim_gym.suite import certificates, playing, suite_tables
 from irsim_gym.suite.certificates import certify_members
 from irsim_gym.suite.members import Member, read_suite, shipped_suite
 from irsim_gym.suite.playing import play_suite
 from irsim_gym.suite.row_files import read_rows, write_rows
 from irsim_gym.suite.scores import overall, score_member
-from irsim_gym.suite.suite_record import SuiteMethod, read_methods, read_record
+from irsim_gym.suite.suite_record import read_record
 from irsim_gym.training.episode_setup import make_episodes
+from irsim_gym.training.methods import Method, read_methods
 
 GOAL = Member("goal", "To drive to a goal.", "empty_goal")
 FIXED = Member("fixed", "To drive.", "jaxnav_single_nav_1", levels=1)
 SWAP = Member("swap", "To change sides.", "circle_swap", {"n_robots": 2}, team=True)
-DASH, RANDOM = SuiteMethod("dash", ("dash",)), SuiteMethod("random", ("random",))
+DASH, RANDOM = Method("dash", ("dash",)), Method("random", ("random",))
 
 
 def level(number: int, *outcomes: str, time: float = 5.0) -> TeamRow:
@@ -69,8 +73,8 @@ def test_all_mistakes_of_a_suite_are_named_at_once(tmp_path: Path) -> None:
 
 def test_methods_are_policies_or_named_seeds() -> None:
     methods = read_methods(["dash", "ppo=runs/a,runs/b", "x/policy.zip"])
-    assert methods == [DASH, SuiteMethod("ppo", ("runs/a", "runs/b")), SuiteMethod("x", ("x/policy.zip",))]
-    assert read_methods(["seen=pursuit:known=seen", "rvo:vxmax=1"])[0] == SuiteMethod("seen", ("pursuit:known=seen",))
+    assert methods == [DASH, Method("ppo", ("runs/a", "runs/b")), Method("x", ("x/policy.zip",))]
+    assert read_methods(["seen=pursuit:known=seen", "rvo:vxmax=1"])[0] == Method("seen", ("pursuit:known=seen",))
     with pytest.raises(IrsimGymError, match="two methods are named 'dash'"):
         read_methods(["dash", "dash=orca"])
     with pytest.raises(IrsimGymError, match="needs policies, divided by commas, got 'a,'"):
@@ -103,7 +107,7 @@ def test_a_run_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.Monk
 
 def test_a_policy_that_does_not_fit_is_left_out_and_named(tmp_path: Path) -> None:
     record = play_suite(
-        [Member("car", "To park.", "car_dash")], [SuiteMethod("rvo", ("rvo",)), DASH], tmp_path, levels=1
+        [Member("car", "To park.", "car_dash")], [Method("rvo", ("rvo",)), DASH], tmp_path, levels=1
     )
     assert list(record.figures["car"]) == ["dash"]
     assert "Without rvo: 'rvo' cannot drive kinematics 'acker'" in suite_tables.markdown(record)
@@ -144,13 +148,28 @@ def test_figures_worked_by_hand() -> None:
     assert mine.spl == pytest.approx(5 / 8 * 4.5 / 6.0)
     assert mine.sct == pytest.approx(5 / 8 * 4.0 / 5.0)
     # The worst level by the first policy is the third, which the second solves; by the second the fourth, unsolved.
-    assert mine.worst["5%"] == pytest.approx(0.5)
-    assert math.isnan(other.worst["5%"])
+    assert (mine.worst_shared["5 %"], other.worst_shared) == (pytest.approx(0.5), {})
+    assert (mine.worst["5 %"], other.worst["5 %"]) == (0.0, 0.0)
     # Both policies of ours solved levels 0 and 1, the others 0, 2 and 3.
     assert (mine.common_levels, mine.common_time, other.common_time) == (1, 5.0, 8.0)
     assert (mine.acceleration, mine.jerk, mine.clearance) == (0.5, 2.0, 0.25)
     team = score_member({"team": [[level(0, "success", "success"), level(1, "success", "collision")]]})["team"]
     assert (team.success.value, team.individual, team.makespan) == (0.5, 0.75, pytest.approx((5.0 + 30.0) / 2))
+
+
+def test_figures_of_people_and_of_difficulty_worked_by_hand() -> None:
+    near = {"intrusion_025": 0.1, "intrusion_045": 0.3, "time_to_collision": 2.0}
+    met = [replace(row.agents[0].episode, **near) for row in solo("success", "collision", "success", "timeout")]
+    met[3] = replace(met[3], intrusion_025=0.5, time_to_collision=math.inf)  # it met nobody
+    rows = [TeamRow(one.level, 30.0, (AgentRow("robot_0", one, 4.0, 1.0, False),)) for one in met]
+    quarters = np.array([1, 0, 2, 3])
+    score = score_member({"ours": [rows]}, quarters)["ours"]
+    assert list(score.quarters.values()) == [0.0, 1.0, 1.0, 0.0]
+    assert (score.intrusion_025, score.intrusion_045) == (pytest.approx(0.2), pytest.approx(0.3))
+    assert score.time_to_collision == 2.0
+    without = score_member({"ours": [solo("success", "success")]})["ours"]
+    assert without.quarters == {}
+    assert math.isnan(without.intrusion_025)
 
 
 def test_overall_figures_are_of_benchmarks_that_all_played() -> None:
@@ -183,7 +202,7 @@ def test_a_run_gives_the_certificates_of_its_benchmarks(tmp_path: Path, monkeypa
     monkeypatch.setattr(certificates, "shipped_certificate", lambda scenario: tmp_path / f"{scenario.name}.npz")
     folder = tmp_path / "run"
     suite = shipped_suite()
-    play_suite(suite.chosen(["bug_trap"]), [RANDOM, SuiteMethod("straight", ("dash",))], folder, levels=3)
+    play_suite(suite.chosen(["bug_trap"]), [RANDOM, Method("straight", ("dash",))], folder, levels=3)
     certify_members(folder, [])
     made = read_certificate(tmp_path / "bug_trap.npz")
     assert (made.policies, made.count, made.split) == (("random", "dash"), 3, "test")
@@ -197,6 +216,35 @@ def test_a_run_gives_the_certificates_of_its_benchmarks(tmp_path: Path, monkeypa
     record.write(folder)
     with pytest.raises(IrsimGymError, match="rows of bug_trap on other levels, set 0, now "):
         certify_members(folder, [])
+
+
+def test_tables_show_the_columns_that_rows_have(tmp_path: Path) -> None:
+    room = Member("room", "To find a way.", "cluttered_room")
+    record = play_suite([room, SWAP], [DASH, RANDOM], tmp_path, levels=4)
+    certificate = read_certificate(configs_folder() / "certificates" / "cluttered_room.npz")
+    of = record.members["room"]["conditions"]
+    assert (of["certificate"], of["certified_by"]) == (certificate.name, list(certificate.policies))
+    assert of["unsolved"] == int((~certificate.solved[:4]).sum())
+    quarters = record.figures["room"]["dash"]["quarters"]
+    assert sum(quarters.values()) / 4 == record.figures["room"]["dash"]["success"]["value"]
+    single, team = (suite_tables.member_markdown(record, name) for name in ("room", "swap"))
+    assert f"fail, the policies of the certificate. {of['unsolved']} of 4 levels are solved by none" in single
+    assert ("easiest quarter" in single, "easiest quarter" in team) == (True, False)
+    assert ("makespan" in single, "makespan" in team) == (False, True)
+    assert "within 0.25 m" not in single
+    assert "worst 5 % [%]" in single
+    assert "shared" not in single  # no method has several policies
+    crowd = replace(level(0, "success"), agents=(met_somebody(),))
+    record.figures["room"] = plain(score_member({"dash": [[crowd]]}))
+    assert "| steps within 0.25 m [%] | within 0.45 m [%] | time to collision [s] |" in suite_tables.markdown(record)
+    assert r"hardest quarter [\%]" in suite_tables.latex(play_suite([room], [DASH], tmp_path, levels=4))
+
+
+def met_somebody() -> AgentRow:
+    row = level(0, "success").agents[0]
+    return replace(
+        row, episode=replace(row.episode, intrusion_025=0.1, intrusion_045=0.2, time_to_collision=3.0)
+    )
 
 
 def test_tables_name_their_conditions(tmp_path: Path) -> None:

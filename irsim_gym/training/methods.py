@@ -1,0 +1,85 @@
+"""Methods: policies that are compared under one name, such as the seeds of one training."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from irsim_gym.errors import IrsimGymError
+from irsim_gym.training.policies import Source, policy_digest, policy_names
+
+Sources = Sequence[Source] | Mapping[str, Source | Sequence[Source]]
+"""Policies, or by name those of a method: one, or several seeds."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """Policies of one kind: a single one, or the seeds of one training.
+
+    Attributes:
+        name: What it is called in tables.
+        sources: Its policies, as ``load_policy`` takes them.
+    """
+
+    name: str
+    sources: tuple[str, ...]
+
+    def identity(self) -> list[dict[str, Any]]:
+        """Return what its policies are: their sources, and the hashes of files."""
+        return [{"source": source, "sha256": policy_digest(source)} for source in self.sources]
+
+
+def read_methods(texts: Sequence[str]) -> list[Method]:
+    """Return the methods of a command line: ``POLICY``, or ``NAME=POLICY,POLICY,...`` for several seeds.
+
+    Raises:
+        IrsimGymError: Two have one name, or one has no policy.
+    """
+    named = [_divided(text) for text in texts]
+    short = iter(policy_names([text for name, text in named if not name]))
+    methods = [Method(name or next(short), tuple(text.split(",")) if name else (text,)) for name, text in named]
+    for method in methods:
+        if "" in method.sources:
+            raise IrsimGymError(
+                f"'{method.name}=...' needs policies, divided by commas, got '{','.join(method.sources)}'"
+            )
+    names = [method.name for method in methods]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise IrsimGymError(f"two methods are named '{twice[0]}': give them names, NAME=POLICY")
+    return methods
+
+
+def _divided(text: str) -> tuple[str, str]:
+    """Return a method's name, empty where it has none, and its policies; the name of a folder may have ``=`` in it."""
+    name, equals, rest = text.partition("=")
+    is_named = equals and re.fullmatch(r"[\w.-]+", name) and not Path(text).exists()
+    return (name, rest) if is_named else ("", text)
+
+
+def by_method(sources: Sources) -> dict[str, list[Source]]:
+    """Return the policies of each method; those without a name are methods of their own.
+
+    Raises:
+        IrsimGymError: A method has no policy.
+    """
+    if not isinstance(sources, Mapping):
+        return {name: [source] for name, source in zip(policy_names(sources), sources, strict=True)}
+    found: dict[str, list[Source]] = {}
+    for name, given in sources.items():
+        several = isinstance(given, Sequence) and not isinstance(given, str)
+        found[name] = list(given) if several else [given]  # type: ignore[arg-type, list-item]
+        if not found[name]:
+            raise IrsimGymError(f"the method '{name}' has no policies: give it one, or a list of several")
+    return found
+
+
+def names_of_policies(methods: Mapping[str, Sequence[Source]]) -> dict[str, list[str]]:
+    """Return what the policies of each method are called: with a number where there are several."""
+    return {
+        name: [name] if len(sources) == 1 else [f"{name}-{number}" for number in range(1, len(sources) + 1)]
+        for name, sources in methods.items()
+    }
