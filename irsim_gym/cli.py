@@ -177,8 +177,8 @@ def evaluate(
     policies: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Folders of runs or policy.zip files, from people whom you trust (SECURITY.md), or names of behaviors; "
-            "NAME=POLICY,POLICY,... for the seeds of one training."
+            help="Folders of runs or policy.zip files, from people whom you trust (SECURITY.md), or names of "
+            "behaviors; NAME=POLICY,POLICY,... for the seeds of one training."
         ),
     ] = None,
     levels: Levels = 1000,

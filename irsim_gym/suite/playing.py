@@ -26,13 +26,13 @@ from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import make_episodes, team_conditions
 from irsim_gym.training.evaluate import WORLDS
 from irsim_gym.training.folders import as_name
-from irsim_gym.training.methods import Method
+from irsim_gym.training.methods import ComparedMethod
 from irsim_gym.training.policies import UnfitPolicyError, load_policy
 
 
 def play_suite(
     members: Sequence[Member],
-    methods: Sequence[Method],
+    methods: Sequence[ComparedMethod],
     folder: Path,
     *,
     levels: int = 1000,
@@ -90,7 +90,7 @@ def _begin(folder: Path, levels: int, split: str, overwrite: bool) -> SuiteRecor
 
 
 def _play_member(
-    member: Member, methods: Sequence[Method], record: SuiteRecord, folder: Path, screen: Console, bar: Progress
+    member: Member, methods: Sequence[ComparedMethod], record: SuiteRecord, folder: Path, screen: Console, bar: Progress
 ) -> None:
     """Play one benchmark with all methods that have not finished it."""
     levels = min(record.levels, member.levels or record.levels)

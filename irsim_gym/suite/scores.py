@@ -94,11 +94,11 @@ def score_suite(record: SuiteRecord, folder: Path) -> None:
         played[member] = {
             method: [read_rows(folder / file) for file in found] for method, found in files.items() if found
         }
-    scores = {}
-    for member, methods in played.items():
+    scores: dict[str, dict[str, Score]] = {}
+    for member, repetitions in played.items():
         levels = certified_levels(record.members[member])
         record.members[member]["conditions"] |= levels.conditions()
-        scores[member] = score_member(methods, levels.quarters)
+        scores[member] = score_member(repetitions, levels.quarters)
     record.figures = plain(scores)
     success = {
         member: {method: [_share(rows) for rows in repetitions] for method, repetitions in methods.items()}

@@ -11,7 +11,7 @@ from typing import Any
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import write_json
 from irsim_gym.suite.members import Member
-from irsim_gym.training.methods import Method
+from irsim_gym.training.methods import ComparedMethod
 from irsim_gym.training.run import machine
 from irsim_gym.training.snapshot import take_snapshot
 
@@ -51,7 +51,7 @@ class SuiteRecord:
         """Return the entries of a method's policies on a benchmark, so far."""
         return self.runs.setdefault(member, {}).setdefault(method, [])
 
-    def add(self, members: Sequence[Member], methods: Sequence[Method]) -> None:
+    def add(self, members: Sequence[Member], methods: Sequence[ComparedMethod]) -> None:
         """Take note of what is to be played.
 
         Raises:
@@ -98,4 +98,3 @@ def _scenario(member: Member) -> dict[str, Any]:
     digest = take_snapshot(member.scenario, None, member.parameters).digest
     own = {"scenario": member.scenario, "parameters": dict(member.parameters), "team": member.team}
     return {**own, "differs": member.differs, "sha256": digest}
-

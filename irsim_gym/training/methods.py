@@ -16,7 +16,7 @@ Sources = Sequence[Source] | Mapping[str, Source | Sequence[Source]]
 
 
 @dataclass(frozen=True)
-class Method:
+class ComparedMethod:
     """Policies of one kind: a single one, or the seeds of one training.
 
     Attributes:
@@ -32,7 +32,7 @@ class Method:
         return [{"source": source, "sha256": policy_digest(source)} for source in self.sources]
 
 
-def read_methods(texts: Sequence[str]) -> list[Method]:
+def read_methods(texts: Sequence[str]) -> list[ComparedMethod]:
     """Return the methods of a command line: ``POLICY``, or ``NAME=POLICY,POLICY,...`` for several seeds.
 
     Raises:
@@ -40,7 +40,7 @@ def read_methods(texts: Sequence[str]) -> list[Method]:
     """
     named = [_divided(text) for text in texts]
     short = iter(policy_names([text for name, text in named if not name]))
-    methods = [Method(name or next(short), tuple(text.split(",")) if name else (text,)) for name, text in named]
+    methods = [ComparedMethod(name or next(short), tuple(text.split(",")) if name else (text,)) for name, text in named]
     for method in methods:
         if "" in method.sources:
             raise IrsimGymError(

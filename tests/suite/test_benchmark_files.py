@@ -12,7 +12,6 @@ from irsim_gym.scenario.library import benchmark_names, every_scenario, names, s
 from irsim_gym.suite.members import shipped_suite
 from irsim_gym.tasks import load_task
 
-
 NO_MEMBERS = {
     "recorded_people": "its people walk the same ways in every level: the file is a small one, drawn by us",
 }

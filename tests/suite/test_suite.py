@@ -29,12 +29,12 @@ from irsim_gym.suite.row_files import read_rows, write_rows
 from irsim_gym.suite.scores import overall, score_member
 from irsim_gym.suite.suite_record import read_record
 from irsim_gym.training.episode_setup import make_episodes
-from irsim_gym.training.methods import Method, read_methods
+from irsim_gym.training.methods import ComparedMethod, read_methods
 
 GOAL = Member("goal", "To drive to a goal.", "empty_goal")
 FIXED = Member("fixed", "To drive.", "jaxnav_single_nav_1", levels=1)
 SWAP = Member("swap", "To change sides.", "circle_swap", {"n_robots": 2}, team=True)
-DASH, RANDOM = Method("dash", ("dash",)), Method("random", ("random",))
+DASH, RANDOM = ComparedMethod("dash", ("dash",)), ComparedMethod("random", ("random",))
 
 
 def level(number: int, *outcomes: str, time: float = 5.0) -> TeamRow:
@@ -73,8 +73,10 @@ def test_all_mistakes_of_a_suite_are_named_at_once(tmp_path: Path) -> None:
 
 def test_methods_are_policies_or_named_seeds() -> None:
     methods = read_methods(["dash", "ppo=runs/a,runs/b", "x/policy.zip"])
-    assert methods == [DASH, Method("ppo", ("runs/a", "runs/b")), Method("x", ("x/policy.zip",))]
-    assert read_methods(["seen=pursuit:known=seen", "rvo:vxmax=1"])[0] == Method("seen", ("pursuit:known=seen",))
+    assert methods == [DASH, ComparedMethod("ppo", ("runs/a", "runs/b")), ComparedMethod("x", ("x/policy.zip",))]
+    assert read_methods(["seen=pursuit:known=seen", "rvo:vxmax=1"])[0] == ComparedMethod(
+        "seen", ("pursuit:known=seen",)
+    )
     with pytest.raises(IrsimGymError, match="two methods are named 'dash'"):
         read_methods(["dash", "dash=orca"])
     with pytest.raises(IrsimGymError, match="needs policies, divided by commas, got 'a,'"):
@@ -107,7 +109,7 @@ def test_a_run_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.Monk
 
 def test_a_policy_that_does_not_fit_is_left_out_and_named(tmp_path: Path) -> None:
     record = play_suite(
-        [Member("car", "To park.", "car_dash")], [Method("rvo", ("rvo",)), DASH], tmp_path, levels=1
+        [Member("car", "To park.", "car_dash")], [ComparedMethod("rvo", ("rvo",)), DASH], tmp_path, levels=1
     )
     assert list(record.figures["car"]) == ["dash"]
     assert "Without rvo: 'rvo' cannot drive kinematics 'acker'" in suite_tables.markdown(record)
@@ -242,9 +244,7 @@ def test_tables_show_the_columns_that_rows_have(tmp_path: Path) -> None:
 
 def met_somebody() -> AgentRow:
     row = level(0, "success").agents[0]
-    return replace(
-        row, episode=replace(row.episode, intrusion_025=0.1, intrusion_045=0.2, time_to_collision=3.0)
-    )
+    return replace(row, episode=replace(row.episode, intrusion_025=0.1, intrusion_045=0.2, time_to_collision=3.0))
 
 
 def test_tables_name_their_conditions(tmp_path: Path) -> None:
