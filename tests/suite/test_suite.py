@@ -204,7 +204,7 @@ def test_a_run_gives_the_certificates_of_its_benchmarks(tmp_path: Path, monkeypa
     monkeypatch.setattr(certificates, "shipped_certificate", lambda scenario: tmp_path / f"{scenario.name}.npz")
     folder = tmp_path / "run"
     suite = shipped_suite()
-    play_suite(suite.chosen(["bug_trap"]), [RANDOM, Method("straight", ("dash",))], folder, levels=3)
+    play_suite(suite.chosen(["bug_trap"]), [RANDOM, ComparedMethod("straight", ("dash",))], folder, levels=3)
     certify_members(folder, [])
     made = read_certificate(tmp_path / "bug_trap.npz")
     assert (made.policies, made.count, made.split) == (("random", "dash"), 3, "test")
