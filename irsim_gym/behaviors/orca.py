@@ -8,11 +8,11 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.behaviors import renewal
+from irsim_gym.behaviors.map_parts import most_map_discs, most_map_walls
 from irsim_gym.behaviors.orca_crowd import Crowd, lay_squares
 from irsim_gym.behaviors.orca_map import SIGHT
 from irsim_gym.behaviors.orca_neighbors import OrcaObstacles
 from irsim_gym.behaviors.orca_planning import OrcaTables, command_plans, plan_velocities
-from irsim_gym.behaviors.surroundings import most_map_walls
 from irsim_gym.geometry.linear_program import HALF_PLANE
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.world.group import Group, Shard
@@ -59,15 +59,17 @@ class OrcaGroup:
         plans[deciding] = True
         is_wall, seen = ~model.movable & (is_member | ~model.unobstructed), is_member & model.movable
         members, n_sides = np.flatnonzero(seen | plans), most_map_walls(model, SIGHT)
+        n_discs = most_map_discs(model, SIGHT + model.map_disc[0])
         most = min(group.options[0].maxNeighbors, len(group.members))
         squares = lay_squares(model.bounds, len(members), group.options[0].neighborDist, most)
+        n_planes = n_parts + n_sides + n_discs + most
         group.tables = [
             OrcaTables(
                 deciding=deciding,
                 crowd=Crowd.reserve(members, squares, seen, plans, most),
-                obstacles=OrcaObstacles.reserve(is_wall, n_parts, n_sides),
-                planes=np.zeros(n_parts + n_sides + most, HALF_PLANE),
-                spare=np.zeros(n_parts + n_sides + most, HALF_PLANE),
+                obstacles=OrcaObstacles.reserve(is_wall, n_parts, n_sides, n_discs),
+                planes=np.zeros(n_planes, HALF_PLANE),
+                spare=np.zeros(n_planes, HALF_PLANE),
             )
             for _ in range(n_slots)
         ]

@@ -6,11 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Record
+from irsim_gym.arraytypes import Floats, Record
 from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.geometry.linear_program import set_plane
 from irsim_gym.jit import kernel
 from irsim_gym.structs import record_type
+
+HALF, WHOLE = 0.5, 1.0
+"""Part of a change of velocity that falls to a body: among equals, and where the other does not give way."""
 
 LANES = 16
 """So many discs are treated in one go: a loop of fixed length without branches becomes vector instructions."""
@@ -74,6 +77,27 @@ def disc_plane(ego: Ego, other: Other, horizon: float, share: float, side: float
             nx, ny = -(x * radius - y * leg) / distance2, -(x * leg + y * radius) / distance2
         change = -(wx * nx + wy * ny)
     set_plane(plane, nx, ny, nx * ego.vx + ny * ego.vy + share * change)
+
+
+@kernel
+def standing_plane(ego: Ego, disc: Floats, horizon: float, plane: Record) -> None:
+    """Write the half-plane of velocities that avoid a disc that never moves.
+
+    One that is touched already need not be left at once, as a wall need not; only going nearer is forbidden.
+
+    Args:
+        ego: The body that decides.
+        disc: x, y, radius [m].
+        horizon: Collisions later than this are ignored [s].
+        plane: Written.
+    """
+    dx, dy, both = disc[0] - ego.x, disc[1] - ego.y, disc[2] + ego.radius
+    gap2 = dx * dx + dy * dy
+    if gap2 <= both * both:
+        nx, ny = away(-dx, -dy, np.sqrt(gap2), dx, dy)
+        set_plane(plane, nx, ny, 0.0)
+    else:
+        disc_plane(ego, Other(dx, dy, 0.0, 0.0, both), horizon, WHOLE, 1.0, plane)
 
 
 @kernel

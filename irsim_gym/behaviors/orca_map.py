@@ -1,17 +1,21 @@
-"""Half-planes of velocities that avoid the walls of an occupancy map."""
+"""Half-planes of velocities that avoid an occupancy map: the walls of its cells, or the discs in them."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from irsim_gym.arraytypes import Records
+from irsim_gym.behaviors.map_parts import map_discs, map_walls
+from irsim_gym.behaviors.orca_lines import standing_plane
 from irsim_gym.behaviors.orca_neighbors import OrcaObstacles, put_in_order
 from irsim_gym.behaviors.orca_walls import add_edge, see_edge
-from irsim_gym.behaviors.surroundings import Ego, map_walls
+from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
 
 SIGHT = 3.0
-"""Walls of a map are seen up to here [m]: it has very many, and far ones matter later."""
+"""A map is seen up to here [m]: it has very many walls or discs, and far ones matter later."""
 
 
 @kernel
@@ -25,32 +29,61 @@ def add_map(
     planes: Records,
     count: int,
 ) -> int:
-    """Append the half-planes of the map's walls to ``planes``, nearest first; return how many those are now.
+    """Append the half-planes of the map's walls or discs to ``planes``, nearest first; return how many those are now.
 
     Each wall stands for itself, without its neighbours.
 
-    Reads: model (map_frame, map_squares), obstacles (sides, sides_gap, sides_order).
-    Writes: obstacles (sides, sides_gap, sides_order).
+    Reads: model (map_disc, map_frame, map_squares), obstacles (map_discs, map_gap, map_order, sides).
+    Writes: obstacles (map_discs, map_gap, map_order, sides), planes.
 
     Args:
         model: The map.
         w: The world.
         ego: The body that decides.
         horizon: Collisions later than this are ignored [s].
-        within: Walls this far away or farther are left out [m].
-        obstacles: ``sides`` and what is known of them are written.
+        within: Walls and discs this far away or farther are left out [m].
+        obstacles: ``sides``, ``map_discs`` and what is known of them are written.
         planes: Half-planes.
         count: Number of rows in use.
     """
-    x, y, sides, order, gap2 = ego.x, ego.y, obstacles.sides, obstacles.sides_order, obstacles.sides_gap
-    n_seen = 0
+    order = obstacles.map_order
+    for i in range(near_walls(model, w, ego, within, obstacles)):
+        count = add_edge(see_edge(obstacles.sides, order[i], 1, order[i], True, ego.x, ego.y), ego, horizon, planes, count)
+    for i in range(near_discs(model, w, ego, within, obstacles)):
+        standing_plane(ego, obstacles.map_discs[order[i]], horizon, planes[count])
+        count += 1
+    return count
+
+
+@kernel
+def near_walls(model: WorldModel, w: int, ego: Ego, within: float, obstacles: OrcaObstacles) -> int:
+    """Write the walls of the map that are nearer than ``within`` [m], and their order; return their number.
+
+    Reads: model (map_disc, map_frame, map_squares), obstacles (map_gap, map_order, sides).
+    Writes: obstacles (map_gap, map_order, sides).
+    """
+    x, y, sides, n_seen = ego.x, ego.y, obstacles.sides, 0
     for s in range(map_walls(model, w, x, y, within, sides, 0)):
         # Here a wall is seen from its right.
         sides[s, 0], sides[s, 2] = sides[s, 2], sides[s, 0]
         sides[s, 1], sides[s, 3] = sides[s, 3], sides[s, 1]
         distance2 = point_segment_distance2(x, y, sides[s, 0], sides[s, 1], sides[s, 2], sides[s, 3])
         if distance2 < within * within:
-            n_seen = put_in_order(s, distance2, order, gap2, n_seen)
-    for i in range(n_seen):
-        count = add_edge(see_edge(sides, order[i], 1, order[i], True, x, y), ego, horizon, planes, count)
-    return count
+            n_seen = put_in_order(s, distance2, obstacles.map_order, obstacles.map_gap, n_seen)
+    return n_seen
+
+
+@kernel
+def near_discs(model: WorldModel, w: int, ego: Ego, within: float, obstacles: OrcaObstacles) -> int:
+    """Write the discs of the map that are nearer than ``within`` [m], and their order; return their number.
+
+    Reads: model (map_disc, map_frame, map_squares), obstacles (map_discs, map_gap, map_order).
+    Writes: obstacles (map_discs, map_gap, map_order).
+    """
+    discs, n_seen = obstacles.map_discs, 0
+    for d in range(map_discs(model, w, ego.x, ego.y, within + model.map_disc[0], discs)):
+        dx, dy = discs[d, 0] - ego.x, discs[d, 1] - ego.y
+        gap = max(np.sqrt(dx * dx + dy * dy) - discs[d, 2], 0.0)
+        if gap < within:
+            n_seen = put_in_order(d, gap * gap, obstacles.map_order, obstacles.map_gap, n_seen)
+    return n_seen

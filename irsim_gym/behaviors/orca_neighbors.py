@@ -33,8 +33,9 @@ class OrcaObstacles(Struct):
         parts_gap: Their squared distances [m2].
         owners: The body of each segment and disc that was found, shape ``(segment + disc,)``.
         sides: x0, y0, x1, y1 of the walls of a map [m], shape ``(n_sides, 4)``.
-        sides_order: Those in reach, nearest first, shape ``(n_sides,)``.
-        sides_gap: Their squared distances [m2].
+        map_discs: x, y, radius of the discs of a map [m], shape ``(n_discs, 3)``.
+        map_order: Those of either in reach, nearest first, shape ``(n_sides + n_discs,)``.
+        map_gap: Their squared distances [m2].
     """
 
     walls: Ints
@@ -44,12 +45,13 @@ class OrcaObstacles(Struct):
     parts_gap: Floats
     owners: Ints
     sides: Floats
-    sides_order: Ints
-    sides_gap: Floats
+    map_discs: Floats
+    map_order: Ints
+    map_gap: Floats
 
     @classmethod
-    def reserve(cls, is_wall: Flags, n_parts: int, n_sides: int) -> Self:
-        """Return memory for so many sides and discs of bodies, and so many walls of a map."""
+    def reserve(cls, is_wall: Flags, n_parts: int, n_sides: int, n_discs: int) -> Self:
+        """Return memory for so many sides and discs of bodies, and so many walls and discs of a map."""
         return cls(
             walls=np.flatnonzero(is_wall),
             is_wall=is_wall,
@@ -58,8 +60,9 @@ class OrcaObstacles(Struct):
             parts_gap=np.zeros(n_parts),
             owners=np.zeros(n_parts, np.int64),
             sides=np.zeros((n_sides, 4)),
-            sides_order=np.zeros(n_sides, np.int64),
-            sides_gap=np.zeros(n_sides),
+            map_discs=np.zeros((n_discs, 3)),
+            map_order=np.zeros(n_sides + n_discs, np.int64),
+            map_gap=np.zeros(n_sides + n_discs),
         )
 
 

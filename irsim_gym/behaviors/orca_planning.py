@@ -9,7 +9,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Ints, Records
 from irsim_gym.behaviors.orca_crowd import Crowd, find_nearest, sort_members
-from irsim_gym.behaviors.orca_lines import LANES, Other, away, disc_plane, disc_planes
+from irsim_gym.behaviors.orca_lines import HALF, LANES, Other, disc_plane, disc_planes, standing_plane
 from irsim_gym.behaviors.orca_map import SIGHT, add_map
 from irsim_gym.behaviors.orca_neighbors import OrcaObstacles, find_walls
 from irsim_gym.behaviors.orca_walls import add_edge, see_edge
@@ -30,9 +30,6 @@ TOLERANCE = 0.1
 
 SLOW = 0.02
 """A differential body does not move for a lower speed [m/s]."""
-
-HALF, WHOLE = 0.5, 1.0
-"""Part of a change of velocity that falls to a body: among equals, and where the other does not give way."""
 
 HELD = 0.1
 """Whose plan is slower than this part of its greatest speed is held up by others."""
@@ -104,8 +101,8 @@ def is_held(ego: Ego, speed: float) -> bool:
 def plan_velocities(worlds: Ints, params: Any, model: WorldModel, state: WorldState, tables: OrcaTables) -> None:
     """Write the velocities that the members choose, in the world frame, to the first two components of ``command``.
 
-    Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, heedless, map_frame, map_squares, present,
-        radius, reach, seen_row, segment_count, segment_start, solid, step_time, velocity_max, watchers), state
+    Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, heedless, map_disc, map_frame, map_squares,
+        present, radius, reach, seen_row, segment_count, segment_start, solid, step_time, velocity_max, watchers), state
         (bucket_first, bucket_next, discs, goal, plan, pose, segments, twist), tables (crowd, obstacles, planes).
     Writes: state (command), tables (crowd, obstacles, planes).
     """
@@ -124,8 +121,8 @@ def plan_velocity(
 ) -> None:
     """Write the velocity that member m in square ``place`` chooses.
 
-    Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, heedless, map_frame, map_squares, present,
-        radius, reach, seen_row, segment_count, segment_start, solid, step_time, velocity_max, watchers), state
+    Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, heedless, map_disc, map_frame, map_squares,
+        present, radius, reach, seen_row, segment_count, segment_start, solid, step_time, velocity_max, watchers), state
         (bucket_first, bucket_next, discs, goal, plan, pose, segments), tables (crowd, obstacles, planes).
     Writes: state (command), tables (crowd, obstacles, planes).
     """
@@ -179,8 +176,9 @@ def add_obstacles(
 ) -> int:
     """Write the half-planes of what never moves and of the map; return their number.
 
-    Reads: model (bucket_frame, disc_count, disc_start, map_frame, map_squares, present, reach, seen_row, segment_count,
-        segment_start, solid, watchers), state (bucket_first, bucket_next, discs, pose, segments), tables (obstacles).
+    Reads: model (bucket_frame, disc_count, disc_start, map_disc, map_frame, map_squares, present, reach, seen_row,
+        segment_count, segment_start, solid, watchers), state (bucket_first, bucket_next, discs, pose, segments), tables
+        (obstacles).
     Writes: tables (obstacles, planes).
     """
     obstacles, planes, count = tables.obstacles, tables.planes, 0
@@ -199,8 +197,6 @@ def add_walls(
 ) -> int:
     """Write the half-planes of the sides and discs that were found, nearest first; return their number.
 
-    A disc that is touched already need not be left at once, as a wall need not; only going nearer is forbidden.
-
     Reads: model (segment_count, segment_start, solid), state (discs, segments), tables (obstacles).
     Writes: tables (planes).
     """
@@ -213,14 +209,7 @@ def add_walls(
             edge = see_edge(segments, model.segment_start[q], n_segments, s, model.solid[q], ego.x, ego.y)
             count = add_edge(edge, ego, horizon, planes, count)
             continue
-        disc = state.discs[w, s - segments.shape[0]]
-        dx, dy, both = disc[0] - ego.x, disc[1] - ego.y, disc[2] + ego.radius
-        gap2 = dx * dx + dy * dy
-        if gap2 <= both * both:
-            nx, ny = away(-dx, -dy, np.sqrt(gap2), dx, dy)
-            set_plane(planes[count], nx, ny, 0.0)
-        else:
-            disc_plane(ego, Other(dx, dy, 0.0, 0.0, both), horizon, WHOLE, 1.0, planes[count])
+        standing_plane(ego, state.discs[w, s - segments.shape[0]], horizon, planes[count])
         count += 1
     return count
 

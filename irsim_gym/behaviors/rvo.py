@@ -10,10 +10,11 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Records
 from irsim_gym.behaviors import renewal
+from irsim_gym.behaviors.map_parts import most_map_discs, most_map_walls
 from irsim_gym.behaviors.free_samples import ROWS, SPAN, RvoTables, nearest_free, rough_cones
 from irsim_gym.behaviors.rvo_penalty import least_penalty
 from irsim_gym.behaviors.steering import Turning, clear_command, to_command, wanted_velocity
-from irsim_gym.behaviors.surroundings import MARGIN, Ego, Surroundings, look_around, most_map_walls
+from irsim_gym.behaviors.surroundings import MARGIN, Ego, Surroundings, look_around
 from irsim_gym.behaviors.velocity_obstacles import CONE, PITCH, disc_cones, lay_samples, side_cones, write_samples
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
@@ -71,12 +72,12 @@ class Rvo:
     def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
         """Reserve scratch memory for what one body sees and tries."""
         n_rounds = len(model.role) + model.local_discs.shape[1]
-        n_sides = model.local_segments.shape[1]
-        n_sides += max(most_map_walls(model, options.neighbor_threshold) for options in group.options)
-        n_cones, n_samples = n_rounds + n_sides, _most_samples(group.params)
+        sight = max(options.neighbor_threshold for options in group.options)
+        n_sides, n_discs = model.local_segments.shape[1] + most_map_walls(model, sight), most_map_discs(model, sight)
+        n_cones, n_samples = n_rounds + n_discs + n_sides, _most_samples(group.params)
         group.tables = [
             RvoTables(
-                seen=Surroundings.reserve(model, n_rounds, n_sides),
+                seen=Surroundings.reserve(model, n_rounds, n_sides, n_discs),
                 cones=np.zeros(n_cones, CONE),
                 spans=np.zeros(n_cones, SPAN),
                 rows=np.zeros(1, ROWS),
@@ -104,10 +105,10 @@ def decide_rvo(
 ) -> None:
     """Write the commands of bodies that avoid what they see.
 
-    Reads: model (bucket_frame, centroid, disc_count, disc_start, drawn_speed, drive, has_goal, heedless, map_frame,
-        map_squares, movable, present, radius, reach, role, seen_row, segment_count, segment_start, solid, velocity_max,
-        watchers), state (bucket_first, bucket_next, command, discs, goal, pose, segments, twist), tables (cones, order,
-        rows, samples, seen).
+    Reads: model (bucket_frame, centroid, disc_count, disc_start, drawn_speed, drive, has_goal, heedless, map_disc,
+        map_frame, map_squares, movable, present, radius, reach, role, seen_row, segment_count, segment_start, solid,
+        velocity_max, watchers), state (bucket_first, bucket_next, command, discs, goal, pose, segments, twist), tables
+        (cones, order, rows, samples, seen).
     Writes: state (command), tables (cones, order, rows, samples, seen, spans).
     """
     for w in worlds:

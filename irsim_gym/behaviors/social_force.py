@@ -94,10 +94,10 @@ def decide_social_force(
     """Write the commands of bodies that follow social forces; those without a goal stand.
 
     Reads: model (acceleration_limit, bucket_frame, centroid, disc_count, disc_start, drawn_speed, drive, has_goal,
-        heedless, map_frame, map_squares, movable, present, radius, reach, role, seen_row, segment_count, segment_start,
-        solid, step_time, velocity_max, watchers), state (bucket_first, bucket_next, discs, goal, pose, segments, twist,
-        velocity), tables (among, by_hypot, lines, nearby, nearest, sides).
-    Writes: state (command), tables (nearby, nearest, sides).
+        heedless, map_disc, map_frame, map_squares, movable, present, radius, reach, role, seen_row, segment_count,
+        segment_start, solid, step_time, velocity_max, watchers), state (bucket_first, bucket_next, discs, goal, pose,
+        segments, twist, velocity), tables (among, by_hypot, discs, lines, nearby, nearest, sides).
+    Writes: state (command), tables (discs, nearby, nearest, sides).
     """
     for w in worlds:
         for k in range(members.shape[0]):

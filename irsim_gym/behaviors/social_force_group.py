@@ -132,9 +132,9 @@ def decide_social_group(
     """Write the commands of the members; those without a goal stay, but give way.
 
     Reads: model (acceleration_limit, bucket_frame, centroid, disc_count, disc_start, drawn_speed, drive, has_goal,
-        heedless, map_frame, map_squares, movable, present, radius, reach, role, seen_row, segment_count, segment_start,
-        solid, step_time, velocity_max, watchers), state (bucket_first, bucket_next, discs, goal, pose, segments, twist,
-        velocity), tables (decides, forces, party).
+        heedless, map_disc, map_frame, map_squares, movable, present, radius, reach, role, seen_row, segment_count,
+        segment_start, solid, step_time, velocity_max, watchers), state (bucket_first, bucket_next, discs, goal, pose,
+        segments, twist, velocity), tables (decides, forces, party).
     Writes: state (command), tables (forces).
     """
     for w in worlds:

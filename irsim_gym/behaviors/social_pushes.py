@@ -6,12 +6,11 @@ and Molnar (1995), with IR-SIM's constants and roundings.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Ints, Records
+from irsim_gym.behaviors.social_walls import FADED, TOUCHING, SocialTables, nearest_point, push_of_lines, push_of_map, push_of_wall
 from irsim_gym.behaviors.steering import Turning, to_command
 from irsim_gym.behaviors.surroundings import (
     ALL_ROLES,
@@ -24,65 +23,19 @@ from irsim_gym.behaviors.surroundings import (
     is_map_seen,
     is_seen,
     look_of,
-    map_walls,
-    most_map_walls,
-    wall_bodies,
 )
 from irsim_gym.geometry.overlap import point_outline_distance
-from irsim_gym.geometry.segments import side
 from irsim_gym.jit import kernel
-from irsim_gym.structs import Struct, record_type
-from irsim_gym.world.group import Group
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import outline_of
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
-FADED = 5.0
-"""Walls farther away than this many decay lengths do not push."""
-
 CIRCULAR = 1
 """``interaction: circular``."""
 
-TOUCHING = 1e-9
-"""Nearer than this [m] a wall has no direction: it pushes along x."""
-
 TURN_TOLERANCE, SLOW = 0.02, 0.02
 """How a differential drive follows the planned velocity [rad, m/s]."""
-
-
-WALL_POINT = record_type("gap2 x y")
-"""The nearest point of the walls of a map that face one way: its squared distance [m2] and its place [m]."""
-
-
-@dataclass
-class SocialTables(Struct):
-    """What the forces on the members of a group need. Memory of one shard.
-
-    Attributes:
-        by_hypot: Round lengths as IR-SIM's group does, not as its single body.
-        among: The bodies that walk in the group, whatever their role, shape ``(body,)``.
-        lines: Bodies that are chains of segments, shape ``(n_lines,)``.
-        nearby: Scratch for a search of bodies, shape ``(body,)``.
-        sides: Scratch for the walls of a map: x0, y0, x1, y1 [m], shape ``(n, 4)``.
-        nearest: Scratch: records of type ``WALL_POINT`` for walls that face left, right, up and down, shape ``(4,)``.
-    """
-
-    by_hypot: bool
-    among: Flags
-    lines: Ints
-    nearby: Ints
-    sides: Floats
-    nearest: Records
-
-    @classmethod
-    def reserve(cls, group: Group, model: WorldModel, *, together: bool) -> Self:
-        """Return memory for one shard; ``together``: the members are one group."""
-        reach = FADED * max(options.sigma_obstacle for options in group.options) + float(model.reach.max()) + MARGIN
-        among = np.zeros(len(model.role), np.bool_)
-        among[group.members] = together
-        nearby, sides = np.zeros(len(model.role), np.int64), np.zeros((most_map_walls(model, reach), 4))
-        return cls(together, among, wall_bodies(model), nearby, sides, np.zeros(4, WALL_POINT))
 
 
 @kernel
@@ -98,11 +51,11 @@ def planned_velocity(
 ) -> tuple[float, float]:
     """Return the velocity that follows from all forces in one step [m/s], no faster than ``vmax`` or a drawn speed.
 
-    Reads: model (bucket_frame, centroid, disc_count, disc_start, drawn_speed, heedless, map_frame, map_squares,
-        movable, present, radius, reach, role, seen_row, segment_count, segment_start, solid, step_time, watchers),
-        state (bucket_first, bucket_next, discs, pose, segments, twist), tables (among, by_hypot, lines, nearby,
-        nearest, sides).
-    Writes: tables (nearby, nearest, sides).
+    Reads: model (bucket_frame, centroid, disc_count, disc_start, drawn_speed, heedless, map_disc, map_frame,
+        map_squares, movable, present, radius, reach, role, seen_row, segment_count, segment_start, solid, step_time,
+        watchers), state (bucket_first, bucket_next, discs, pose, segments, twist), tables (among, by_hypot, discs,
+        lines, nearby, nearest, sides).
+    Writes: tables (discs, nearby, nearest, sides).
 
     Args:
         model: What there is.
@@ -243,109 +196,6 @@ def push_of_disc(dx: float, dy: float, both: float, fading: float) -> tuple[floa
         return 0.0, 0.0
     size = np.exp((both - distance) / fading)
     return -size * dx / distance, -size * dy / distance
-
-
-@kernel
-def push_of_wall(dx: float, dy: float, r: float, sigma: float) -> tuple[float, float]:
-    """Return the push of a wall whose nearest point lies at (-dx, -dy) [m] from the centre of a disc of radius r.
-
-    It fades with the gap between them as exp(-gap / sigma) (Helbing and Molnar 1995).
-    """
-    distance = np.sqrt(dx * dx + dy * dy)
-    if distance < TOUCHING:
-        return 1.0, 0.0
-    size = np.exp(-max(distance - r, 0.0) / sigma)
-    return size * dx / distance, size * dy / distance
-
-
-@kernel
-def push_of_lines(
-    model: WorldModel, state: WorldState, w: int, b: int, options: Any, tables: SocialTables
-) -> tuple[float, float]:
-    """Return the push of all segments of linestrings: each pushes by itself.
-
-    Reads: model (heedless, movable, present, radius, role, seen_row, segment_count, segment_start, watchers), state
-        (pose, segments), tables (among, lines).
-    """
-    x, y = state.pose[w, b, 0], state.pose[w, b, 1]
-    r = model.radius[row_of(model.radius, w), b] + MARGIN
-    reach = FADED * options.sigma_obstacle + r
-    sum_x, sum_y = 0.0, 0.0
-    for q in tables.lines:
-        if tables.among[q] or not is_seen(model, w, b, q, options.target_roles):
-            continue
-        s = model.segment_start[q]
-        for i in range(s, s + model.segment_count[row_of(model.segment_count, w), q]):
-            cx, cy = foot_on(x, y, state.segments[w, i])
-            if np.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy)) <= reach:
-                fx, fy = push_of_wall(x - cx, y - cy, r, options.sigma_obstacle)
-                sum_x, sum_y = sum_x + fx, sum_y + fy
-    return sum_x, sum_y
-
-
-@kernel
-def push_of_map(
-    model: WorldModel, state: WorldState, w: int, b: int, options: Any, tables: SocialTables
-) -> tuple[float, float]:
-    """Return the push of an occupancy map: of the nearest wall that looks in each of its four directions.
-
-    Each wall counts once, however fine the cells are, and the two walls of a corridor cancel in its middle. So do walls
-    that push the same way, such as the two of a corner and the steps of a slanted wall: of all pushes to one of the
-    four sides the strongest holds.
-
-    Reads: model (map_frame, map_squares, radius), state (pose), tables (nearest, sides).
-    Writes: tables (nearest, sides).
-    """
-    x, y, sides, nearest = state.pose[w, b, 0], state.pose[w, b, 1], tables.sides, tables.nearest
-    r = model.radius[row_of(model.radius, w), b] + MARGIN
-    reach = FADED * options.sigma_obstacle + r
-    for way in range(4):
-        nearest[way].gap2 = reach * reach
-    for k in range(map_walls(model, w, x, y, reach, sides, 0)):
-        ax, ay, bx, by = sides[k]
-        if side(ax, ay, bx, by, x, y) < 0.0:
-            continue
-        cx, cy = foot_on(x, y, sides[k])
-        gap2, point = (x - cx) * (x - cx) + (y - cy) * (y - cy), nearest[2 * int(ax == bx) + int(bx < ax or by < ay)]
-        if gap2 < point.gap2:
-            point.gap2, point.x, point.y = gap2, cx, cy
-    left, right, down, up = 0.0, 0.0, 0.0, 0.0
-    for way in range(4):
-        if nearest[way].gap2 < reach * reach:
-            fx, fy = push_of_wall(x - nearest[way].x, y - nearest[way].y, r, options.sigma_obstacle)
-            left, right, down, up = min(left, fx), max(right, fx), min(down, fy), max(up, fy)
-    return left + right, down + up
-
-
-@kernel
-def nearest_point(x: float, y: float, outline: BodyOutline) -> tuple[float, float]:
-    """Return the point of an outline that is nearest to the point (x, y) [m]."""
-    best, best_x, best_y = np.inf, x, y
-    for i in range(outline.first_segment, outline.first_segment + outline.n_segments):
-        cx, cy = foot_on(x, y, outline.segments[i])
-        distance = np.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
-        if distance < best:
-            best, best_x, best_y = distance, cx, cy
-    for i in range(outline.first_disc, outline.first_disc + outline.n_discs):
-        disc = outline.discs[i]
-        dx, dy, radius = x - disc[0], y - disc[1], disc[2]
-        off = np.sqrt(dx * dx + dy * dy)
-        if off > 0.0 and np.abs(off - radius) < best:
-            best, share = np.abs(off - radius), radius / off
-            best_x, best_y = disc[0] + share * dx, disc[1] + share * dy
-    return best_x, best_y
-
-
-@kernel
-def foot_on(x: float, y: float, segment: Floats) -> tuple[float, float]:
-    """Return the point of a segment that is nearest to a point [m]."""
-    ax, ay = segment[0], segment[1]
-    dx, dy = segment[2] - ax, segment[3] - ay
-    length2 = dx * dx + dy * dy
-    if length2 < 1e-12:
-        return ax, ay
-    share = max(0.0, min(1.0, ((x - ax) * dx + (y - ay) * dy) / length2))
-    return ax + share * dx, ay + share * dy
 
 
 @kernel

@@ -7,7 +7,8 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats, Ints, Record, Records
+from irsim_gym.arraytypes import Floats, Ints, Record, Records
+from irsim_gym.behaviors.map_parts import map_discs, map_walls
 from irsim_gym.geometry.buckets import find_nearby
 from irsim_gym.geometry.overlap import point_outline_distance
 from irsim_gym.jit import kernel
@@ -60,34 +61,25 @@ class Surroundings(Struct):
         nearby: Scratch for a search of bodies, shape ``(body,)``.
         rounds: Discs, records of type ``DISC``.
         sides: x0, y0, x1, y1 of walls [m], shape ``(n, 4)``.
+        discs: Scratch for the discs of a map: x, y, radius [m], shape ``(n, 3)``.
     """
 
     lines: Ints
     nearby: Ints
     rounds: Records
     sides: Floats
+    discs: Floats
 
     @classmethod
-    def reserve(cls, model: WorldModel, n_rounds: int, n_sides: int) -> Self:
-        """Return memory for so many discs and walls."""
-        nearby, rounds = np.zeros(len(model.role), np.int64), np.zeros(n_rounds, DISC)
-        return cls(wall_bodies(model), nearby, rounds, np.zeros((n_sides, 4)))
+    def reserve(cls, model: WorldModel, n_rounds: int, n_sides: int, n_discs: int) -> Self:
+        """Return memory for so many discs and walls of bodies and of a map, and so many discs of a map."""
+        nearby, rounds = np.zeros(len(model.role), np.int64), np.zeros(n_rounds + n_discs, DISC)
+        return cls(wall_bodies(model), nearby, rounds, np.zeros((n_sides, 4)), np.zeros((n_discs, 3)))
 
 
 def wall_bodies(model: WorldModel) -> Ints:
     """Return the bodies that are chains of segments without area."""
     return np.flatnonzero(~model.solid & (model.segment_count.max(axis=0) > 0))
-
-
-def most_map_walls(model: WorldModel, threshold: float) -> int:
-    """Return an upper bound of the number of map walls within ``threshold`` [m] of a point."""
-    if (chart := model.cells) is None:
-        return 0
-    cells = [
-        min(float(count), 2.0 * threshold / side + 2.0)
-        for count, side in zip(chart.room.shape[1:], (chart.width, chart.height), strict=True)
-    ]
-    return int(2.0 * (cells[0] + 1.0) * (cells[1] + 1.0)) + 1
 
 
 @kernel
@@ -185,11 +177,12 @@ def look_around(
 
     A body is the disc around its centroid, seen when that is nearer than ``sight`` [m]. One that stands and has sides
     is its outline, seen when any of that is nearer. A chain of segments is always seen, the walls of a map when near.
+    The discs of a map are seen as bodies that stand.
 
-    Reads: model (bucket_frame, centroid, disc_count, disc_start, heedless, map_frame, map_squares, movable, present,
-        radius, reach, role, seen_row, segment_count, segment_start, solid, watchers), state (bucket_first, bucket_next,
-        discs, pose, segments, twist), seen (lines, nearby).
-    Writes: seen (nearby, rounds, sides).
+    Reads: model (bucket_frame, centroid, disc_count, disc_start, heedless, map_disc, map_frame, map_squares, movable,
+        present, radius, reach, role, seen_row, segment_count, segment_start, solid, watchers), state (bucket_first,
+        bucket_next, discs, pose, segments, twist), seen (discs, lines, nearby).
+    Writes: seen (discs, nearby, rounds, sides).
 
     Args:
         model: What there is.
@@ -221,6 +214,10 @@ def look_around(
             n_sides = copy_sides(model, state, w, q, seen.sides, n_sides)
     if is_map_seen(model, w, target_roles):
         n_sides = map_walls(model, w, x, y, sight, seen.sides, n_sides)
+        for d in range(map_discs(model, w, x, y, sight, seen.discs)):
+            disc = seen.discs[d]
+            write_disc(rounds[n_rounds], disc[0], disc[1], 0.0, 0.0, disc[2] + MARGIN)
+            n_rounds += 1
     return n_rounds, n_sides
 
 
@@ -258,63 +255,3 @@ def copy_sides(model: WorldModel, state: WorldState, w: int, q: int, sides: Floa
     return n_sides
 
 
-@kernel
-def map_walls(model: WorldModel, w: int, x: float, y: float, threshold: float, sides: Floats, n_sides: int) -> int:
-    """Append the borders between occupied and free cells near a point to ``sides``; return how many those are now.
-
-    Borders in a line are one segment, with the free cells to its left. What lies outside of the map is free. Those for
-    which ``sides`` has no more rows are left out.
-
-    Reads: model (map_frame, map_squares).
-    Writes: sides.
-
-    Args:
-        model: The map.
-        w: The world.
-        x: The point [m].
-        y: The point [m].
-        threshold: Borders of cells that are nearer than this [m].
-        sides: Written, x0, y0, x1, y1 [m], shape ``(n, 4)``.
-        n_sides: Number of rows in use.
-    """
-    frame, squares = model.map_frame[0], model.map_squares[row_of(model.map_squares, w)]
-    for axis in range(2):
-        low, across = (frame.y, frame.x) if axis == 0 else (frame.x, frame.y)
-        pitch, width = (frame.height, frame.width) if axis == 0 else (frame.width, frame.height)
-        height, place = (y, x) if axis == 0 else (x, y)
-        lines, cells = squares.shape[2 - axis], squares.shape[1 + axis]
-        first = int(max(np.ceil((height - threshold - low) / pitch), 0.0))
-        last = int(min(np.floor((height + threshold - low) / pitch), float(lines)))
-        for line in range(first, last + 1):
-            level = low + line * pitch
-            half = np.sqrt(max(threshold * threshold - (level - height) * (level - height), 0.0))
-            begin = int(max(np.floor((place - half - across) / width), 0.0))
-            end = int(min(np.floor((place + half - across) / width), cells - 1.0))
-            start, going = begin, 0
-            for cell in range(begin, end + 2):
-                border = 0
-                if cell <= end:
-                    border = int(is_occupied(squares, axis, cell, line)) - int(
-                        is_occupied(squares, axis, cell, line - 1)
-                    )
-                if border == going:
-                    continue
-                if going != 0:
-                    if n_sides == sides.shape[0]:
-                        return n_sides
-                    along0, along1 = across + start * width, across + cell * width
-                    if (going > 0) == (axis == 0):
-                        along0, along1 = along1, along0
-                    sides[n_sides, axis], sides[n_sides, 1 - axis] = along0, level
-                    sides[n_sides, 2 + axis], sides[n_sides, 3 - axis] = along1, level
-                    n_sides += 1
-                start, going = cell, border
-    return n_sides
-
-
-@kernel
-def is_occupied(squares: Bytes, axis: int, cell: int, line: int) -> bool:
-    """Return whether a cell is occupied, given by its place along a row (axis 0) or column (axis 1) and the line's."""
-    if line < 0 or line >= squares.shape[2 - axis]:
-        return False
-    return bool((squares[0, cell, line] if axis == 0 else squares[0, line, cell]) == 0)

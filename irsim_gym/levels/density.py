@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import CellMaps, Floats
 from irsim_gym.paths.queries import standing_bodies
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.outline import outline_rows
@@ -26,7 +26,9 @@ def covered_share(model: WorldModel, state: WorldState, world: int) -> float:
         if model.solid[body]:
             parts += [shapely.Polygon(corners) for corners in _loops(segments)]
         parts += [shapely.Point(x, y).buffer(radius, quad_segs=CORNERS) for x, y, radius in discs]
-    parts += [shapely.box(*box) for box in _map_boxes(model, world)]
+    if (cells := model.cells) is not None:
+        parts += [shapely.box(*box) for box in _map_boxes(cells, world)]
+        parts += [shapely.Point(place).buffer(cells.radius, quad_segs=CORNERS) for place in _map_discs(cells, world)]
     bounds = shapely.box(*model.bounds.tolist())
     return float(shapely.union_all(parts).intersection(bounds).area / bounds.area)
 
@@ -39,10 +41,20 @@ def _loops(segments: Floats) -> list[Floats]:
     return [chain[:, :2] for chain in np.split(segments, ends)]
 
 
-def _map_boxes(model: WorldModel, world: int) -> Floats:
-    """Return the rectangles of the map's occupied cells: x_min, y_min, x_max, y_max [m], shape ``(n, 4)``."""
-    cells = model.cells
-    if cells is None:
+def _map_discs(cells: CellMaps, world: int) -> Floats:
+    """Return the centres of the discs in a map's occupied cells [m], shape ``(n, 2)``; none where there are none."""
+    if cells.radius == 0.0:
+        return np.zeros((0, 2))
+    places = np.argwhere(cells.squares[world % len(cells.n_boxes), 0] == 0)
+    return np.array([cells.x, cells.y]) + (places + 0.5) * np.array([cells.width, cells.height])
+
+
+def _map_boxes(cells: CellMaps, world: int) -> Floats:
+    """Return the rectangles of a map's occupied cells: x_min, y_min, x_max, y_max [m], shape ``(n, 4)``.
+
+    There are none where discs stand in the cells.
+    """
+    if cells.radius > 0.0:
         return np.zeros((0, 4))
     row = world % len(cells.n_boxes)
     first_column, end_column, first_row, end_row = cells.boxes[row, : cells.n_boxes[row]].T

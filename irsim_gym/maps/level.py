@@ -58,7 +58,7 @@ def disc_option() -> Any:
         gt=0.0,
         unit="m",
         meaning="Each occupied cell holds a disc of this radius in its middle, at most half a cell; default: all of it "
-        "is occupied. Behaviours avoid the whole cell.",
+        "is occupied.",
     )
 
 

@@ -17,8 +17,9 @@ from beside_ir_sim import SAME, count_ties, crowd, decisions, ours, silent, thei
 
 from irsim_gym import compile, load_scenario
 from irsim_gym.arraytypes import MAP_FRAME
+from irsim_gym.behaviors.map_parts import map_walls, most_map_walls
 from irsim_gym.behaviors.rvo_penalty import NEVER, time_to_side
-from irsim_gym.behaviors.surroundings import Ego, map_walls, most_map_walls
+from irsim_gym.behaviors.surroundings import Ego
 from irsim_gym.behaviors.velocity_obstacles import lay_samples, order_samples
 from irsim_gym.engine.simulation import Simulation
 from irsim_gym.structs import Struct
@@ -335,6 +336,7 @@ class Chart(Struct):
 
     map_frame: Any
     map_squares: Any
+    map_disc: Any
 
 
 def test_map_walls_are_the_borders_of_occupied_cells() -> None:
@@ -342,7 +344,7 @@ def test_map_walls_are_the_borders_of_occupied_cells() -> None:
     occupied = np.zeros((4, 3), bool)
     occupied[1, 1] = occupied[2, 1] = occupied[2, 2] = True
     squares = np.where(occupied, 0, 1).astype(np.uint8)[None].repeat(4, axis=0)[None]
-    chart: Any = Chart(np.array([(10.0, 20.0, 1.0, 2.0, 0)], MAP_FRAME), squares)
+    chart: Any = Chart(np.array([(10.0, 20.0, 1.0, 2.0, 0)], MAP_FRAME), squares, np.zeros(1))
     sides = np.zeros((50, 4))
     count = map_walls(chart, 0, 12.0, 23.0, 50.0, sides, 0)
     expected = {
@@ -362,7 +364,7 @@ def test_map_walls_are_the_borders_of_occupied_cells() -> None:
 def test_map_walls_end_with_the_rows_for_them() -> None:
     squares = np.where(np.indices((9, 9)).sum(axis=0) % 2, 0, 1).astype(np.uint8)[None].repeat(4, axis=0)[None]
     sides = np.full((8, 4), -1.0)
-    chart: Any = Chart(np.array([(0.0, 0.0, 1.0, 1.0, 0)], MAP_FRAME), squares)
+    chart: Any = Chart(np.array([(0.0, 0.0, 1.0, 1.0, 0)], MAP_FRAME), squares, np.zeros(1))
     assert map_walls(chart, 0, 4.5, 4.5, 9.0, sides[:7], 0) == 7
     assert (sides[:7] >= 0).all()
     assert (sides[7] == -1).all()
