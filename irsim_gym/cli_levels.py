@@ -19,10 +19,8 @@ levels = typer.Typer(
 Splits = Annotated[str, typer.Option("--split", help="Split of the levels: train, dev or test; several: train,dev.")]
 Count = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of levels of each split.")]
 Policies = Annotated[
-    str | None,
-    typer.Option(
-        help="Reference policies, separated by commas (default: random, dash, orca and the planners that fit)."
-    ),
+    list[str] | None,
+    typer.Argument(help="Reference policies as in evaluate (default: random, dash, orca and the planners that fit)."),
 ]
 Certified = Annotated[str, typer.Argument(help="Shipped name, environment id, YAML file, or file of levels (.npz).")]
 OutOrBeside = Annotated[
@@ -52,10 +50,10 @@ def draw(
 @levels.command()
 def certify(
     scenario: Certified,
+    policies: Policies = None,
     out: OutOrBeside = None,
     split: Split = "test",
     count: Count = 1000,
-    policies: Policies = None,
     task: Task = None,
     team: Team = False,
     given: Given = None,
@@ -69,7 +67,7 @@ def certify(
     from irsim_gym.training.level_commands import Wanted, run_certify
 
     wanted = Wanted(scenario, task, team, read_parameters(given), not lenient)
-    run_certify(wanted, split, count, _names(policies), out)
+    run_certify(wanted, split, count, policies or None, out)
 
 
 imports = typer.Typer(help="Convert levels of others, from your own copy.", no_args_is_help=True)
@@ -129,8 +127,3 @@ def show(
 
     wanted = Wanted(scenario, task, team, read_parameters(given), not lenient)
     print(show_levels(wanted, split, count, number, out))
-
-
-def _names(text: str | None) -> list[str] | None:
-    """Return the names in a list that commas separate; None for none given."""
-    return None if text is None else [name.strip() for name in text.split(",") if name.strip()]
