@@ -34,7 +34,7 @@ def add_map(
     Each wall stands for itself, without its neighbours.
 
     Reads: model (map_disc, map_frame, map_squares), obstacles (map_discs, map_gap, map_order, sides).
-    Writes: obstacles (map_discs, map_gap, map_order, sides), planes.
+    Writes: obstacles (map_discs, map_gap, map_order, sides).
 
     Args:
         model: The map.
@@ -48,7 +48,9 @@ def add_map(
     """
     order = obstacles.map_order
     for i in range(near_walls(model, w, ego, within, obstacles)):
-        count = add_edge(see_edge(obstacles.sides, order[i], 1, order[i], True, ego.x, ego.y), ego, horizon, planes, count)
+        count = add_edge(
+            see_edge(obstacles.sides, order[i], 1, order[i], True, ego.x, ego.y), ego, horizon, planes, count
+        )
     for i in range(near_discs(model, w, ego, within, obstacles)):
         standing_plane(ego, obstacles.map_discs[order[i]], horizon, planes[count])
         count += 1

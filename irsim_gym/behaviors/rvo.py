@@ -10,8 +10,8 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Ints, Records
 from irsim_gym.behaviors import renewal
-from irsim_gym.behaviors.map_parts import most_map_discs, most_map_walls
 from irsim_gym.behaviors.free_samples import ROWS, SPAN, RvoTables, nearest_free, rough_cones
+from irsim_gym.behaviors.map_parts import most_map_discs, most_map_walls
 from irsim_gym.behaviors.rvo_penalty import least_penalty
 from irsim_gym.behaviors.steering import Turning, clear_command, to_command, wanted_velocity
 from irsim_gym.behaviors.surroundings import MARGIN, Ego, Surroundings, look_around

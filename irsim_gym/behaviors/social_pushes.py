@@ -10,7 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.behaviors.social_walls import FADED, TOUCHING, SocialTables, nearest_point, push_of_lines, push_of_map, push_of_wall
+from irsim_gym.behaviors.social_walls import (
+    FADED,
+    TOUCHING,
+    SocialTables,
+    nearest_point,
+    push_of_lines,
+    push_of_map,
+    push_of_wall,
+)
 from irsim_gym.behaviors.steering import Turning, to_command
 from irsim_gym.behaviors.surroundings import (
     ALL_ROLES,

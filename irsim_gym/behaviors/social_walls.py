@@ -206,4 +206,3 @@ def foot_on(x: float, y: float, segment: Floats) -> tuple[float, float]:
         return ax, ay
     share = max(0.0, min(1.0, ((x - ax) * dx + (y - ay) * dy) / length2))
     return ax + share * dx, ay + share * dy
-

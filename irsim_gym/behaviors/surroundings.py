@@ -253,5 +253,3 @@ def copy_sides(model: WorldModel, state: WorldState, w: int, q: int, sides: Floa
             sides[n_sides, column] = state.segments[w, s, column]
         n_sides += 1
     return n_sides
-
-

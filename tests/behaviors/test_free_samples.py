@@ -37,7 +37,7 @@ def both(
     n_cones = side_cones(ego, sides, exact, n_rounds)
     expected = every_sample(exact[:n_cones], along_x, along_y)
     no_ints = np.zeros(0, np.int64)
-    seen, cones = Surroundings(no_ints, no_ints, discs, sides), np.zeros_like(exact)
+    seen, cones = Surroundings(no_ints, no_ints, discs, sides, np.zeros((0, 3))), np.zeros_like(exact)
     tables = RvoTables(seen, cones, np.zeros(len(cones), SPAN), np.zeros(1, ROWS), np.zeros((2, 0)), no_ints[None])
     side_cones(ego, sides, cones, n_rounds)
     rough_cones(mode, ego, discs, cones)

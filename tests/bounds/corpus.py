@@ -77,6 +77,11 @@ BY_HAND: dict[str, dict[str, Any]] = {
         "robot": leaving(3, ["dash", "rvo", "sfm"]),
         "task": GOES_ON,
     },
+    "everybody leaves a map of discs": {
+        "world": {**SHORT, "obstacle_map": {**PERLIN, "disc_radius": 0.5}},
+        "robot": [*leaving(3, ["rvo", "sfm"]), crowd("group_behavior", "orca")["robot"]],
+        "task": GOES_ON,
+    },
     "pursuit leaves the map": {
         "world": {**SHORT, "obstacle_map": PERLIN},
         "robot": [
