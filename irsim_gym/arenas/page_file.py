@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
 SCRIPTS = ("tables", "matrix", "arena")
 MOST_BYTES = 40_000_000
 """Replays end when they are as large as this together: a page of more is slow to open."""
-DATA = re.compile(r'<script type="application/octet-stream" id="(data|replay-\d+)">([^<]*)</script>')
 
 
 def write_page(
@@ -42,7 +40,7 @@ def write_page(
     """
     from irsim_gym.render import theme, vocabulary
     from irsim_gym.render.files import whole_file
-    from irsim_gym.render.page_parts import deflated, filled, page_part, player_parts
+    from irsim_gym.render.page_parts import deflated, filled, held, page_part, player_parts, whole_page
     from irsim_gym.render.replay_items import SharedItems
 
     shared, told, texts, size, unlike, failed = SharedItems(), [], [], 0, 0, 0
@@ -63,15 +61,13 @@ def write_page(
     parts = player_parts()
     parts["style"] += page_part("arena.css", __package__)
     parts["script"] += "".join(f"\n{page_part(f'{name}.js', __package__)}" for name in SCRIPTS)
-    parts["title"] = html.escape(data["title"])
-    parts["data"] = _held("data", deflated({**data, **known, "replays": told, "left": left}))
-    parts["replays"] = "\n".join(_held(f"replay-{i}", text) for i, text in enumerate(texts))
+    parts |= {"title": html.escape(data["title"]), "kind": ""}
+    parts["body"] = filled(page_part("arena.html", __package__), parts)
+    everything = deflated({**data, **known, "replays": told, "left": left})
+    replays = (held(f"replay-{i}", text) for i, text in enumerate(texts))
+    parts["data"] = "\n".join((held("data", everything), *replays))
     with whole_file(path) as part:
-        part.write_text(filled(page_part("arena.html", __package__), parts), encoding="utf-8")
-
-
-def _held(name: str, text: str) -> str:
-    return f'<script type="application/octet-stream" id="{name}">{text}</script>'
+        part.write_text(whole_page(parts), encoding="utf-8")
 
 
 def read_page(path: str | Path) -> dict[str, Any]:
@@ -80,9 +76,9 @@ def read_page(path: str | Path) -> dict[str, Any]:
     Raises:
         ValueError: The file is no such page.
     """
-    from irsim_gym.render.page_parts import inflated
+    from irsim_gym.render.page_parts import held_data, inflated
 
-    found = dict(DATA.findall(Path(path).read_text(encoding="utf-8")))
+    found = held_data(Path(path))
     data: dict[str, Any] = inflated(found["data"]) if "data" in found else {}
     if data.get("schema") != SCHEMA or data.get("version") != VERSION:
         raise ValueError(f"{path} is no arena of version {VERSION}")

@@ -11,7 +11,8 @@ import os
 import re
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import MISSING, asdict, fields, is_dataclass
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeVar, get_type_hints
@@ -26,6 +27,8 @@ from irsim_gym.evaluation.metrics import HITS, EpisodeRow, Rate, Summary
 
 WIDTH = 160
 Row = TypeVar("Row")
+PlacedRow = tuple[str, dict[str, str]]
+"""File and line of a row, and its cells by column."""
 EPISODE_COLUMNS = (*(field.name for field in fields(EpisodeRow)), "spl", "sct", "path_ratio")
 
 
@@ -80,15 +83,24 @@ def write_episodes(path: Path, results: Mapping[str, Sequence[EpisodeRow]]) -> N
     write_csv(path, ("policy", *EPISODE_COLUMNS), rows)
 
 
-def read_rows(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a CSV file with a header line.
+def read_rows(path: Path, *kinds: type) -> list[PlacedRow]:
+    """Return the rows of a CSV file with a header line: where each is, for messages, and its cells by column.
+
+    Args:
+        path: The file.
+        *kinds: Dataclasses that ``read_cells`` shall make of them: what has no default has to be a column.
 
     Raises:
-        IrsimGymError: It cannot be read.
+        IrsimGymError: It cannot be read, or a column is missing.
     """
     try:
         with path.open(encoding="utf-8", newline="") as file:
-            return list(csv.DictReader(file))
+            reader = csv.DictReader(file)
+            needed = [field.name for kind in kinds for field in fields(kind) if field.default is MISSING]
+            known = {name for kind in kinds for name in _readers(kind)}.difference(reader.fieldnames or ())
+            if missing := [name for name in dict.fromkeys(needed) if name in known]:
+                raise IrsimGymError(f"{path}:1: no column {', '.join(missing)}: it holds no rows of this version")
+            return [(f"{path}:{reader.line_num}", row) for row in reader]
     except (OSError, ValueError, csv.Error) as error:
         raise IrsimGymError(f"{path} cannot be read as rows of episodes: {error}") from error
 
@@ -100,29 +112,34 @@ def read_episodes(path: Path) -> dict[str, list[EpisodeRow]]:
         IrsimGymError: The file cannot be read, or is of another kind.
     """
     found: dict[str, list[EpisodeRow]] = {}
-    for row in read_rows(path):
-        found.setdefault(row.get("policy", ""), []).append(read_cells(path, EpisodeRow, row))
+    for place, row in read_rows(path, EpisodeRow):
+        found.setdefault(row.get("policy", ""), []).append(read_cells(place, EpisodeRow, row))
     return found
 
 
-def read_cells(path: Path, kind: type[Row], row: Mapping[str, str], **given: object) -> Row:
+def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: object) -> Row:
     """Return a dataclass of numbers, words and truth values from the cells of a row.
 
     Args:
-        path: The file, for messages.
-        kind: The dataclass.
+        place: File and line, for messages.
+        kind: The dataclass; fields with a default need no column.
         row: Its cells by column.
         **given: Values of fields that are no columns.
 
     Raises:
         IrsimGymError: A column is missing, or a cell is none of its values.
     """
-    types = get_type_hints(kind)
+    readers = {name: read for name, read in _readers(kind).items() if name in row and name not in given}
     try:
-        columns = {name: row[name] for name in types if name not in given}
-        return kind(**given, **{name: _READERS[types[name]](text) for name, text in columns.items()})
-    except (KeyError, ValueError) as error:
-        raise IrsimGymError(f"{path} holds no rows of {kind.__name__}: {error!r}") from error
+        return kind(**given, **{name: read(row[name]) for name, read in readers.items()})
+    except (KeyError, TypeError, ValueError) as error:
+        raise IrsimGymError(f"{place}: no row of {kind.__name__}: {error!r}") from error
+
+
+@cache
+def _readers(kind: type) -> Mapping[str, Callable[[str], object]]:
+    """Return how the cell of each field of a dataclass is read, but for those that are no cells."""
+    return {name: _READERS[one] for name, one in get_type_hints(kind).items() if one in _READERS}
 
 
 def plain(data: object) -> Any:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,15 @@ from rich.table import Table
 from rich.text import Text
 
 from irsim_gym.evaluation.metrics import EpisodeRow, Rate
-from irsim_gym.evaluation.tables import EPISODE_COLUMNS, number, percent, read_cells, read_rows, write_csv
+from irsim_gym.evaluation.tables import (
+    EPISODE_COLUMNS,
+    PlacedRow,
+    number,
+    percent,
+    read_cells,
+    read_rows,
+    write_csv,
+)
 from irsim_gym.evaluation.team_metrics import TEAM_HITS, AgentRow, ExtraTime, TeamRow, TeamSummary
 
 AGENT_COLUMNS = ("arrival_time", "straight_distance", "top_speed", "extra_time", "deadlocked")
@@ -49,15 +58,29 @@ def read_agents(path: Path, limit: float) -> dict[str, list[TeamRow]]:
     Raises:
         IrsimGymError: The file cannot be read, or is of another kind.
     """
-    agents: dict[str, dict[int, list[AgentRow]]] = {}
-    for row in read_rows(path):
-        episode = read_cells(path, EpisodeRow, row)
-        levels = agents.setdefault(row.get("policy", ""), {})
-        levels.setdefault(episode.level, []).append(read_cells(path, AgentRow, row, episode=episode))
-    return {
-        policy: [TeamRow(level, limit, tuple(members)) for level, members in levels.items()]
-        for policy, levels in agents.items()
-    }
+    rows: dict[str, list[PlacedRow]] = {}
+    for place, row in read_rows(path, EpisodeRow, AgentRow):
+        rows.setdefault(row.get("policy", ""), []).append((place, row))
+    return {policy: read_levels(own, limit=limit) for policy, own in rows.items()}
+
+
+def read_levels(rows: Iterable[PlacedRow], **given: float) -> list[TeamRow]:
+    """Return the levels that rows of agents are of.
+
+    Args:
+        rows: One for each agent and level, as ``read_rows`` returns them.
+        **given: ``limit`` where it is no column.
+
+    Raises:
+        IrsimGymError: A cell is none of its column's values.
+    """
+    levels: dict[int, TeamRow] = {}
+    for place, row in rows:
+        episode = read_cells(place, EpisodeRow, row)
+        agent = read_cells(place, AgentRow, row, episode=episode)
+        level = levels.get(episode.level) or read_cells(place, TeamRow, row, agents=(), **given)
+        levels[episode.level] = replace(level, agents=(*level.agents, agent))
+    return list(levels.values())
 
 
 def write_levels(path: Path, results: Mapping[str, Sequence[TeamRow]]) -> None:

@@ -8,10 +8,12 @@ import re
 import zlib
 from collections.abc import Mapping
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 PLAYER = ("data", "primitives", "world", "chart", "player", "input")
 """Scripts of the player, in the order in which they need each other."""
+HELD = re.compile(r'<script type="application/octet-stream" id="([\w-]+)">([^<]*)</script>')
 
 
 def page_part(name: str, package: str = "irsim_gym.render") -> str:
@@ -25,9 +27,24 @@ def player_parts() -> dict[str, str]:
     return {"style": page_part("page.css"), "player": page_part("player.html"), "script": script}
 
 
+def whole_page(parts: Mapping[str, str]) -> str:
+    """Return a page: ``title``, ``style``, ``kind`` (attributes of the body), ``body``, ``data`` and ``script``."""
+    return filled(page_part("page.html"), parts)
+
+
 def filled(page: str, parts: Mapping[str, str]) -> str:
     """Return a page with its parts in the places ``{{name}}``."""
     return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], page)
+
+
+def held(name: str, text: str) -> str:
+    """Return what a page holds data by; ``held_data`` finds it again."""
+    return f'<script type="application/octet-stream" id="{name}">{text}</script>'
+
+
+def held_data(path: Path) -> dict[str, str]:
+    """Return all that a page holds, by name."""
+    return dict(HELD.findall(path.read_text(encoding="utf-8")))
 
 
 def deflated(data: object) -> str:

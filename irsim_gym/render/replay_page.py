@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import html
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from irsim_gym.render import vocabulary
 from irsim_gym.render.files import whole_file
-from irsim_gym.render.page_parts import deflated, filled, inflated, page_part, player_parts
+from irsim_gym.render.page_parts import deflated, held, held_data, inflated, page_part, player_parts, whole_page
 from irsim_gym.render.replay_data import Recording
 from irsim_gym.render.replay_items import SharedItems
 
 SCHEMA, VERSION = "irsim_gym replay", 2
-DATA = re.compile(r'<script type="application/octet-stream" id="data">([^<]*)</script>')
 
 
 def save_html(path: str | Path, recordings: Sequence[Recording], title: str = "") -> Path:
@@ -41,9 +39,10 @@ def save_html(path: str | Path, recordings: Sequence[Recording], title: str = ""
     data = _recorded(recordings, title)
     parts = player_parts()
     parts["script"] += f"\n{page_part('start.js')}"
-    parts |= {"title": html.escape(data["title"]), "data": deflated(data)}
+    parts |= {"title": html.escape(data["title"]), "kind": ' class="player"', "body": parts["player"]}
+    parts["data"] = held("data", deflated(data))
     with whole_file(target) as part:
-        part.write_text(filled(page_part("page.html"), parts), encoding="utf-8")
+        part.write_text(whole_page(parts), encoding="utf-8")
     return target
 
 
@@ -53,8 +52,8 @@ def read_html(path: str | Path) -> dict[str, Any]:
     Raises:
         ValueError: The file is no such page.
     """
-    found = DATA.search(Path(path).read_text(encoding="utf-8"))
-    data: dict[str, Any] = inflated(found[1]) if found else {}
+    found = held_data(Path(path))
+    data: dict[str, Any] = inflated(found["data"]) if "data" in found else {}
     if data.get("schema") != SCHEMA or data.get("version") != VERSION:
         raise ValueError(f"{path} is no replay of version {VERSION}")
     return data

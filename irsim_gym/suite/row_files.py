@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-import csv
-import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import MISSING, fields
-from itertools import groupby
+from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.errors import IrsimGymError
+from irsim_gym.evaluation import tables
 from irsim_gym.evaluation.metrics import EpisodeRow
-from irsim_gym.evaluation.tables import write_csv
 from irsim_gym.evaluation.team_metrics import AgentRow, TeamRow
+from irsim_gym.evaluation.team_tables import read_levels
 
-EPISODE = {field.name: str(field.type) for field in fields(EpisodeRow)}
-AGENT = {field.name: str(field.type) for field in fields(AgentRow) if field.name != "episode"}
-COLUMNS = {**EPISODE, **AGENT, "limit": "float"}
-"""Names of the columns and types of their values."""
-OPTIONAL = {field.name for field in fields(EpisodeRow) if field.default is not MISSING}
-"""Columns that a file of an earlier version may not have: what was not measured there."""
+EPISODE = tuple(field.name for field in fields(EpisodeRow))
+AGENT = tuple(field.name for field in fields(AgentRow) if field.name != "episode")
+COLUMNS = (*EPISODE, *AGENT, "limit")
 
 
 def write_rows(path: Path, levels: Sequence[TeamRow]) -> None:
     """Write the rows of levels."""
-    write_csv(path, tuple(COLUMNS), (_cells(level, agent) for level in levels for agent in level.agents))
+    tables.write_csv(path, COLUMNS, (_cells(level, agent) for level in levels for agent in level.agents))
 
 
 def read_rows(path: Path) -> list[TeamRow]:
@@ -34,43 +28,9 @@ def read_rows(path: Path) -> list[TeamRow]:
     Raises:
         IrsimGymError: A column is missing, or a value is none of its column; the message names the line.
     """
-    with path.open(newline="", encoding="utf-8") as file:
-        cells = list(_values(path, csv.DictReader(file)))
-    return [_level(list(rows)) for _, rows in groupby(cells, key=lambda row: row["level"])]
+    return read_levels(tables.read_rows(path, EpisodeRow, AgentRow, TeamRow))
 
 
 def _cells(level: TeamRow, agent: AgentRow) -> dict[str, Any]:
     own = {name: getattr(agent.episode, name) for name in EPISODE}
     return {**own, **{name: getattr(agent, name) for name in AGENT}, "limit": level.limit}
-
-
-def _values(path: Path, reader: csv.DictReader[str]) -> Iterator[dict[str, Any]]:
-    missing = [name for name in COLUMNS if name not in (reader.fieldnames or ()) and name not in OPTIONAL]
-    if missing:
-        raise IrsimGymError(f"{path}:1: no column {', '.join(missing)}: it is not a file of rows of this version")
-    for row in reader:
-        try:
-            yield {name: _value(row[name], kind) for name, kind in COLUMNS.items() if name in row}
-        except (TypeError, ValueError) as error:
-            raise IrsimGymError(f"{path}:{reader.line_num}: {error}") from None
-
-
-def _value(text: str, kind: str) -> Any:
-    if kind == "str":
-        return text
-    if kind == "bool":
-        return {"True": True, "False": False}[text]
-    if kind == "int":
-        return int(text)
-    return float(text) if text else math.nan
-
-
-def _level(rows: Sequence[Mapping[str, Any]]) -> TeamRow:
-    agents = tuple(
-        AgentRow(
-            episode=EpisodeRow(**{name: row[name] for name in EPISODE if name in row}),
-            **{name: row[name] for name in AGENT},
-        )
-        for row in rows
-    )
-    return TeamRow(rows[0]["level"], rows[0]["limit"], agents)

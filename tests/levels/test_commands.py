@@ -38,9 +38,14 @@ def test_levels_are_drawn_certified_shown_and_played(tmp_path: Path, monkeypatch
     levels = read_levels("b.npz")
     assert levels.about["scenario"] == "room.yaml"
     assert read_levels("a.npz").hashes()[:4].tolist() == levels.hashes()[:4].tolist()
-    assert said.split()[-1] in run("certify", "b.npz", "dash", "rvo:vxmax=1:vymax=0.5", "--count", 6)
+    policies = "dash", "rvo:vxmax=1:vymax=0.5"
+    assert said.split()[-1] in run("certify", "b.npz", *policies, "--count", 6)
     certificate = read_certificate(Path("b.certificate.npz"))
-    assert (certificate.count, certificate.policies, certificate.agents) == (6, ("dash", "rvo:vxmax=1:vymax=0.5"), ("robot_0",))
+    assert (certificate.count, certificate.policies, certificate.agents) == (
+        6,
+        ("dash", "rvo:vxmax=1:vymax=0.5"),
+        ("robot_0",),
+    )
     run("show", "b.npz", "--number", 4, "--count", 6, "--out", "sheet.png")
     with Image.open("sheet.png") as sheet:
         assert sheet.width > 600
