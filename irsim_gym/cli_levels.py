@@ -20,7 +20,7 @@ Splits = Annotated[str, typer.Option("--split", help="Split of the levels: train
 Count = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help="Number of levels of each split.")]
 Policies = Annotated[
     list[str] | None,
-    typer.Argument(help="Reference policies, e.g. pursuit:known=seen (default: random, dash, orca, the planners that fit)."),
+    typer.Argument(help="Reference policies (default: random, dash, orca and the planners that fit)."),
 ]
 Certified = Annotated[str, typer.Argument(help="Shipped name, environment id, YAML file, or file of levels (.npz).")]
 OutOrBeside = Annotated[

@@ -8,7 +8,8 @@ from typing import Any, ClassVar, Literal
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.behaviors import renewal
-from irsim_gym.behaviors.social_pushes import SocialTables, follow, planned_velocity
+from irsim_gym.behaviors.social_pushes import follow, planned_velocity
+from irsim_gym.behaviors.social_walls import SocialTables
 from irsim_gym.behaviors.steering import clear_command, wanted_velocity
 from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option

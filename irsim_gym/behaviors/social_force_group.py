@@ -13,7 +13,8 @@ import numpy as np
 
 from irsim_gym.arraytypes import Flags, Ints
 from irsim_gym.behaviors import renewal, social_force
-from irsim_gym.behaviors.social_pushes import SocialTables, follow, planned_velocity
+from irsim_gym.behaviors.social_pushes import follow, planned_velocity
+from irsim_gym.behaviors.social_walls import SocialTables
 from irsim_gym.behaviors.steering import clear_command, wanted_velocity
 from irsim_gym.behaviors.surroundings import MARGIN
 from irsim_gym.errors import IrsimGymError

@@ -129,7 +129,8 @@ def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: obj
     Raises:
         IrsimGymError: A column is missing, or a cell is none of its values.
     """
-    readers = {name: read for name, read in _readers(kind).items() if name in row and name not in given}
+    every = _readers(kind)  # type: ignore[arg-type]  # every class can be hashed
+    readers = {name: read for name, read in every.items() if name in row and name not in given}
     try:
         return kind(**given, **{name: read(row[name]) for name, read in readers.items()})
     except (KeyError, TypeError, ValueError) as error:

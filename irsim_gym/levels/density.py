@@ -46,7 +46,8 @@ def _map_discs(cells: CellMaps, world: int) -> Floats:
     if cells.radius == 0.0:
         return np.zeros((0, 2))
     places = np.argwhere(cells.squares[world % len(cells.n_boxes), 0] == 0)
-    return np.array([cells.x, cells.y]) + (places + 0.5) * np.array([cells.width, cells.height])
+    centres: Floats = np.array([cells.x, cells.y]) + (places + 0.5) * np.array([cells.width, cells.height])
+    return centres
 
 
 def _map_boxes(cells: CellMaps, world: int) -> Floats:

@@ -118,7 +118,7 @@ def test_people_pass_between_posts_where_whole_cells_leave_no_way() -> None:
         for _ in range(140):
             sim.step()
         arrived.append(bool(sim.state.arrived[0, 0]))
-        assert sim.state.pose[0, 0, 1] == pytest.approx(5.0, abs=1e-3)
+        assert sim.state.pose[0, 0, 1] == pytest.approx(5.0, abs=0.01)
     assert arrived == [True, False]
 
 
