@@ -115,7 +115,7 @@ def test_people_pass_between_posts_where_whole_cells_leave_no_way() -> None:
         world = {"width": 10, "height": 10, "obstacle_map": {"name": "array", "cells": occupied, **disc}}
         sim = ig.compile(ig.load_scenario({"world": world, "robot": robot}), fused=False)
         sim.reset(seed=0)
-        for _ in range(140):
+        for _ in range(180):
             sim.step()
         arrived.append(bool(sim.state.arrived[0, 0]))
         assert sim.state.pose[0, 0, 1] == pytest.approx(5.0, abs=0.01)
