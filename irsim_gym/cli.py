@@ -40,7 +40,6 @@ from irsim_gym.cli_tools import print_options, print_shipped, read_parameters
 from irsim_gym.errors import IrsimGymError
 
 app = typer.Typer(
-    help="Mobile robots in IR-SIM's YAML: check scenarios, train agents, evaluate and film them.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -354,6 +353,23 @@ def run(command: Callable[..., Any]) -> None:
 def main() -> None:
     """Run the command line. Errors of irsim_gym print a message without a traceback."""
     _guarded(app)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from irsim_gym import __version__
+
+        print(f"irsim_gym {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _general(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Mobile robots in IR-SIM's YAML: check scenarios, train agents, evaluate and film them."""
 
 
 def _guarded(command: typer.Typer) -> None:

@@ -1,11 +1,13 @@
 import json
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+import irsim_gym
 from irsim_gym import cli, families
 from irsim_gym.envs.worlds import read_options
 from irsim_gym.scenario.option_tables import MARKER
@@ -28,6 +30,14 @@ def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
     with pytest.raises(SystemExit) as end:
         cli.main()
     return int(end.value.code or 0)
+
+
+def test_the_module_is_the_command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(sys, "argv", ["irsim_gym", "--version"])
+    with pytest.raises(SystemExit) as end:
+        runpy.run_module("irsim_gym", run_name="__main__")
+    assert end.value.code == 0
+    assert capsys.readouterr().out == f"irsim_gym {irsim_gym.__version__}\n"
 
 
 def test_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
