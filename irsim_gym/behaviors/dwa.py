@@ -67,12 +67,14 @@ class Dwa:
     escape_speed: float = option(
         0.0, le=0.0, unit="m/s", meaning="Speed, straight back, where no way ahead is admissible; 0: it stands."
     )
-    min_turn_rate: float = option(0.5, ge=0.0, unit="rad/s", meaning="Least turn rate of diff on the spot.")
+    min_turn_rate: float = option(
+        0.5, ge=0.0, unit="rad/s", meaning="Least turn rate of diff on the spot, or the fastest that a step reaches."
+    )
     oscillation_distance: float = option(
         0.25,
         ge=0.0,
         unit="m",
-        meaning="Who has turned on the spot to both sides does so again only after moving so far.",
+        meaning="Who has turned on the spot to both sides goes on to the last one alone until it has moved so far.",
         consequence="0: it may turn to and fro for ever.",
     )
     obstacle_weight: float = option(0.002, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")

@@ -145,8 +145,7 @@ def best_command(
 ) -> tuple[float, float]:
     """Return the admissible command whose way costs least; without any, that to escape.
 
-    A body that has turned on the spot to both sides does so no more while it can go on; else it goes on turning to the
-    side to which it did last.
+    A body that has turned on the spot to both sides turns only to the side to which it did last.
 
     Reads: tables (hits, poses, way).
     Writes: tables (poses).
@@ -168,14 +167,12 @@ def best_command(
     best, first, second = np.inf, options.escape_speed if rolls else 0.0, 0.0
     n_first, n_second = options.samples[0], options.samples[1]
     for i in range(n_first + int(spot)):
-        if i == n_first and abs(turned) == BOTH and best < np.inf:
-            break
         one = spread_over(low, high, i, n_first) if i < n_first else 0.0
         if rolls and one == 0.0 and i < n_first:
             continue
         for j in range(n_second):
             two = spread_over(least, most, j, n_second)
-            if i == n_first and (abs(two) < options.min_turn_rate or (abs(turned) == BOTH and two * turned < 0.0)):
+            if i == n_first and (too_slow(two, least, most, options.min_turn_rate) or turns_back(two, turned)):
                 continue
             needed = options.free_time
             if np.isnan(needed):
@@ -185,6 +182,19 @@ def best_command(
             if cost < best:
                 best, first, second = cost, one, two
     return first, second
+
+
+@kernel
+def too_slow(rate: float, least: float, most: float, min_rate: float) -> bool:
+    """Return whether a turn on the spot is slower than it has to be [rad/s], though a faster one can be reached."""
+    reached = most if rate > 0.0 else -least
+    return abs(rate) < min_rate and (abs(rate) < reached or rate == 0.0)
+
+
+@kernel
+def turns_back(rate: float, turned: int) -> bool:
+    """Return whether a turn on the spot is to the other side than the last one, after turns to both sides."""
+    return abs(turned) == BOTH and rate * turned < 0.0
 
 
 @kernel

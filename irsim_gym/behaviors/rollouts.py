@@ -20,6 +20,8 @@ from irsim_gym.world.state import WorldState
 LANES = 16
 """So many poses are compared with a point side by side."""
 
+ROUNDING = 1e-9
+
 POSES = record_type("x y cosine sine near", LANES)
 """Poses [m], and the squared distance of each from the nearest point [m2]."""
 
@@ -176,11 +178,13 @@ def gap_at(
     if is_round(outline):
         return float(max(np.sqrt(poses.near[k]) - reach, 0.0))
     best = limit
-    for j in range(n_points):
-        dx, dy = points[0, j] - poses.x[k], points[1, j] - poses.y[k]
-        if dx * dx + dy * dy < far * far:
-            x, y = poses.cosine[k] * dx + poses.sine[k] * dy, poses.cosine[k] * dy - poses.sine[k] * dx
-            best = min(best, point_outline_distance(x, y, outline))
+    for within in (poses.near[k] * (1.0 + ROUNDING), far * far):  # the nearest point leaves few others to compare
+        for j in range(n_points):
+            dx, dy = points[0, j] - poses.x[k], points[1, j] - poses.y[k]
+            distance2 = dx * dx + dy * dy
+            if distance2 <= within and distance2 < (reach + best) * (reach + best):
+                x, y = poses.cosine[k] * dx + poses.sine[k] * dy, poses.cosine[k] * dy - poses.sine[k] * dx
+                best = min(best, point_outline_distance(x, y, outline))
     return best
 
 

@@ -72,9 +72,17 @@ def test_speeds_are_admissible(free: float, expected: float) -> None:
 
 def test_who_is_enclosed_stands_or_escapes() -> None:
     ring = [(0.75 * np.cos(a), 0.75 * np.sin(a), 0.2) for a in np.linspace(0, 2 * np.pi, 13)[:-1]]
-    options = {"free_time": 1.5, "min_speed": 0.5, "min_turn_rate": 9.0}
+    options = {"free_time": 1.5, "min_speed": 0.5, "samples": [7, 1]}
     assert command(scene(ring, **DIFF, options=options)).tolist() == [0.0, 0.0]
     assert command(scene(ring, **DIFF, options={**options, "escape_speed": -0.2})).tolist() == [-0.2, 0.0]
+
+
+def test_a_turn_on_the_spot_begins_as_fast_as_a_step_allows() -> None:
+    # 0.1 s of 1 rad/s2 reach 0.1 rad/s, less than min_turn_rate; the goal is to the left.
+    data = scene([(0.62, 0.0, 0.4)], **DIFF, acce=[1.0, 1.0], to=(0, 3))
+    np.testing.assert_allclose(command(data), [0.0, 0.1])
+    slower = {"acce": [1.0, 10.0], "options": {"min_turn_rate": 0.8}}
+    assert command(scene([(0.62, 0.0, 0.4)], **DIFF, to=(0, 3), **slower))[1] >= 0.8
 
 
 @pytest.mark.parametrize("name", ["dwa", "mppi"])
