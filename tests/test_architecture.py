@@ -66,7 +66,7 @@ ALLOWED: dict[str, set[str]] = {
     "sb3": {"envs"},
 }
 # Composition happens here: anything but `live`, which is a face of its own. The command line may start that too.
-COMPOSERS = {"training", "arenas", "suite", "cli", "__init__", "irsim", "plugins"}
+COMPOSERS = {"training", "arenas", "suite", "cli", "__main__", "__init__", "irsim", "plugins"}
 # Adapters to one library each: files whose place begins so.
 ONLY_FILES = {
     "pettingzoo": "envs/parallel",
