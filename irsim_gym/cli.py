@@ -15,6 +15,7 @@ from irsim_gym.cli_options import (
     LAST_LEVEL,
     Algorithm,
     BeginAnew,
+    Curriculum,
     Device,
     DevLevels,
     Given,
@@ -146,6 +147,7 @@ def train(
     device: Device = None,
     dev_levels: DevLevels = 1000,
     team: TeamMode = None,
+    curriculum: Curriculum = None,
     given: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
@@ -166,6 +168,7 @@ def train(
         not lenient,
         device,
         origin,
+        curriculum,
     )
     run_training(asked, out, resume=resume, overwrite=overwrite, dev_levels=dev_levels)
 

@@ -77,3 +77,7 @@ TeamMode = Annotated[
         help="Train one policy for all robots. When its episode ends, a robot waits (episode) or restarts (respawn)."
     ),
 ]
+Curriculum = Annotated[
+    str | None,
+    typer.Option(help="Play levels again that the policy solves sometimes (learnability); see docs/levels.md."),
+]

@@ -1,4 +1,4 @@
-"""Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots, and the buffers that these need."""
+"""Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots with the buffers that they need, and a curriculum."""
 
 from irsim_gym.envs.sb3 import WorldVecEnv, make_vec_env
 from irsim_gym.envs.sb3_buffers import (
@@ -8,12 +8,14 @@ from irsim_gym.envs.sb3_buffers import (
     MaskedRolloutBuffer,
 )
 from irsim_gym.envs.sb3_goals import EndingHerReplayBuffer
+from irsim_gym.envs.sb3_learnability import LearnabilityCallback
 from irsim_gym.envs.sb3_masked import MaskedA2C, MaskedPPO
 from irsim_gym.envs.sb3_normalize import MaskedVecNormalize
 from irsim_gym.envs.sb3_teams import TeamVecEnv, buffers_for, make_multi_agent_vec_env
 
 __all__ = [
     "EndingHerReplayBuffer",
+    "LearnabilityCallback",
     "MaskedA2C",
     "MaskedDictReplayBuffer",
     "MaskedDictRolloutBuffer",

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints, Rays
 from irsim_gym.envs.description import Description
+from irsim_gym.envs.level_options import fresh_level
 from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import ROOM, render_warning
 from irsim_gym.envs.spaces import Observation
-from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 
 WORLD_LIMITS = 4
 """How many time limits a world lasts before it begins another level, where its agents are given new goals."""
@@ -245,6 +246,10 @@ class Batch:
             state=self.state(),
             final_state=final_state,
         )
+
+    def choose_levels(self, levels: Sequence[int] | Ints) -> None:
+        """Choose the level that each world begins next, ``(n_worlds,)``, see ``WorldVectorEnv.choose_levels``."""
+        self.worlds.choose_levels(levels)
 
     def observation(self) -> Observation:
         """Return a fresh copy of what the agents perceive now."""

@@ -21,6 +21,7 @@ from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Observation, ObservationLayout, action_space, observation_layout, observation_space
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 from irsim_gym.errors import UnknownNameError, suggestion
+from irsim_gym.tasks.levels import CHAIN
 
 Step = tuple[
     dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]
@@ -238,6 +239,10 @@ class WorldParallelEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[misc
             terminations, truncations = dict.fromkeys(before, False), dict.fromkeys(before, False)
         self.agents = [name for name in before if not (terminations[name] or truncations[name])]
         return self._observations(before), rewards, terminations, truncations, self._infos(before)
+
+    def choose_level(self, level: int | None) -> None:
+        """Choose the level that the next ``reset()`` without seed and options begins, see ``WorldEnv.choose_level``."""
+        self.worlds.choose_levels([CHAIN if level is None else level])
 
     def state(self) -> Rays:
         """Return a fresh view of the whole team, float32 in [-1, 1], of the same shape also when agents have gone."""

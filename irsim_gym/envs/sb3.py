@@ -11,13 +11,14 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Rays
+from irsim_gym.envs.level_options import fresh_level
 from irsim_gym.envs.limits import ScenarioSpec
 from irsim_gym.envs.registration import spec_of
 from irsim_gym.envs.sb3_base import NativeVecEnv, checked_mode
 from irsim_gym.envs.sb3_keywords import MonitorFiles, refuse_for_singles, with_env_kwargs
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.world_view import WorldView
-from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds, fresh_level
+from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
 
 
 def make_vec_env(

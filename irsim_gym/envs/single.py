@@ -19,6 +19,7 @@ from irsim_gym.envs.pictures import RENDER_MODES, render_warning
 from irsim_gym.envs.spaces import Observation
 from irsim_gym.envs.specs import plain_spec
 from irsim_gym.envs.worlds import ScenarioSource, TaskSource, Worlds
+from irsim_gym.tasks.levels import CHAIN
 from irsim_gym.tasks.task import checked_limit
 
 
@@ -135,6 +136,13 @@ class WorldEnv(Explained, gymnasium.Env[Observation, Any]):
         reward, terminated, truncated, info = worlds.infos.alone()
         self._going = not (terminated or truncated)
         return worlds.observation_alone(), reward, terminated, truncated, info
+
+    def choose_level(self, level: int | None) -> None:
+        """Choose the level that the next ``reset()`` without seed and options begins; None for that of the chain.
+
+        It is a level of the split that is played, by its number in the infos. See ``WorldVectorEnv.choose_levels``.
+        """
+        self.worlds.choose_levels([CHAIN if level is None else level])
 
     def action_masks(self) -> Flags:
         """Return which choices are worth trying, bool ``(n_choices,)``; for ``action: discrete``."""

@@ -14,7 +14,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from irsim_gym.arraytypes import Bytes, Flags, Floats
+from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
 from irsim_gym.engine.given import LEVELS
 from irsim_gym.envs.explained import Explained
 from irsim_gym.envs.limits import ScenarioSpec, agreed_limit, batch_spec, single_spec
@@ -194,6 +194,16 @@ class WorldVectorEnv(Explained, VectorEnv[Observation, Any, NDArray[Any]]):
         rewards, terminations, truncations = self._results()
         np.logical_or(terminations, truncations, out=self._ended)
         return self.worlds.observation(), rewards, terminations, truncations, self.worlds.infos.batched()
+
+    def choose_levels(self, levels: Sequence[int] | Ints) -> None:
+        """Choose the level that each world begins next, within the split that it plays.
+
+        A choice counts once, and a reset of the world with a seed or options forgets it.
+
+        Args:
+            levels: Level of each world, as in the infos; -1 for the next one of its chain. Shape ``(num_envs,)``.
+        """
+        self.worlds.choose_levels(levels)
 
     def action_masks(self) -> Flags:
         """Return which choices are worth trying, bool ``(num_envs, n_choices)``; for ``action: discrete``."""

@@ -13,6 +13,7 @@ from irsim_gym.envs.moment import Bodies, BodyMoment
 from irsim_gym.envs.pictures import RENDER_MODES
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.errors import suggestion
+from irsim_gym.tasks.levels import CHAIN
 
 
 class WorldView:
@@ -90,6 +91,10 @@ class WorldView:
     def time(self) -> float:
         """Time since the start of its world's episode [s]."""
         return self.worlds.moment(self.index).time
+
+    def choose_level(self, level: int | None) -> None:
+        """Choose the level that its world begins next, within its split; None for the next one of its chain."""
+        self.worlds.choose_levels([CHAIN if level is None else level], [self.index])
 
     def action_masks(self) -> Flags:
         """Return which choices are worth trying, ``(n_choices,)``: what ``MaskablePPO`` of sb3-contrib asks for."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Flags, Ints, Rays
@@ -17,6 +18,7 @@ from irsim_gym.envs.action_masks import ActionMasks
 from irsim_gym.envs.description import Description, describe
 from irsim_gym.envs.goals import GoalReward
 from irsim_gym.envs.infos import Infos
+from irsim_gym.envs.level_options import checked_choice, read_options
 from irsim_gym.envs.limits import agreed_limit
 from irsim_gym.envs.moment import WorldMoment
 from irsim_gym.envs.pictures import Pictures
@@ -33,7 +35,6 @@ from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.ids import ANY, SOURCES
 from irsim_gym.scenario.parameters import given_as_keywords
 from irsim_gym.tasks import Episodes, load_task
-from irsim_gym.tasks.levels import check_split
 
 TaskSource = str | Path | Mapping[str, Any] | None
 ScenarioSource = str | Path | Mapping[str, Any] | Scenario
@@ -166,8 +167,8 @@ class Worlds:
         """Begin an episode in each of the given worlds.
 
         A seed begins level ``seed`` of the split (``train`` unless the options say otherwise), the option ``level``
-        exactly that level. Without either the world continues with the next level of its chain, and a
-        world that has none yet, or changes to another split, starts one.
+        exactly that level. Without either the world continues with the level that was chosen, or the next one of its
+        chain, and a world that has none yet, or changes to another split, starts one. A choice is then forgotten.
 
         Args:
             worlds: Indices of the worlds.
@@ -196,8 +197,24 @@ class Worlds:
         self.begun[list(worlds)] = True
         self.pictures.note_beginning(np.array(worlds, np.int64))
 
+    def choose_levels(self, levels: Sequence[int] | Ints, worlds: Sequence[int] | None = None) -> None:
+        """Choose the levels that worlds begin next, each once and within the split that its world plays.
+
+        Args:
+            levels: Level of each world, as in the infos; -1 for the next one of its chain.
+            worlds: Indices of the worlds; None for all.
+
+        Raises:
+            ResetNeeded: One of the worlds has not begun an episode.
+            ValueError: There is another number of levels than of worlds, or one that is none.
+        """
+        chosen = np.arange(self.n_worlds) if worlds is None else np.asarray(worlds, np.int64)
+        if not self.begun[chosen].all():
+            raise ResetNeeded("call reset() before choosing the levels that follow")
+        self.episodes.choose(chosen, checked_choice(levels, len(chosen)))
+
     def begin_next(self, worlds: Ints) -> None:
-        """Begin the next level of the chain in worlds whose episodes have ended."""
+        """Begin the next level in worlds whose episodes have ended: the chosen one, else that of the chain."""
         self.episodes.begin_next(worlds)
         self.pictures.note_beginning(worlds, at_once=False)
 
@@ -296,29 +313,3 @@ def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, Any], stri
         message = f"pass parameters to load_scenario(); '{scenario.name}' is already loaded"
         raise UnknownKeywordError.of(next(iter(parameters)), message)
     return scenario if strict else replace(scenario, strict=False)
-
-
-def read_options(options: Mapping[str, Any]) -> tuple[str | None, int | None]:
-    """Return ``split`` and ``level`` of a reset's options, None for an absent one.
-
-    Raises:
-        UnknownNameError: An unknown key or split.
-        ValueError: A level that is not a number from 0 on.
-    """
-    if not options:
-        return None, None
-    for key in options:
-        if key not in ("split", "level"):
-            raise UnknownNameError(f"no reset option named {key!r}{suggestion(str(key), ('split', 'level'))}")
-    split, level = options.get("split"), options.get("level")
-    if split is not None:
-        check_split(split)
-    is_number = isinstance(level, int | np.integer) and not isinstance(level, bool)
-    if level is not None and not (is_number and 0 <= level < 2 * LEVELS):
-        raise ValueError(f"options['level'] must be an integer from 0 to {2 * LEVELS - 1}, got {level!r}")
-    return split, None if level is None else int(level)
-
-
-def fresh_level(w: int = 0) -> int:
-    """Return a level drawn from the operating system's entropy."""
-    return int(np.random.default_rng().integers(LEVELS))

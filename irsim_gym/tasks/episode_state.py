@@ -28,6 +28,7 @@ class EpisodeState(Arrays):
     count: Ints = column("world", np.int64, "", "levels of that split in a file; 0 where they are drawn")
     first_level: Ints = column("world", np.int64, "", "first level of the world's chain of levels")
     episode: Ints = column("world", np.int64, "", "number of the episode in that chain, from 0")
+    chosen: Ints = column("world", np.int64, "", "level of the next episode; -1 for the chain's")
     stream: Words = column("world", np.uint64, "", "random stream of the current level, or its row in a file")
     level: Ints = column("world agent", np.int64, "", "level under way")
     given: Floats = column("world agent action", np.float64, "", "continuous action as the learner gave it")

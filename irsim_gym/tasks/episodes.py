@@ -16,7 +16,7 @@ from irsim_gym.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.tasks import account, actions, team_state
 from irsim_gym.tasks.binding import action_sizes, bind, hit_kinds, place_observations
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.levels import check_split, take_levels
+from irsim_gym.tasks.levels import CHAIN, check_split, take_levels
 from irsim_gym.tasks.outcome import PRECEDENCE
 from irsim_gym.tasks.task import Task, checked_limit
 from irsim_gym.tasks.term import IsImage, MindsClearance, Remembers, Term
@@ -173,11 +173,11 @@ class Episodes:
             raise ValueError(f"levels must be >= 0, got {levels.min()}")
         self.state.base[worlds], self.state.count[worlds] = self.simulation.level_base(split)
         self.state.first_level[worlds] = levels
-        self.state.episode[worlds] = 0
+        self.state.episode[worlds], self.state.chosen[worlds] = 0, CHAIN
         self.simulation.run_beginning(self._begin, worlds)
 
     def begin_next(self, worlds: Ints) -> None:
-        """Begin the next level of each world's chain.
+        """Begin the next level of some worlds: the one that was chosen, else the next one of the world's chain.
 
         Args:
             worlds: Indices of the worlds, shape ``(n,)``; each has begun a level before.
@@ -188,6 +188,15 @@ class Episodes:
         worlds = np.asarray(worlds, np.int64)
         self.state.episode[worlds] += 1
         self.simulation.run_beginning(self._begin, worlds)
+
+    def choose(self, worlds: Ints, levels: Ints) -> None:
+        """Choose the level that ``begin_next`` begins in some worlds, once; ``begin`` forgets it.
+
+        Args:
+            worlds: Indices of the worlds, shape ``(n,)``; each has begun a level before.
+            levels: Level of each, in the split that the world plays; -1 for the next one of its chain. Shape ``(n,)``.
+        """
+        self.state.chosen[worlds] = levels
 
     def respawn(self, agents: Flags) -> None:
         """Give agents a new start and goal in their running worlds at once, and begin an episode of theirs.
@@ -243,7 +252,7 @@ class Episodes:
     def _begin_levels(self, shard: Shard) -> None:
         """Draw the levels of the shard's worlds and begin their episodes."""
         simulation, state, worlds = self.simulation, self.state, shard.worlds
-        take_levels(worlds, state.base, state.count, state.first_level, state.episode, state.level, state.stream)
+        take_levels(worlds, state)
         simulation.begin(shard, state.stream)
         account.mark(worlds, True, state.began)
         self._begin_episodes(shard)

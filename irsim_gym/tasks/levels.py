@@ -1,19 +1,25 @@
-"""Which level an episode plays: splits, levels and the chain of levels that follows a seed.
+"""Which level an episode plays: splits, levels, the chain of levels that follows a seed, and chosen levels.
 
 A level is (scenario, split, index); its random stream is keyed by a hash of all three. The streams of
 ``train``, ``dev`` and ``test`` are therefore different whatever indices are used, and training, which
 stays within its split for ever, meets no level that is kept for choosing or for reporting.
+
+A world's next level may be chosen in place of that of its chain. It is a level of the same split.
 
 Where a file gives the levels, level s is the file's level s modulo their number, and later ones are taken likewise.
 """
 
 from __future__ import annotations
 
-from irsim_gym.arraytypes import Ints, Words
+from irsim_gym.arraytypes import Ints
 from irsim_gym.errors import UnknownNameError, suggestion
 from irsim_gym.jit import kernel
 from irsim_gym.rng import later_level, level_key
 from irsim_gym.scenario.level_set import SPLITS
+from irsim_gym.tasks.episode_state import EpisodeState
+
+CHAIN = -1
+"""In place of a chosen level: the next one of the world's chain."""
 
 
 def check_split(split: str) -> None:
@@ -27,23 +33,18 @@ def check_split(split: str) -> None:
 
 
 @kernel
-def take_levels(
-    worlds: Ints, base: Words, count: Ints, first_level: Ints, episode: Ints, level: Ints, stream: Words
-) -> None:
-    """Write the level of each world's present episode and what it is taken from, see ``rng.level_key``.
+def take_levels(worlds: Ints, episode: EpisodeState) -> None:
+    """Write the level of each world's present episode, the chosen one or that of its chain, and its ``rng.level_key``.
 
-    Args:
-        worlds: The worlds to treat.
-        base: Key of the split, or its first row in a file, ``(n_worlds,)``.
-        count: Number of its levels in a file; 0 where they are drawn, ``(n_worlds,)``.
-        first_level: First level of each world's chain, ``(n_worlds,)``.
-        episode: Number of the episode in the chain, ``(n_worlds,)``.
-        level: Written, ``(n_worlds, n_agents)``.
-        stream: Written, ``(n_worlds,)``.
+    Reads: episode (base, chosen, count, episode, first_level).
+    Writes: episode (chosen, level, stream).
     """
     for w in worlds:
-        here = later_level(int(first_level[w]), int(episode[w]))
-        stream[w] = level_key(base[w], int(count[w]), int(here))
-        here = here % count[w] if count[w] > 0 else here
-        for a in range(level.shape[1]):
-            level[w, a] = here
+        here, count = episode.chosen[w], episode.count[w]
+        if here == CHAIN:
+            here = later_level(int(episode.first_level[w]), int(episode.episode[w]))
+        episode.chosen[w] = CHAIN
+        episode.stream[w] = level_key(episode.base[w], int(count), int(here))
+        here = here % count if count > 0 else here
+        for a in range(episode.level.shape[1]):
+            episode.level[w, a] = here

@@ -42,6 +42,10 @@ class RunKeys:
         None,
         meaning="All robots learn; one that has ended waits for its world (episode) or restarts (respawn).",
     )
+    curriculum: Literal["learnability"] | None = option(
+        None,
+        meaning="Which levels are played again: those in which the policy sometimes succeeds and sometimes fails.",
+    )
     torch_threads: int = option(1, ge=1, le=1024, meaning="Threads of PyTorch.")
     checkpoint_every: int = option(100_000, ge=1, unit="steps", meaning="Steps between checkpoints.")
     reward_scale: float = option(1.0, gt=0.0, meaning="Factor on the rewards that the algorithm sees.")

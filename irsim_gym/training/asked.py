@@ -39,6 +39,7 @@ class Asked:
         strict: False ignores unused keys of the scenario.
         device: Where the networks are, in place of the file's.
         origin: A run's folder or a ``policy.zip`` to start from.
+        curriculum: Which levels are played again, in place of the file's: ``"learnability"``.
     """
 
     scenario: str
@@ -52,11 +53,12 @@ class Asked:
     strict: bool = True
     device: str | None = None
     origin: str | None = None
+    curriculum: str | None = None
 
     @property
     def overrides(self) -> dict[str, Any]:
         """Hyper-parameters that are given by themselves."""
-        asked = {"n_timesteps": self.steps, "team": self.team, "device": self.device}
+        asked = {"n_timesteps": self.steps, "team": self.team, "device": self.device, "curriculum": self.curriculum}
         return {name: value for name, value in asked.items() if value is not None}
 
     def settings(self) -> Settings:
@@ -87,6 +89,7 @@ class Asked:
     def folder(self, settings: Settings) -> Path:
         """Return the default folder of a run, named after its unusual settings."""
         marks = [] if self.task is None else [Path(self.task).stem]
+        marks += [] if self.curriculum is None else [self.curriculum]
         marks += self._changed(settings)
         marks += [] if self.origin is None else [f"from={policy_names([self.origin])[0]}"]
         mode = settings.hyperparameters.team

@@ -21,6 +21,7 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 
+from irsim_gym.envs.learnability import LearnableLevels
 from irsim_gym.evaluation.tables import plain, write_bytes
 from irsim_gym.training.environment import worlds_state
 
@@ -47,8 +48,10 @@ class RunProgress:
     history: list[dict[str, float]] = field(default_factory=list)
 
 
-def save_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress) -> Path:
-    """Write a checkpoint below ``folder`` and return its own folder."""
+def save_checkpoint(
+    folder: Path, model: BaseAlgorithm, progress: RunProgress, levels: LearnableLevels | None = None
+) -> Path:
+    """Write a checkpoint below ``folder`` and return its own folder; ``levels`` is the state of a curriculum."""
     target = folder / f"{progress.steps:010d}"
     partial = folder / f"{PARTIAL}-{target.name}"
     shutil.rmtree(partial, ignore_errors=True)
@@ -59,7 +62,7 @@ def save_checkpoint(folder: Path, model: BaseAlgorithm, progress: RunProgress) -
         normalization.save(str(partial / NORMALIZATION))
     if isinstance(model, OffPolicyAlgorithm):
         model.save_replay_buffer(partial / REPLAY_BUFFER)
-    (partial / STATE).write_bytes(pickle.dumps(_state(model)))
+    (partial / STATE).write_bytes(pickle.dumps({**_state(model), "levels": levels}))
     (partial / PROGRESS).write_text(json.dumps(plain(vars(progress))))
     shutil.rmtree(target, ignore_errors=True)
     partial.rename(target)
@@ -100,7 +103,7 @@ def load_progress(checkpoint: Path) -> RunProgress:
 
 
 def load_state(checkpoint: Path) -> dict[str, Any]:
-    """Read the state of the worlds and of the random generators. Open only files of your own: it is a pickle."""
+    """Read the state of the worlds, the random generators and the curriculum. Open only files of your own: it is a pickle."""
     state: dict[str, Any] = pickle.loads((checkpoint / STATE).read_bytes())
     return state
 

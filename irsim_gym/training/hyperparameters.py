@@ -14,6 +14,7 @@ from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.hyperparameter_files import read_hyperparameters
 
 TEAM_MODES = ("episode", "respawn")
+CURRICULA = ("learnability",)
 PACKAGE = Path(__file__).parent.parent
 
 
@@ -40,6 +41,7 @@ class Hyperparameters:
         n_envs: Worlds in the batch.
         team: What robots that have ended do while others learn on, ``"episode"`` or ``"respawn"``; see
             ``envs.sb3.make_multi_agent_vec_env``. None where one robot learns.
+        curriculum: Which levels are played again, ``"learnability"``: see ``sb3.LearnabilityCallback``; None for none.
         torch_threads: Threads of PyTorch.
         checkpoint_every: Steps between checkpoints.
         reward_scale: Factor on the rewards that the algorithm sees.
@@ -51,6 +53,7 @@ class Hyperparameters:
     n_timesteps: int
     n_envs: int
     team: str | None = None
+    curriculum: str | None = None
     torch_threads: int = 1
     checkpoint_every: int = 100_000
     reward_scale: float = 1.0
@@ -66,9 +69,10 @@ class Hyperparameters:
         if missing:
             raise IrsimGymError(f"hyper-parameters lack {', '.join(sorted(missing))}")
         values = {name: data[name] for name in own & data.keys()}
-        if values.get("team") not in (None, *TEAM_MODES):
-            near = suggestion(str(values["team"]), TEAM_MODES)
-            raise IrsimGymError(f"team must be {' or '.join(TEAM_MODES)}, got {values['team']!r}{near}")
+        for name, known in (("team", TEAM_MODES), ("curriculum", CURRICULA)):
+            if values.get(name) not in (None, *known):
+                near = suggestion(str(values[name]), known)
+                raise IrsimGymError(f"{name} must be {' or '.join(known)}, got {values[name]!r}{near}")
         normalize = values.get("normalize")
         if normalize is True:
             values["normalize"] = {}

@@ -17,7 +17,7 @@ from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.sb3 import buffers_for
+from irsim_gym.sb3 import LearnabilityCallback, buffers_for
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.environment import build_environment, restore_worlds
@@ -95,6 +95,14 @@ def _noise(env: VecEnv, deviation: float) -> NormalActionNoise:
     size = env.action_space.shape
     assert size is not None
     return NormalActionNoise(np.zeros(size, np.float32), np.full(size, deviation, np.float32))
+
+
+def curriculum_of(settings: Settings, newest: Path | None) -> LearnabilityCallback | None:
+    """Return what chooses the levels of a run, as a checkpoint left it; None where all levels are drawn."""
+    if settings.hyperparameters.curriculum is None:
+        return None
+    levels = None if newest is None else files.load_state(newest)["levels"]
+    return LearnabilityCallback(seed=settings.seed, levels=levels)
 
 
 def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, files.RunProgress]:

@@ -12,15 +12,17 @@ from pathlib import Path
 import torch
 from rich.console import Console
 from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
 
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.tables import remove_leftovers, write_bytes, write_csv
+from irsim_gym.sb3 import LearnabilityCallback
 from irsim_gym.training import checkpoint as files
 from irsim_gym.training.environment import compile_kernels
 from irsim_gym.training.fine_tuning import take_weights
 from irsim_gym.training.folders import replaceable, setting_differences
-from irsim_gym.training.models import device_of, new_model, restored_model
+from irsim_gym.training.models import curriculum_of, device_of, new_model, restored_model
 from irsim_gym.training.monitoring import StopLearningError, StopRequest, TrainingMonitor
 from irsim_gym.training.run import Run, Settings
 from irsim_gym.training.snapshot import Snapshot, differences, listed
@@ -95,14 +97,16 @@ def train(
         _tidy(run)
         return run
     used = run.own_settings() if goes_on else settings
-    model, progress = _model(used, files.newest_checkpoint(run.checkpoints) if goes_on else None, device)
+    newest = files.newest_checkpoint(run.checkpoints) if goes_on else None
+    model, progress = _model(used, newest, device)
+    curriculum = curriculum_of(used, newest)
     if not goes_on:
         if run.exists():
             run.clear()
         run.begin(settings, now)
     _tidy(run)
     try:
-        _learn(run, settings, model, progress, screen)
+        _learn(run, settings, model, progress, curriculum, screen)
     finally:
         _write_log(run, progress)
         env = model.get_env()
@@ -147,7 +151,14 @@ def _model(settings: Settings, newest: Path | None, device: str | None) -> tuple
     return model, files.RunProgress()
 
 
-def _learn(run: Run, settings: Settings, model: BaseAlgorithm, progress: files.RunProgress, console: Console) -> None:
+def _learn(
+    run: Run,
+    settings: Settings,
+    model: BaseAlgorithm,
+    progress: files.RunProgress,
+    curriculum: LearnabilityCallback | None,
+    console: Console,
+) -> None:
     """Learn to the end, or to a signal; either way leave a checkpoint."""
     wanted, stop = settings.hyperparameters, StopRequest()
     for partial in run.checkpoints.glob(f"{files.PARTIAL}*"):
@@ -155,13 +166,14 @@ def _learn(run: Run, settings: Settings, model: BaseAlgorithm, progress: files.R
     model.set_logger(Logger(str(run.folder), [TensorBoardOutputFormat(str(run.folder / "tensorboard"))]))
 
     def save() -> Path:
-        return files.save_checkpoint(run.checkpoints, model, progress)
+        return files.save_checkpoint(run.checkpoints, model, progress, curriculum and curriculum.levels)
 
     watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save, stop, console)
+    callbacks: list[BaseCallback] = [watch] if curriculum is None else [watch, curriculum]
     with stop.listening():
         try:
             left = wanted.n_timesteps - model.num_timesteps
-            model.learn(max(left, 0), callback=watch, reset_num_timesteps=False)
+            model.learn(max(left, 0), callback=callbacks, reset_num_timesteps=False)
             watch.note()
         except StopLearningError:
             assert stop.signal is not None

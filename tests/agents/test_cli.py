@@ -9,7 +9,7 @@ import pytest
 
 import irsim_gym
 from irsim_gym import cli, families
-from irsim_gym.envs.worlds import read_options
+from irsim_gym.envs.level_options import read_options
 from irsim_gym.scenario.option_tables import MARKER
 from irsim_gym.scenario.summary import FileSummary, summarize_file
 from irsim_gym.training import trial

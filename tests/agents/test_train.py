@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.training.checkpoint import list_checkpoints, load_progress, newest_checkpoint
+from irsim_gym.training.checkpoint import list_checkpoints, load_progress, load_state, newest_checkpoint
 from irsim_gym.training.hyperparameters import Hyperparameters, Linear
 from irsim_gym.training.models import algorithm_class
 from irsim_gym.training.monitoring import TrainingMonitor
@@ -75,6 +76,21 @@ def interrupt(monkeypatch: pytest.MonkeyPatch) -> Callable[[int, int], None]:
     return arrange
 
 
+def in_parts(asked: Settings, folder: Path, interrupt: Callable[[int, int], None]) -> Run:
+    """Train, with an interruption after some 200 of 512 steps."""
+    interrupt(200, signal.SIGINT)
+    with pytest.raises(TrainingInterruptedError) as stop:
+        train(asked, folder)
+    assert stop.value.signal == signal.SIGINT
+    parts = Run(folder)
+    newest = newest_checkpoint(parts.checkpoints)
+    assert newest is not None
+    assert 192 <= load_progress(newest).steps < 512
+    assert not parts.finished()
+    torch.manual_seed(99)
+    return train(asked, folder, resume=True)
+
+
 @pytest.mark.parametrize(
     ("algorithm", "own"),
     [("ppo", {}), ("ppo", NORMALIZED), ("sac", {}), ("sac", NORMALIZED)]
@@ -85,21 +101,28 @@ def test_resumed_run_equals_an_uninterrupted_one(
 ) -> None:
     asked = settings(algorithm, **own)
     whole = train(asked, tmp_path / "whole")
-    interrupt(200, signal.SIGINT)
-    with pytest.raises(TrainingInterruptedError) as stop:
-        train(asked, tmp_path / "parts")
-    assert stop.value.signal == signal.SIGINT
-    parts = Run(tmp_path / "parts")
-    newest = newest_checkpoint(parts.checkpoints)
-    assert newest is not None
-    assert 192 <= load_progress(newest).steps < 512
-    assert not parts.finished()
-    torch.manual_seed(99)
-    train(asked, tmp_path / "parts", resume=True)
+    parts = in_parts(asked, tmp_path / "parts", interrupt)
     assert_equal_weights(whole, parts)
     policy = load_policy(parts.folder)
     assert isinstance(policy, SavedPolicy)
     assert type(policy.model) is algorithm_class(asked)
+
+
+@pytest.mark.parametrize("algorithm", ["ppo", "sac"])
+def test_a_resumed_curriculum_equals_an_uninterrupted_one(
+    algorithm: str, tmp_path: Path, interrupt: Callable[[int, int], None]
+) -> None:
+    short = tmp_path / "short.yaml"
+    short.write_text("{name: navigation, max_steps: 7}")
+    asked = replace(settings(algorithm, curriculum="learnability"), task=str(short))
+    whole = train(asked, tmp_path / "whole")
+    parts = in_parts(asked, tmp_path / "parts", interrupt)
+    assert_equal_weights(whole, parts)
+    one, other = (load_state(list_checkpoints(run.checkpoints)[-1])["levels"] for run in (whole, parts))
+    assert one.levels.tolist() == other.levels.tolist()
+    assert one.plays.tolist() == other.plays.tolist()
+    assert one.following.tolist() == other.following.tolist()
+    assert one.plays.max() > 1.9  # levels were played again
 
 
 def test_another_seed_gives_other_weights(tmp_path: Path) -> None:

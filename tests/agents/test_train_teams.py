@@ -43,6 +43,7 @@ SAC: dict[str, Any] = {"learning_starts": 24, "batch_size": 8, "buffer_size": 50
 LSTM: dict[str, Any] = {**PPO, "policy_kwargs": {"net_arch": [8], "lstm_hidden_size": 8}}
 ARGUMENTS = {"ppo": PPO, "sac": SAC, "recurrent_ppo": LSTM}
 NORMALIZED = {"normalize": {"norm_reward": True}, "reward_scale": 2.0}
+CURRICULUM = {"curriculum": "learnability"}
 
 
 @pytest.fixture
@@ -70,6 +71,8 @@ def weights(run: Run) -> torch.Tensor:
         ("ppo", "episode", {}),
         ("ppo", "episode", NORMALIZED),
         ("ppo", "respawn", NORMALIZED),
+        ("ppo", "episode", CURRICULUM),
+        ("ppo", "respawn", CURRICULUM),
         ("sac", "episode", {}),
         ("recurrent_ppo", "episode", NORMALIZED),
         ("recurrent_ppo", None, {}),

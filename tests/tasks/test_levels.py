@@ -8,7 +8,8 @@ from task_tools import play
 
 from irsim_gym.errors import UnknownNameError
 from irsim_gym.rng import later_level, level_stream, stream_base
-from irsim_gym.tasks.levels import SPLITS, check_split, take_levels
+from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.levels import CHAIN, SPLITS, check_split, take_levels
 
 RANDOM = {"distribution": {"name": "random"}}
 
@@ -26,15 +27,16 @@ def test_splits_share_no_stream() -> None:
 def test_a_chain_stays_in_its_split() -> None:
     kept = streams("dev", range(10_000)) | streams("test", range(10_000))
     n_worlds = 64
-    base = np.full(n_worlds, stream_base("cluttered_room", "train"))
-    first, episode, drawn = np.arange(n_worlds), np.zeros(n_worlds, np.int64), np.zeros(n_worlds, np.int64)
-    level, stream = np.zeros((n_worlds, 1), np.int64), np.zeros(n_worlds, np.uint64)
+    base = stream_base("cluttered_room", "train")
+    sizes = dict.fromkeys(("agent", "action", "ending", "reward", "feature"), 1)
+    state = EpisodeState.allocate({"world": n_worlds, **sizes})
+    state.base[:], state.first_level[:], state.chosen[:] = base, np.arange(n_worlds), CHAIN
     met: set[int] = set()
     for number in range(200):
-        episode[:] = number
-        take_levels(np.arange(n_worlds), base, drawn, first, episode, level, stream)
-        assert (stream == [level_stream(base[0], here) for here in level[:, 0].tolist()]).all()
-        met |= set(stream.tolist())
+        state.episode[:] = number
+        take_levels(np.arange(n_worlds), state)
+        assert (state.stream == [level_stream(base, here) for here in state.level[:, 0].tolist()]).all()
+        met |= set(state.stream.tolist())
     assert len(met) == 200 * n_worlds
     assert not met & kept
 
@@ -82,3 +84,26 @@ def test_begin_refuses_what_is_no_level() -> None:
         episodes.begin(np.array([0]), np.array([-1]))
     with pytest.raises(ValueError, match="same length"):
         episodes.begin(np.array([0]), np.array([1, 2]))
+
+
+def test_a_chosen_level_is_begun_once_within_the_split() -> None:
+    one, other = play(RANDOM, n_worlds=2), play(RANDOM, n_worlds=2)
+    for episodes in (one, other):
+        episodes.begin(np.arange(2), np.array([3, 4]), "dev")
+    one.choose(np.array([1]), np.array([77]))
+    both = np.arange(2)
+    one.begin_next(both)
+    other.begin(np.array([1]), np.array([77]), "dev")
+    assert one.state.level[:, 0].tolist() == [later_level(3, 1), 77]
+    assert (one.view.observation[1] == other.view.observation[1]).all()
+    assert one.state.stream[1] == level_stream(stream_base("yard", "dev"), 77)
+    one.begin_next(both)
+    assert one.state.level[:, 0].tolist() == [later_level(3, 2), later_level(4, 2)]
+
+
+def test_a_level_that_is_begun_by_its_number_forgets_the_chosen_one() -> None:
+    episodes = play(RANDOM)
+    episodes.choose(np.array([0]), np.array([77]))
+    episodes.begin(np.array([0]), np.array([5]))
+    episodes.begin_next(np.array([0]))
+    assert episodes.state.level.tolist() == [[later_level(5, 1)]]
