@@ -1,4 +1,4 @@
-"""Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots with the buffers that they need, and a curriculum."""
+"""Everything for Stable-Baselines3: worlds as a ``VecEnv``, teams of robots, their buffers, and a curriculum."""
 
 from irsim_gym.envs.sb3 import WorldVecEnv, make_vec_env
 from irsim_gym.envs.sb3_buffers import (

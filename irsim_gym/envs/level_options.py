@@ -47,7 +47,9 @@ def checked_choice(levels: Sequence[int] | Ints, count: int) -> Ints:
         raise ValueError(f"levels must hold a whole number for each of {count} worlds, got {levels!r}")
     wrong = (given < CHAIN) | (given > LAST)
     if wrong.any():
-        raise ValueError(f"levels must be from 0 to {LAST}, or {CHAIN} for the next of the chain, got {given[wrong][0]}")
+        raise ValueError(
+            f"levels must be from 0 to {LAST}, or {CHAIN} for the next of the chain, got {given[wrong][0]}"
+        )
     return given.astype(np.int64)
 
 

@@ -45,10 +45,8 @@ class LearnabilityCallback(BaseCallback):
         worlds = np.arange(env.num_envs // self._n_agents)
         if self.levels is None:
             self.levels = LearnableLevels(len(worlds), **self._how)
-        if len(self.levels.following) != len(worlds):
-            raise IrsimGymError(
-                f"LearnabilityCallback: 'levels' are of {len(self.levels.following)} worlds, but there are {len(worlds)}"
-            )
+        if (known := len(self.levels.following)) != len(worlds):
+            raise IrsimGymError(f"LearnabilityCallback: 'levels' are of {known} worlds, but there are {len(worlds)}")
         if self.num_timesteps == 0:  # the worlds have just been reset
             self.levels.follow(worlds)
         self._ask_for(worlds)

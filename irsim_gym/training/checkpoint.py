@@ -103,7 +103,7 @@ def load_progress(checkpoint: Path) -> RunProgress:
 
 
 def load_state(checkpoint: Path) -> dict[str, Any]:
-    """Read the state of the worlds, the random generators and the curriculum. Open only files of your own: it is a pickle."""
+    """Read the state of worlds, random generators and curriculum. Open only files of your own: it is a pickle."""
     state: dict[str, Any] = pickle.loads((checkpoint / STATE).read_bytes())
     return state
 

@@ -115,7 +115,7 @@ def test_what_there_is_not() -> None:
         load_hyperparameters("ppoo", "x")
     with pytest.raises(ScenarioError, match="no such file"):
         load_hyperparameters("ppo", "x", file=Path("none.yaml"))
-    with pytest.raises(IrsimGymError, match="curriculum must be learnability, got .learnabilty. .did you mean .learnability"):
+    with pytest.raises(IrsimGymError, match=r"must be learnability, got 'learnabilty' \(did you mean 'learnability'\?"):
         load_hyperparameters("ppo", "x", overrides={"curriculum": "learnabilty"})
     with pytest.raises(IrsimGymError, match="activation"):
         Hyperparameters(1, 1, arguments={"policy_kwargs": {"activation_fn": "rellu"}}).algorithm_arguments()

@@ -108,6 +108,7 @@ def test_teams_in_every_adapter():
     levels = [17, 4]
     batch = irsim_gym.make_batch(MEET, 2, max_steps=LIMIT, num_threads=2)
     slots = irsim_gym.sb3.make_multi_agent_vec_env(MEET, 2, seed=0, max_steps=LIMIT)
+    slots.leaves_out_waiting = True
     batch.reset(seed=0)
     slots.reset()
     batch.choose_levels(levels)

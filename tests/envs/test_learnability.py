@@ -99,7 +99,9 @@ def test_a_copy_goes_on_as_the_original() -> None:
     assert go_on(pickle.loads(pickle.dumps(known))) == go_on(known)
 
 
-@pytest.mark.parametrize(("wrong", "told"), [({"share": 1.5}, "share must be from 0 to 1"), ({"size": 0}, "at least 1")])
+@pytest.mark.parametrize(
+    ("wrong", "told"), [({"share": 1.5}, "share must be from 0 to 1"), ({"size": 0}, "at least 1")]
+)
 def test_what_cannot_be(wrong: dict[str, Any], told: str) -> None:
     with pytest.raises(ValueError, match=told):
         LearnableLevels(1, **wrong)
