@@ -102,8 +102,9 @@ class LearnableLevels:
         kept = 0.5 ** (len(level) / (HALF_LIFE * self.size))
         self._drawn = kept * self._drawn + [success[is_drawn].sum(), is_drawn.sum()]
         levels, place = np.unique(np.concatenate([self.levels, level]), return_inverse=True)
-        wins = np.bincount(place, np.concatenate([kept * self.wins, success]))
-        plays = np.bincount(place, np.concatenate([kept * self.plays, np.ones(len(level))]))
+        wins, plays = np.zeros(len(levels)), np.zeros(len(levels))
+        np.add.at(wins, place, np.concatenate([kept * self.wins, success]))
+        np.add.at(plays, place, np.concatenate([kept * self.plays, np.ones(len(level))]))
         learnability = expected_learnability(wins, plays, self.success)
         best = np.argsort(-learnability, kind="stable")[: self.size]
         self.levels, self.wins, self.plays = levels[best], wins[best], plays[best]

@@ -72,11 +72,12 @@ class LearnabilityCallback(BaseCallback):
 
     def _begun(self, dones: Flags) -> Ints:
         """Return the worlds that have begun another level in the latest step."""
-        begun = dones.reshape(-1, self._n_agents).all(axis=1).nonzero()[0]
+        begun: Ints = np.flatnonzero(np.all(dones.reshape(-1, self._n_agents), axis=1))
         if self._n_agents == 1 or not len(begun):
             return begun
         times = self.training_env.get_attr("time", indices=(begun * self._n_agents).tolist())
-        return begun[np.array(times) == 0.0]  # all robots may also have respawned in the level that goes on
+        at_once: Flags = np.array(times) == 0.0  # else all robots have respawned in a level that goes on
+        return begun[at_once]
 
     def _ask_for(self, worlds: Ints) -> None:
         """Tell the environment which levels follow, where they are chosen."""

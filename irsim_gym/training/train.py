@@ -166,7 +166,8 @@ def _learn(
     model.set_logger(Logger(str(run.folder), [TensorBoardOutputFormat(str(run.folder / "tensorboard"))]))
 
     def save() -> Path:
-        return files.save_checkpoint(run.checkpoints, model, progress, curriculum and curriculum.levels)
+        levels = None if curriculum is None else curriculum.levels
+        return files.save_checkpoint(run.checkpoints, model, progress, levels)
 
     watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save, stop, console)
     callbacks: list[BaseCallback] = [watch] if curriculum is None else [watch, curriculum]
