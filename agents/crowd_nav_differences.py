@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +23,10 @@ from irsim_gym.arraytypes import Floats, Ints
 from irsim_gym.evaluation.drive_actions import to_actions
 from irsim_gym.evaluation.policy import Policy
 from irsim_gym.evaluation.reference_policies import reference_policy
+from irsim_gym.evaluation.tables import plain
 from irsim_gym.tasks import Episodes
+from irsim_gym.training.episode_setup import conditions, make_episodes
+from irsim_gym.training.run import machine
 from irsim_gym.world.group import Shard
 
 RESULTS = Path(__file__).parent / "results" / "crowd_benchmarks.json"
@@ -138,15 +140,13 @@ def main() -> None:
     parser.add_argument("--results", type=Path, default=RESULTS)
     given = parser.parse_args()
     for name in given.only:
-        with tempfile.TemporaryDirectory() as folder:
-            found = irsim_gym.evaluate(
-                given.scenario, variants()[name], levels=given.levels, references=False, folder=folder
-            )
-            figures = json.loads(Path(folder, "summary.json").read_text())
+        found = irsim_gym.evaluate(given.scenario, variants()[name], levels=given.levels, references=False)
         print(found)
+        named = conditions(make_episodes(given.scenario), found.split, given.levels) | found.level_set.conditions()
         rows = json.loads(given.results.read_text())
         command = f"python agents/crowd_nav_differences.py --only {name} --levels {given.levels}"
-        rows[f"{Path(given.scenario).stem}_{name}"] = {"command": command, **figures}
+        figures = {"command": command, "conditions": named, "machine": machine(), "policies": found.summaries}
+        rows[f"{Path(given.scenario).stem}_{name}"] = plain(figures)
         given.results.write_text(json.dumps(rows, indent=1) + "\n")
 
 

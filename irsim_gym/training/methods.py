@@ -78,8 +78,17 @@ def by_method(sources: Sources) -> dict[str, list[Source]]:
 
 
 def names_of_policies(methods: Mapping[str, Sequence[Source]]) -> dict[str, list[str]]:
-    """Return what the policies of each method are called: with a number where there are several."""
-    return {
+    """Return what the policies of each method are called: with a number where there are several.
+
+    Raises:
+        IrsimGymError: Two would have one name.
+    """
+    found = {
         name: [name] if len(sources) == 1 else [f"{name}-{number}" for number in range(1, len(sources) + 1)]
         for name, sources in methods.items()
     }
+    names = [name for several in found.values() for name in several]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise IrsimGymError(f"two policies are named '{twice[0]}': give their methods other names")
+    return found

@@ -33,6 +33,22 @@ def test_a_function_is_compared_with_the_references() -> None:
     assert "20 test levels" in str(found)
 
 
+def test_a_list_behind_a_name_is_one_method() -> None:
+    """Its policies have rows of their own; the table of the worst levels has one for all of them."""
+    found = irsim_gym.evaluate(PLAIN, {"two": ["dash", "random"], "dash": "dash"}, levels=4, references=False)
+    assert (list(found.rows), found.seeds) == (["two-1", "two-2", "dash"], {"two": ["two-1", "two-2"]})
+    assert [row.outcome for row in found.rows["two-1"]] == ["success"] * 4
+    # dash solves all levels, so its worst one is level 0; random solves none: half of 0 and 1
+    assert {name: shares["5 %"] for name, shares in found.worst.items()} == {
+        "two-1": 1.0, "two-2": 0.0, "dash": 1.0, "two": 0.5,
+    }  # fmt: skip
+    assert "two (2 policies)" in str(found)
+    with pytest.raises(IrsimGymError, match="the method 'none' has no policies"):
+        irsim_gym.evaluate(PLAIN, {"none": []}, levels=1)
+    with pytest.raises(IrsimGymError, match="two policies are named 'a-1'"):
+        irsim_gym.evaluate(PLAIN, {"a": ["dash", "random"], "a-1": "dash"}, levels=1)
+
+
 def test_a_function_acts_as_in_a_loop_of_ones_own() -> None:
     (row,) = irsim_gym.evaluate(PLAIN, bearing, levels=1, task=DICT, references=False).rows["bearing"]
     env = irsim_gym.make(PLAIN, task=DICT)
