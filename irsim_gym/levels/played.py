@@ -81,7 +81,7 @@ class PlayedLevels:
         policies = ", ".join(self.certificate.policies)
         title = (
             f"success [%] by difficulty: levels in the order of how many of {policies} fail; "
-            f"{self.unsolved:,} of {self.count:,} are solved by none of them"
+            f"{self.unsolved:,} of {self.count:,} are solved by none"
         )
         table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
         table.add_column("policy", no_wrap=True)

@@ -182,7 +182,7 @@ def _notes(record: SuiteRecord, name: str) -> list[str]:
     if of.get("certified_by"):
         notes.append(
             f"Difficulty: by how many of {', '.join(of['certified_by'])} fail, the policies of the certificate. "
-            f"{of['unsolved']:,} of {of['levels']:,} levels are solved by none of them."
+            f"Levels that none of them solves: {of['unsolved']:,} of {of['levels']:,}."
         )
     common = max((score["common_levels"] for score in scores.values()), default=0)
     if common:

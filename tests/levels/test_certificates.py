@@ -151,7 +151,7 @@ def test_evaluate_names_its_levels_and_reports_by_difficulty(tmp_path: Path) -> 
     shown = str(found)
     assert f"set {made.set_hash}, certified" in shown
     assert all(f"{100 * share:.1f} (" in shown for share in by_quarter)
-    assert f"{(~made.solved).sum()} of 8 are solved by none of them" in shown.replace("\n", " ")
+    assert f"{(~made.solved).sum()} of 8 are solved by none" in shown.replace("\n", " ")
     figures = json.loads((tmp_path / "out" / "summary.json").read_text())
     conditions = figures["conditions"]
     assert conditions["unsolved"] == (~made.solved).sum()
