@@ -2,6 +2,7 @@
 
 from irsim_gym.behaviors.dash import Dash
 from irsim_gym.behaviors.dwa import Dwa
+from irsim_gym.behaviors.hybrid_astar import HybridAstar
 from irsim_gym.behaviors.mppi import Mppi
 from irsim_gym.behaviors.orca import OrcaGroup
 from irsim_gym.behaviors.pursuit import Pursuit
@@ -13,6 +14,7 @@ from irsim_gym.families import BEHAVIORS, GROUP_BEHAVIORS
 
 BEHAVIORS.register("dash", Dash)
 BEHAVIORS.register("dwa", Dwa)
+BEHAVIORS.register("hybrid_astar", HybridAstar)
 BEHAVIORS.register("mppi", Mppi)
 BEHAVIORS.register("pursuit", Pursuit)
 BEHAVIORS.register("recorded", Recorded)

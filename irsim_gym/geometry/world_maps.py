@@ -23,6 +23,7 @@ from irsim_gym.geometry.cells import (
     cells_are_closer,
     find_boxes,
     find_free_squares,
+    outline_cells_distance,
     outline_near_cells,
     segment_cells_distance,
 )
@@ -94,3 +95,11 @@ def outline_near_map(cells: CellMaps | None, w: int, outline: BodyOutline, clear
     if cells is None:
         return False
     return bool(outline_near_cells(map_of(cells, w), outline, clearance))
+
+
+@kernel
+def outline_map_distance(cells: CellMaps | None, w: int, outline: BodyOutline, limit: float) -> float:
+    """Return the distance [m] of an outline from the occupied cells of world w: 0 if they touch, at most ``limit``."""
+    if cells is None:
+        return limit
+    return float(outline_cells_distance(map_of(cells, w), outline, limit))

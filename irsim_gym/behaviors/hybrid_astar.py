@@ -1,0 +1,110 @@
+"""Hybrid A*: a way over poses for the body's own outline, found once and followed forwards and backwards."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from irsim_gym.arraytypes import CellMaps, Ints
+from irsim_gym.behaviors import renewal
+from irsim_gym.behaviors.pose_drive import drive_poses
+from irsim_gym.behaviors.pose_tables import PoseTables, forget_poses
+from irsim_gym.behaviors.pursuit_drive import is_under_way, mark_moving
+from irsim_gym.behaviors.steering import clear_command
+from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles, mark_standing
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.world.group import Group, Shard
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class HybridAstar:
+    """Find a way over poses to the goal past all that stands, and follow it, forwards and backwards.
+
+    The way consists of arcs within the turning limits of the body, of turns on the spot and of straight lines to any
+    side, as its drive has them, and its own outline touches nothing on them. It leads to a place, or with
+    ``arrive_mode: state`` to a place and a heading, and is one of those that take the least time, with what reversing
+    and changing the direction cost. What moves is not on the map: the body waits for what is close ahead, and does not
+    go around it.
+    """
+
+    only_kernels: ClassVar[bool] = True
+    kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
+    reads_neighbors: ClassVar[bool] = False
+
+    wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
+    loop: bool = option(False, meaning="Begin again with the first goal after the last.")
+    target_roles: Literal["all", "robot", "obstacle"] = option(
+        "all", meaning="Which other bodies that move it stops for; all that stand are on the map."
+    )
+    range_low: tuple[float, float, float] = option(
+        (0.0, 0.0, -np.pi), unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
+    )
+    range_high: tuple[float, float, float] = option(
+        (10.0, 10.0, np.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
+    )
+    wander_goals: renewal.WanderGoals = renewal.GOALS
+    clearance: float = option(
+        0.1, gt=0.0, unit="m", meaning="Nearer to an obstacle than this time counts more, up to three times."
+    )
+    reverse_cost: float = option(1.5, ge=1.0, meaning="Time spent driving backwards counts so many times.")
+    change_cost: float = option(
+        0.5, ge=0.0, unit="s", meaning="Cost of a change between driving ahead, back and turning on the spot."
+    )
+    cell: float | None = option(
+        None,
+        gt=0.0,
+        unit="m",
+        meaning="Cell size of the search; default: half the radius of the largest disc about the origin in the body.",
+        consequence="Large: narrow ways are missed. Small: the search takes longer, and gives up sooner.",
+    )
+
+    def problems(self) -> Iterator[tuple[str, str]]:
+        """Yield key and message of what cannot be."""
+        yield from renewal.renewal_problems(self)
+
+    @staticmethod
+    def prepare(group: Group, model: WorldModel, n_slots: int) -> None:
+        """Make room for the ways, and work out what ways cost where nothing is in the way."""
+        group.tables = PoseTables.reserve(group, model, n_slots)
+
+    @staticmethod
+    def begin(group: Group, shard: Shard) -> None:
+        """Forget the ways of worlds that begin."""
+        forget_poses(shard.worlds, group.tables)
+
+    @staticmethod
+    def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
+        """Write the members' commands; all members of a group have one drive."""
+        drive_all_poses(
+            shard.worlds, shard.slot, group.members, group.params, group.tables, model, model.cells, state
+        )
+
+
+@kernel
+def drive_all_poses(
+    worlds: Ints,
+    slot: int,
+    members: Ints,
+    params: Any,
+    tables: PoseTables,
+    model: WorldModel,
+    cells: CellMaps | None,
+    state: WorldState,
+) -> None:
+    """Write the commands of the members."""
+    standing, everything = tables.standing[slot], tables.everything[slot]
+    for w in worlds:
+        for k in range(members.shape[0]):
+            b = members[k]
+            clear_command(state, w, b)
+            if not is_under_way(model, state, w, b):
+                continue
+            mark_standing(model, w, b, standing)
+            mark_moving(model, w, b, params[k].target_roles, standing, everything)
+            fixed = Obstacles(model, state, w, standing, cells, None)
+            drive_poses(fixed, Obstacles(model, state, w, everything, cells, None), params[k], tables, slot, b)

@@ -1,0 +1,144 @@
+"""The cost of the way to a goal where nothing is in the way, by place and heading relative to the goal.
+
+What Dolgov, Thrun, Montemerlo and Diebel (2008) call the heuristic without obstacles: a car that stands beside its goal
+is far from it. Dijkstra's search goes from the goal backwards over the moves of the body.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Record, Records
+from irsim_gym.behaviors.pose_moves import BACKWARD, N_HEADINGS, pose_after
+from irsim_gym.behaviors.pose_queue import NOBODY, PoseNodes, note_pose, pop, push
+from irsim_gym.jit import kernel
+from irsim_gym.paths.outline_room import Pose
+
+COARSE = 2
+"""The cells of the table are so many times as large as those of the search, and as many times fewer headings differ."""
+N_TURNS = N_HEADINGS // COARSE
+FARTHEST = 16
+"""Most cells from the goal to the edge of the table."""
+TURNS_AWAY = 4.0
+"""The table reaches so many radii of the sharpest arc."""
+
+
+class Aim(NamedTuple):
+    """Where a body is to arrive.
+
+    Attributes:
+        x: The goal [m].
+        y: The goal [m].
+        heading: Its heading [rad]; NaN for any.
+        radius: It has arrived nearer than this: metres, and radians with a heading, together.
+    """
+
+    x: float
+    y: float
+    heading: float
+    radius: float
+
+
+@kernel
+def aim_gap(aim: Aim, pose: Pose) -> float:
+    """Return how far a pose is from a goal [m], where radians count like metres."""
+    dx, dy, turn = pose[0] - aim.x, pose[1] - aim.y, 0.0
+    if aim.heading == aim.heading:
+        turn = (pose[2] - aim.heading + np.pi) % (2.0 * np.pi) - np.pi
+    return float(np.sqrt(dx * dx + dy * dy + turn * turn))
+
+
+@kernel
+def seconds_of(options: Record, move: Record, gear: int) -> float:
+    """Return the cost of a move [s] beside a move of another gear, or 0 for none.
+
+    Args:
+        options: Those of ``HybridAstar``.
+        move: The move.
+        gear: The other gear.
+    """
+    seconds = move.seconds * (options.reverse_cost if move.gear == BACKWARD else 1.0)
+    return float(seconds + (options.change_cost if gear != 0 and gear != move.gear else 0.0))
+
+
+@kernel
+def lay_costs(options: Record, aim: Aim, cell: float, moves: Records, nodes: PoseNodes, costs: Floats) -> None:
+    """Write the costs to a goal at the origin [s]; inf where no way stays within the table.
+
+    Args:
+        options: Those of ``HybridAstar``.
+        aim: The goal.
+        cell: Side of a cell [m].
+        moves: The moves.
+        nodes: Scratch.
+        costs: Written: the cost in the middle of each cell and heading, shape ``(columns, rows, N_TURNS)``.
+    """
+    costs[:] = np.inf
+    half, count, size = costs.shape[0] // 2, 0, 0
+    for i in range(-half, half):
+        for j in range(-half, half):
+            for k in range(N_TURNS):
+                pose = ((i + 0.5) * cell, (j + 0.5) * cell, (k + 0.5) * 2.0 * np.pi / N_TURNS)
+                if aim_gap(aim, pose) < aim.radius:
+                    count, size = offer_pose(nodes, costs, cell, pose, 0.0, NOBODY, count, size)
+    if count == 0:
+        for k in range(N_TURNS):
+            pose = (aim.x, aim.y, aim.heading if aim.heading == aim.heading else (k + 0.5) * 2.0 * np.pi / N_TURNS)
+            count, size = offer_pose(nodes, costs, cell, pose, 0.0, NOBODY, count, size)
+    while size > 0 and count + moves.shape[0] <= nodes.cost.shape[0]:
+        node = pop(nodes, size)
+        size -= 1
+        here, cost = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2]), nodes.cost[node]
+        i, j, k = costs_cell(costs, cell, here)
+        if cost > costs[i, j, k]:
+            continue
+        gear = moves[nodes.move[node]].gear if nodes.move[node] != NOBODY else 0
+        for m in range(moves.shape[0]):
+            # The body comes from where the opposite of the move leads.
+            move = moves[m]
+            before = pose_after(here, -move.ahead, -move.left, -move.turn, 1.0)
+            count, size = offer_pose(
+                nodes, costs, cell, before, cost + seconds_of(options, move, gear), m, count, size
+            )  # fmt: skip
+
+
+@kernel
+def offer_pose(
+    nodes: PoseNodes, costs: Floats, cell: float, pose: Pose, cost: float, move: int, count: int, size: int
+) -> tuple[int, int]:
+    """Put a pose into the queue if its cell in the table was reached at a higher cost; return the new counts.
+
+    Writes: nodes, costs.
+    """
+    i, j, k = costs_cell(costs, cell, pose)
+    if i < 0 or cost >= costs[i, j, k]:
+        return count, size
+    costs[i, j, k] = cost
+    note_pose(nodes, count, pose, cost, NOBODY, move)
+    return count + 1, push(nodes, size, cost, count)
+
+
+@kernel
+def costs_cell(costs: Floats, cell: float, pose: Pose) -> tuple[int, int, int]:
+    """Return the cell of the table for a pose relative to the goal; the first number is -1 beside the table."""
+    half = costs.shape[0] // 2
+    i, j = np.floor(pose[0] / cell) + half, np.floor(pose[1] / cell) + half
+    if not (0.0 <= i < 2 * half and 0.0 <= j < 2 * half):
+        return -1, -1, -1
+    turns = pose[2] / (2.0 * np.pi)
+    return int(i), int(j), int((turns - np.floor(turns)) * N_TURNS) % N_TURNS
+
+
+@kernel
+def cost_without_obstacles(aim: Aim, costs: Floats, cell: float, pose: Pose) -> float:
+    """Return the cost of the way from a pose to a goal [s] where nothing is in the way; 0 far from it."""
+    dx, dy, heading = pose[0] - aim.x, pose[1] - aim.y, pose[2]
+    if aim.heading == aim.heading:
+        cosine, sine = np.cos(aim.heading), np.sin(aim.heading)
+        dx, dy, heading = cosine * dx + sine * dy, cosine * dy - sine * dx, heading - aim.heading
+    i, j, k = costs_cell(costs, cell, (dx, dy, heading))
+    if i < 0:
+        return 0.0
+    return float(costs[i, j, k])

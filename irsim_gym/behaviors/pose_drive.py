@@ -1,0 +1,131 @@
+"""One body on its way over poses: how fast it may go on, and when it looks for another way."""
+
+from __future__ import annotations
+
+from irsim_gym.arraytypes import Record
+from irsim_gym.behaviors.pose_follow import Motion, OnWay, command_along, left_in_gear, place_near, pose_on
+from irsim_gym.behaviors.pose_plan import find_poses, shape_of
+from irsim_gym.behaviors.pose_tables import PoseTables, PoseWay
+from irsim_gym.behaviors.pursuit_motion import MOST_STEPS, Command, Moving, executed, moving_of, roll
+from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.outline_room import Shape, room_at_pose
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL
+from irsim_gym.world.state import WorldState
+
+PARTS = 4
+"""Speeds that are tried, each half of the one before."""
+CLOSE = 0.01
+"""So near to the end of a gear the next one begins [m or rad]."""
+ASTRAY = 0.5
+"""A body that is farther from its way looks for another one [m]."""
+PATIENCE = 100
+"""Steps after which a body looks for a way again where it found none, or could not follow it."""
+TOUCH = 1e-9
+"""Nearer than this [m] is a touch."""
+
+
+@kernel
+def is_at_rest(moving: Moving, one: float, two: float, three: float) -> bool:
+    """Return whether a body with these velocities stands still."""
+    if one != 0.0:
+        return False
+    if moving.drive == ACKERMANN:
+        return True
+    return bool(two == 0.0 and (moving.drive == DIFFERENTIAL or three == 0.0))
+
+
+@kernel
+def stops_in_time(obstacles: Obstacles, shape: Shape, moving: Moving, way: PoseWay, place: OnWay, part: float) -> bool:
+    """Return whether a body touches nothing after a step along its way, and as it comes to a stop on it.
+
+    Args:
+        obstacles: What is in the way, where it is now.
+        shape: The body's outline.
+        moving: What it does and can do.
+        way: The way.
+        place: Where it is on it.
+        part: Share of its speed in the first step.
+    """
+    pose, velocity = moving.pose, moving.velocity
+    now = Motion((pose[0], pose[1], pose[2]), moving.steering, velocity[0], velocity[1], velocity[2])
+    for _ in range(MOST_STEPS):
+        first, second, third = command_along(way, place, moving, now, part)
+        one, two = executed(moving, 0, first, now.one), executed(moving, 1, second, now.two)
+        three = executed(moving, 2, third, now.three)
+        x, y, heading, steering = roll(moving, now.pose[0], now.pose[1], now.pose[2], now.steering, one, two, three)
+        now = Motion((x, y, heading), steering, one, two, three)
+        if room_at_pose(obstacles, shape, now.pose, TOUCH) < TOUCH:
+            return False
+        if is_at_rest(moving, one, two, three):
+            return True
+        place, part = place_near(way, place, now.pose), 0.0
+    return True
+
+
+@kernel
+def way_of(tables: PoseTables, w: int, m: int) -> PoseWay:
+    """Return a member's way.
+
+    Reads: tables (count, pieces).
+    """
+    return PoseWay(tables.pieces[w, m], tables.count[w, m])
+
+
+@kernel
+def is_new(state: WorldState, tables: PoseTables, w: int, m: int, b: int) -> bool:
+    """Return whether a member's goal is not where its way leads; a heading that is NaN is one like any other.
+
+    Reads: state (goal), tables (goal).
+    """
+    goal, known = state.goal[w, b], tables.goal[w, m]
+    same = goal[0] == known[0] and goal[1] == known[1]
+    return bool(not same or not (goal[2] == known[2] or (goal[2] != goal[2] and known[2] != known[2])))
+
+
+@kernel
+def drive_poses(
+    standing: Obstacles, everything: Obstacles, options: Record, tables: PoseTables, slot: int, b: int
+) -> None:
+    """Write the command of one body, and look for its way where it has none to its goal or cannot follow it."""
+    model, state, w, m = standing.model, standing.state, standing.w, options.index
+    moving, shape = moving_of(model, state, w, b, tables.by_rate[m]), shape_of(model, w, b, tables, slot)
+    looks = is_new(state, tables, w, m, b)
+    for _ in range(2):
+        if looks:
+            find_poses(standing, options, moving, tables, slot, b)
+            tables.retry[w, m] = state.step[w] + PATIENCE
+        good, command = False, (0.0, 0.0, 0.0)
+        if tables.count[w, m] > 0:
+            good, command = go_on(standing, everything, shape, moving, tables, m)
+        state.command[w, b, 0], state.command[w, b, 1], state.command[w, b, 2] = command
+        if good or looks or state.step[w] < tables.retry[w, m]:
+            return
+        looks = True
+
+
+@kernel
+def go_on(
+    standing: Obstacles, everything: Obstacles, shape: Shape, moving: Moving, tables: PoseTables, m: int
+) -> tuple[bool, Command]:
+    """Return whether a way can be followed, and the command for it; a body waits for what moves."""
+    w = standing.w
+    way, pose = way_of(tables, w, m), (moving.pose[0], moving.pose[1], moving.pose[2])
+    place = place_near(way, OnWay(tables.piece[w, m], tables.share[w, m]), pose)
+    if left_in_gear(way, place) < CLOSE and place.piece + 1 < way.count:
+        place = place_near(way, OnWay(place.piece + 1, 0.0), pose)
+    tables.piece[w, m], tables.share[w, m] = place.piece, place.share
+    velocity = moving.velocity
+    now = Motion(pose, moving.steering, velocity[0], velocity[1], velocity[2])
+    x, y, _ = pose_on(way, place)
+    is_over = place.piece + 1 >= way.count and left_in_gear(way, place) < CLOSE
+    if is_over or abs(x - pose[0]) > ASTRAY or abs(y - pose[1]) > ASTRAY:
+        return False, command_along(way, place, moving, now, 0.0)
+    part = 1.0
+    for _ in range(PARTS):
+        if stops_in_time(everything, shape, moving, way, place, part):
+            return True, command_along(way, place, moving, now, part)
+        part *= 0.5
+    stands = is_at_rest(moving, velocity[0], velocity[1], velocity[2])
+    is_blocked = stands and not stops_in_time(standing, shape, moving, way, place, part)
+    return not is_blocked, command_along(way, place, moving, now, 0.0)

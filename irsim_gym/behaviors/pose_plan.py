@@ -1,0 +1,127 @@
+"""Finding a member's way over poses, and writing it into the tables."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import BodyOutline, Floats, Record
+from irsim_gym.behaviors.pose_costs import Aim, aim_gap
+from irsim_gym.behaviors.pose_moves import lay_moves
+from irsim_gym.behaviors.pose_queue import NOBODY, PoseNodes, nodes_of
+from irsim_gym.behaviors.pose_search import LEAST_STEP, PoseTask, search_poses
+from irsim_gym.behaviors.pose_tables import (
+    AHEAD,
+    GEAR,
+    HEADING,
+    LEFT,
+    MOST_PIECES,
+    NEARER,
+    TURN,
+    PoseTables,
+    X,
+    Y,
+    inner_radius_of,
+)
+from irsim_gym.behaviors.pursuit_motion import Moving
+from irsim_gym.behaviors.rollouts import own_outline
+from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.geodesic import search_ways
+from irsim_gym.paths.grid import Search
+from irsim_gym.paths.outline_room import Shape, room_at_pose
+from irsim_gym.world.model import STATE, WorldModel
+from irsim_gym.world.rows import row_of
+from irsim_gym.world.state import WorldState
+
+PADDING = 0.02
+"""Least distance that ways keep from obstacles [m], or what a body has where it begins."""
+TIGHT = 0.999
+"""A body that begins nearer to something keeps this share of the distance."""
+
+
+@kernel
+def aim_of(model: WorldModel, state: WorldState, w: int, b: int) -> Aim:
+    """Return where a way is to lead a body, a little nearer to the goal than where it has arrived.
+
+    Reads: model (arrive_mode, goal_threshold), state (goal).
+    """
+    goal, near = state.goal[w, b], NEARER * model.goal_threshold[row_of(model.goal_threshold, w), b]
+    return Aim(goal[0], goal[1], goal[2] if model.arrive_mode[b] == STATE else np.nan, near)
+
+
+@kernel
+def shape_of(model: WorldModel, w: int, b: int, tables: PoseTables, slot: int) -> Shape:
+    """Return the outline of body b of world w, with room for it at a pose.
+
+    Reads: model (reach), tables (discs, segments).
+    """
+    own = own_outline(model, w, b)
+    laid = BodyOutline(tables.segments[slot], 0, own.n_segments, tables.discs[slot], 0, own.n_discs, own.solid)
+    return Shape(own, laid, model.reach[row_of(model.reach, w), b])
+
+
+@kernel
+def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: PoseTables, slot: int, b: int) -> None:
+    """Write a member's way over poses to its goal; one of no moves where none is found.
+
+    Args:
+        obstacles: What stands in the way; the world is theirs.
+        options: Those of ``HybridAstar``.
+        moving: What the body does and can do.
+        tables: Written.
+        slot: Whose scratch memory.
+        b: The body.
+    """
+    model, state, w, m = obstacles.model, obstacles.state, obstacles.w, options.index
+    aim, start = aim_of(model, state, w, b), (moving.pose[0], moving.pose[1], moving.pose[2])
+    for axis in range(3):
+        tables.goal[w, m, axis] = state.goal[w, b, axis]
+    tables.count[w, m], tables.piece[w, m], tables.share[w, m] = 0, 0, 0.0
+    moves = tables.moves[slot]
+    moves = moves[: lay_moves(moving, tables.cell[m], moves)]
+    fastest, can_turn = 0.0, False
+    for k in range(moves.shape[0]):
+        length = np.sqrt(moves[k].ahead * moves[k].ahead + moves[k].left * moves[k].left)
+        fastest, can_turn = max(fastest, length / moves[k].seconds), can_turn or moves[k].turn != 0.0
+    if fastest == 0.0 or not (can_turn or aim_gap(aim, (aim.x, aim.y, start[2])) < aim.radius):
+        return
+    grid = tables.grid
+    search = Search(grid.blocked[slot], grid.field[slot], grid.queue[slot])
+    open_radius = max(inner_radius_of(model, w, b) - np.sqrt(0.5) * grid.grid.cell, 0.0)
+    radius = np.sqrt(max(open_radius * open_radius - 0.5 * grid.grid.cell * grid.grid.cell, 0.0))
+    search_ways(obstacles, radius, (aim.x, aim.y), grid.grid, search)
+    shape, nodes, costs = shape_of(model, w, b, tables, slot), nodes_of(tables.nodes, slot), tables.costs[tables.table[m]]
+    padding = max(min(PADDING, TIGHT * room_at_pose(obstacles, shape, start, 1.0)), LEAST_STEP)
+    task = PoseTask(
+        obstacles, shape, padding, aim, moves, fastest, tables.cell[m], costs, grid.grid, search.field, options
+    )
+    write_way(task, nodes, search_poses(task, start, nodes), tables, w, m)
+
+
+@kernel
+def write_way(task: PoseTask, nodes: PoseNodes, end: int, tables: PoseTables, w: int, m: int) -> None:
+    """Write the moves that lead to a pose that was found, the first ones if they are too many; none for ``NOBODY``.
+
+    Reads: tables (pieces).
+    Writes: tables (count, pieces).
+    """
+    count, node = 0, end
+    while node != NOBODY and nodes.parent[node] != NOBODY:
+        count, node = count + 1, nodes.parent[node]
+    tables.count[w, m], node, k = min(count, MOST_PIECES), end, count
+    while k > 0:
+        k -= 1
+        if k < MOST_PIECES:
+            write_piece(task, nodes, node, tables.pieces[w, m, k])
+        node = nodes.parent[node]
+
+
+@kernel
+def write_piece(task: PoseTask, nodes: PoseNodes, node: int, piece: Floats) -> None:
+    """Write the move that leads to a pose.
+
+    Writes: piece.
+    """
+    move, before = task.moves[nodes.move[node]], nodes.pose[nodes.parent[node]]
+    piece[X], piece[Y], piece[HEADING] = before[0], before[1], before[2]
+    piece[AHEAD], piece[LEFT], piece[TURN], piece[GEAR] = move.ahead, move.left, move.turn, move.gear

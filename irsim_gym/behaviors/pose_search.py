@@ -1,0 +1,200 @@
+"""Hybrid A* (Dolgov, Thrun, Montemerlo, Diebel 2008): a way over poses on which a body's own outline touches nothing.
+
+The search goes over cells of place and heading and keeps in each the pose that it reached. What is left to the goal is
+the longer of two ways: that of a point around what is in the way, and that of the body where nothing is in the way.
+Moves are looked at when their poses are next in the queue, not before.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Record, Records
+from irsim_gym.behaviors.pose_costs import COARSE, Aim, aim_gap, cost_without_obstacles, seconds_of
+from irsim_gym.behaviors.pose_moves import N_HEADINGS, pose_after
+from irsim_gym.behaviors.pose_queue import (
+    MOST_CLOSED,
+    NOBODY,
+    UNKNOWN,
+    PoseNodes,
+    close_cell,
+    is_closed,
+    note_pose,
+    pop,
+    push,
+)
+from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Obstacles
+from irsim_gym.paths.geodesic import field_at
+from irsim_gym.paths.grid import Grid
+from irsim_gym.paths.outline_room import Pose, Shape, room_at_pose
+
+NEAR = 2.0
+"""Time spent at an obstacle counts so many times more; less at a distance, and none of it beyond ``clearance``."""
+GREED = 1.2
+"""What is left counts so many times: ways cost little more than the least, and are found much sooner."""
+LEAST_STEP = 1e-3
+"""Poses along a move are looked at no closer together than this [m]."""
+
+
+class PoseTask(NamedTuple):
+    """What a search is about.
+
+    Attributes:
+        obstacles: What is in the way.
+        shape: The body's outline.
+        padding: Least distance that is kept [m].
+        aim: The goal.
+        moves: The body's moves, shape ``(n_moves,)``.
+        fastest: Its greatest speed [m/s].
+        cell: Side of a cell of the search [m].
+        costs: Costs of the way to the goal where nothing is in the way, see ``pose_costs``.
+        grid: The grid of ``field``.
+        field: Distance of a disc within the body from the goal [m].
+        options: Those of ``HybridAstar``.
+    """
+
+    obstacles: Obstacles
+    shape: Shape
+    padding: float
+    aim: Aim
+    moves: Records
+    fastest: float
+    cell: float
+    costs: Floats
+    grid: Grid
+    field: Floats
+    options: Record
+
+
+@kernel
+def cost_to_go(task: PoseTask, pose: Pose) -> float:
+    """Return what the way from a pose to the goal costs at least, but for how coarse cells are [s]."""
+    far = field_at(task.field, task.grid, pose[0], pose[1])
+    if not far < np.inf:
+        dx, dy = pose[0] - task.aim.x, pose[1] - task.aim.y
+        far = np.sqrt(dx * dx + dy * dy)
+    around = max(far - task.aim.radius, 0.0) / task.fastest
+    return max(around, cost_without_obstacles(task.aim, task.costs, COARSE * task.cell, pose))
+
+
+@kernel
+def cell_of(task: PoseTask, pose: Pose) -> int:
+    """Return the number of the cell that holds a pose; -1 outside of the world."""
+    grid = task.grid
+    across, up = (pose[0] - grid.origin_x) / task.cell, (pose[1] - grid.origin_y) / task.cell
+    columns = int(grid.columns * grid.cell / task.cell) + 1
+    rows = int(grid.rows * grid.cell / task.cell) + 1
+    if not (0.0 <= across < columns and 0.0 <= up < rows):
+        return -1
+    turns = pose[2] / (2.0 * np.pi)
+    heading = int((turns - np.floor(turns)) * N_HEADINGS + 0.5) % N_HEADINGS
+    return (int(up) * columns + int(across)) * N_HEADINGS + heading
+
+
+@kernel
+def room_along(task: PoseTask, pose: Pose, room: float, move: Record) -> tuple[float, float]:
+    """Return the least distance of the body from what is in the way on a move, and that at its end [m].
+
+    Both are 0 if the move comes nearer than the padding.
+
+    From a pose at a distance d, no point of the body touches anything on less than d of its way. So poses are looked at
+    that far apart, less the padding; nothing comes nearer than half of it in between.
+
+    Args:
+        task: The search.
+        pose: Where the move begins.
+        room: The distance there [m].
+        move: The move.
+    """
+    travel = np.sqrt(move.ahead * move.ahead + move.left * move.left) + np.abs(move.turn) * task.shape.reach
+    limit = max(task.options.clearance, travel + task.padding)
+    share, least = 0.0, limit
+    while share < 1.0:
+        step = max(room - task.padding, task.padding, LEAST_STEP)
+        share = min(share + step / travel, 1.0)
+        there = pose_after(pose, move.ahead, move.left, move.turn, share)
+        room = room_at_pose(task.obstacles, task.shape, there, limit)
+        if room < task.padding:
+            return 0.0, 0.0
+        least = min(least, room)
+    return least, room
+
+
+@kernel
+def look_at(task: PoseTask, nodes: PoseNodes, node: int) -> bool:
+    """Return whether the move that leads to a pose is free; its cost grows by how near to obstacles it is.
+
+    Writes: nodes.
+    """
+    parent, move = nodes.parent[node], task.moves[nodes.move[node]]
+    before = (nodes.pose[parent, 0], nodes.pose[parent, 1], nodes.pose[parent, 2])
+    least, nodes.room[node] = room_along(task, before, nodes.room[parent], move)
+    if least < task.padding:
+        return False
+    if least < task.options.clearance:
+        nodes.cost[node] += NEAR * move.seconds * (1.0 - least / task.options.clearance)
+    return True
+
+
+@kernel
+def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
+    """Return the number of a pose at the goal, from which ``nodes.parent`` leads back to the start; -1 without a way.
+
+    Writes: nodes.
+
+    Args:
+        task: What is searched.
+        start: Where the body is.
+        nodes: Memory; written.
+    """
+    nodes.closed[:] = NOBODY
+    note_pose(nodes, 0, start, 0.0, NOBODY, NOBODY)
+    nodes.room[0] = room_at_pose(task.obstacles, task.shape, start, 1.0)
+    count, size, n_closed = 1, push(nodes, 0, 0.0, 0), 0
+    while size > 0 and n_closed < MOST_CLOSED and count + task.moves.shape[0] <= nodes.cost.shape[0]:
+        node = pop(nodes, size)
+        size -= 1
+        here = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2])
+        cell = cell_of(task, here)
+        if is_closed(nodes.closed, cell):
+            continue
+        if nodes.room[node] == UNKNOWN:
+            cost = nodes.cost[node]
+            if not look_at(task, nodes, node):
+                continue
+            if nodes.cost[node] > cost:
+                size = push(nodes, size, nodes.cost[node] + GREED * cost_to_go(task, here), node)
+                continue
+        close_cell(nodes.closed, cell)
+        n_closed += 1
+        if aim_gap(task.aim, here) < task.aim.radius:
+            return int(node)
+        count, size = expand(task, nodes, node, count, size)
+    return -1
+
+
+@kernel
+def expand(task: PoseTask, nodes: PoseNodes, node: int, count: int, size: int) -> tuple[int, int]:
+    """Put the poses to which a body can move from a pose into the queue; return the new counts of poses and queue.
+
+    Writes: nodes.
+    """
+    here = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2])
+    gear = task.moves[nodes.move[node]].gear if nodes.move[node] != NOBODY else 0
+    for k in range(task.moves.shape[0]):
+        move = task.moves[k]
+        there = pose_after(here, move.ahead, move.left, move.turn, 1.0)
+        cell = cell_of(task, there)
+        if cell < 0 or is_closed(nodes.closed, cell):
+            continue
+        rest = cost_to_go(task, there)
+        if not rest < np.inf:
+            continue
+        cost = nodes.cost[node] + seconds_of(task.options, move, gear)
+        note_pose(nodes, count, there, cost, node, k)
+        size = push(nodes, size, cost + GREED * rest, count)
+        count += 1
+    return count, size
