@@ -27,8 +27,7 @@ class HybridAstar:
 
     The way consists of arcs within the turning limits of the body, of turns on the spot and of straight lines to any
     side, as its drive has them, and its own outline touches nothing on them. It leads to a place, or with
-    ``arrive_mode: state`` to a place and a heading, and is one of those that take the least time, with what reversing
-    and changing the direction cost. What moves is not on the map: the body waits for what is close ahead, and does not
+    ``arrive_mode: state`` to a place and a heading, and takes little time, changes of direction included. What moves is not on the map: the body waits for what is close ahead, and does not
     go around it.
     """
 
@@ -51,7 +50,6 @@ class HybridAstar:
     clearance: float = option(
         0.1, gt=0.0, unit="m", meaning="Nearer to an obstacle than this time counts more, up to three times."
     )
-    reverse_cost: float = option(1.5, ge=1.0, meaning="Time spent driving backwards counts so many times.")
     change_cost: float = option(
         0.5, ge=0.0, unit="s", meaning="Cost of a change between driving ahead, back and turning on the spot."
     )
@@ -59,7 +57,7 @@ class HybridAstar:
         None,
         gt=0.0,
         unit="m",
-        meaning="Cell size of the search; default: half the radius of the largest disc about the origin in the body.",
+        meaning="Cell size of the search; default: three quarters of the radius of the largest disc about the origin in the body.",
         consequence="Large: narrow ways are missed. Small: the search takes longer, and gives up sooner.",
     )
 

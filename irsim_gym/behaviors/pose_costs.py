@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Record, Records
-from irsim_gym.behaviors.pose_moves import BACKWARD, N_HEADINGS, pose_after
+from irsim_gym.behaviors.pose_moves import N_HEADINGS, pose_after
 from irsim_gym.behaviors.pose_queue import NOBODY, PoseNodes, note_pose, pop, push
 from irsim_gym.jit import kernel
 from irsim_gym.paths.outline_room import Pose
@@ -59,8 +59,7 @@ def seconds_of(options: Record, move: Record, gear: int) -> float:
         move: The move.
         gear: The other gear.
     """
-    seconds = move.seconds * (options.reverse_cost if move.gear == BACKWARD else 1.0)
-    return float(seconds + (options.change_cost if gear != 0 and gear != move.gear else 0.0))
+    return float(move.seconds + (options.change_cost if gear != 0 and gear != move.gear else 0.0))
 
 
 @kernel

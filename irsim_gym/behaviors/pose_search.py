@@ -33,7 +33,7 @@ from irsim_gym.paths.outline_room import Pose, Shape, room_at_pose
 
 NEAR = 2.0
 """Time spent at an obstacle counts so many times more; less at a distance, and none of it beyond ``clearance``."""
-GREED = 1.2
+GREED = 2.0
 """What is left counts so many times: ways cost little more than the least, and are found much sooner."""
 LEAST_STEP = 1e-3
 """Poses along a move are looked at no closer together than this [m]."""

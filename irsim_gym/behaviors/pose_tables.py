@@ -24,7 +24,7 @@ from irsim_gym.world.rows import row_of
 MOST_PIECES = 256
 """Moves of a way that are kept; a longer one is found anew where they end."""
 X, Y, HEADING, AHEAD, LEFT, TURN, GEAR = 0, 1, 2, 3, 4, 5, 6
-CELL = 0.5
+CELL = 0.75
 """Side of the cells of the search, as a share of the radius of the largest disc about the origin within the body."""
 THIN = 0.25
 """Share of its reach that stands for that radius where it is less."""
@@ -161,8 +161,8 @@ def _costs(group: Group, model: WorldModel, cell: Floats, by_rate: Flags, nodes:
     tables, found = [np.zeros((2 * half, 2 * half, N_TURNS))], {b"": 0}
     numbers = np.zeros(len(asked), np.int64)
     for k, (moves, aim) in enumerate(asked):
-        costs_of = group.options[k].reverse_cost, group.options[k].change_cost
-        alike = moves.tobytes() + repr((aim, costs_of, cell[k])).encode() if moves["turn"].any() else b""
+        change = group.options[k].change_cost
+        alike = moves.tobytes() + repr((aim, change, cell[k])).encode() if moves["turn"].any() else b""
         if alike not in found:
             found[alike] = len(tables)
             tables.append(np.zeros((2 * half, 2 * half, N_TURNS)))
