@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from irsim_gym.arraytypes import Record
-from irsim_gym.behaviors.pose_follow import Motion, OnWay, command_along, left_in_gear, place_near, pose_on
+from irsim_gym.behaviors.pose_follow import Motion, OnWay, command_along, left_in_gear, offset_from, place_near
 from irsim_gym.behaviors.pose_plan import find_poses, shape_of
 from irsim_gym.behaviors.pose_tables import PoseTables, PoseWay
 from irsim_gym.behaviors.pursuit_motion import MOST_STEPS, Command, Moving, executed, moving_of, roll
@@ -17,10 +19,12 @@ PARTS = 4
 """Speeds that are tried, each half of the one before."""
 CLOSE = 0.01
 """So near to the end of a gear the next one begins [m or rad]."""
+DRIFT = 0.05
+"""So far from its way a body gets at the speed that it chooses [m], unless it is farther already."""
 ASTRAY = 0.5
 """A body that is farther from its way looks for another one [m]."""
-PATIENCE = 100
-"""Steps after which a body looks for a way again where it found none, or could not follow it."""
+PATIENCE, SOON = 100, 10
+"""Steps after which a body looks for a way again where it found none, or cannot follow the one that it found."""
 TOUCH = 1e-9
 """Nearer than this [m] is a touch."""
 
@@ -36,7 +40,9 @@ def is_at_rest(moving: Moving, one: float, two: float, three: float) -> bool:
 
 
 @kernel
-def stops_in_time(obstacles: Obstacles, shape: Shape, moving: Moving, way: PoseWay, place: OnWay, part: float) -> bool:
+def stops_in_time(
+    obstacles: Obstacles, shape: Shape, moving: Moving, way: PoseWay, place: OnWay, part: float, drift: float
+) -> bool:
     """Return whether a body touches nothing after a step along its way, and as it comes to a stop on it.
 
     Args:
@@ -46,6 +52,7 @@ def stops_in_time(obstacles: Obstacles, shape: Shape, moving: Moving, way: PoseW
         way: The way.
         place: Where it is on it.
         part: Share of its speed in the first step.
+        drift: So far from its way it may get [m].
     """
     pose, velocity = moving.pose, moving.velocity
     now = Motion((pose[0], pose[1], pose[2]), moving.steering, velocity[0], velocity[1], velocity[2])
@@ -57,9 +64,11 @@ def stops_in_time(obstacles: Obstacles, shape: Shape, moving: Moving, way: PoseW
         now = Motion((x, y, heading), steering, one, two, three)
         if room_at_pose(obstacles, shape, now.pose, TOUCH) < TOUCH:
             return False
+        place, part = place_near(way, place, now.pose), 0.0
+        if offset_from(way, place, now.pose) > drift:
+            return False
         if is_at_rest(moving, one, two, three):
             return True
-        place, part = place_near(way, place, now.pose), 0.0
     return True
 
 
@@ -94,7 +103,7 @@ def drive_poses(
     for _ in range(2):
         if looks:
             find_poses(standing, options, moving, tables, slot, b)
-            tables.retry[w, m] = state.step[w] + PATIENCE
+            tables.retry[w, m] = state.step[w] + (SOON if tables.count[w, m] > 0 else PATIENCE)
         good, command = False, (0.0, 0.0, 0.0)
         if tables.count[w, m] > 0:
             good, command = go_on(standing, everything, shape, moving, tables, m)
@@ -117,15 +126,16 @@ def go_on(
     tables.piece[w, m], tables.share[w, m] = place.piece, place.share
     velocity = moving.velocity
     now = Motion(pose, moving.steering, velocity[0], velocity[1], velocity[2])
-    x, y, _ = pose_on(way, place)
-    is_over = place.piece + 1 >= way.count and left_in_gear(way, place) < CLOSE
-    if is_over or abs(x - pose[0]) > ASTRAY or abs(y - pose[1]) > ASTRAY:
+    offset = offset_from(way, place, pose)
+    if offset > ASTRAY or (place.piece + 1 >= way.count and left_in_gear(way, place) < CLOSE):
         return False, command_along(way, place, moving, now, 0.0)
-    part = 1.0
-    for _ in range(PARTS):
-        if stops_in_time(everything, shape, moving, way, place, part):
+    part, drift = 1.0, max(DRIFT, offset)
+    for k in range(PARTS + 1):
+        if k == PARTS:
+            drift = np.inf
+        if stops_in_time(everything, shape, moving, way, place, part, drift):
             return True, command_along(way, place, moving, now, part)
-        part *= 0.5
+        part *= 0.5 if k < PARTS - 1 else 1.0
     stands = is_at_rest(moving, velocity[0], velocity[1], velocity[2])
-    is_blocked = stands and not stops_in_time(standing, shape, moving, way, place, part)
+    is_blocked = stands and not stops_in_time(standing, shape, moving, way, place, part, drift)
     return not is_blocked, command_along(way, place, moving, now, 0.0)

@@ -101,6 +101,13 @@ def place_near(way: PoseWay, place: OnWay, pose: Pose) -> OnWay:
 
 
 @kernel
+def offset_from(way: PoseWay, place: OnWay, pose: Pose) -> float:
+    """Return how far a body is from a place on the way [m]."""
+    x, y, _ = pose_on(way, place)
+    return float(np.sqrt((pose[0] - x) * (pose[0] - x) + (pose[1] - y) * (pose[1] - y)))
+
+
+@kernel
 def place_ahead(way: PoseWay, place: OnWay, distance: float) -> OnWay:
     """Return the place on the way that is so much farther on [m or rad], at most the end of the gear."""
     i, share = place.piece, place.share
@@ -150,7 +157,7 @@ def rolling_command(way: PoseWay, place: OnWay, moving: Moving, now: Motion, par
 
     With the offset e from the way to the left, the error a of the heading, the sign s of the gear and the settling
     length l, the curvature is that of the way - e / l^2 - 2 s a / l; then e'' + 2 e' / l + e / l^2 = 0 along the way.
-    A car's wheels follow one step later, so it goes by the way that far ahead.
+    A car's wheels follow one step later, so it goes by the way that far ahead; it turns them before it sets off.
     """
     step, steers = moving.step, moving.drive == ACKERMANN and not moving.by_rate
     sign = 1.0 if way.pieces[place.piece, GEAR] > 0.0 else -1.0
@@ -169,7 +176,7 @@ def rolling_command(way: PoseWay, place: OnWay, moving: Moving, now: Motion, par
         angle = min(max(np.arctan(bend * moving.wheelbase), low), high)
         late, most = np.abs(angle - now.steering), moving.change[1] * step
         if late > most:
-            speed *= max(most / late, SLOWEST)
+            speed *= max(most / late, SLOWEST) if sign * now.one > 0.0 else 0.0
         return sign * speed, angle, 0.0
     speed = executed(moving, 0, sign * speed, now.one)
     rate = bend * speed

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Floats, Record
-from irsim_gym.behaviors.pose_costs import Aim, aim_gap
+from irsim_gym.arraytypes import BodyOutline, Floats, Record, Records
+from irsim_gym.behaviors.pose_costs import COARSE, Aim, aim_gap
 from irsim_gym.behaviors.pose_moves import lay_moves
 from irsim_gym.behaviors.pose_queue import NOBODY, PoseNodes, nodes_of
 from irsim_gym.behaviors.pose_search import LEAST_STEP, PoseTask, search_poses
@@ -29,7 +29,7 @@ from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import search_ways
 from irsim_gym.paths.grid import Search
 from irsim_gym.paths.outline_room import Shape, room_at_pose
-from irsim_gym.world.model import STATE, WorldModel
+from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, STATE, WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 
@@ -37,6 +37,8 @@ PADDING = 0.02
 """Least distance that ways keep from obstacles [m], or what a body has where it begins."""
 TIGHT = 0.999
 """A body that begins nearer to something keeps this share of the distance."""
+ATTEMPTS = 2
+"""Where no way is found it is looked for again, over cells half as large."""
 
 
 @kernel
@@ -77,13 +79,7 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
     for axis in range(3):
         tables.goal[w, m, axis] = state.goal[w, b, axis]
     tables.count[w, m], tables.piece[w, m], tables.share[w, m] = 0, 0, 0.0
-    moves = tables.moves[slot]
-    moves = moves[: lay_moves(moving, tables.cell[m], moves)]
-    fastest, can_turn = 0.0, False
-    for k in range(moves.shape[0]):
-        length = np.sqrt(moves[k].ahead * moves[k].ahead + moves[k].left * moves[k].left)
-        fastest, can_turn = max(fastest, length / moves[k].seconds), can_turn or moves[k].turn != 0.0
-    if fastest == 0.0 or not (can_turn or aim_gap(aim, (aim.x, aim.y, start[2])) < aim.radius):
+    if not (turns(moving) or aim_gap(aim, (aim.x, aim.y, start[2])) < aim.radius):
         return
     grid = tables.grid
     search = Search(grid.blocked[slot], grid.field[slot], grid.queue[slot])
@@ -92,10 +88,34 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
     search_ways(obstacles, radius, (aim.x, aim.y), grid.grid, search)
     shape, nodes, costs = shape_of(model, w, b, tables, slot), nodes_of(tables.nodes, slot), tables.costs[tables.table[m]]
     padding = max(min(PADDING, TIGHT * room_at_pose(obstacles, shape, start, 1.0)), LEAST_STEP)
-    task = PoseTask(
-        obstacles, shape, padding, aim, moves, fastest, tables.cell[m], costs, grid.grid, search.field, options
-    )
-    write_way(task, nodes, search_poses(task, start, nodes), tables, w, m)
+    cell, costs_cell = tables.cell[m], COARSE * tables.cell[m]
+    for _ in range(ATTEMPTS):
+        moves = tables.moves[slot][: lay_moves(moving, cell, tables.moves[slot])]
+        task = PoseTask(
+            obstacles, shape, padding, aim, moves, fastest_of(moves), cell, costs, costs_cell, grid.grid, search.field,
+            options,
+        )  # fmt: skip
+        end = search_poses(task, start, nodes)
+        if end != NOBODY:
+            write_way(task, nodes, end, tables, w, m)
+            return
+        cell *= 0.5
+
+
+@kernel
+def turns(moving: Moving) -> bool:
+    """Return whether a body can turn."""
+    return bool(moving.drive in (DIFFERENTIAL, ACKERMANN, OMNI_ANGULAR))
+
+
+@kernel
+def fastest_of(moves: Records) -> float:
+    """Return the greatest speed of moves [m/s]."""
+    fastest = 0.0
+    for k in range(moves.shape[0]):
+        move = moves[k]
+        fastest = max(fastest, np.sqrt(move.ahead * move.ahead + move.left * move.left) / move.seconds)
+    return fastest
 
 
 @kernel

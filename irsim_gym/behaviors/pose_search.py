@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from irsim_gym.arraytypes import Floats, Record, Records
-from irsim_gym.behaviors.pose_costs import COARSE, Aim, aim_gap, cost_without_obstacles, seconds_of
+from irsim_gym.behaviors.pose_costs import Aim, aim_gap, cost_without_obstacles, seconds_of
 from irsim_gym.behaviors.pose_moves import N_HEADINGS, pose_after
 from irsim_gym.behaviors.pose_queue import (
     MOST_CLOSED,
@@ -51,6 +51,7 @@ class PoseTask(NamedTuple):
         fastest: Its greatest speed [m/s].
         cell: Side of a cell of the search [m].
         costs: Costs of the way to the goal where nothing is in the way, see ``pose_costs``.
+        costs_cell: Side of their cells [m].
         grid: The grid of ``field``.
         field: Distance of a disc within the body from the goal [m].
         options: Those of ``HybridAstar``.
@@ -64,6 +65,7 @@ class PoseTask(NamedTuple):
     fastest: float
     cell: float
     costs: Floats
+    costs_cell: float
     grid: Grid
     field: Floats
     options: Record
@@ -77,7 +79,7 @@ def cost_to_go(task: PoseTask, pose: Pose) -> float:
         dx, dy = pose[0] - task.aim.x, pose[1] - task.aim.y
         far = np.sqrt(dx * dx + dy * dy)
     around = max(far - task.aim.radius, 0.0) / task.fastest
-    return max(around, cost_without_obstacles(task.aim, task.costs, COARSE * task.cell, pose))
+    return max(around, cost_without_obstacles(task.aim, task.costs, task.costs_cell, pose))
 
 
 @kernel
