@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
-import numpy as np
-
 from irsim_gym.arraytypes import CellMaps, Ints
 from irsim_gym.behaviors import renewal
 from irsim_gym.behaviors.pose_drive import drive_poses
@@ -35,17 +33,13 @@ class HybridAstar:
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 
-    wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
-    loop: bool = option(False, meaning="Begin again with the first goal after the last.")
+    wander: bool = renewal.WANDER
+    loop: bool = renewal.LOOP
     target_roles: Literal["all", "robot", "obstacle"] = option(
         "all", meaning="Which other bodies that move it stops for; all that stand are on the map."
     )
-    range_low: tuple[float, float, float] = option(
-        (0.0, 0.0, -np.pi), unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
-    )
-    range_high: tuple[float, float, float] = option(
-        (10.0, 10.0, np.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
-    )
+    range_low: tuple[float, float, float] = renewal.LOW
+    range_high: tuple[float, float, float] = renewal.HIGH
     wander_goals: renewal.WanderGoals = renewal.GOALS
     clearance: float = option(
         0.1, gt=0.0, unit="m", meaning="Nearer to an obstacle than this time counts more, up to three times."

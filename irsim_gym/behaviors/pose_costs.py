@@ -19,8 +19,8 @@ from irsim_gym.paths.outline_room import Pose
 COARSE = 2
 """The cells of the table are so many times as large as those of the search, and as many times fewer headings differ."""
 N_TURNS = N_HEADINGS // COARSE
-FARTHEST = 16
-"""Most cells from the goal to the edge of the table."""
+LEAST_HALF, FARTHEST = 2, 16
+"""Least and most cells from the goal to the edge of the table."""
 TURNS_AWAY = 4.0
 """The table reaches so many radii of the sharpest arc."""
 

@@ -30,6 +30,7 @@ BENDS = 2
 DIRECTIONS = 16
 """Directions of slides."""
 MOST_MOVES = 24
+"""Room for moves; the last place is that of the move that leads to the goal."""
 
 
 @kernel

@@ -6,9 +6,9 @@ import numpy as np
 
 from irsim_gym.arraytypes import BodyOutline, Floats, Record, Records
 from irsim_gym.behaviors.pose_costs import COARSE, Aim, aim_gap
-from irsim_gym.behaviors.pose_moves import lay_moves
+from irsim_gym.behaviors.pose_moves import MOST_MOVES, lay_moves
 from irsim_gym.behaviors.pose_queue import NOBODY, PoseNodes, nodes_of
-from irsim_gym.behaviors.pose_search import LEAST_STEP, PoseTask, search_poses
+from irsim_gym.behaviors.pose_search import LEAST_STEP, PoseTask, move_to, search_poses
 from irsim_gym.behaviors.pose_tables import (
     AHEAD,
     GEAR,
@@ -92,8 +92,8 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
     for _ in range(ATTEMPTS):
         moves = tables.moves[slot][: lay_moves(moving, cell, tables.moves[slot])]
         task = PoseTask(
-            obstacles, shape, padding, aim, moves, fastest_of(moves), cell, costs, costs_cell, grid.grid, search.field,
-            options,
+            obstacles, shape, padding, aim, moves, tables.moves[slot][MOST_MOVES - 1], fastest_of(moves), cell, costs,
+            costs_cell, grid.grid, search.field, options,
         )  # fmt: skip
         end = search_poses(task, start, nodes)
         if end != NOBODY:
@@ -142,6 +142,6 @@ def write_piece(task: PoseTask, nodes: PoseNodes, node: int, piece: Floats) -> N
 
     Writes: piece.
     """
-    move, before = task.moves[nodes.move[node]], nodes.pose[nodes.parent[node]]
+    move, before = move_to(task, nodes, node), nodes.pose[nodes.parent[node]]
     piece[X], piece[Y], piece[HEADING] = before[0], before[1], before[2]
     piece[AHEAD], piece[LEFT], piece[TURN], piece[GEAR] = move.ahead, move.left, move.turn, move.gear

@@ -13,6 +13,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Floats, Record, Records
 from irsim_gym.behaviors.pose_costs import Aim, aim_gap, cost_without_obstacles, seconds_of
+from irsim_gym.behaviors.pose_last import lay_last
 from irsim_gym.behaviors.pose_moves import N_HEADINGS, pose_after
 from irsim_gym.behaviors.pose_queue import (
     MOST_CLOSED,
@@ -35,6 +36,8 @@ NEAR = 2.0
 """Time spent at an obstacle counts so many times more; less at a distance, and none of it beyond ``clearance``."""
 GREED = 2.0
 """What is left counts so many times: ways cost little more than the least, and are found much sooner."""
+LAST_CELLS = 6.0
+"""From so many cells away a move may lead straight to the goal."""
 LEAST_STEP = 1e-3
 """Poses along a move are looked at no closer together than this [m]."""
 
@@ -48,6 +51,7 @@ class PoseTask(NamedTuple):
         padding: Least distance that is kept [m].
         aim: The goal.
         moves: The body's moves, shape ``(n_moves,)``.
+        last: Scratch: the move that leads straight to the goal.
         fastest: Its greatest speed [m/s].
         cell: Side of a cell of the search [m].
         costs: Costs of the way to the goal where nothing is in the way, see ``pose_costs``.
@@ -62,6 +66,7 @@ class PoseTask(NamedTuple):
     padding: float
     aim: Aim
     moves: Records
+    last: Record
     fastest: float
     cell: float
     costs: Floats
@@ -126,12 +131,25 @@ def room_along(task: PoseTask, pose: Pose, room: float, move: Record) -> tuple[f
 
 
 @kernel
+def move_to(task: PoseTask, nodes: PoseNodes, node: int) -> Record:
+    """Return the move that leads to a pose.
+
+    Writes: task.
+    """
+    if nodes.move[node] < task.moves.shape[0]:
+        return task.moves[nodes.move[node]]
+    parent = nodes.pose[nodes.parent[node]]
+    lay_last(task.aim, task.moves, LAST_CELLS * task.cell, (parent[0], parent[1], parent[2]), task.last)
+    return task.last
+
+
+@kernel
 def look_at(task: PoseTask, nodes: PoseNodes, node: int) -> bool:
     """Return whether the move that leads to a pose is free; its cost grows by how near to obstacles it is.
 
     Writes: nodes.
     """
-    parent, move = nodes.parent[node], task.moves[nodes.move[node]]
+    parent, move = nodes.parent[node], move_to(task, nodes, node)
     before = (nodes.pose[parent, 0], nodes.pose[parent, 1], nodes.pose[parent, 2])
     least, nodes.room[node] = room_along(task, before, nodes.room[parent], move)
     if least < task.padding:
@@ -156,12 +174,12 @@ def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
     note_pose(nodes, 0, start, 0.0, NOBODY, NOBODY)
     nodes.room[0] = room_at_pose(task.obstacles, task.shape, start, 1.0)
     count, size, n_closed = 1, push(nodes, 0, 0.0, 0), 0
-    while size > 0 and n_closed < MOST_CLOSED and count + task.moves.shape[0] <= nodes.cost.shape[0]:
+    while size > 0 and n_closed < MOST_CLOSED and count + task.moves.shape[0] < nodes.cost.shape[0]:
         node = pop(nodes, size)
         size -= 1
         here = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2])
-        cell = cell_of(task, here)
-        if is_closed(nodes.closed, cell):
+        cell, is_last = cell_of(task, here), nodes.move[node] == task.moves.shape[0]
+        if not is_last and is_closed(nodes.closed, cell):
             continue
         if nodes.room[node] == UNKNOWN:
             cost = nodes.cost[node]
@@ -170,11 +188,17 @@ def search_poses(task: PoseTask, start: Pose, nodes: PoseNodes) -> int:
             if nodes.cost[node] > cost:
                 size = push(nodes, size, nodes.cost[node] + GREED * cost_to_go(task, here), node)
                 continue
-        close_cell(nodes.closed, cell)
-        n_closed += 1
         if aim_gap(task.aim, here) < task.aim.radius:
             return int(node)
-        count, size = expand(task, nodes, node, count, size)
+        if not is_last:
+            close_cell(nodes.closed, cell)
+            n_closed += 1
+            count, size = expand(task, nodes, node, count, size)
+        if lay_last(task.aim, task.moves, LAST_CELLS * task.cell, here, task.last):
+            there = pose_after(here, task.last.ahead, task.last.left, task.last.turn, 1.0)
+            note_pose(nodes, count, there, nodes.cost[node] + task.last.seconds, node, task.moves.shape[0])
+            size = push(nodes, size, nodes.cost[count] + GREED * cost_to_go(task, there), count)
+            count += 1
     return -1
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from irsim_gym.arraytypes import Flags, Floats, Ints, Records
-from irsim_gym.behaviors.pose_costs import COARSE, FARTHEST, N_TURNS, TURNS_AWAY, Aim, lay_costs
+from irsim_gym.behaviors.pose_costs import COARSE, FARTHEST, LEAST_HALF, N_TURNS, TURNS_AWAY, Aim, lay_costs
 from irsim_gym.behaviors.pose_moves import MOST_MOVES, MOVE, lay_moves
 from irsim_gym.behaviors.pose_queue import PoseNodes
 from irsim_gym.behaviors.pursuit_motion import Moving
@@ -157,7 +157,7 @@ def _costs(group: Group, model: WorldModel, cell: Floats, by_rate: Flags, nodes:
     tables are those of the first level.
     """
     asked = [_asked(group, model, k, float(cell[k]), bool(by_rate[k])) for k in range(len(group.members))]
-    half = max([4, *(_half(moves, float(side)) for (moves, _), side in zip(asked, cell, strict=True))])
+    half = max([LEAST_HALF, *(_half(moves, float(side)) for (moves, _), side in zip(asked, cell, strict=True))])
     tables, found = [np.zeros((2 * half, 2 * half, N_TURNS))], {b"": 0}
     numbers = np.zeros(len(asked), np.int64)
     for k, (moves, aim) in enumerate(asked):
@@ -188,4 +188,4 @@ def _half(moves: Records, cell: float) -> int:
     """Return how many cells the table of costs of a body with these moves reaches from the goal."""
     arcs = moves[(moves["turn"] != 0.0) & (moves["ahead"] != 0.0)]
     radius = float(np.min(np.abs(arcs["ahead"] / arcs["turn"]), initial=np.inf)) if len(arcs) else 0.0
-    return int(np.clip(np.ceil(TURNS_AWAY * radius / (COARSE * cell)), 4, FARTHEST))
+    return int(np.clip(np.ceil(TURNS_AWAY * radius / (COARSE * cell)), LEAST_HALF, FARTHEST))
