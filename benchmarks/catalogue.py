@@ -121,6 +121,7 @@ CASES: dict[str, Callable[[Effort], Figures]] = {
     "crowd_rvo": partial(crowd, {"behavior": {"name": "rvo"}}),
     "decision/pursuit": partial(decision, "dense_room", "pursuit"),
     "decision/pursuit_seen": partial(decision, "dense_room", "pursuit:known=seen"),
+    "decision/hybrid_astar": partial(decision, "parking", "hybrid_astar"),
     "decision/dwa": partial(decision, "dense_room", "dwa"),
     "decision/mppi": partial(decision, "dense_room", "mppi"),
     "training_share/cluttered_room": training_share,

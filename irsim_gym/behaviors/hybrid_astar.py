@@ -25,8 +25,8 @@ class HybridAstar:
 
     The way consists of arcs within the turning limits of the body, of turns on the spot and of straight lines to any
     side, as its drive has them, and its own outline touches nothing on them. It leads to a place, or with
-    ``arrive_mode: state`` to a place and a heading, and takes little time, changes of direction included. What moves is not on the map: the body waits for what is close ahead, and does not
-    go around it.
+    ``arrive_mode: state`` to a place and a heading, and takes little time, changes of direction included. What moves is
+    not on the map: the body waits for what is close ahead, and does not go around it.
     """
 
     only_kernels: ClassVar[bool] = True
@@ -51,7 +51,8 @@ class HybridAstar:
         None,
         gt=0.0,
         unit="m",
-        meaning="Cell size of the search; default: three quarters of the radius of the largest disc about the origin in the body.",
+        meaning="Cell size of the search; default: 0.75 times the radius of the largest disc about the origin in the "
+        "body.",
         consequence="Large: narrow ways are missed. Small: the search takes longer, and gives up sooner.",
     )
 
@@ -72,9 +73,7 @@ class HybridAstar:
     @staticmethod
     def decide(group: Group, model: WorldModel, state: WorldState, shard: Shard) -> None:
         """Write the members' commands; all members of a group have one drive."""
-        drive_all_poses(
-            shard.worlds, shard.slot, group.members, group.params, group.tables, model, model.cells, state
-        )
+        drive_all_poses(shard.worlds, shard.slot, group.members, group.params, group.tables, model, model.cells, state)
 
 
 @kernel
@@ -88,7 +87,13 @@ def drive_all_poses(
     cells: CellMaps | None,
     state: WorldState,
 ) -> None:
-    """Write the commands of the members."""
+    """Write the commands of the members.
+
+    Reads: tables (by_rate, cell, costs, count, discs, everything, goal, grid, moves, nodes, piece, pieces, retry,
+        segments, share, standing, table), model (has_goal, heedless, movable, present, role, seen_row, stands,
+        unobstructed, watchers), state (arrived, goal, stopped).
+    Writes: tables (count, everything, goal, piece, pieces, retry, share, standing), state (command).
+    """
     standing, everything = tables.standing[slot], tables.everything[slot]
     for w in worlds:
         for k in range(members.shape[0]):

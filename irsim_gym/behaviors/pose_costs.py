@@ -66,6 +66,8 @@ def seconds_of(options: Record, move: Record, gear: int) -> float:
 def lay_costs(options: Record, aim: Aim, cell: float, moves: Records, nodes: PoseNodes, costs: Floats) -> None:
     """Write the costs to a goal at the origin [s]; inf where no way stays within the table.
 
+    Writes: nodes, costs.
+
     Args:
         options: Those of ``HybridAstar``.
         aim: The goal.

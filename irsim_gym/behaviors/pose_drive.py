@@ -96,7 +96,12 @@ def is_new(state: WorldState, tables: PoseTables, w: int, m: int, b: int) -> boo
 def drive_poses(
     standing: Obstacles, everything: Obstacles, options: Record, tables: PoseTables, slot: int, b: int
 ) -> None:
-    """Write the command of one body, and look for its way where it has none to its goal or cannot follow it."""
+    """Write the command of one body, and look for its way where it has none to its goal or cannot follow it.
+
+    Reads: tables (by_rate, cell, costs, count, discs, goal, grid, moves, nodes, piece, pieces, retry, segments, share,
+        table).
+    Writes: standing, tables (count, goal, piece, pieces, retry, share).
+    """
     model, state, w, m = standing.model, standing.state, standing.w, options.index
     moving, shape = moving_of(model, state, w, b, tables.by_rate[m]), shape_of(model, w, b, tables, slot)
     looks = is_new(state, tables, w, m, b)
@@ -117,7 +122,11 @@ def drive_poses(
 def go_on(
     standing: Obstacles, everything: Obstacles, shape: Shape, moving: Moving, tables: PoseTables, m: int
 ) -> tuple[bool, Command]:
-    """Return whether a way can be followed, and the command for it; a body waits for what moves."""
+    """Return whether a way can be followed, and the command for it; a body waits for what moves.
+
+    Reads: tables (count, piece, pieces, share).
+    Writes: shape, tables (piece, share).
+    """
     w = standing.w
     way, pose = way_of(tables, w, m), (moving.pose[0], moving.pose[1], moving.pose[2])
     place = place_near(way, OnWay(tables.piece[w, m], tables.share[w, m]), pose)

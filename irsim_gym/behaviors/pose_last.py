@@ -22,6 +22,8 @@ def lay_last(aim: Aim, moves: Records, farthest: float, pose: Pose, last: Record
     A body at that place turns to the heading of the goal, if it can. One that cannot turn on the spot has to arrive
     with that heading.
 
+    Writes: last.
+
     Args:
         aim: The goal.
         moves: The moves of the body, which show its limits.
@@ -51,7 +53,10 @@ def lay_last(aim: Aim, moves: Records, farthest: float, pose: Pose, last: Record
 
 @kernel
 def lay_turn(moves: Records, turn: float, last: Record) -> bool:
-    """Return whether a body can turn on the spot by an angle [rad], and write that as a move."""
+    """Return whether a body can turn on the spot by an angle [rad], and write that as a move.
+
+    Writes: last.
+    """
     gear = SPIN if turn > 0.0 else -SPIN
     for k in range(moves.shape[0]):
         if moves[k].gear == gear and turn != 0.0:
@@ -66,6 +71,8 @@ def lay_arc(moves: Records, ahead: float, aside: float, last: Record) -> bool:
     """Return whether an arc that begins along the heading leads to a point, and write it.
 
     Its curvature is 2 y / (x^2 + y^2); it has to lie between those of the moves of its gear.
+
+    Writes: last.
 
     Args:
         moves: The moves of the body.

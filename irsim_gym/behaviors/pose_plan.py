@@ -55,7 +55,8 @@ def aim_of(model: WorldModel, state: WorldState, w: int, b: int) -> Aim:
 def shape_of(model: WorldModel, w: int, b: int, tables: PoseTables, slot: int) -> Shape:
     """Return the outline of body b of world w, with room for it at a pose.
 
-    Reads: model (reach), tables (discs, segments).
+    Reads: model (disc_count, disc_start, local_discs, local_segments, reach, segment_count, segment_start, solid),
+        tables (discs, segments).
     """
     own = own_outline(model, w, b)
     laid = BodyOutline(tables.segments[slot], 0, own.n_segments, tables.discs[slot], 0, own.n_discs, own.solid)
@@ -65,6 +66,9 @@ def shape_of(model: WorldModel, w: int, b: int, tables: PoseTables, slot: int) -
 @kernel
 def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: PoseTables, slot: int, b: int) -> None:
     """Write a member's way over poses to its goal; one of no moves where none is found.
+
+    Reads: tables (cell, costs, discs, grid, moves, nodes, segments, table).
+    Writes: tables (count, goal, piece, pieces, share).
 
     Args:
         obstacles: What stands in the way; the world is theirs.
@@ -86,7 +90,11 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
     open_radius = max(inner_radius_of(model, w, b) - np.sqrt(0.5) * grid.grid.cell, 0.0)
     radius = np.sqrt(max(open_radius * open_radius - 0.5 * grid.grid.cell * grid.grid.cell, 0.0))
     search_ways(obstacles, radius, (aim.x, aim.y), grid.grid, search)
-    shape, nodes, costs = shape_of(model, w, b, tables, slot), nodes_of(tables.nodes, slot), tables.costs[tables.table[m]]
+    shape, nodes, costs = (
+        shape_of(model, w, b, tables, slot),
+        nodes_of(tables.nodes, slot),
+        tables.costs[tables.table[m]],
+    )
     padding = max(min(PADDING, TIGHT * room_at_pose(obstacles, shape, start, 1.0)), LEAST_STEP)
     cell, costs_cell = tables.cell[m], COARSE * tables.cell[m]
     for _ in range(ATTEMPTS):
@@ -122,8 +130,7 @@ def fastest_of(moves: Records) -> float:
 def write_way(task: PoseTask, nodes: PoseNodes, end: int, tables: PoseTables, w: int, m: int) -> None:
     """Write the moves that lead to a pose that was found, the first ones if they are too many; none for ``NOBODY``.
 
-    Reads: tables (pieces).
-    Writes: tables (count, pieces).
+    Writes: task, tables (count, pieces).
     """
     count, node = 0, end
     while node != NOBODY and nodes.parent[node] != NOBODY:

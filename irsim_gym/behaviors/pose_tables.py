@@ -127,7 +127,7 @@ class PoseTables(Struct):
 def inner_radius_of(model: WorldModel, w: int, b: int) -> float:
     """Return the radius of the largest disc about the origin of body b of world w within it [m], at least some.
 
-    Reads: model.
+    Reads: model (disc_count, disc_start, local_discs, local_segments, reach, segment_count, segment_start, solid).
     """
     return max(inner_radius(own_outline(model, w, b)), THIN * model.reach[row_of(model.reach, w), b])
 
@@ -136,7 +136,7 @@ def inner_radius_of(model: WorldModel, w: int, b: int) -> float:
 def forget_poses(worlds: Ints, tables: PoseTables) -> None:
     """Forget all ways of some worlds.
 
-    Writes: tables.
+    Writes: tables (count, goal, retry).
     """
     for w in worlds:
         for m in range(tables.retry.shape[1]):

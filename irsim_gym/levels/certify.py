@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.evaluation.certificate_measures import LevelMeasures, measure_level
+from irsim_gym.engine import Simulation
+from irsim_gym.evaluation.certificate_measures import LevelMeasures, is_disc, largest_disc, measure_level
 from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.team_metrics import TeamRow
 from irsim_gym.levels.certificate import Certificate, rounded
@@ -29,6 +30,9 @@ def certify(
 ) -> Certificate:
     """Return the certificate of the first levels of a split.
 
+    Where no way is wide enough for a disc around a whole robot that is no disc, that of the largest disc within it is
+    measured, and the level counts as reachable if one of the policies arrives.
+
     Args:
         episodes: The worlds, and the task that says who drives and when an episode ends.
         split: ``"test"``, ``"dev"`` or ``"train"``.
@@ -43,13 +47,16 @@ def certify(
     agents = simulation.agents.tolist()
 
     def look(world: int) -> None:
-        measured.append([measure_level(simulation.model, simulation.state, world, body) for body in agents])
+        measured.append([_measured(simulation, world, body) for body in agents])
         density.append(covered_share(simulation.model, simulation.state, world))
 
     drawn = draw_levels(simulation, [split], count, on_levels, look)
     episodes_of = [[[agent.episode for agent in level.agents] for level in levels] for levels in rows.values()]
     n_rows = len(rows), count, len(agents)
     outcomes = [OUTCOMES.index(row.outcome) for levels in episodes_of for team in levels for row in team]
+    outcome = np.array(outcomes, np.uint8).reshape(n_rows)
+    proved = np.array([[is_sure for _, is_sure in level] for level in measured], np.bool_)
+    reachable = np.array([[one.reachable for one, _ in level] for level in measured], np.bool_)
     times = [row.time for levels in episodes_of for team in levels for row in team]
     return Certificate(
         name=simulation.scenario.label,
@@ -58,17 +65,26 @@ def certify(
         agents=episodes.agent_names,
         policies=tuple(rows),
         hash=drawn.hashes(),
-        reachable=np.array([[one.reachable for one in level] for level in measured], np.bool_),
+        reachable=reachable & (proved | (outcome == OUTCOMES.index("success")).any(axis=0)),
         length=_column(measured, "length"),
         straight=_column(measured, "straight"),
         clearance=_column(measured, "clearance"),
         least_time=_column(measured, "least_time"),
         density=rounded(density),
-        outcome=np.array(outcomes, np.uint8).reshape(n_rows),
+        outcome=outcome,
         time=rounded(times).reshape(n_rows),
         versions={"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
     )
 
 
-def _column(measured: Sequence[Sequence[LevelMeasures]], name: str) -> Any:
-    return rounded([[getattr(one, name) for one in level] for level in measured])
+def _measured(simulation: Simulation, world: int, body: int) -> tuple[LevelMeasures, bool]:
+    """Return what a level asks of a robot, and whether it is reachable without a policy that shows it."""
+    model, state = simulation.model, simulation.state
+    found = measure_level(model, state, world, body)
+    if found.reachable or is_disc(model, body):
+        return found, True
+    return measure_level(model, state, world, body, radius=largest_disc(model, state, world, body)), False
+
+
+def _column(measured: Sequence[Sequence[tuple[LevelMeasures, bool]]], name: str) -> Any:
+    return rounded([[getattr(one, name) for one, _ in level] for level in measured])

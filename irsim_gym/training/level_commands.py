@@ -15,6 +15,7 @@ from rich.progress import Progress
 from irsim_gym.engine import Simulation, compile
 from irsim_gym.errors import IrsimGymError, several
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy, UnfitBehaviorError
+from irsim_gym.evaluation.certificate_measures import is_disc
 from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.optimum import Optima
 from irsim_gym.evaluation.policy import Policy
@@ -30,10 +31,13 @@ from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.levels import check_split
 from irsim_gym.training.episode_setup import make_episodes
 from irsim_gym.training.policies import load_policy
+from irsim_gym.world.model import ACKERMANN
 
 WORLDS = 64
 REFERENCES = ("random", "dash", "orca", "dwa", "pursuit:known=seen", "pursuit")
 """Reference rows: at random, straight ahead, by velocity, by a local plan, by what was seen, by the whole map."""
+POSES = "hybrid_astar"
+"""Beside them, where a robot is no disc or steers like a car: by a way over poses."""
 
 
 @dataclass(frozen=True)
@@ -144,8 +148,10 @@ def write_certificate(made: Certificate, path: Path) -> None:
 
 def _fitting(episodes: Episodes) -> dict[str, Policy]:
     """Return those of the usual reference policies that are there and can drive the agents."""
+    model, agents = episodes.simulation.model, episodes.simulation.agents.tolist()
+    needs_poses = any(model.drive[body] == ACKERMANN or not is_disc(model, body) for body in agents)
     fitting: dict[str, Policy] = {}
-    for name in filter(is_named_policy, REFERENCES):
+    for name in filter(is_named_policy, (*REFERENCES, POSES) if needs_poses else REFERENCES):
         policy = load_policy(name)
         try:
             if isinstance(policy, BehaviorPolicy):
