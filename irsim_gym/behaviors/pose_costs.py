@@ -21,6 +21,8 @@ COARSE = 2
 N_TURNS = N_HEADINGS // COARSE
 LEAST_HALF, FARTHEST = 2, 16
 """Least and most cells from the goal to the edge of the table."""
+STEERING = 0.3
+"""Cost of a change of how far moves turn [s/rad]."""
 TURNS_AWAY = 4.0
 """The table reaches so many radii of the sharpest arc."""
 
@@ -51,15 +53,18 @@ def aim_gap(aim: Aim, pose: Pose) -> float:
 
 
 @kernel
-def seconds_of(options: Record, move: Record, gear: int) -> float:
-    """Return the cost of a move [s] beside a move of another gear, or 0 for none.
+def seconds_of(options: Record, move: Record, gear: int, turn: float) -> float:
+    """Return the cost of a move [s] beside another one: a change of gear costs something, and so does steering.
 
     Args:
         options: Those of ``HybridAstar``.
         move: The move.
-        gear: The other gear.
+        gear: The gear of the other one; 0 if there is none.
+        turn: How far the other one turns [rad].
     """
-    return float(move.seconds + (options.change_cost if gear != 0 and gear != move.gear else 0.0))
+    if gear == move.gear:
+        return float(move.seconds + STEERING * np.abs(move.turn - turn))
+    return float(move.seconds + (options.change_cost if gear != 0 else 0.0))
 
 
 @kernel
@@ -95,13 +100,15 @@ def lay_costs(options: Record, aim: Aim, cell: float, moves: Records, nodes: Pos
         i, j, k = costs_cell(costs, cell, here)
         if cost > costs[i, j, k]:
             continue
-        gear = moves[nodes.move[node]].gear if nodes.move[node] != NOBODY else 0
+        gear, turn = 0, 0.0
+        if nodes.move[node] != NOBODY:
+            gear, turn = moves[nodes.move[node]].gear, moves[nodes.move[node]].turn
         for m in range(moves.shape[0]):
             # The body comes from where the opposite of the move leads.
             move = moves[m]
             before = pose_after(here, -move.ahead, -move.left, -move.turn, 1.0)
             count, size = offer_pose(
-                nodes, costs, cell, before, cost + seconds_of(options, move, gear), m, count, size
+                nodes, costs, cell, before, cost + seconds_of(options, move, gear, turn), m, count, size
             )  # fmt: skip
 
 

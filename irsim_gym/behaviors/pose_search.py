@@ -34,7 +34,7 @@ from irsim_gym.paths.outline_room import Pose, Shape, room_at_pose
 
 NEAR = 2.0
 """Time spent at an obstacle counts so many times more; less at a distance, and none of it beyond ``clearance``."""
-GREED = 2.0
+GREED = 1.3
 """What is left counts so many times: ways cost little more than the least, and are found much sooner."""
 LAST_CELLS = 6.0
 """From so many cells away a move may lead straight to the goal."""
@@ -209,7 +209,9 @@ def expand(task: PoseTask, nodes: PoseNodes, node: int, count: int, size: int) -
     Writes: nodes.
     """
     here = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2])
-    gear = task.moves[nodes.move[node]].gear if nodes.move[node] != NOBODY else 0
+    gear, turn = 0, 0.0
+    if nodes.move[node] != NOBODY:
+        gear, turn = task.moves[nodes.move[node]].gear, task.moves[nodes.move[node]].turn
     for k in range(task.moves.shape[0]):
         move = task.moves[k]
         there = pose_after(here, move.ahead, move.left, move.turn, 1.0)
@@ -219,7 +221,7 @@ def expand(task: PoseTask, nodes: PoseNodes, node: int, count: int, size: int) -
         rest = cost_to_go(task, there)
         if not rest < np.inf:
             continue
-        cost = nodes.cost[node] + seconds_of(task.options, move, gear)
+        cost = nodes.cost[node] + seconds_of(task.options, move, gear, turn)
         note_pose(nodes, count, there, cost, node, k)
         size = push(nodes, size, cost + GREED * rest, count)
         count += 1
