@@ -79,20 +79,16 @@ def lay_costs(options: Record, aim: Aim, cell: float, moves: Records, nodes: Pos
         cell: Side of a cell [m].
         moves: The moves.
         nodes: Scratch.
-        costs: Written: the cost in the middle of each cell and heading, shape ``(columns, rows, N_TURNS)``.
+        costs: Written: the cost in each cell and heading, shape ``(columns, rows, N_TURNS)``; the goal lies in the middle.
     """
     costs[:] = np.inf
     half, count, size = costs.shape[0] // 2, 0, 0
-    for i in range(-half, half):
-        for j in range(-half, half):
+    for i in range(-half, half + 1):
+        for j in range(-half, half + 1):
             for k in range(N_TURNS):
-                pose = ((i + 0.5) * cell, (j + 0.5) * cell, (k + 0.5) * 2.0 * np.pi / N_TURNS)
+                pose = (i * cell, j * cell, 2.0 * np.pi * k / N_TURNS)
                 if aim_gap(aim, pose) < aim.radius:
                     count, size = offer_pose(nodes, costs, cell, pose, 0.0, NOBODY, count, size)
-    if count == 0:
-        for k in range(N_TURNS):
-            pose = (aim.x, aim.y, aim.heading if aim.heading == aim.heading else (k + 0.5) * 2.0 * np.pi / N_TURNS)
-            count, size = offer_pose(nodes, costs, cell, pose, 0.0, NOBODY, count, size)
     while size > 0 and count + moves.shape[0] <= nodes.cost.shape[0]:
         node = pop(nodes, size)
         size -= 1
@@ -132,11 +128,11 @@ def offer_pose(
 def costs_cell(costs: Floats, cell: float, pose: Pose) -> tuple[int, int, int]:
     """Return the cell of the table for a pose relative to the goal; the first number is -1 beside the table."""
     half = costs.shape[0] // 2
-    i, j = np.floor(pose[0] / cell) + half, np.floor(pose[1] / cell) + half
-    if not (0.0 <= i < 2 * half and 0.0 <= j < 2 * half):
+    i, j = np.floor(pose[0] / cell + 0.5) + half, np.floor(pose[1] / cell + 0.5) + half
+    if not (0.0 <= i <= 2 * half and 0.0 <= j <= 2 * half):
         return -1, -1, -1
     turns = pose[2] / (2.0 * np.pi)
-    return int(i), int(j), int((turns - np.floor(turns)) * N_TURNS) % N_TURNS
+    return int(i), int(j), int((turns - np.floor(turns)) * N_TURNS + 0.5) % N_TURNS
 
 
 @kernel

@@ -158,14 +158,14 @@ def _costs(group: Group, model: WorldModel, cell: Floats, by_rate: Flags, nodes:
     """
     asked = [_asked(group, model, k, float(cell[k]), bool(by_rate[k])) for k in range(len(group.members))]
     half = max([LEAST_HALF, *(_half(moves, float(side)) for (moves, _), side in zip(asked, cell, strict=True))])
-    tables, found = [np.zeros((2 * half, 2 * half, N_TURNS))], {b"": 0}
+    tables, found = [np.zeros((2 * half + 1, 2 * half + 1, N_TURNS))], {b"": 0}
     numbers = np.zeros(len(asked), np.int64)
     for k, (moves, aim) in enumerate(asked):
         change = group.options[k].change_cost
         alike = moves.tobytes() + repr((aim, change, cell[k])).encode() if moves["turn"].any() else b""
         if alike not in found:
             found[alike] = len(tables)
-            tables.append(np.zeros((2 * half, 2 * half, N_TURNS)))
+            tables.append(np.zeros((2 * half + 1, 2 * half + 1, N_TURNS)))
             scratch = PoseNodes(*(part[0] for part in nodes))
             lay_costs(group.params[k], aim, COARSE * float(cell[k]), moves, scratch, tables[-1])
         numbers[k] = found[alike]
