@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Record
-from irsim_gym.behaviors.pose_follow import Motion, OnWay, command_along, left_in_gear, offset_from, place_near
+from irsim_gym.behaviors.pose_follow import PoseMotion, OnWay, command_along, left_in_gear, offset_from, place_near
 from irsim_gym.behaviors.pose_plan import find_poses, shape_of
 from irsim_gym.behaviors.pose_tables import PoseTables, PoseWay
 from irsim_gym.behaviors.pursuit_motion import MOST_STEPS, Command, Moving, executed, moving_of, roll
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
-from irsim_gym.paths.outline_room import Shape, room_at_pose
+from irsim_gym.paths.outline_room import PoseShape, room_at_pose
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL
 from irsim_gym.world.state import WorldState
 
@@ -41,7 +41,7 @@ def is_at_rest(moving: Moving, one: float, two: float, three: float) -> bool:
 
 @kernel
 def stops_in_time(
-    obstacles: Obstacles, shape: Shape, moving: Moving, way: PoseWay, place: OnWay, part: float, drift: float
+    obstacles: Obstacles, shape: PoseShape, moving: Moving, way: PoseWay, place: OnWay, part: float, drift: float
 ) -> bool:
     """Return whether a body touches nothing after a step along its way, and as it comes to a stop on it.
 
@@ -55,13 +55,13 @@ def stops_in_time(
         drift: So far from its way it may get [m].
     """
     pose, velocity = moving.pose, moving.velocity
-    now = Motion((pose[0], pose[1], pose[2]), moving.steering, velocity[0], velocity[1], velocity[2])
+    now = PoseMotion((pose[0], pose[1], pose[2]), moving.steering, velocity[0], velocity[1], velocity[2])
     for _ in range(MOST_STEPS):
         first, second, third = command_along(way, place, moving, now, part)
         one, two = executed(moving, 0, first, now.one), executed(moving, 1, second, now.two)
         three = executed(moving, 2, third, now.three)
         x, y, heading, steering = roll(moving, now.pose[0], now.pose[1], now.pose[2], now.steering, one, two, three)
-        now = Motion((x, y, heading), steering, one, two, three)
+        now = PoseMotion((x, y, heading), steering, one, two, three)
         if room_at_pose(obstacles, shape, now.pose, TOUCH) < TOUCH:
             return False
         place, part = place_near(way, place, now.pose), 0.0
@@ -120,7 +120,7 @@ def drive_poses(
 
 @kernel
 def go_on(
-    standing: Obstacles, everything: Obstacles, shape: Shape, moving: Moving, tables: PoseTables, m: int
+    standing: Obstacles, everything: Obstacles, shape: PoseShape, moving: Moving, tables: PoseTables, m: int
 ) -> tuple[bool, Command]:
     """Return whether a way can be followed, and the command for it; a body waits for what moves.
 
@@ -134,7 +134,7 @@ def go_on(
         place = place_near(way, OnWay(place.piece + 1, 0.0), pose)
     tables.piece[w, m], tables.share[w, m] = place.piece, place.share
     velocity = moving.velocity
-    now = Motion(pose, moving.steering, velocity[0], velocity[1], velocity[2])
+    now = PoseMotion(pose, moving.steering, velocity[0], velocity[1], velocity[2])
     offset = offset_from(way, place, pose)
     if offset > ASTRAY or (place.piece + 1 >= way.count and left_in_gear(way, place) < CLOSE):
         return False, command_along(way, place, moving, now, 0.0)

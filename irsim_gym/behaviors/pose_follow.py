@@ -27,7 +27,7 @@ SLOWEST = 0.1
 """Least share of the speed while a body cannot turn yet as it should."""
 
 
-class Motion(NamedTuple):
+class PoseMotion(NamedTuple):
     """A moment of a body that moves.
 
     Attributes:
@@ -130,7 +130,7 @@ def left_in_gear(way: PoseWay, place: OnWay) -> float:
 
 
 @kernel
-def command_along(way: PoseWay, place: OnWay, moving: Moving, now: Motion, part: float) -> Command:
+def command_along(way: PoseWay, place: OnWay, moving: Moving, now: PoseMotion, part: float) -> Command:
     """Return the command that goes on along the way.
 
     Args:
@@ -152,7 +152,7 @@ def command_along(way: PoseWay, place: OnWay, moving: Moving, now: Motion, part:
 
 
 @kernel
-def rolling_command(way: PoseWay, place: OnWay, moving: Moving, now: Motion, part: float) -> Command:
+def rolling_command(way: PoseWay, place: OnWay, moving: Moving, now: PoseMotion, part: float) -> Command:
     """Return the command of a body that rolls, which brings it back to its way as a critically damped spring would.
 
     With the offset e from the way to the left, the error a of the heading, the sign s of the gear and the settling
@@ -188,7 +188,7 @@ def rolling_command(way: PoseWay, place: OnWay, moving: Moving, now: Motion, par
 
 
 @kernel
-def sliding_command(way: PoseWay, place: OnWay, moving: Moving, now: Motion, part: float) -> Command:
+def sliding_command(way: PoseWay, place: OnWay, moving: Moving, now: PoseMotion, part: float) -> Command:
     """Return the command of a body that moves to any side: towards the place on the way that it reaches in a step."""
     step, (x, y, heading) = moving.step, pose_on(way, place)
     off = np.sqrt((now.pose[0] - x) * (now.pose[0] - x) + (now.pose[1] - y) * (now.pose[1] - y))

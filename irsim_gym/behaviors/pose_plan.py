@@ -28,7 +28,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import search_ways
 from irsim_gym.paths.grid import Search
-from irsim_gym.paths.outline_room import Shape, room_at_pose
+from irsim_gym.paths.outline_room import PoseShape, room_at_pose
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, STATE, WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
@@ -52,7 +52,7 @@ def aim_of(model: WorldModel, state: WorldState, w: int, b: int) -> Aim:
 
 
 @kernel
-def shape_of(model: WorldModel, w: int, b: int, tables: PoseTables, slot: int) -> Shape:
+def shape_of(model: WorldModel, w: int, b: int, tables: PoseTables, slot: int) -> PoseShape:
     """Return the outline of body b of world w, with room for it at a pose.
 
     Reads: model (disc_count, disc_start, local_discs, local_segments, reach, segment_count, segment_start, solid),
@@ -60,7 +60,7 @@ def shape_of(model: WorldModel, w: int, b: int, tables: PoseTables, slot: int) -
     """
     own = own_outline(model, w, b)
     laid = BodyOutline(tables.segments[slot], 0, own.n_segments, tables.discs[slot], 0, own.n_discs, own.solid)
-    return Shape(own, laid, model.reach[row_of(model.reach, w), b])
+    return PoseShape(own, laid, model.reach[row_of(model.reach, w), b])
 
 
 @kernel

@@ -30,7 +30,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import field_at
 from irsim_gym.paths.grid import Grid
-from irsim_gym.paths.outline_room import Pose, Shape, room_at_pose
+from irsim_gym.paths.outline_room import Pose, PoseShape, room_at_pose
 
 NEAR = 2.0
 """Time spent at an obstacle counts so many times more; less at a distance, and none of it beyond ``clearance``."""
@@ -62,7 +62,7 @@ class PoseTask(NamedTuple):
     """
 
     obstacles: Obstacles
-    shape: Shape
+    shape: PoseShape
     padding: float
     aim: Aim
     moves: Records

@@ -19,7 +19,7 @@ from irsim_gym.world.rows import row_of
 Pose = tuple[float, float, float]
 
 
-class Shape(NamedTuple):
+class PoseShape(NamedTuple):
     """The outline of a body that may be at any pose.
 
     Attributes:
@@ -57,7 +57,7 @@ def lay_outline(own: BodyOutline, pose: Pose, laid: BodyOutline) -> None:
 
 
 @kernel
-def room_at_pose(obstacles: Obstacles, shape: Shape, pose: Pose, limit: float) -> float:
+def room_at_pose(obstacles: Obstacles, shape: PoseShape, pose: Pose, limit: float) -> float:
     """Return the distance [m] of a body from what is in the way, 0 if they touch, ``limit`` if nothing is nearer.
 
     Reads: obstacles (blocks, cells, model, state, w).
