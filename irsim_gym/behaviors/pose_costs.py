@@ -79,7 +79,8 @@ def lay_costs(options: Record, aim: Aim, cell: float, moves: Records, nodes: Pos
         cell: Side of a cell [m].
         moves: The moves.
         nodes: Scratch.
-        costs: Written: the cost in each cell and heading, shape ``(columns, rows, N_TURNS)``; the goal is in the middle.
+        costs: Written: the cost in each cell and heading, shape ``(columns, rows, N_TURNS)``; the goal is in their
+            middle.
     """
     costs[:] = np.inf
     half, count, size = costs.shape[0] // 2, 0, 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irsim_gym.arraytypes import Record
-from irsim_gym.behaviors.pose_follow import PoseMotion, OnWay, command_along, left_in_gear, offset_from, place_near
+from irsim_gym.behaviors.pose_follow import OnWay, PoseMotion, command_along, left_in_gear, offset_from, place_near
 from irsim_gym.behaviors.pose_plan import find_poses, shape_of
 from irsim_gym.behaviors.pose_tables import PoseTables, PoseWay
 from irsim_gym.behaviors.pursuit_motion import MOST_STEPS, Command, Moving, executed, moving_of, roll

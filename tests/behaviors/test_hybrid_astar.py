@@ -18,6 +18,7 @@ from irsim_gym.engine import Simulation
 from irsim_gym.envs.worlds import Worlds
 from irsim_gym.evaluation.behavior_policies import BehaviorPolicy
 from irsim_gym.evaluation.protocol import evaluate
+from irsim_gym.evaluation.teams import evaluate_team
 from irsim_gym.levels.certify import certify
 from irsim_gym.scenario.library import configs_folder
 from irsim_gym.training import level_commands
@@ -246,9 +247,10 @@ def test_certificates_let_it_drive_bodies_that_are_no_discs() -> None:
     episodes = make_episodes("l_bend", n_worlds=3)
     policies = level_commands._fitting(episodes)
     assert "hybrid_astar" in policies
-    made = certify(episodes, "test", 3, {name: policies[name] for name in ("dash", "hybrid_astar")})
+    rows = {name: evaluate_team(policies[name], episodes, 3, "test") for name in ("dash", "hybrid_astar")}
+    made = certify(episodes, "test", 3, rows)
     assert made.reachable.all()
     assert made.outcome[1].tolist() == [[0], [0], [0]]
     assert (made.clearance <= 0.35 + 0.002).all()  # half of 1.1 m, less the inner radius of 0.2 m
-    assert not certify(episodes, "test", 3, {"dash": policies["dash"]}).reachable.any()
+    assert not certify(episodes, "test", 3, {"dash": rows["dash"]}).reachable.any()
     assert "hybrid_astar" not in level_commands._fitting(make_episodes("cluttered_room", n_worlds=1))
