@@ -19,7 +19,7 @@ from irsim_gym.paths.outline_room import Pose
 COARSE = 2
 """The cells of the table are so many times as large as those of the search, and as many times fewer headings differ."""
 N_TURNS = N_HEADINGS // COARSE
-LEAST_HALF, FARTHEST = 2, 16
+LEAST_HALF, FARTHEST = 1, 16
 """Least and most cells from the goal to the edge of the table."""
 STEERING = 0.3
 """Cost of a change of how far moves turn [s/rad]."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Record
 from irsim_gym.behaviors.pose_follow import OnWay, PoseMotion, command_along, left_in_gear, offset_from, place_near
-from irsim_gym.behaviors.pose_plan import find_poses, shape_of
+from irsim_gym.behaviors.pose_plan import TIGHT, find_poses, shape_of
 from irsim_gym.behaviors.pose_tables import PoseTables, PoseWay
 from irsim_gym.behaviors.pursuit_motion import MOST_STEPS, Command, Moving, executed, moving_of, roll
 from irsim_gym.jit import kernel
@@ -25,8 +25,8 @@ ASTRAY = 0.5
 """A body that is farther from its way looks for another one [m]."""
 PATIENCE, SOON = 100, 10
 """Steps after which a body looks for a way again where it found none, or cannot follow the one that it found."""
-TOUCH = 1e-9
-"""Nearer than this [m] is a touch."""
+KEPT = 0.005
+"""Distance from obstacles that a body keeps on its way [m], unless it is nearer now."""
 
 
 @kernel
@@ -41,9 +41,16 @@ def is_at_rest(moving: Moving, one: float, two: float, three: float) -> bool:
 
 @kernel
 def stops_in_time(
-    obstacles: Obstacles, shape: PoseShape, moving: Moving, way: PoseWay, place: OnWay, part: float, drift: float
+    obstacles: Obstacles,
+    shape: PoseShape,
+    moving: Moving,
+    way: PoseWay,
+    place: OnWay,
+    part: float,
+    drift: float,
+    room: float,
 ) -> bool:
-    """Return whether a body touches nothing after a step along its way, and as it comes to a stop on it.
+    """Return whether a body keeps away from everything in a step along its way, and as it comes to a stop on it.
 
     Args:
         obstacles: What is in the way, where it is now.
@@ -53,6 +60,7 @@ def stops_in_time(
         place: Where it is on it.
         part: Share of its speed in the first step.
         drift: So far from its way it may get [m].
+        room: So far from obstacles it has to stay [m].
     """
     pose, velocity = moving.pose, moving.velocity
     now = PoseMotion((pose[0], pose[1], pose[2]), moving.steering, velocity[0], velocity[1], velocity[2])
@@ -62,7 +70,7 @@ def stops_in_time(
         three = executed(moving, 2, third, now.three)
         x, y, heading, steering = roll(moving, now.pose[0], now.pose[1], now.pose[2], now.steering, one, two, three)
         now = PoseMotion((x, y, heading), steering, one, two, three)
-        if room_at_pose(obstacles, shape, now.pose, TOUCH) < TOUCH:
+        if room_at_pose(obstacles, shape, now.pose, KEPT) < room:
             return False
         place, part = place_near(way, place, now.pose), 0.0
         if offset_from(way, place, now.pose) > drift:
@@ -138,13 +146,13 @@ def go_on(
     offset = offset_from(way, place, pose)
     if offset > ASTRAY or (place.piece + 1 >= way.count and left_in_gear(way, place) < CLOSE):
         return False, command_along(way, place, moving, now, 0.0)
-    part, drift = 1.0, max(DRIFT, offset)
+    part, drift, room = 1.0, max(DRIFT, offset), min(TIGHT * room_at_pose(everything, shape, pose, KEPT), KEPT)
     for k in range(PARTS + 1):
         if k == PARTS:
             drift = np.inf
-        if stops_in_time(everything, shape, moving, way, place, part, drift):
+        if stops_in_time(everything, shape, moving, way, place, part, drift, room):
             return True, command_along(way, place, moving, now, part)
         part *= 0.5 if k < PARTS - 1 else 1.0
     stands = is_at_rest(moving, velocity[0], velocity[1], velocity[2])
-    is_blocked = stands and not stops_in_time(standing, shape, moving, way, place, part, drift)
+    is_blocked = stands and not stops_in_time(standing, shape, moving, way, place, part, drift, room)
     return not is_blocked, command_along(way, place, moving, now, 0.0)

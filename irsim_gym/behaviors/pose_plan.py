@@ -8,7 +8,7 @@ from irsim_gym.arraytypes import BodyOutline, Floats, Record, Records
 from irsim_gym.behaviors.pose_costs import COARSE, Aim, aim_gap
 from irsim_gym.behaviors.pose_moves import MOST_MOVES, lay_moves
 from irsim_gym.behaviors.pose_queue import NOBODY, PoseNodes, nodes_of
-from irsim_gym.behaviors.pose_search import LEAST_STEP, PoseTask, move_to, search_poses
+from irsim_gym.behaviors.pose_search import PoseTask, move_to, search_poses
 from irsim_gym.behaviors.pose_tables import (
     AHEAD,
     GEAR,
@@ -95,7 +95,7 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
         nodes_of(tables.nodes, slot),
         tables.costs[tables.table[m]],
     )
-    padding = max(min(PADDING, TIGHT * room_at_pose(obstacles, shape, start, 1.0)), LEAST_STEP)
+    padding = min(PADDING, TIGHT * room_at_pose(obstacles, shape, start, 1.0))
     cell, costs_cell = tables.cell[m], COARSE * tables.cell[m]
     for _ in range(ATTEMPTS):
         moves = tables.moves[slot][: lay_moves(moving, cell, tables.moves[slot])]

@@ -124,7 +124,7 @@ def room_along(task: PoseTask, pose: Pose, room: float, move: Record) -> tuple[f
         share = min(share + step / travel, 1.0)
         there = pose_after(pose, move.ahead, move.left, move.turn, share)
         room = room_at_pose(task.obstacles, task.shape, there, limit)
-        if room < task.padding:
+        if room < task.padding or room <= 0.0:
             return 0.0, 0.0
         least = min(least, room)
     return least, room
@@ -152,7 +152,7 @@ def look_at(task: PoseTask, nodes: PoseNodes, node: int) -> bool:
     parent, move = nodes.parent[node], move_to(task, nodes, node)
     before = (nodes.pose[parent, 0], nodes.pose[parent, 1], nodes.pose[parent, 2])
     least, nodes.room[node] = room_along(task, before, nodes.room[parent], move)
-    if least < task.padding:
+    if least <= 0.0:
         return False
     if least < task.options.clearance:
         nodes.cost[node] += NEAR * move.seconds * (1.0 - least / task.options.clearance)

@@ -41,7 +41,7 @@ OWNERS = {
 SMALL = {
     "recorded": {"file": "square.txt"},
     "dwa": {"samples": [3, 5], "sim_granularity": 0.5, "path": "straight"},
-    "hybrid_astar": {"cell": 1.0},
+    "hybrid_astar": {"cell": 2.0},
     "mppi": {"samples": 6, "horizon": 0.5, "path": "straight"},
 }
 """Options that behaviours need, or without which they would take long in plain Python."""
