@@ -138,13 +138,13 @@ def go_on(
     w = standing.w
     way, pose = way_of(tables, w, m), (moving.pose[0], moving.pose[1], moving.pose[2])
     place = place_near(way, OnWay(tables.piece[w, m], tables.share[w, m]), pose)
-    if left_in_gear(way, place) < CLOSE and place.piece + 1 < way.count:
+    if left_in_gear(way, place) < CLOSE and place.piece + 1 < way.n_pieces:
         place = place_near(way, OnWay(place.piece + 1, 0.0), pose)
     tables.piece[w, m], tables.share[w, m] = place.piece, place.share
     velocity = moving.velocity
     now = PoseMotion(pose, moving.steering, velocity[0], velocity[1], velocity[2])
     offset = offset_from(way, place, pose)
-    if offset > ASTRAY or (place.piece + 1 >= way.count and left_in_gear(way, place) < CLOSE):
+    if offset > ASTRAY or (place.piece + 1 >= way.n_pieces and left_in_gear(way, place) < CLOSE):
         return False, command_along(way, place, moving, now, 0.0)
     part, drift, room = 1.0, max(DRIFT, offset), min(TIGHT * room_at_pose(everything, shape, pose, KEPT), KEPT)
     for k in range(PARTS + 1):

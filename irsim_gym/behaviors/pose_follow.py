@@ -75,7 +75,7 @@ def size_of(piece: Floats) -> float:
 @kernel
 def is_last(way: PoseWay, i: int) -> bool:
     """Return whether a body stops at the end of a move: the way ends, or the gear changes."""
-    return bool(i + 1 >= way.count or way.pieces[i + 1, GEAR] != way.pieces[i, GEAR])
+    return bool(i + 1 >= way.n_pieces or way.pieces[i + 1, GEAR] != way.pieces[i, GEAR])
 
 
 @kernel

@@ -137,7 +137,8 @@ def move_to(task: PoseTask, nodes: PoseNodes, node: int) -> Record:
     Writes: task.
     """
     if nodes.move[node] < task.moves.shape[0]:
-        return task.moves[nodes.move[node]]
+        found: Record = task.moves[nodes.move[node]]
+        return found
     parent = nodes.pose[nodes.parent[node]]
     lay_last(task.aim, task.moves, LAST_CELLS * task.cell, (parent[0], parent[1], parent[2]), task.last)
     return task.last

@@ -41,11 +41,11 @@ class PoseWay(NamedTuple):
     Attributes:
         pieces: Its moves: where each begins, x, y, heading [m, m, rad], how far it leads ahead and to the left [m], how
             far it turns [rad], its gear; shape ``(n_pieces, 7)``.
-        count: Number of moves.
+        n_pieces: Number of moves.
     """
 
     pieces: Floats
-    count: int
+    n_pieces: int
 
 
 @dataclass(repr=False)
@@ -129,7 +129,7 @@ def inner_radius_of(model: WorldModel, w: int, b: int) -> float:
 
     Reads: model (disc_count, disc_start, local_discs, local_segments, reach, segment_count, segment_start, solid).
     """
-    return max(inner_radius(own_outline(model, w, b)), THIN * model.reach[row_of(model.reach, w), b])
+    return float(max(inner_radius(own_outline(model, w, b)), THIN * model.reach[row_of(model.reach, w), b]))
 
 
 @kernel
