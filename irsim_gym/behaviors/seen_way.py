@@ -8,12 +8,10 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats, Labels
 from irsim_gym.jit import kernel
+from irsim_gym.paths.cell_lines import free_cell, is_clear
 from irsim_gym.paths.clearance import Point
 from irsim_gym.paths.grid import BLOCKED, FREE, Grid, Search, centre
 from irsim_gym.paths.spread import PARENT, clear_field, offer, spread
-
-NEAR = 15
-"""How many cells around a point are looked at for a free one."""
 
 
 class SeenCells(NamedTuple):
@@ -103,20 +101,6 @@ def find_seen_way(
 
 
 @kernel
-def free_cell(grid: Grid, blocked: Bytes, place: Point) -> int:
-    """Return the number of the free cell whose centre is nearest to a point, -1 if none is near."""
-    column, row = (place[0] - grid.origin_x) / grid.cell - 0.5, (place[1] - grid.origin_y) / grid.cell - 0.5
-    best, found = np.inf, -1
-    own_row, own_column = int(np.rint(row)), int(np.rint(column))
-    for i in range(max(own_row - NEAR, 0), min(own_row + NEAR + 1, grid.rows)):
-        for j in range(max(own_column - NEAR, 0), min(own_column + NEAR + 1, grid.columns)):
-            distance2 = (i - row) * (i - row) + (j - column) * (j - column)
-            if blocked[i, j] == FREE and distance2 < best:
-                best, found = distance2, i * grid.columns + j
-    return found
-
-
-@kernel
 def straighten(path: Floats, count: int, grid: Grid, blocked: Bytes) -> int:
     """Leave out points of a path that can be passed by straight over free cells; return how many are left.
 
@@ -132,19 +116,6 @@ def straighten(path: Floats, count: int, grid: Grid, blocked: Bytes) -> int:
         path[kept, 0], path[kept, 1] = path[last, 0], path[last, 1]
         kept, i = kept + 1, last
     return kept
-
-
-@kernel
-def is_clear(ax: float, ay: float, bx: float, by: float, grid: Grid, blocked: Bytes) -> bool:
-    """Return whether no point at every half cell between two points [m] lies in a blocked cell."""
-    dx, dy = bx - ax, by - ay
-    parts = int(np.ceil(2.0 * np.sqrt(dx * dx + dy * dy) / grid.cell))
-    for i in range(1, parts):
-        column = int(np.floor((ax + dx * i / parts - grid.origin_x) / grid.cell))
-        row = int(np.floor((ay + dy * i / parts - grid.origin_y) / grid.cell))
-        if 0 <= row < grid.rows and 0 <= column < grid.columns and blocked[row, column] == BLOCKED:
-            return False
-    return True
 
 
 @kernel

@@ -37,7 +37,7 @@ def with_scans(group: Group, bodies: Sequence[Any], sensors: Sequence[Group]) ->
     numbers = np.array([-1 if item is None else item[1] for item in found], np.int64)
     place = np.array([0 if item is None else own.index(item[0]) for item in found], np.int64)
     parts = [np.flatnonzero(place == i) for i in range(len(own))]
-    return [_part(group, part, _scan(scanners, numbers[part])) for part, scanners in zip(parts, own, strict=True)]
+    return [_part(group, part, own_scan(scanners, numbers[part])) for part, scanners in zip(parts, own, strict=True)]
 
 
 def _part(group: Group, chosen: Ints, scan: OwnScan | None = None) -> Group:
@@ -45,7 +45,7 @@ def _part(group: Group, chosen: Ints, scan: OwnScan | None = None) -> Group:
     return Group(group.kind, [group.options[k] for k in chosen], group.members[chosen], names=group.names, scan=scan)
 
 
-def _scan(sensors: Group, members: Ints) -> OwnScan:
+def own_scan(sensors: Group, members: Ints) -> OwnScan:
     """Return the scans that some members of a group of range sensors write."""
     offset = np.array([getattr(one, "offset", (0.0, 0.0, 0.0)) for one in sensors.options], np.float64)
     angles = np.array([one.angles() for one in sensors.options], np.float64) + offset[:, 2:]

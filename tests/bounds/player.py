@@ -16,7 +16,7 @@ from irsim_gym.families import OBSERVATIONS
 from irsim_gym.live import load
 from irsim_gym.render import Renderer
 from irsim_gym.scenario import Scenario, load_scenario
-from irsim_gym.tasks.observations import route
+from irsim_gym.tasks.observations import route, seen_grid
 
 N_WORLDS = 2
 PICTURE = (64, 48)
@@ -36,8 +36,8 @@ NUMBERS = {
 
 
 def look_coarsely() -> None:
-    """Let routes be sought over few cells: plain Python takes long over many."""
-    route.CELL, route.FINEST = 1.0, 12
+    """Let ways be sought over few cells: plain Python takes long over many."""
+    route.CELL, route.FINEST, seen_grid.FINEST = 1.0, 12, 12
 
 
 def share_among_threads() -> None:

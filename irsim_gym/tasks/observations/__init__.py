@@ -17,12 +17,17 @@ from irsim_gym.tasks.observations.past_scans import PastScans
 from irsim_gym.tasks.observations.position import Position
 from irsim_gym.tasks.observations.route import Route
 from irsim_gym.tasks.observations.scan import Scan
+from irsim_gym.tasks.observations.seen_map import SeenMap
+from irsim_gym.tasks.observations.seen_map_image import SeenMapImage
 from irsim_gym.tasks.observations.top_view import TopView
 from irsim_gym.tasks.observations.trail import Trail
 from irsim_gym.tasks.observations.velocity import Velocity
+from irsim_gym.tasks.observations.way_on_seen_map import WayOnSeenMap
 
 OBSERVATIONS.register("scan", Scan)
 OBSERVATIONS.register("past_scans", PastScans)
+OBSERVATIONS.register("seen_map", SeenMap)
+OBSERVATIONS.register("way_on_seen_map", WayOnSeenMap)
 OBSERVATIONS.register("free_travel", FreeTravel)
 OBSERVATIONS.register("exact_free_travel", ExactFreeTravel)
 OBSERVATIONS.register("goal", Goal)
@@ -39,4 +44,5 @@ OBSERVATIONS.register("position", Position)
 OBSERVATIONS.register("heading", Heading)
 OBSERVATIONS.register("goal_position", GoalPosition)
 OBSERVATIONS.register("occupancy_image", OccupancyImage)
+OBSERVATIONS.register("seen_map_image", SeenMapImage)
 OBSERVATIONS.register("top_view", TopView)

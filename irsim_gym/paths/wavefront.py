@@ -1,0 +1,167 @@
+"""Costs of ways to one cell of a grid, in whole numbers: a wave that spreads from that cell, nearest cells first.
+
+Steps lead to the eight neighbours. A step costs 5, across a corner 7, and ``TIGHT_FACTOR`` times that from a cell in
+which a body of the given radius does not fit at the centre. Cells in which it fits nowhere are blocked. Four queues,
+one for each cost of a step, hold the wave: what enters one of them is never cheaper than what is in it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Ints, Labels
+from irsim_gym.jit import kernel
+from irsim_gym.paths.grid import BLOCKED, FREE
+
+TIGHT = np.uint8(2)
+"""A cell beside ``FREE`` and ``BLOCKED`` ones: the body fits somewhere in it, but not at its centre."""
+STRAIGHT, ACROSS, TIGHT_FACTOR = 5, 7, 8
+NEVER = np.int32(2**30)
+"""Cost of a cell from which there is no way."""
+SLACK = 12 * STRAIGHT
+"""How far the wave goes on beyond its target, so that a body may leave its way a little."""
+HEAD, TAIL, FIRST = 0, 1, 2
+KEY = 2**21
+"""A place in a queue holds ``cost * KEY + cell``."""
+ROWS, COLUMNS = np.array([0, 0, 1, -1, 1, 1, -1, -1]), np.array([1, -1, 0, 0, 1, -1, 1, -1])
+"""Rows and columns to the neighbours, those that share a side first."""
+
+
+def new_queues(rows: int, columns: int) -> Ints:
+    """Return scratch memory for ``spread_costs``, shape ``(4, 4 n_cells + 2)``."""
+    return np.zeros((4, 4 * rows * columns + FIRST), np.int64)
+
+
+@kernel
+def block_border(levels: Bytes) -> None:
+    """Make all cells free, but those at the border blocked."""
+    rows, columns = levels.shape
+    levels[:] = FREE
+    for i in range(rows):
+        levels[i, 0], levels[i, columns - 1] = BLOCKED, BLOCKED
+    for j in range(columns):
+        levels[0, j], levels[rows - 1, j] = BLOCKED, BLOCKED
+
+
+@kernel
+def narrow(levels: Bytes, x: float, y: float, reach: float) -> None:
+    """Write which cells are blocked or tight for a body because of something at a point.
+
+    Writes: levels.
+
+    Args:
+        levels: ``FREE``, ``BLOCKED`` or ``TIGHT``, shape ``(rows, columns)``.
+        x: The point [cells].
+        y: The point [cells].
+        reach: Radius of the body [cells].
+    """
+    rows, columns = levels.shape
+    own_row, own_column = int(np.floor(y)), int(np.floor(x))
+    for i in range(max(int(np.ceil(y - reach - 0.5)), 0), min(int(np.floor(y + reach - 0.5)) + 1, rows)):
+        for j in range(max(int(np.ceil(x - reach - 0.5)), 0), min(int(np.floor(x + reach - 0.5)) + 1, columns)):
+            dx, dy = abs(j + 0.5 - x), abs(i + 0.5 - y)
+            if (dx + 0.5) * (dx + 0.5) + (dy + 0.5) * (dy + 0.5) <= reach * reach:
+                levels[i, j] = BLOCKED
+            elif dx * dx + dy * dy < reach * reach and levels[i, j] == FREE:
+                levels[i, j] = TIGHT
+    if 0 <= own_row < rows and 0 <= own_column < columns:
+        levels[own_row, own_column] = BLOCKED
+
+
+@kernel
+def spread_costs(levels: Bytes, source: int, target: int, queues: Ints, field: Labels) -> int:
+    """Write the costs of the ways to a cell; return up to which cost they are final, ``NEVER`` if all are.
+
+    Writes: queues, field.
+
+    Args:
+        levels: ``FREE``, ``BLOCKED`` or ``TIGHT``, shape ``(rows, columns)``, blocked at the border.
+        source: Number of the cell to which the ways lead, whatever its level; not at the border.
+        target: Number of the cell from which a way is wanted: the wave ends ``SLACK`` beyond it.
+        queues: Scratch, see ``new_queues``.
+        field: Written: the costs, shape ``(rows, columns)``.
+    """
+    walls, costs, columns = levels.reshape(-1), field.reshape(-1), levels.shape[1]
+    costs[:] = NEVER
+    for q in range(4):
+        queues[q, HEAD], queues[q, TAIL] = FIRST, FIRST
+    costs[source] = 0
+    queues[0, FIRST], queues[0, TAIL] = source, FIRST + 1
+    limit = int(NEVER)
+    while True:
+        best, chosen = np.int64(2**62), -1
+        for q in range(4):
+            head = queues[q, HEAD]
+            if head < queues[q, TAIL] and queues[q, head] < best:
+                best, chosen = queues[q, head], q
+        if chosen < 0:
+            return int(NEVER)
+        queues[chosen, HEAD] += 1
+        cost, here = int(best // KEY), int(best % KEY)
+        if cost > limit:
+            return limit
+        if cost > costs[here]:
+            continue
+        if here == target:
+            limit = cost + SLACK
+        offer_neighbours(walls, columns, here, cost, queues, costs)
+
+
+@kernel(inlined=True)
+def offer_neighbours(walls: Bytes, columns: int, here: int, cost: int, queues: Ints, costs: Labels) -> None:
+    """Put the neighbours of a cell, from which the way over it is the cheapest so far, into the queues.
+
+    Writes: costs, queues.
+    """
+    for k in range(8):
+        aside, along = COLUMNS[k], ROWS[k] * columns
+        there = here + aside + along
+        if walls[there] == BLOCKED:
+            continue
+        q = (1 if k >= 4 else 0) + (2 if walls[there] == TIGHT else 0)
+        total = cost + (ACROSS if k >= 4 else STRAIGHT) * (TIGHT_FACTOR if q >= 2 else 1)
+        if total >= costs[there]:
+            continue
+        if k >= 4 and (walls[here + aside] == BLOCKED or walls[here + along] == BLOCKED):
+            continue
+        costs[there] = total
+        queues[q, queues[q, TAIL]] = total * KEY + there
+        queues[q, TAIL] += 1
+
+
+@kernel
+def trace_costs(levels: Bytes, field: Labels, start: int, way: Labels) -> int:
+    """Write the numbers of the cells on the way from one to the source; return how many, 0 if the way is barred.
+
+    Each step explains the cost of its cell. Where a cell of the way has become tight or blocked since the costs were
+    written, there is no such step. As long as levels only rise, a way that is found is still a cheapest one.
+
+    Writes: way.
+
+    Args:
+        levels: As they are now.
+        field: What ``spread_costs`` has written, perhaps earlier.
+        start: Number of a cell, whose cost is final.
+        way: Written, room for all cells.
+    """
+    walls, costs, columns = levels.reshape(-1), field.reshape(-1), levels.shape[1]
+    here, count = start, 1
+    way[0] = start
+    while costs[here] > 0:
+        weight, onward = (TIGHT_FACTOR if walls[here] == TIGHT else 1), -1
+        for k in range(8):
+            aside, along = COLUMNS[k], ROWS[k] * columns
+            there = here + aside + along
+            if costs[there] + (ACROSS if k >= 4 else STRAIGHT) * weight != costs[here]:
+                continue
+            if walls[there] == BLOCKED and costs[there] > 0:
+                continue
+            if k < 4 or not (walls[here + aside] == BLOCKED or walls[here + along] == BLOCKED):
+                onward = there
+                break
+        if onward < 0:
+            return 0
+        here = onward
+        way[count] = here
+        count += 1
+    return count

@@ -1,0 +1,148 @@
+"""Seen map: what the learner's own scans have shown so far, pooled into rings and sectors around it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Floats, Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.paths.scan_marks import OCCUPIED, UNKNOWN
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
+from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.observations.seen_grid import SeenGrid, note_all, world_grid
+from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.words import Columns, evenly
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+APART = 1.5
+"""Distance of neighbouring samples [cells], at most."""
+
+
+@dataclass
+class SeenBins(Struct):
+    """The maps, and where they are sampled.
+
+    Attributes:
+        seen: The maps.
+        samples: The samples in the body frame [m], one bin after the other, shape ``(2, n_samples)``.
+        ends: One past the last sample of each bin, ring by ring, shape ``(n_rings * sectors,)``.
+    """
+
+    seen: SeenGrid
+    samples: Floats
+    ends: Ints
+
+
+@kind
+class SeenMap:
+    """What the agent's own scans have shown so far, by rings and sectors around it.
+
+    For each ring, from the inner one on: the share of each sector that is occupied, then the share of each that is
+    unknown. Cells are unknown until a beam passes them or hits something in them, and so is all that is beyond the
+    world. What was hit stays; where other bodies can move, beams clear what was seen before.
+    """
+
+    only_kernels: ClassVar[bool] = True
+    needs_goal: ClassVar[bool] = False
+    needs_scan: ClassVar[bool] = True
+
+    sectors: int = option(16, ge=1, le=360, meaning="Number of sectors; the first begins straight behind.")
+    rings: tuple[float, ...] = option((1.0, 2.0, 4.0), unit="m", meaning="Outer radii of the rings, growing.")
+    cell: float | None = option(
+        None, gt=0.0, unit="m", meaning="Cell size; default: a 64th of the world's longer side."
+    )
+    every: int = option(2, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
+    without_sensor: str | tuple[str, ...] = option(
+        "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
+    )
+
+    def problems(self) -> list[tuple[str, str]]:
+        """Return what is wrong with options that are right one by one: key and message."""
+        if not self.rings or not all(a < b for a, b in zip((0.0, *self.rings), self.rings, strict=False)):
+            return [("rings", f"must be growing numbers > 0, got {list(self.rings)}")]
+        return []
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> SeenBins:
+        """Return the maps, and where they are sampled."""
+        grid = world_grid(simulation, self.cell)
+        bins = bin_samples(self.rings, self.sectors, APART * grid.cell)
+        return SeenBins(
+            seen=SeenGrid.over(grid, simulation, agents, "seen_map"),
+            samples=np.ascontiguousarray(np.concatenate(bins).T),
+            ends=np.cumsum([len(one) for one in bins]),
+        )
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the bounds of the shares."""
+        width = 2 * self.sectors * len(self.rings)
+        return np.zeros(width, np.float32), np.ones(width, np.float32)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return the sectors of each ring."""
+        sectors = evenly(self.sectors)
+        rings = [f"between {a:g} m and {b:g} m away" for a, b in zip((0.0, *self.rings), self.rings, strict=False)]
+        return [
+            Columns(f"share of a sector, {ring}, that is {what}", "0 to 1", self.sectors, sectors)
+            for ring in rings
+            for what in ("occupied as far as its scans have shown", "unknown")
+        ]
+
+    @staticmethod
+    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Forget what was seen."""
+        forget(term.arrays.seen.cells, UNKNOWN, episode, shard)
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Take in the latest scans, and write the shares."""
+        note_all(shard.worlds, shard.slot, term.bound, term.arrays.seen, state, episode)
+        write_seen(shard.worlds, term.bound, term.arrays, state, episode)
+
+
+def bin_samples(rings: Sequence[float], sectors: int, apart: float) -> list[Floats]:
+    """Return evenly spaced points of each bin [m], ring by ring, shape ``(n_samples, 2)`` each."""
+    bins = []
+    for low, high in zip((0.0, *rings), rings, strict=False):
+        along, across = int(np.ceil((high - low) / apart)), int(np.ceil(2.0 * np.pi * high / sectors / apart))
+        radii = low + (high - low) * (np.arange(along) + 0.5) / along
+        for sector in range(sectors):
+            angles = 2.0 * np.pi * (sector + (np.arange(across) + 0.5) / across) / sectors - np.pi
+            x, y = np.outer(radii, np.cos(angles)), np.outer(radii, np.sin(angles))
+            bins.append(np.stack([x.reshape(-1), y.reshape(-1)], axis=1))
+    return bins
+
+
+@kernel
+def write_seen(worlds: Ints, term: Bound, bins: SeenBins, state: WorldState, episode: EpisodeState) -> None:
+    """Write which share of each bin is occupied, and which is unknown.
+
+    Reads: term (agents, column, options), bins (ends, samples, seen), state (pose).
+    Writes: episode (observation).
+    """
+    grid, sectors, samples, ends = bins.seen.grid, term.options[0].sectors, bins.samples, bins.ends
+    for w in worlds:
+        for a in range(term.agents.shape[0]):
+            pose, cells = state.pose[w, term.agents[a]], bins.seen.cells[w, a]
+            ahead, aside = np.cos(pose[2]) / grid.cell, np.sin(pose[2]) / grid.cell
+            x, y = (pose[0] - grid.origin_x) / grid.cell, (pose[1] - grid.origin_y) / grid.cell
+            n = 0
+            for k in range(ends.shape[0]):
+                first, occupied, unknown = n, 0, 0
+                while n < ends[k]:
+                    column = int(np.floor(x + ahead * samples[0, n] - aside * samples[1, n]))
+                    row = int(np.floor(y + aside * samples[0, n] + ahead * samples[1, n]))
+                    if not (0 <= row < grid.rows and 0 <= column < grid.columns) or cells[row, column] == UNKNOWN:
+                        unknown += 1
+                    elif cells[row, column] == OCCUPIED:
+                        occupied += 1
+                    n += 1
+                place = term.column + 2 * sectors * (k // sectors) + k % sectors
+                episode.observation[w, a, place] = np.float32(occupied / (n - first))
+                episode.observation[w, a, place + sectors] = np.float32(unknown / (n - first))

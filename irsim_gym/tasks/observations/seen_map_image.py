@@ -1,0 +1,129 @@
+"""Seen map image: what the learner's own scans have shown so far, as a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Bytes, Ints
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.jit import kernel
+from irsim_gym.paths.scan_marks import OCCUPIED, UNKNOWN
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.structs import Struct
+from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.observations.occupancy_image import paint_goal, view_of
+from irsim_gym.tasks.observations.painting import Paints, around
+from irsim_gym.tasks.observations.scan_painting import UNKNOWN as NOT_SEEN
+from irsim_gym.tasks.observations.seen_grid import SeenGrid, note_all, world_grid
+from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.words import Columns
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+EMPTY, TAKEN = np.uint8(0), np.uint8(255)
+
+
+@dataclass
+class SeenPicture(Struct):
+    """The maps, and what goals are painted with."""
+
+    seen: SeenGrid
+    paints: Paints
+
+
+@kind
+class SeenMapImage:
+    """A square picture of what the agent's own scans have shown so far: 0 free, 255 hit, 127 not seen.
+
+    It is uint8 ``(pixels, pixels, n_channels)``, the agent in its middle; each pixel shows the cell at its centre. The
+    map is that of ``seen_map``. ``goal_channel`` adds a disc where the goal is, at the border where it lies beyond.
+    """
+
+    only_kernels: ClassVar[bool] = True
+    needs_scan: ClassVar[bool] = True
+
+    pixels: int = option(
+        64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs at least 36."
+    )
+    metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of the area shown.")
+    rotated: bool = option(True, meaning="The agent's heading points up; otherwise the world's y axis does.")
+    goal_channel: bool = option(True, meaning="Show the next goal in a separate channel, the last one.")
+    cell: float | None = option(
+        None, gt=0.0, unit="m", meaning="Cell size; default: a 64th of the world's longer side."
+    )
+    every: int = option(2, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
+    without_sensor: str | tuple[str, ...] = option(
+        "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
+    )
+
+    @property
+    def needs_goal(self) -> bool:
+        """It needs a goal where it shows one."""
+        return self.goal_channel
+
+    @property
+    def image_shape(self) -> tuple[int, int, int]:
+        """Height and width [pixels] and number of channels."""
+        return self.pixels, self.pixels, 1 + self.goal_channel
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> SeenPicture:
+        """Return the maps, and what goals are painted with."""
+        seen = SeenGrid.over(world_grid(simulation, self.cell), simulation, agents, "seen_map_image")
+        return SeenPicture(seen, Paints.of(simulation, self.pixels, self.pixels, [[0.0, 1.0], [255.0, 1.0]]))
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the channels show."""
+        channels = [Columns("what its scans have shown so far", "0 free, 127 not seen, 255 hit")]
+        if self.goal_channel:
+            channels.append(Columns("the next goal", "255 where it is, at the border where it is farther away"))
+        return channels
+
+    @property
+    def view(self) -> str:
+        """What the picture shows, and what is up in it."""
+        return around(self.metres, self.pixels, self.rotated)
+
+    @staticmethod
+    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Forget what was seen."""
+        forget(term.arrays.seen.cells, UNKNOWN, episode, shard)
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Take in the latest scans, and paint the picture."""
+        worlds, slot, tools, image = shard.worlds, shard.slot, term.arrays, term.image
+        note_all(worlds, slot, term.bound, tools.seen, state, episode)
+        paint_seen(worlds, term.bound, tools.seen, state, image)
+        if term.options.goal_channel:
+            paint_goal(worlds, slot, term.bound, tools.paints, model, state, image)
+
+
+@kernel
+def paint_seen(worlds: Ints, term: Bound, seen: SeenGrid, state: WorldState, image: Bytes) -> None:
+    """Write what is known of the place at each pixel's centre into the first channel, and clear the others.
+
+    Reads: term (agents, options), seen (cells, grid), state (pose).
+    Writes: image.
+    """
+    grid = seen.grid
+    for w in worlds:
+        for a in range(term.agents.shape[0]):
+            picture, cells, view = image[w, a], seen.cells[w, a], view_of(term, state.pose[w, term.agents[a]])
+            size = 1.0 / (view.scale * grid.cell)
+            x, y = (view.x - grid.origin_x) / grid.cell, (view.y - grid.origin_y) / grid.cell
+            for i in range(picture.shape[0]):
+                up = (view.middle_y - i - 0.5) * size
+                for j in range(picture.shape[1]):
+                    right = (j + 0.5 - view.middle_x) * size
+                    column = int(np.floor(x + right * view.up_y + up * view.up_x))
+                    row = int(np.floor(y - right * view.up_x + up * view.up_y))
+                    value = NOT_SEEN
+                    if 0 <= row < grid.rows and 0 <= column < grid.columns and cells[row, column] != UNKNOWN:
+                        value = TAKEN if cells[row, column] == OCCUPIED else EMPTY
+                    picture[i, j, 0] = value
+                    for channel in range(1, picture.shape[2]):
+                        picture[i, j, channel] = EMPTY

@@ -1,0 +1,134 @@
+"""Way on the seen map: where the shortest way leads on what the learner's own scans have shown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from irsim_gym.arraytypes import Ints, Rays
+from irsim_gym.engine import Shard, Simulation
+from irsim_gym.geometry.angles import turned
+from irsim_gym.jit import kernel
+from irsim_gym.paths.cell_lines import is_clear
+from irsim_gym.paths.grid import centre
+from irsim_gym.paths.wavefront import STRAIGHT
+from irsim_gym.scenario.options import kind, option
+from irsim_gym.tasks.episode_state import EpisodeState
+from irsim_gym.tasks.observations.seen_grid import world_grid
+from irsim_gym.tasks.observations.seen_ways import (
+    NOT_PLANNED,
+    SeenWays,
+    clear_levels,
+    find_way,
+    last_in_sight,
+    note_ways,
+)
+from irsim_gym.tasks.scaling import unit
+from irsim_gym.tasks.term import Bound, Term, forget
+from irsim_gym.tasks.words import Columns
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.state import WorldState
+
+
+@kind
+class WayOnSeenMap:
+    """Direction and length of the shortest way to the next goal on what the agent's own scans have shown so far.
+
+    Unknown space counts as free (Koenig and Smirnov 1996). The direction, as cosine and sine, is that of the last point
+    of the way that can be reached straight; the length comes over the world's diagonal, cut to 1. Cells in which the
+    agent fits, but not at their centre, count eight times. Where no way is left the direction is that of the goal, and
+    the length is 1. Where other bodies can move, beams clear what was seen before.
+    """
+
+    only_kernels: ClassVar[bool] = True
+    needs_goal: ClassVar[bool] = True
+    needs_scan: ClassVar[bool] = True
+
+    cell: float | None = option(
+        None,
+        gt=0.0,
+        unit="m",
+        meaning="Cell size; default: a 64th of the world's longer side.",
+        consequence="Cells wider than the agent close gaps that it fits through.",
+    )
+    every: int = option(4, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
+    without_sensor: str | tuple[str, ...] = option(
+        "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
+    )
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> SeenWays:
+        """Return the maps, the ways, and scratch memory."""
+        return SeenWays.over(world_grid(simulation, self.cell), simulation, agents, "way_on_seen_map")
+
+    def bounds(self, term: Term, model: WorldModel) -> tuple[Rays, Rays]:
+        """Return the bounds of the three elements."""
+        return np.array([-1.0, -1.0, 0.0], np.float32), np.ones(3, np.float32)
+
+    def columns(self, term: Term, model: WorldModel, agent: int) -> Sequence[Columns]:
+        """Return what the three elements are."""
+        full = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))
+        point = "of the direction of the shortest way to the next goal on what its scans have shown"
+        return [
+            Columns(f"cosine {point}", "1 straight ahead, -1 straight behind"),
+            Columns(f"sine {point}", "1 to the left, -1 to the right"),
+            Columns("length s of that way", f"s / {full:.3g} m, at most 1; 1 where there is none"),
+        ]
+
+    @staticmethod
+    def begin(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Forget what was seen."""
+        ways = term.arrays
+        forget(ways.seen.cells, 0, episode, shard)
+        forget(ways.final, NOT_PLANNED, episode, shard)
+        clear_levels(shard.worlds, ways, episode)
+
+    @staticmethod
+    def write(term: Term, model: WorldModel, state: WorldState, episode: EpisodeState, shard: Shard) -> None:
+        """Take in the latest scans, and write the three elements."""
+        note_ways(shard.worlds, shard.slot, term.bound, term.arrays, model, state, episode)
+        write_ways_seen(shard.worlds, shard.slot, term.bound, term.arrays, model, state, episode)
+
+
+@kernel
+def write_ways_seen(
+    worlds: Ints,
+    slot: int,
+    term: Bound,
+    ways: SeenWays,
+    model: WorldModel,
+    state: WorldState,
+    episode: EpisodeState,
+) -> None:
+    """Write cosine and sine of the way's direction, (1, 0) at the goal itself, and its length over the diagonal.
+
+    Reads: term (agents, column), ways (field, final, grid, levels, queues, target, way), model (bounds), state
+        (direction, goal, pose).
+    Writes: ways (field, final, queues, target, way), episode (observation).
+    """
+    grid, way = ways.grid, ways.way[slot]
+    width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
+    full = np.sqrt(width * width + height * height)
+    for w in worlds:
+        for a in range(term.agents.shape[0]):
+            b, levels = term.agents[a], ways.levels[w, a]
+            x, y = state.pose[w, b, 0], state.pose[w, b, 1]
+            to_x, to_y = state.goal[w, b, 0], state.goal[w, b, 1]
+            rest = 0.0
+            if not is_clear(x, y, to_x, to_y, grid, levels):
+                count = find_way(ways, slot, w, a, (x, y), (to_x, to_y))
+                if count == 0:
+                    rest = np.inf
+                else:
+                    place = last_in_sight(x, y, grid, levels, way, count)
+                    rest = ways.field[w, a].reshape(-1)[place] * (grid.cell / STRAIGHT)
+                    if rest > 0.0:
+                        to_x, to_y = centre(grid, place // grid.columns, place % grid.columns)
+            dx, dy = to_x - x, to_y - y
+            far = np.sqrt(dx * dx + dy * dy)
+            cosine, sine = turned(state.pose[w, b, 2], state.direction[w, b])
+            row = episode.observation[w, a, term.column : term.column + 3]
+            row[0] = unit((dx * cosine + dy * sine) / far if far > 0.0 else 1.0)
+            row[1] = unit((dy * cosine - dx * sine) / far if far > 0.0 else 0.0)
+            row[2] = unit((far + rest) / full)
