@@ -8,6 +8,7 @@ import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Floats, Labels
 from irsim_gym.jit import kernel
+from irsim_gym.paths.clearance import Point
 from irsim_gym.paths.grid import Grid
 from irsim_gym.world.own_scan import OwnScan
 
@@ -15,42 +16,46 @@ UNKNOWN, PASSED, OCCUPIED, DOUBTED = np.uint8(0), np.uint8(1), np.uint8(2), np.u
 """What is known of a cell; ``DOUBTED`` ones were occupied, and a beam of the present scan has passed them."""
 
 
-class CellBeam(NamedTuple):
-    """A beam from a to b in cells, from the grid's lower left corner: columns x and rows y; whether it hits."""
+class Eye(NamedTuple):
+    """A range sensor seen from a grid: x and y [cells], cosine and sine of its body's heading [cells / m]."""
 
-    ax: float
-    ay: float
-    bx: float
-    by: float
-    is_hit: bool
+    x: float
+    y: float
+    cosine: float
+    sine: float
 
 
-@kernel
-def beam_in_cells(scan: OwnScan, w: int, k: int, i: int, pose: Floats, grid: Grid) -> CellBeam:
-    """Return beam i of member k as it lies in a grid; one whose reading is not valid has no length and hits nothing.
+@kernel(inlined=True)
+def eye_of(scan: OwnScan, k: int, pose: Floats, grid: Grid) -> Eye:
+    """Return where the sensor of member k is.
 
-    Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors).
+    Reads: scan (offset, sensors).
     """
-    s = scan.sensors[k]
-    cosine, sine, reading = np.cos(pose[2]), np.sin(pose[2]), scan.ranges[w, s, i]
-    is_valid = reading > np.float32(scan.range_min[s])
-    length = float(reading) if is_valid else 0.0
-    ahead, aside = scan.offset[s, 0], scan.offset[s, 1]
-    x = (pose[0] + cosine * ahead - sine * aside - grid.origin_x) / grid.cell
-    y = (pose[1] + sine * ahead + cosine * aside - grid.origin_y) / grid.cell
-    along_x = cosine * scan.beams_x[s, i] - sine * scan.beams_y[s, i]
-    along_y = sine * scan.beams_x[s, i] + cosine * scan.beams_y[s, i]
-    reach = length / grid.cell
-    is_hit = is_valid and reading < np.float32(scan.range_max[s])
-    return CellBeam(x, y, x + reach * along_x, y + reach * along_y, is_hit)
+    mount, scale = scan.offset[scan.sensors[k]], 1.0 / grid.cell
+    cosine, sine = scale * np.cos(pose[2]), scale * np.sin(pose[2])
+    x = scale * (pose[0] - grid.origin_x) + cosine * mount[0] - sine * mount[1]
+    y = scale * (pose[1] - grid.origin_y) + sine * mount[0] + cosine * mount[1]
+    return Eye(x, y, cosine, sine)
+
+
+@kernel(inlined=True)
+def beam_end(scan: OwnScan, eye: Eye, s: int, i: int, length: float) -> tuple[float, float]:
+    """Return the point [cells] so far [m] along beam i of sensor s.
+
+    Reads: scan (beams_x, beams_y).
+    """
+    x, y = length * scan.beams_x[s, i], length * scan.beams_y[s, i]
+    return eye.x + eye.cosine * x - eye.sine * y, eye.y + eye.sine * x + eye.cosine * y
 
 
 @kernel
 def mark_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: Bytes, doubted: Labels) -> int:
     """Mark the cells that the beams of a scan pass, without those where they hit; return how many are doubted.
 
+    Beams that are not valid, and those of a sensor outside of the grid, pass nothing.
+
     Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors).
-    Writes: cells, doubted.
+    Writes: doubted.
 
     Args:
         scan: The scans.
@@ -61,44 +66,53 @@ def mark_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
         cells: What is known, shape ``(rows, columns)``.
         doubted: Written: numbers of cells that were occupied, room for all cells; with no room these stay as they are.
     """
-    count = 0
-    for i in range(scan.ranges.shape[2]):
-        count = pass_cells(beam_in_cells(scan, w, k, i, pose, grid), cells, doubted, count)
+    eye, s, count = eye_of(scan, k, pose, grid), scan.sensors[k], 0
+    if not (0.0 <= eye.x < grid.columns and 0.0 <= eye.y < grid.rows):
+        return 0
+    readings, least, most = scan.ranges[w, s], np.float32(scan.range_min[s]), np.float32(scan.range_max[s])
+    for i in range(readings.shape[0]):
+        if readings[i] > least:
+            x, y = beam_end(scan, eye, s, i, float(readings[i]))
+            count = pass_cells((eye.x, eye.y), (x, y), readings[i] < most, cells, doubted, count)
     return count
 
 
-@kernel
-def pass_cells(beam: CellBeam, cells: Bytes, doubted: Labels, count: int) -> int:
-    """Mark the cells that a beam passes, one after the other (Amanatides and Woo 1987); return how many are doubted.
+@kernel(inlined=True)
+def pass_cells(start: Point, end: Point, is_hit: bool, cells: Bytes, doubted: Labels, count: int) -> int:
+    """Mark the cells from a point in the grid to another [cells], one after the other (Amanatides and Woo 1987).
 
-    The last cell counts unless the beam hits something in it.
+    The last cell does not count if it is hit. What lies beyond the grid is left out.
 
     Writes: cells, doubted.
     """
     rows, columns = cells.shape
-    dx, dy = beam.bx - beam.ax, beam.by - beam.ay
-    j, i = int(np.floor(beam.ax)), int(np.floor(beam.ay))
-    left_x, left_y = int(np.floor(beam.bx)) - j, int(np.floor(beam.by)) - i
-    step_x, step_y = (1 if left_x >= 0 else -1), (1 if left_y >= 0 else -1)
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    # How much of the beam lies within the grid.
+    part = min((columns - start[0]) / dx if dx > 0.0 else -start[0] / dx if dx < 0.0 else 1.0, 1.0)
+    part = min((rows - start[1]) / dy if dy > 0.0 else -start[1] / dy if dy < 0.0 else 1.0, part)
+    j, i = int(start[0]), int(start[1])
+    left_x = min(max(int(start[0] + part * dx), 0), columns - 1) - j
+    left_y = min(max(int(start[1] + part * dy), 0), rows - 1) - i
+    jump_x, jump_y = (1 if left_x >= 0 else -1), (columns if left_y >= 0 else -columns)
+    # Parts of the beam up to the next line between cells, and from one to the next.
+    each_x, each_y = (1.0 / abs(dx) if left_x != 0 else 0.0), (1.0 / abs(dy) if left_y != 0 else 0.0)
+    next_x = (j + 1 - start[0] if left_x > 0 else start[0] - j) * each_x
+    next_y = (i + 1 - start[1] if left_y > 0 else start[1] - i) * each_y
     left_x, left_y = abs(left_x), abs(left_y)
-    # Parts of the beam from one line between cells to the next, and to the first one.
-    part_x, part_y = (1.0 / abs(dx) if left_x > 0 else 0.0), (1.0 / abs(dy) if left_y > 0 else 0.0)
-    next_x = (j + 1 - beam.ax if step_x > 0 else beam.ax - j) * part_x if left_x > 0 else np.inf
-    next_y = (i + 1 - beam.ay if step_y > 0 else beam.ay - i) * part_y if left_y > 0 else np.inf
-    for _ in range(left_x + left_y + (0 if beam.is_hit else 1)):
-        if 0 <= i < rows and 0 <= j < columns:
-            if cells[i, j] == UNKNOWN:
-                cells[i, j] = PASSED
-            elif cells[i, j] == OCCUPIED and doubted.shape[0] > 0:
-                cells[i, j] = DOUBTED
-                doubted[count] = i * columns + j
-                count += 1
-        if next_x <= next_y:
-            j, left_x = j + step_x, left_x - 1
-            next_x = next_x + part_x if left_x > 0 else np.inf
-        else:
-            i, left_y = i + step_y, left_y - 1
-            next_y = next_y + part_y if left_y > 0 else np.inf
+    states, number = cells.reshape(-1), i * columns + j
+    for _ in range(left_x + left_y + (0 if is_hit and part == 1.0 else 1)):
+        known = states[number]
+        states[number] = PASSED if known == UNKNOWN else known
+        if known == OCCUPIED and doubted.shape[0] > 0:
+            states[number] = DOUBTED
+            doubted[count] = number
+            count += 1
+        is_x = (left_y == 0) | ((left_x > 0) & (next_x <= next_y))
+        number += jump_x if is_x else jump_y
+        next_x += each_x if is_x else 0.0
+        next_y += 0.0 if is_x else each_y
+        left_x -= 1 if is_x else 0
+        left_y -= 0 if is_x else 1
     return count
 
 
@@ -118,14 +132,16 @@ def mark_hits(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: By
         cells: What is known, shape ``(rows, columns)``.
         fresh: Written: the numbers of these cells, room for ``n_beams``.
     """
-    rows, columns = cells.shape
-    count = 0
-    for i in range(scan.ranges.shape[2]):
-        beam = beam_in_cells(scan, w, k, i, pose, grid)
-        column, row = int(np.floor(beam.bx)), int(np.floor(beam.by))
-        if beam.is_hit and 0 <= row < rows and 0 <= column < columns and cells[row, column] != OCCUPIED:
+    eye, s, count = eye_of(scan, k, pose, grid), scan.sensors[k], 0
+    readings, least, most = scan.ranges[w, s], np.float32(scan.range_min[s]), np.float32(scan.range_max[s])
+    for i in range(readings.shape[0]):
+        x, y = beam_end(scan, eye, s, i, float(readings[i]))
+        if not (least < readings[i] < most and 0.0 <= x < grid.columns and 0.0 <= y < grid.rows):
+            continue
+        column, row = int(x), int(y)
+        if cells[row, column] != OCCUPIED:
             if cells[row, column] != DOUBTED:
-                fresh[count] = row * columns + column
+                fresh[count] = row * grid.columns + column
                 count += 1
             cells[row, column] = OCCUPIED
     return count

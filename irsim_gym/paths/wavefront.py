@@ -21,8 +21,8 @@ NEVER = np.int32(2**30)
 SLACK = 12 * STRAIGHT
 """How far the wave goes on beyond its target, so that a body may leave its way a little."""
 HEAD, TAIL, FIRST = 0, 1, 2
-KEY = 2**21
-"""A place in a queue holds ``cost * KEY + cell``."""
+BITS = 21
+"""A place in a queue holds the number of a cell in its lowest bits, and the cost in those above."""
 ROWS, COLUMNS = np.array([0, 0, 1, -1, 1, 1, -1, -1]), np.array([1, -1, 0, 0, 1, -1, 1, -1])
 """Rows and columns to the neighbours, those that share a side first."""
 
@@ -97,7 +97,7 @@ def spread_costs(levels: Bytes, source: int, target: int, queues: Ints, field: L
         if chosen < 0:
             return int(NEVER)
         queues[chosen, HEAD] += 1
-        cost, here = int(best // KEY), int(best % KEY)
+        cost, here = best >> BITS, best & (2**BITS - 1)
         if cost > limit:
             return limit
         if cost > costs[here]:
@@ -116,7 +116,8 @@ def offer_neighbours(walls: Bytes, columns: int, here: int, cost: int, queues: I
     for k in range(8):
         aside, along = COLUMNS[k], ROWS[k] * columns
         there = here + aside + along
-        if walls[there] == BLOCKED:
+        # Most neighbours are nearer already.
+        if cost + STRAIGHT >= costs[there] or walls[there] == BLOCKED:
             continue
         q = (1 if k >= 4 else 0) + (2 if walls[there] == TIGHT else 0)
         total = cost + (ACROSS if k >= 4 else STRAIGHT) * (TIGHT_FACTOR if q >= 2 else 1)
@@ -125,7 +126,7 @@ def offer_neighbours(walls: Bytes, columns: int, here: int, cost: int, queues: I
         if k >= 4 and (walls[here + aside] == BLOCKED or walls[here + along] == BLOCKED):
             continue
         costs[there] = total
-        queues[q, queues[q, TAIL]] = total * KEY + there
+        queues[q, queues[q, TAIL]] = (total << BITS) + there
         queues[q, TAIL] += 1
 
 

@@ -72,7 +72,7 @@ def world_grid(simulation: Simulation, cell: float | None) -> Grid:
 def note_all(worlds: Ints, slot: int, term: Bound, seen: SeenGrid, state: WorldState, episode: EpisodeState) -> None:
     """Add the latest scans to the maps of learners, at the start and then every ``every`` steps.
 
-    Reads: term (agents, options), seen (cells, doubted, fresh, grid, scan), state (pose), episode (steps).
+    Reads: term (agents, options), seen (cells, doubted, grid, scan), state (pose), episode (steps).
     Writes: seen (cells, doubted, fresh).
     """
     grid, fresh, doubted = seen.grid, seen.fresh[slot], seen.doubted[slot]

@@ -21,7 +21,7 @@ from irsim_gym.tasks.words import Columns, evenly
 from irsim_gym.world.model import WorldModel
 from irsim_gym.world.state import WorldState
 
-APART = 1.5
+APART = 2.0
 """Distance of neighbouring samples [cells], at most."""
 
 
@@ -58,7 +58,7 @@ class SeenMap:
     cell: float | None = option(
         None, gt=0.0, unit="m", meaning="Cell size; default: a 64th of the world's longer side."
     )
-    every: int = option(2, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
+    every: int = option(4, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
     without_sensor: str | tuple[str, ...] = option(
         "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
     )
@@ -136,12 +136,13 @@ def write_seen(worlds: Ints, term: Bound, bins: SeenBins, state: WorldState, epi
             for k in range(ends.shape[0]):
                 first, occupied, unknown = n, 0, 0
                 while n < ends[k]:
-                    column = int(np.floor(x + ahead * samples[0, n] - aside * samples[1, n]))
-                    row = int(np.floor(y + aside * samples[0, n] + ahead * samples[1, n]))
-                    if not (0 <= row < grid.rows and 0 <= column < grid.columns) or cells[row, column] == UNKNOWN:
-                        unknown += 1
-                    elif cells[row, column] == OCCUPIED:
-                        occupied += 1
+                    across = x + ahead * samples[0, n] - aside * samples[1, n]
+                    up = y + aside * samples[0, n] + ahead * samples[1, n]
+                    known = UNKNOWN
+                    if 0.0 <= up < grid.rows and 0.0 <= across < grid.columns:
+                        known = cells[int(up), int(across)]
+                    occupied += 1 if known == OCCUPIED else 0
+                    unknown += 1 if known == UNKNOWN else 0
                     n += 1
                 place = term.column + 2 * sectors * (k // sectors) + k % sectors
                 episode.observation[w, a, place] = np.float32(occupied / (n - first))

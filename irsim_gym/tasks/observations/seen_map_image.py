@@ -55,7 +55,7 @@ class SeenMapImage:
     cell: float | None = option(
         None, gt=0.0, unit="m", meaning="Cell size; default: a 64th of the world's longer side."
     )
-    every: int = option(2, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
+    every: int = option(4, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
     without_sensor: str | tuple[str, ...] = option(
         "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
     )

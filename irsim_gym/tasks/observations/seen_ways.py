@@ -72,7 +72,7 @@ class SeenWays(Struct):
 def clear_levels(worlds: Ints, ways: SeenWays, episode: EpisodeState) -> None:
     """Make all cells free for agents whose episodes begin.
 
-    Reads: ways (levels), episode (began).
+    Reads: episode (began).
     Writes: ways (levels).
     """
     for w in worlds:
@@ -144,8 +144,8 @@ def find_way(ways: SeenWays, slot: int, w: int, a: int, place: Point, goal: Poin
     The costs are written anew only if the goal is new, or if they do not tell the way: because something was seen in it
     or because the agent has left the cells around it.
 
-    Reads: ways (field, final, grid, levels, queues, target, way).
-    Writes: ways (field, final, queues, target, way).
+    Reads: ways (field, final, grid, levels, queues, target).
+    Writes: ways (final, queues, target, way).
     """
     grid, levels, field, target = ways.grid, ways.levels[w, a], ways.field[w, a], ways.target[w, a]
     start = free_cell(grid, levels, place)

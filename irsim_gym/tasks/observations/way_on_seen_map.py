@@ -105,7 +105,7 @@ def write_ways_seen(
 
     Reads: term (agents, column), ways (field, final, grid, levels, queues, target, way), model (bounds), state
         (direction, goal, pose).
-    Writes: ways (field, final, queues, target, way), episode (observation).
+    Writes: ways (final, queues, target, way), episode (observation).
     """
     grid, way = ways.grid, ways.way[slot]
     width, height = model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]
