@@ -16,7 +16,7 @@ UNKNOWN, PASSED, OCCUPIED, DOUBTED = np.uint8(0), np.uint8(1), np.uint8(2), np.u
 """What is known of a cell; ``DOUBTED`` ones were occupied, and a beam of the present scan has passed them."""
 
 
-class Eye(NamedTuple):
+class GridEye(NamedTuple):
     """A range sensor seen from a grid: x and y [cells], cosine and sine of its body's heading [cells / m]."""
 
     x: float
@@ -26,7 +26,7 @@ class Eye(NamedTuple):
 
 
 @kernel(inlined=True)
-def eye_of(scan: OwnScan, k: int, pose: Floats, grid: Grid) -> Eye:
+def eye_of(scan: OwnScan, k: int, pose: Floats, grid: Grid) -> GridEye:
     """Return where the sensor of member k is.
 
     Reads: scan (offset, sensors).
@@ -35,11 +35,11 @@ def eye_of(scan: OwnScan, k: int, pose: Floats, grid: Grid) -> Eye:
     cosine, sine = scale * np.cos(pose[2]), scale * np.sin(pose[2])
     x = scale * (pose[0] - grid.origin_x) + cosine * mount[0] - sine * mount[1]
     y = scale * (pose[1] - grid.origin_y) + sine * mount[0] + cosine * mount[1]
-    return Eye(x, y, cosine, sine)
+    return GridEye(x, y, cosine, sine)
 
 
 @kernel(inlined=True)
-def beam_end(scan: OwnScan, eye: Eye, s: int, i: int, length: float) -> tuple[float, float]:
+def beam_end(scan: OwnScan, eye: GridEye, s: int, i: int, length: float) -> tuple[float, float]:
     """Return the point [cells] so far [m] along beam i of sensor s.
 
     Reads: scan (beams_x, beams_y).

@@ -97,7 +97,7 @@ def spread_costs(levels: Bytes, source: int, target: int, queues: Ints, field: L
         if chosen < 0:
             return int(NEVER)
         queues[chosen, HEAD] += 1
-        cost, here = best >> BITS, best & (2**BITS - 1)
+        cost, here = int(best >> BITS), int(best & (2**BITS - 1))
         if cost > limit:
             return limit
         if cost > costs[here]:

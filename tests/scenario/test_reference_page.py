@@ -69,7 +69,7 @@ def test_the_example_with_parameters_loads() -> None:
 
 
 def test_the_example_of_a_task_is_laid_over_the_named_one() -> None:
-    *_, example = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    *_, example, _ = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     world = {"robot": {"kinematics": {"name": "diff"}, "goal": [5, 5]}}
     task = load_task(load_scenario({**world, **yaml.safe_load(example)}))
     plain = load_task(load_scenario(world))
@@ -77,6 +77,13 @@ def test_the_example_of_a_task_is_laid_over_the_named_one() -> None:
     assert (task.max_steps, weights["Time"], len(weights)) == (400, 1.0, len(plain.rewards))
     observed, before = ([type(term).__name__ for term in one.observations] for one in (task, plain))
     assert observed == [*(name for name in before if name != "LastAction"), "Velocity"]
+
+
+def test_the_example_of_memory_is_a_task() -> None:
+    *_, example = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    world = {"robot": {"kinematics": {"name": "diff"}, "goal": [5, 5], "sensors": [{"name": "lidar2d"}]}}
+    task = load_task(load_scenario({**world, **yaml.safe_load(example)}))
+    assert [type(term).__name__ for term in task.observations][-2:] == ["WayOnSeenMap", "SeenMap"]
 
 
 def test_the_keys_of_a_task_are_shown() -> None:

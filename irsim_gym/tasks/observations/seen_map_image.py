@@ -121,7 +121,7 @@ def paint_seen(worlds: Ints, term: Bound, seen: SeenGrid, state: WorldState, ima
                     right = (j + 0.5 - view.middle_x) * size
                     column = int(np.floor(x + right * view.up_y + up * view.up_x))
                     row = int(np.floor(y - right * view.up_x + up * view.up_y))
-                    value = NOT_SEEN
+                    value = np.uint8(NOT_SEEN)
                     if 0 <= row < grid.rows and 0 <= column < grid.columns and cells[row, column] != UNKNOWN:
                         value = TAKEN if cells[row, column] == OCCUPIED else EMPTY
                     picture[i, j, 0] = value
