@@ -1,10 +1,13 @@
 """What differs between crowd_nav and CrowdNav++ while an episode runs, each difference measured alone.
 
     python agents/crowd_nav_differences.py      # takes its rows into results/crowd_benchmarks.json
+    python agents/crowd_nav_differences.py --only restart_sight restart_belief --scenario crowd_nav_code.yaml
+
+crowd_nav_code.yaml is a copy of crowd_nav.yaml with levels of crowd_nav_levels.py.
 
 - restart: a person that arrives begins anew on the circle, with the goal opposite. In crowd_nav it walks on from where
   it is, to a goal elsewhere on the circle.
-- sight: the robot sees people up to a gap of 5 m, and forgets those who are farther away. In crowd_nav it sees all.
+- sight: the robot sees people up to a gap of 5 m, and forgets those who are farther away. In crowd_nav it sees 10 m.
 - belief: the same, but those whom it no longer sees it believes to walk on as they did last, for ever. Measured for the
   social-force robot, whose forces are worked out here by the formula of Helbing and Molnar (1995) in its circular form.
 """
@@ -144,7 +147,8 @@ def main() -> None:
         print(found)
         named = conditions(make_episodes(given.scenario), found.split, given.levels) | found.level_set.conditions()
         rows = json.loads(given.results.read_text())
-        command = f"python agents/crowd_nav_differences.py --only {name} --levels {given.levels}"
+        asked = f"--only {name} --levels {given.levels} --scenario {given.scenario}"
+        command = f"python agents/crowd_nav_differences.py {asked}"
         figures = {"command": command, "conditions": named, "machine": machine(), "policies": found.summaries}
         rows[f"{Path(given.scenario).stem}_{name}"] = plain(figures)
         given.results.write_text(json.dumps(rows, indent=1) + "\n")
