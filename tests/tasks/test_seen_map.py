@@ -210,7 +210,7 @@ def test_the_way_is_the_shortest_one_on_the_cells_that_were_seen() -> None:
     episodes = watching(WAY)
     ways, grid, kinds = arrays(episodes), arrays(episodes).grid, set()
     goal = np.array([9.1, 5.2])
-    for n in range(120):
+    for n in range(70):
         (x, y, heading), (cosine, sine, length) = episodes.simulation.state.pose[0, 0], episodes.view.observation[0, 0]
         levels = levels_of(ways.seen.cells[0, 0], 0.2 / CELL)
         np.testing.assert_array_equal(ways.levels[0, 0], levels)
