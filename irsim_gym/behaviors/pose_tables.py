@@ -157,7 +157,7 @@ def _costs(group: Group, model: WorldModel, cell: Floats, by_rate: Flags, nodes:
     tables are those of the first level.
     """
     asked = [_asked(group, model, k, float(cell[k]), bool(by_rate[k])) for k in range(len(group.members))]
-    half = max([LEAST_HALF, *(_half(moves, float(side)) for (moves, _), side in zip(asked, cell, strict=True))])
+    half = max([LEAST_HALF, *(_half(model, moves, float(side)) for (moves, _), side in zip(asked, cell, strict=True))])
     tables, found = [np.zeros((2 * half + 1, 2 * half + 1, N_TURNS))], {b"": 0}
     numbers = np.zeros(len(asked), np.int64)
     for k, (moves, aim) in enumerate(asked):
@@ -184,8 +184,10 @@ def _asked(group: Group, model: WorldModel, k: int, cell: float, by_rate: bool) 
     return moves[:count], Aim(0.0, 0.0, heading, NEARER * float(model.goal_threshold[0, b]))
 
 
-def _half(moves: Records, cell: float) -> int:
-    """Return how many cells the table of costs of a body with these moves reaches from the goal."""
+def _half(model: WorldModel, moves: Records, cell: float) -> int:
+    """Return how many cells the table of costs of a body with these moves reaches from the goal, within the world."""
     arcs = moves[(moves["turn"] != 0.0) & (moves["ahead"] != 0.0)]
     radius = float(np.min(np.abs(arcs["ahead"] / arcs["turn"]), initial=np.inf)) if len(arcs) else 0.0
-    return int(np.clip(np.ceil(TURNS_AWAY * radius / (COARSE * cell)), LEAST_HALF, FARTHEST))
+    x_min, y_min, x_max, y_max = model.bounds
+    reach = min(TURNS_AWAY * radius, max(x_max - x_min, y_max - y_min))
+    return int(np.clip(np.ceil(reach / (COARSE * cell)), LEAST_HALF, FARTHEST))

@@ -90,11 +90,6 @@ BY_HAND: dict[str, dict[str, Any]] = {
         ],
         "task": GOES_ON,
     },
-    "hybrid_astar leaves the map": {
-        "world": {**SHORT, "obstacle_map": PERLIN},
-        "robot": [{**one, "behavior": {"name": "hybrid_astar", "cell": 1.0}} for one in leaving(3, ["dash"])[:2]],
-        "task": GOES_ON,
-    },
     **{f"map by level: {one['name']}": map_by_level(one) for one in MAPS_BY_LEVEL},
     "scanner of one beam": {"robot": {**FAST, "state": [1, 1], "goal": [3, 3], "sensors": ONE_BEAM}},
     "crowd that dashes": crowd("behavior", "dash"),
