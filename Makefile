@@ -7,6 +7,9 @@ VENV     ?= .venv
 PIP_ARGS ?=
 ARGS     ?=
 
+# The processes that tests start read compiled sources, as each of them takes a second to compile those it imports.
+unexport PYTHONDONTWRITEBYTECODE
+
 BIN         := $(VENV)/bin
 INSTALLED   := $(VENV)/.installed
 TESTS_READY := $(VENV)/.tests-ready

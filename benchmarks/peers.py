@@ -72,9 +72,9 @@ def python_of(peer: str, cache: Path, pip_arguments: Sequence[str]) -> Path:
     folder, wanted = cache / peer, "\n".join(REQUIREMENTS[peer])
     python, stamp = folder / "bin" / "python", folder / ".installed"
     if not stamp.exists() or stamp.read_text(encoding="utf-8") != wanted:
-        _run([sys.executable, "-m", "venv", "--clear", str(folder)])
-        pip = [str(python), "-m", "pip", "install", "--disable-pip-version-check", "--quiet", "-c", str(CONSTRAINTS)]
-        _run([*pip, *pip_arguments, *REQUIREMENTS[peer]])
+        _run([sys.executable, "-m", "venv", "--clear", "--without-pip", str(folder)])
+        pip = [sys.executable, "-m", "pip", "--python", str(python), "--disable-pip-version-check", "--quiet"]
+        _run([*pip, "install", "-c", str(CONSTRAINTS), *pip_arguments, *REQUIREMENTS[peer]])
         stamp.write_text(wanted, encoding="utf-8")
     return python
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+import warnings
+from collections.abc import Iterator, Sequence
 
 import pytest
 from hypothesis import settings
 
 from irsim_gym.engine import shards, timing
+from irsim_gym.errors import ScenarioWarning
+from irsim_gym.training import trial
 
 # PyTorch's threads only wait for each other where every core has a test of its own.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -32,3 +35,16 @@ def threads_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shards, "WORTH_S", 0.0)
     monkeypatch.setattr(timing, "REST", 0)
     monkeypatch.setattr(shards, "HEAD_START_S", 1e-4)
+
+
+@pytest.fixture
+def played_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let ``check`` play files in this process: another one takes seconds to start, and has tests of its own."""
+
+    def play(files: Sequence[str], reading: trial.Reading) -> tuple[trial.Failures, str]:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ScenarioWarning)
+            found = {file: trial._failure(file, reading) for file in files}
+        return {file: message for file, message in found.items() if message}, ""
+
+    monkeypatch.setattr(trial, "_in_a_process", play)

@@ -25,18 +25,18 @@ from irsim_gym.jit.cache import Files
 from irsim_gym.jit.key import type_key
 
 PACKAGE = Path(irsim_gym.__file__).parent
-SCRIPT = """
-import sys, numpy as np
-import irsim_gym as ig
-sim = ig.compile(ig.load_scenario("cluttered_room"), 2, agents=(0,))
-sim.reset(seed=4)
-for _ in range(6):
-    sim.step([0.8, 0.3])
-group, member = sim.scan(0)
-distance = np.zeros((2, 1))
-sim.clearance(sim.shards.all[0], sim.agents, distance)
-np.savez(sys.argv[1], pose=sim.state.pose, ranges=group.arrays["ranges"], goal=sim.state.goal, distance=distance)
-"""
+
+
+def driven() -> dict[str, Floats]:
+    """Return what a robot sees and does in six steps."""
+    sim = irsim_gym.compile(irsim_gym.load_scenario("cluttered_room"), 2, agents=(0,))
+    sim.reset(seed=4)
+    for _ in range(6):
+        sim.step([0.8, 0.3])
+    group, _ = sim.scan(0)
+    distance = np.zeros((2, 1))
+    sim.clearance(sim.shards.all[0], sim.agents, distance)
+    return {"pose": sim.state.pose, "ranges": group.arrays["ranges"], "goal": sim.state.goal, "distance": distance}
 
 
 def run(arguments: list[str], **environment: str) -> subprocess.CompletedProcess[str]:
@@ -46,11 +46,11 @@ def run(arguments: list[str], **environment: str) -> subprocess.CompletedProcess
 
 
 def test_kernels_run_as_plain_python_with_the_same_results(tmp_path: Path) -> None:
-    files = {flag: tmp_path / f"{flag}.npz" for flag in ("0", "1")}
-    for flag, file in files.items():
-        done = run(["-W", "error", "-c", SCRIPT, str(file)], NUMBA_DISABLE_JIT=flag)
-        assert done.returncode == 0, done.stderr
-    compiled, plain = (np.load(file) for file in files.values())
+    file = tmp_path / "plain.npz"
+    use = "import sys, numpy; from tests import test_jit; numpy.savez(sys.argv[1], **test_jit.driven())"
+    done = run(["-W", "error", "-c", use, str(file)], NUMBA_DISABLE_JIT="1", PYTHONPATH=str(PACKAGE.parent))
+    assert done.returncode == 0, done.stderr
+    compiled, plain = driven(), np.load(file)
     for name, tolerance in (("pose", 1e-12), ("goal", 1e-12), ("distance", 1e-12), ("ranges", 1e-5)):
         np.testing.assert_allclose(compiled[name], plain[name], rtol=0, atol=tolerance, err_msg=name)
 

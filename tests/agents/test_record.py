@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import imageio.v2 as imageio
@@ -10,8 +9,8 @@ import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from command_line import run
 
-from irsim_gym import cli
 from irsim_gym.render.packing import unpacked
 from irsim_gym.render.replay_page import read_html
 from irsim_gym.training.players import players
@@ -38,13 +37,6 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     monkeypatch.chdir(tmp_path)
     Path("straight.yaml").write_text(STRAIGHT, encoding="utf-8")
     return "straight.yaml"
-
-
-def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    monkeypatch.setattr(sys, "argv", ["irsim-gym", *arguments])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    return int(end.value.code or 0)
 
 
 def test_a_replay(file: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,9 +10,9 @@ import numpy as np
 import pytest
 import torch
 import yaml
+from command_line import run as command
 
 import irsim_gym
-from irsim_gym import cli
 from irsim_gym.errors import ChangedScenarioWarning, IrsimGymError
 from irsim_gym.scenario.library import find
 from irsim_gym.scenario.load import load_scenario
@@ -60,13 +59,6 @@ def begun(name: str, wanted: Asked) -> Run:
     run = Run(Path(name))
     run.begin(wanted.settings())
     return run
-
-
-def command(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
-    monkeypatch.setattr(sys, "argv", ["irsim-gym", *map(str, arguments)])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    return int(end.value.code or 0)
 
 
 @pytest.mark.parametrize(

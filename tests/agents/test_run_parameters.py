@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from command_line import run
 
-from irsim_gym import cli
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.training.asked import Asked
 from irsim_gym.training.environment import make_worlds
@@ -40,13 +39,6 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 def asked(file: str, **parameters: Any) -> Settings:
     return Asked(file, "ppo", 0, 512, None, None, parameters=parameters).settings()
-
-
-def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    monkeypatch.setattr(sys, "argv", ["irsim-gym", *arguments])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    return int(end.value.code or 0)
 
 
 def test_settings_hold_all_values(file: str) -> None:
@@ -140,6 +132,7 @@ def test_what_a_published_figure_names(file: str) -> None:
     assert list(named["velocity_max"]) == [0.5, 1.0]
 
 
+@pytest.mark.usefixtures("played_here")
 def test_the_command_line(file: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(monkeypatch, "check", file, "--set", "n_robots=5", "--set", "speed = 1/2") == 0
     said = capsys.readouterr().out.splitlines()

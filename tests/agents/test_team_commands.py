@@ -2,20 +2,10 @@
 
 import csv
 import json
-import sys
 from pathlib import Path
 
 import pytest
-
-from irsim_gym import cli
-
-
-def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
-    monkeypatch.setattr(sys, "argv", ["irsim-gym", *map(str, arguments)])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    return int(end.value.code or 0)
-
+from command_line import run
 
 PAIR = """
 world: {height: 6, width: 8}

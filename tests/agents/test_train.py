@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -151,30 +150,33 @@ def test_what_a_run_leaves(tmp_path: Path) -> None:
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from irsim_gym.evaluation import tables
-original = Path.replace
-def replace(self, target):
-    if Path(target).name == sys.argv[2]:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return original(self, target)
-Path.replace = replace
 from test_train import settings, train
-train(settings(n_timesteps=64, checkpoint_every=64), Path(sys.argv[1]))
+original = Path.replace
+for name in sys.argv[2:]:
+    def replace(self, target):
+        if Path(target).name == name:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return original(self, target)
+    child = os.fork()
+    if not child:
+        Path.replace = replace
+        train(settings(n_timesteps=64, checkpoint_every=64), Path(sys.argv[1]) / Path(name).stem)
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL, name
 """
 
 
 def test_what_a_killed_run_left_half_written_goes_when_it_is_taken_up(tmp_path: Path) -> None:
-    folder = tmp_path / "run"
-    for name in ("config.json", "training.csv", "policy.zip"):
-        command = [sys.executable, "-c", KILLED, str(folder), name]
-        paths = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
-        killed = subprocess.run(command, env={**os.environ, "PYTHONPATH": paths}, check=False)
-        assert killed.returncode == -signal.SIGKILL
+    names = "config.json", "training.csv", "policy.zip"
+    paths = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
+    command = [sys.executable, "-c", KILLED, str(tmp_path), *names]
+    subprocess.run(command, env={**os.environ, "PYTHONPATH": paths}, check=True)
+    for name in names:
+        folder = tmp_path / Path(name).stem
         assert [path.name[:-9] for path in folder.glob(".*")] == [f".{name}"]  # a point and eight letters
-        if name != "config.json":  # there the next one begins anew, and finds it
-            train(settings(n_timesteps=64, checkpoint_every=64), folder, resume=True)
-            assert not list(folder.glob(".*"))
-            shutil.rmtree(folder)
+        train(settings(n_timesteps=64, checkpoint_every=64), folder, resume=name != "config.json")
+        assert not list(folder.glob(".*"))
+    folder = tmp_path / "run"
     folder.mkdir()
     others = [folder / name for name in (".config.json.swp", ".policy.zip.mine1234.bak", ".notes.txt.abcd1234")]
     (folder / ".policy.zip.abcd_123").touch()

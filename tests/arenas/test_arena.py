@@ -5,16 +5,15 @@ from __future__ import annotations
 import csv
 import json
 import re
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from command_line import run
 
 import irsim_gym
-from irsim_gym import cli
 from irsim_gym.arenas import contest
 from irsim_gym.arenas.board import Board
 from irsim_gym.arenas.crossplay import MixedPolicy, meetings
@@ -216,19 +215,12 @@ def test_an_interrupted_arena_goes_on(tmp_path: Path, monkeypatch: pytest.Monkey
         assert episode["count"] == board.steps[told["policy"], told["level"]] + 1
 
 
-def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    monkeypatch.setattr(sys, "argv", ["irsim-gym", "arena", *arguments])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    return int(end.value.code or 0)
-
-
 def test_cross_play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """Two robots, driven by each pairing of two policies: rows say who drove whom, and the page who met whom."""
     monkeypatch.chdir(tmp_path)
     robots = [{**ROOM["robot"][0], "state": [1, y, 0], "goal": [5, y, 0]} for y in (1, 3)]
     Path("pair.yaml").write_text(json.dumps({**ROOM, "robot": robots}), encoding="utf-8")
-    assert run(monkeypatch, "pair.yaml", "dash", "random", "--mix", "--levels", "3", "--replays", "2") == 0
+    assert run(monkeypatch, "arena", "pair.yaml", "dash", "random", "--mix", "--levels", "3", "--replays", "2") == 0
     said = capsys.readouterr()
     assert said.out.splitlines()[-1] == "page: runs/arena-pair-team-test/arena.html"
     assert said.err == ""
@@ -280,7 +272,7 @@ def test_bad_calls(
     Path("room.yaml").write_text(json.dumps(ROOM), encoding="utf-8")
     Path("full").mkdir()
     Path("full/summary.json").write_text("{}")
-    assert run(monkeypatch, "room.yaml", *arguments, "--levels", "2") == 1
+    assert run(monkeypatch, "arena", "room.yaml", *arguments, "--levels", "2") == 1
     assert message in capsys.readouterr().err
 
 
@@ -291,7 +283,7 @@ def test_the_page_in_docs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     (block,) = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     exec(compile(block, "docs/arena.md", "exec"), {})
     assert "runs/arena/arena.html" in capsys.readouterr().out
-    assert run(monkeypatch, "--help") == 0
+    assert run(monkeypatch, "arena", "--help") == 0
     shown = capsys.readouterr().out
     asked = {word for line in text.splitlines() if line.startswith("irsim-gym arena") for word in line.split()}
     assert {"--levels", "--mix", "--resume"} <= asked

@@ -306,28 +306,21 @@ def test_batches_and_shards_decide_as_single_worlds() -> None:
 
 
 def test_plain_python_decides_as_compiled() -> None:
-    code = """
-import json, sys
-sys.path.insert(0, sys.argv[1])
-from test_rvo import box, robot, simulation
-modes = zip(("rvo", "hrvo", "vo"), ([1, 5, 0], [3, 5.2, 3], [2, 6, -1]), ("diff", "omni", "diff"))
-sim = simulation([robot(state, [5, 5, 0], drive, mode=mode) for mode, state, drive in modes], [box(1, 1, [5, 7, 0])])
-for _ in range(4):
-    sim.step()
-print(json.dumps(sim.state.pose.tolist()))
-"""
-    runs = []
-    for off in ("0", "1"):
-        runs.append(
-            subprocess.run(
-                [sys.executable, "-c", code, str(Path(__file__).parent)],
-                env={**os.environ, "NUMBA_DISABLE_JIT": off},
-                capture_output=True,
-                text=True,
-                check=True,
-            ).stdout
-        )
-    np.testing.assert_allclose(json.loads(runs[0]), json.loads(runs[1]), atol=1e-12)
+    code = "import json, sys; sys.path.insert(0, sys.argv[1]); import test_rvo; print(json.dumps(test_rvo.decided()))"
+    command = [sys.executable, "-c", code, str(Path(__file__).parent)]
+    plain = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run(command, env=plain, capture_output=True, text=True, check=True)
+    np.testing.assert_allclose(decided(), json.loads(done.stdout), atol=1e-12)
+
+
+def decided() -> list[list[list[float]]]:
+    """Return where robots are after four steps, one in each mode."""
+    modes = zip(("rvo", "hrvo", "vo"), ([1, 5, 0], [3, 5.2, 3], [2, 6, -1]), ("diff", "omni", "diff"), strict=True)
+    robots = [robot(state, [5, 5, 0], drive, mode=mode) for mode, state, drive in modes]
+    sim = simulation(robots, [box(1, 1, [5, 7, 0])])
+    for _ in range(4):
+        sim.step()
+    return sim.state.pose.tolist()
 
 
 @dataclass

@@ -11,9 +11,10 @@ import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from command_line import run
 from small_world import world
 
-from irsim_gym import cli, load
+from irsim_gym import load
 from irsim_gym.render.packing import unpacked
 from irsim_gym.render.replay_page import read_html
 
@@ -132,10 +133,7 @@ def test_run_writes_films_and_pages(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     for name in ("run.mp4", "run.html"):
-        monkeypatch.setattr(sys, "argv", ["irsim-gym", "run", "empty_goal", "--steps", "9", "--film", name])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        assert not end.value.code
+        assert run(monkeypatch, "run", "empty_goal", "--steps", 9, "--film", name) == 0
         assert capsys.readouterr().out.splitlines()[-1] == name
     assert imageio_ffmpeg.count_frames_and_secs("run.mp4") == (10, pytest.approx(1.0))
     assert read_html("run.html")["episodes"][0]["count"] == 10

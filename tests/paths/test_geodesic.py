@@ -3,6 +3,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -150,31 +151,24 @@ def test_interpolation_by_hand() -> None:
     assert field_at(field, grid, 13.0, 23.0) == np.inf
 
 
-TWIN = """
-import json
-import numpy as np
-from tests.paths.scenes import Scene
-scene = Scene(3.0).box(1.0, 1.0, 2.0, 1.4).disc(2.2, 2.2, 0.2).chain((0.2, 2.0), (1.2, 2.0))
-start, goal = (0.5, 0.5), (1.6, 2.6)
-field, at = scene.field(0.15, goal, 0.2)
-print(json.dumps([
-    scene.length(0.15, start, goal, 0.15), scene.reachable(0.15, start, goal, 0.15),
-    scene.chain((0.0, 1.7), (3.0, 1.7)).reachable(0.15, start, goal, 0.15),
-    np.where(np.isfinite(field), field, -1.0).tolist(), at(0.5, 0.5),
-]))
-"""
+def found_in_a_scene() -> list[Any]:
+    """Return a length, what can be reached without and with a wall, a field and its value at the start."""
+    scene = Scene(3.0).box(1.0, 1.0, 2.0, 1.4).disc(2.2, 2.2, 0.2).chain((0.2, 2.0), (1.2, 2.0))
+    start, goal = (0.5, 0.5), (1.6, 2.6)
+    field, at = scene.field(0.15, goal, 0.2)
+    length, is_reached = scene.length(0.15, start, goal, 0.15), scene.reachable(0.15, start, goal, 0.15)
+    behind = scene.chain((0.0, 1.7), (3.0, 1.7)).reachable(0.15, start, goal, 0.15)
+    return [length, is_reached, behind, np.where(np.isfinite(field), field, -1.0).tolist(), at(0.5, 0.5)]
 
 
 def test_compiled_agrees_with_plain_python() -> None:
     root = Path(__file__).parents[2]
-    answers = []
-    for disabled in ("0", "1"):
-        environment = {**os.environ, "NUMBA_DISABLE_JIT": disabled, "PYTHONPATH": str(root)}
-        done = subprocess.run(
-            [sys.executable, "-c", TWIN], cwd=root, env=environment, capture_output=True, text=True, check=True
-        )
-        answers.append(json.loads(done.stdout.splitlines()[-1]))
-    (length, yes, no, field, at), twin = answers
+    use = "import json; from tests.paths import test_geodesic; print(json.dumps(test_geodesic.found_in_a_scene()))"
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(root)}
+    done = subprocess.run(
+        [sys.executable, "-c", use], cwd=root, env=environment, capture_output=True, text=True, check=True
+    )
+    (length, yes, no, field, at), twin = found_in_a_scene(), json.loads(done.stdout.splitlines()[-1])
     assert (yes, no) == (True, False)
     assert (twin[1], twin[2]) == (True, False)
     assert twin[0] == pytest.approx(length, abs=1e-9)

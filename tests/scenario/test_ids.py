@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 import pytest
+from command_line import run
 
 import irsim_gym
-from irsim_gym import cli, sb3
+from irsim_gym import sb3
 from irsim_gym.errors import IrsimGymError, MissingScenarioError, UnknownNameError
 from irsim_gym.scenario.ids import IDS
 from irsim_gym.training.folders import labelled
@@ -53,13 +53,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     gymnasium.registry.update(before)
 
 
-def command(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    monkeypatch.setattr(sys, "argv", ["irsim-gym", *arguments])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    return int(end.value.code or 0)
-
-
 @pytest.mark.parametrize("face", FACES)
 @pytest.mark.parametrize(
     ("name", "said"),
@@ -83,7 +76,7 @@ def test_an_id_that_is_none_is_the_same_error_everywhere(face: Callable[[Any], A
 def test_and_in_every_command(
     words: tuple[str, ...], folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert command(monkeypatch, *words, "irsim_gym/cluttered_room-v9") == 1
+    assert run(monkeypatch, *words, "irsim_gym/cluttered_room-v9") == 1
     assert "no environment 'irsim_gym/cluttered_room-v9': there is 'irsim_gym/cluttered_room-v0'" in (
         capsys.readouterr().err
     )
@@ -109,13 +102,13 @@ def test_what_ids_and_paths_stand_for(folder: Path) -> None:
         irsim_gym.load_scenario("lab/mime-v0")
 
 
-@pytest.mark.usefixtures("folder")
+@pytest.mark.usefixtures("folder", "played_here")
 def test_commands_take_ids(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     names = ("irsim_gym/empty_goal-v0", "irsim_gym:irsim_gym/empty_goal-v0", "irsim_gym/mine.yaml")
-    assert command(monkeypatch, "check", *names) == 0
+    assert run(monkeypatch, "check", *names) == 0
     said = capsys.readouterr().out
     assert all(f"{name}: fine" in said for name in names)
-    assert command(monkeypatch, "draw", "irsim_gym/empty_goal-v0") == 0
+    assert run(monkeypatch, "draw", "irsim_gym/empty_goal-v0") == 0
     assert capsys.readouterr().out.split() == ["empty_goal.png"]
     assert Path("empty_goal.png").is_file()
 

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import run
 
-from irsim_gym import cli
 from irsim_gym.errors import IrsimGymError, UnknownNameError
 from irsim_gym.evaluation.metrics import OUTCOMES, EpisodeRow
 from irsim_gym.evaluation.tables import plain
@@ -183,20 +182,18 @@ def test_overall_figures_are_of_benchmarks_that_all_played() -> None:
 
 
 def test_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    def run(*arguments: object) -> tuple[int, str]:
-        monkeypatch.setattr(sys, "argv", ["irsim-gym", "suite", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
+    def suite(*arguments: object) -> tuple[int, str]:
+        status = run(monkeypatch, "suite", *arguments)
         said = capsys.readouterr()
-        return int(end.value.code or 0), said.out + said.err
+        return status, said.out + said.err
 
-    assert "irsim_gym/bug_trap-v0" in run("list", "core", "bug_trap")[1]
+    assert "irsim_gym/bug_trap-v0" in suite("list", "core", "bug_trap")[1]
     folder = tmp_path / "run"
-    assert "| dash |" in run("run", "bug_trap", "dash", "--levels", 2, "--out", folder)[1]
-    assert run("table", folder, "--latex")[1].startswith(r"\begin{table}")
+    assert "| dash |" in suite("run", "bug_trap", "dash", "--levels", 2, "--out", folder)[1]
+    assert suite("table", folder, "--latex")[1].startswith(r"\begin{table}")
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "file").touch()
-    status, said = run("run", "bug_trap", "dash", "--out", tmp_path / "other")
+    status, said = suite("run", "bug_trap", "dash", "--out", tmp_path / "other")
     assert (status, "is not empty, and holds no run of the suite" in said) == (1, True)
 
 
