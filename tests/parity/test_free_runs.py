@@ -16,7 +16,7 @@ NAMES = [name for name, case in all_cases().items() if plan_of(case).get("free_r
 
 
 @cache
-def free_run(name: str, steps: int = STEPS) -> Report:
+def free_run(name: str, steps: int) -> Report:
     with tempfile.TemporaryDirectory() as folder:
         return Pair(case_of(name), Path(folder)).free_run(steps)
 
@@ -30,7 +30,7 @@ def test_a_free_run_is_ir_sims_until_something_named_ends_it(name: str, steps: i
 
 
 def test_most_free_runs_go_through_to_the_end() -> None:
-    reports = {name: free_run(name) for name in NAMES}
+    reports = {name: free_run(name, STEPS) for name in NAMES}
     ended = [name for name, report in reports.items() if report.event == "end"]
     assert all(reports[name].steps == STEPS for name in ended)
     assert len(ended) >= 0.6 * len(NAMES), {name: (report.event, report.steps) for name, report in reports.items()}
