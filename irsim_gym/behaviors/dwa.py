@@ -74,7 +74,7 @@ class Dwa:
         0.25,
         ge=0.0,
         unit="m",
-        meaning="Who has turned on the spot to both sides goes on to the last one alone until it has moved so far.",
+        meaning="Who has turned on the spot to both sides does so again only after moving so far.",
         consequence="0: it may turn to and fro for ever.",
     )
     obstacle_weight: float = option(0.002, ge=0.0, unit="m", meaning="Weight of the nearness of obstacles.")

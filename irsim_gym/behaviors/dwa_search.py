@@ -145,7 +145,8 @@ def best_command(
 ) -> tuple[float, float]:
     """Return the admissible command whose way costs least; without any, that to escape.
 
-    A body that has turned on the spot to both sides turns only to the side to which it did last.
+    A body that has turned on the spot to both sides does so no more while it can go on; else it goes on turning to the
+    side to which it did last.
 
     Reads: tables (hits, poses, way).
     Writes: tables (poses).
@@ -167,6 +168,8 @@ def best_command(
     best, first, second = np.inf, options.escape_speed if rolls else 0.0, 0.0
     n_first, n_second = options.samples[0], options.samples[1]
     for i in range(n_first + int(spot)):
+        if i == n_first and abs(turned) == BOTH and best < np.inf:
+            break
         one = spread_over(low, high, i, n_first) if i < n_first else 0.0
         if rolls and one == 0.0 and i < n_first:
             continue
