@@ -30,6 +30,7 @@ def certify(
 ) -> Certificate:
     """Return the certificate of the first levels of a split.
 
+    A way through a gap hardly wider than the robot may be missed; the least time is then that of a policy that took it.
     Where no way is wide enough for a disc around a whole robot that is no disc, that of the largest disc within it is
     measured, and the level counts as reachable if one of the policies arrives.
 
@@ -55,9 +56,10 @@ def certify(
     n_rows = len(rows), count, len(agents)
     outcomes = [OUTCOMES.index(row.outcome) for levels in episodes_of for team in levels for row in team]
     outcome = np.array(outcomes, np.uint8).reshape(n_rows)
+    times = [row.time for levels in episodes_of for team in levels for row in team]
+    time, arrived = rounded(times).reshape(n_rows), outcome == OUTCOMES.index("success")
     proved = np.array([[is_sure for _, is_sure in level] for level in measured], np.bool_)
     reachable = np.array([[one.reachable for one, _ in level] for level in measured], np.bool_)
-    times = [row.time for levels in episodes_of for team in levels for row in team]
     return Certificate(
         name=simulation.scenario.label,
         scenario_hash=scenario_hash(simulation.scenario),
@@ -65,14 +67,14 @@ def certify(
         agents=episodes.agent_names,
         policies=tuple(rows),
         hash=drawn.hashes(),
-        reachable=reachable & (proved | (outcome == OUTCOMES.index("success")).any(axis=0)),
+        reachable=reachable & (proved | arrived.any(axis=0)),
         length=_column(measured, "length"),
         straight=_column(measured, "straight"),
         clearance=_column(measured, "clearance"),
-        least_time=_column(measured, "least_time"),
+        least_time=np.where(arrived, time, np.inf).min(axis=0, initial=np.inf).clip(max=_column(measured, "least_time")),
         density=rounded(density),
         outcome=outcome,
-        time=rounded(times).reshape(n_rows),
+        time=time,
         versions={"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
     )
 

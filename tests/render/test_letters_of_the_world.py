@@ -23,7 +23,7 @@ hows = pytest.mark.parametrize("how", WAYS)
 
 @pytest.fixture
 def only_stix(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    stix = next(Path(font.fname) for font in font_manager.fontManager.ttflist if font.name == "STIXGeneral")
+    stix = Path(font_manager.findfont("STIXGeneral:style=normal:weight=400", fallback_to_default=False))
     monkeypatch.setattr(fonts, "_installed", lambda: {stix: "STIXGeneral"})
     monkeypatch.setattr(fonts, "_unlisted", lambda: ())
     yield from _with_fresh_answers(stix)
