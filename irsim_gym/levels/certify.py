@@ -60,6 +60,7 @@ def certify(
     time, arrived = rounded(times).reshape(n_rows), outcome == OUTCOMES.index("success")
     proved = np.array([[is_sure for _, is_sure in level] for level in measured], np.bool_)
     reachable = np.array([[one.reachable for one, _ in level] for level in measured], np.bool_)
+    fastest = np.where(arrived, time, np.float32(np.inf)).min(axis=0, initial=np.inf)
     return Certificate(
         name=simulation.scenario.label,
         scenario_hash=scenario_hash(simulation.scenario),
@@ -71,7 +72,7 @@ def certify(
         length=_column(measured, "length"),
         straight=_column(measured, "straight"),
         clearance=_column(measured, "clearance"),
-        least_time=np.where(arrived, time, np.inf).min(axis=0, initial=np.inf).clip(max=_column(measured, "least_time")),
+        least_time=np.minimum(_column(measured, "least_time"), fastest),
         density=rounded(density),
         outcome=outcome,
         time=time,
