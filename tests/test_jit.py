@@ -155,8 +155,12 @@ event.register("numba:compile", count)
 
 
 def compilations(folder: Path, use: str = USE, **environment: str) -> int:
-    """Use two kernels in a process of its own, of which one calls a third; return how many were compiled."""
-    done = run(["-W", "error", "-c", f"{COUNT}\n{use}\nprint(count.n)"], NUMBA_CACHE_DIR=str(folder), **environment)
+    """Use two kernels in a process of its own, of which one calls a third; return how many were compiled.
+
+    Python compares sources with what it has compiled by their size and second, in which tests may change them again.
+    """
+    environment |= {"NUMBA_CACHE_DIR": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = run(["-W", "error", "-c", f"{COUNT}\n{use}\nprint(count.n)"], **environment)
     assert done.returncode == 0, done.stderr
     return int(done.stdout)
 
