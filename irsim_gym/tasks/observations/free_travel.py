@@ -14,7 +14,7 @@ from irsim_gym.jit import kernel
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.observations.ranges import Code, code_number, code_problems, encode, shared_sensors
+from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR, Code, code_number, code_problems, encode, shared_sensors
 from irsim_gym.tasks.term import Bound, Term
 from irsim_gym.tasks.words import Columns, coded
 from irsim_gym.world.model import WorldModel
@@ -70,9 +70,7 @@ class FreeTravel:
         0.5, gt=0.0, unit="m", meaning="With code inverse, the distance at which the slope is half its maximum."
     )
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (way + near) that becomes 0.")
-    without_sensor: str | tuple[str, ...] = option(
-        "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
-    )
+    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     def problems(self) -> list[tuple[str, str]]:
         """Return what is wrong with options that are right one by one: key and message."""

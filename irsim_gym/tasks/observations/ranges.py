@@ -9,10 +9,15 @@ import numpy as np
 from irsim_gym.arraytypes import Ints, Rays
 from irsim_gym.engine import Simulation
 from irsim_gym.jit import kernel
+from irsim_gym.scenario.options import option
 from irsim_gym.world.group import Group
 
 Code = Literal["inverse", "linear"]
 INVERSE, LINEAR = 0, 1
+
+WITHOUT_SENSOR = option(
+    "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
+)
 
 
 def code_number(code: str) -> int:

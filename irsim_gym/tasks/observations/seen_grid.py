@@ -13,6 +13,7 @@ from irsim_gym.engine.own_scans import own_scan
 from irsim_gym.jit import kernel
 from irsim_gym.paths.grid import Grid
 from irsim_gym.paths.scan_marks import mark_hits, mark_passed, settle_doubts
+from irsim_gym.scenario.options import option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.ranges import shared_sensors
@@ -22,6 +23,9 @@ from irsim_gym.world.state import WorldState
 
 FINEST = 64
 """Cells along the longer side of the world, unless a side is given."""
+
+CELL = option(None, gt=0.0, unit="m", meaning="Cell size; default: a 64th of the world's longer side.")
+EVERY = option(4, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
 
 
 @dataclass

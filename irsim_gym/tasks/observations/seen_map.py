@@ -15,7 +15,8 @@ from irsim_gym.paths.scan_marks import OCCUPIED, UNKNOWN
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.observations.seen_grid import SeenGrid, note_all, world_grid
+from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
+from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, SeenGrid, note_all, world_grid
 from irsim_gym.tasks.term import Bound, Term, forget
 from irsim_gym.tasks.words import Columns, evenly
 from irsim_gym.world.model import WorldModel
@@ -55,13 +56,9 @@ class SeenMap:
 
     sectors: int = option(16, ge=1, le=360, meaning="Number of sectors; the first begins straight behind.")
     rings: tuple[float, ...] = option((1.0, 2.0, 4.0), unit="m", meaning="Outer radii of the rings, growing.")
-    cell: float | None = option(
-        None, gt=0.0, unit="m", meaning="Cell size; default: a 64th of the world's longer side."
-    )
-    every: int = option(4, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
-    without_sensor: str | tuple[str, ...] = option(
-        "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
-    )
+    cell: float | None = CELL
+    every: int = EVERY
+    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     def problems(self) -> list[tuple[str, str]]:
         """Return what is wrong with options that are right one by one: key and message."""

@@ -17,8 +17,9 @@ from irsim_gym.structs import Struct
 from irsim_gym.tasks.episode_state import EpisodeState
 from irsim_gym.tasks.observations.occupancy_image import paint_goal, view_of
 from irsim_gym.tasks.observations.painting import Paints, around
+from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.scan_painting import UNKNOWN as NOT_SEEN
-from irsim_gym.tasks.observations.seen_grid import SeenGrid, note_all, world_grid
+from irsim_gym.tasks.observations.seen_grid import CELL, EVERY, SeenGrid, note_all, world_grid
 from irsim_gym.tasks.term import Bound, Term, forget
 from irsim_gym.tasks.words import Columns
 from irsim_gym.world.model import WorldModel
@@ -52,13 +53,9 @@ class SeenMapImage:
     metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of the area shown.")
     rotated: bool = option(True, meaning="The agent's heading points up; otherwise the world's y axis does.")
     goal_channel: bool = option(True, meaning="Show the next goal in a separate channel, the last one.")
-    cell: float | None = option(
-        None, gt=0.0, unit="m", meaning="Cell size; default: a 64th of the world's longer side."
-    )
-    every: int = option(4, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
-    without_sensor: str | tuple[str, ...] = option(
-        "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
-    )
+    cell: float | None = CELL
+    every: int = EVERY
+    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     @property
     def needs_goal(self) -> bool:

@@ -16,7 +16,8 @@ from irsim_gym.paths.grid import centre
 from irsim_gym.paths.wavefront import STRAIGHT
 from irsim_gym.scenario.options import kind, option
 from irsim_gym.tasks.episode_state import EpisodeState
-from irsim_gym.tasks.observations.seen_grid import world_grid
+from irsim_gym.tasks.observations.ranges import WITHOUT_SENSOR
+from irsim_gym.tasks.observations.seen_grid import EVERY, world_grid
 from irsim_gym.tasks.observations.seen_ways import (
     NOT_PLANNED,
     SeenWays,
@@ -53,10 +54,8 @@ class WayOnSeenMap:
         meaning="Cell size; default: a 64th of the world's longer side.",
         consequence="Cells wider than the agent close gaps that it fits through.",
     )
-    every: int = option(4, ge=1, unit="steps", meaning="Steps from one scan that is added to the next.")
-    without_sensor: str | tuple[str, ...] = option(
-        "", meaning="Observation, or a list, to use instead, with their defaults, if a learner has no sensor."
-    )
+    every: int = EVERY
+    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     def arrays(self, simulation: Simulation, agents: Ints) -> SeenWays:
         """Return the maps, the ways, and scratch memory."""
