@@ -45,6 +45,7 @@ EVERYTHING: dict[str, Any] = {
         {"name": "nearest_bodies", "count": 2},
         {"name": "neighbors", "count": 2},
         {"name": "exact_free_travel", "directions": 24},
+        {"name": "time_to_collision", "directions": 24},
         "goal_record",
         "route",
         "position",
@@ -116,7 +117,9 @@ def test_directions_are_true() -> None:
     env.reset(seed=0)
     for _ in range(15):
         env.step(np.array([1.0, 0.0]))
-    answered = dict.fromkeys(("scan", "past_scans", "free_travel", "exact_free_travel", "trail"), 0)
+    answered = dict.fromkeys(
+        ("scan", "past_scans", "free_travel", "exact_free_travel", "time_to_collision", "trail"), 0
+    )
     for _ in range(45):
         observation, *_ = env.step(np.array([-1.0, 1.0]))
         x, y, heading = env.robot.pose
@@ -128,13 +131,14 @@ def test_directions_are_true() -> None:
             ("past_scans", bearing, width),
             ("free_travel", bearing, 0.5 * 360 / 24),
             ("exact_free_travel", bearing, 0.5 * 360 / 24),
+            ("time_to_collision", bearing, 0.5 * 360 / 24),
             ("trail", math.pi - heading, 0.1),
         ):
             answered[name] += _answers(description.block(name), observation[name], math.degrees(where), slack)
         _check_places(description, observation, away, heading)
     assert answered["past_scans"] > 45  # where the scanner does not look, nothing answers: it has a gap of 1.8 rad
     assert answered["free_travel"] > 25
-    assert answered["exact_free_travel"] == 45
+    assert answered["exact_free_travel"] == answered["time_to_collision"] == 45
     assert (answered["scan"] > 25, answered["trail"]) == (True, 45)
 
 

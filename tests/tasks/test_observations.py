@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
+from shapely import affinity, geometry
 from task_tools import BALL, ROBOT, drive, play
 
 from irsim_gym.tasks.episode_state import EpisodeState
@@ -378,6 +380,79 @@ def test_exact_free_travel_agrees_with_that_of_a_fine_scan() -> None:
     assert (np.abs(measured - exact) < 0.01).mean() > 0.98  # a scan may miss the corner that is just touched
 
 
+# --- time_to_collision
+
+
+def times(robot: Any, obstacle: Any, *, n: int = 8, **options: Any) -> Any:
+    """Return when a robot of 1 m/s would hit something for each velocity [s], the first one straight behind."""
+    task = only({"name": "time_to_collision", "directions": n, "horizon": 4.0, **options})
+    episodes = play({"sensors": [], **robot}, obstacle, task)
+    return 4.0 * (1.0 - part(episodes, "time_to_collision"))
+
+
+def test_time_to_collision_of_what_stands_is_the_way_over_the_speed() -> None:
+    """The ball lies 3 m ahead and 0.4 m to the left; their radii are 0.2 m and 0.5 m."""
+    ball = {"shape": {"name": "circle", "radius": 0.5}, "state": [1.6, 8, 0]}
+    way = 3 - (0.7**2 - 0.4**2) ** 0.5
+    facing: dict[str, Any] = {"state": [2, 5, np.pi / 2]}
+    assert times(facing, ball) == pytest.approx([4, 4, 4, 4, way, 4, 4, 4], abs=1e-5)
+    halves = times(facing, ball, speeds=2, speed=2.0).reshape(2, 8)  # 1 m/s, then 2 m/s
+    assert halves[:, 4] == pytest.approx([way, way / 2], abs=1e-5)
+    assert times(facing, ball, range=2.4).tolist() == [4] * 8  # its surface is 2.53 m away
+
+
+def walker(x: float, y: float, to_x: float, to_y: float, speed: float) -> dict[str, Any]:
+    """Return a disc of 0.3 m that walks to a place; it has a velocity after one step."""
+    limits = {"vel_min": [-speed, -speed], "vel_max": [speed, speed]}
+    shape = {"name": "circle", "radius": 0.3}
+    return {
+        "kinematics": {"name": "omni"}, "shape": shape, "state": [x, y, 0], "goal": [to_x, to_y, 0],
+        "behavior": {"name": "dash"}, **limits,
+    }  # fmt: skip
+
+
+def test_time_to_collision_goes_on_with_the_velocities_of_others() -> None:
+    """Somebody comes from straight ahead at 0.5 m/s; 2.95 m away after a step, 2.45 m to contact."""
+    task = only({"name": "time_to_collision", "directions": 4, "horizon": 4.0})
+    episodes = play({"sensors": []}, walker(5, 5, 1, 5, 0.5), task)
+    drive(episodes, -1, 0)
+    found = 4.0 * (1.0 - part(episodes, "time_to_collision"))
+    assert found[2] == pytest.approx(2.45 / 1.5, abs=1e-5)
+    assert found[[0, 1, 3]] == pytest.approx([4, 4, 4])  # whoever drives off at 1 m/s is not caught up with
+
+
+def test_time_to_collision_agrees_with_shapely_on_boxes_that_pass() -> None:
+    """A box drives by; the robot's disc, moved in small steps of time, first touches it at the same time."""
+    box = {
+        "kinematics": {"name": "diff"}, "shape": {"name": "rectangle", "length": 1.0, "width": 0.6},
+        "state": [4, 7, -1.2], "goal": [5.5, 3, 0], "behavior": {"name": "dash"},
+        "vel_min": [0, -1], "vel_max": [0.8, 1],
+    }  # fmt: skip
+    task = only({"name": "time_to_collision", "directions": 32, "horizon": 4.0})
+    episodes = play({"sensors": []}, box, task)
+    drive(episodes, -1, 0)
+    state, found = episodes.simulation.state, 4.0 * (1.0 - part(episodes, "time_to_collision"))
+    x, y, turn = state.pose[0, 1]
+    outline = affinity.translate(
+        affinity.rotate(geometry.box(-0.5, -0.3, 0.5, 0.3), turn, (0, 0), use_radians=True), x, y
+    )
+    moments = np.arange(0.0, 4.0, 0.002)
+    for k in range(32):
+        angle = 2 * np.pi * k / 32 - np.pi + state.pose[0, 0, 2]
+        relative = np.array([np.cos(angle), np.sin(angle)]) - state.twist[0, 1, :2]
+        places = shapely.points(state.pose[0, 0, :2] + moments[:, None] * relative)
+        hits = np.flatnonzero(shapely.distance(places, outline) <= 0.2)
+        assert found[k] == pytest.approx(moments[hits[0]] if len(hits) else 4.0, abs=0.003)
+    assert (found < 4.0).sum() >= 3
+
+
+def test_time_to_collision_of_what_is_touched_is_zero_towards_it_only() -> None:
+    wall = {"shape": {"name": "linestring", "vertices": [[2.2001, 0], [2.2001, 10]]}}
+    assert times({"state": [2, 5, 0]}, wall) == pytest.approx([4, 4, 4, 0, 0, 0, 4, 4], abs=1e-3)
+    mark = {"shape": {"name": "circle", "radius": 0.5}, "state": [4, 5, 0], "unobstructed": True}
+    assert times({"state": [2, 5, 0]}, mark).tolist() == [4] * 8
+
+
 # --- route
 
 
@@ -426,7 +501,7 @@ def test_route_leads_to_the_next_goal() -> None:
 @pytest.mark.parametrize(
     "observations",
     [
-        ["velocity", "goal_heading", "nearest_bodies", "exact_free_travel"],
+        ["velocity", "goal_heading", "nearest_bodies", "exact_free_travel", "time_to_collision"],
         [{"name": "scan", "code": "linear"}, "route"],
     ],
 )

@@ -19,6 +19,7 @@ from irsim_gym.tasks.observations.route import Route
 from irsim_gym.tasks.observations.scan import Scan
 from irsim_gym.tasks.observations.seen_map import SeenMap
 from irsim_gym.tasks.observations.seen_map_image import SeenMapImage
+from irsim_gym.tasks.observations.time_to_collision import TimeToCollision
 from irsim_gym.tasks.observations.top_view import TopView
 from irsim_gym.tasks.observations.trail import Trail
 from irsim_gym.tasks.observations.velocity import Velocity
@@ -30,6 +31,7 @@ OBSERVATIONS.register("seen_map", SeenMap)
 OBSERVATIONS.register("way_on_seen_map", WayOnSeenMap)
 OBSERVATIONS.register("free_travel", FreeTravel)
 OBSERVATIONS.register("exact_free_travel", ExactFreeTravel)
+OBSERVATIONS.register("time_to_collision", TimeToCollision)
 OBSERVATIONS.register("goal", Goal)
 OBSERVATIONS.register("goal_heading", GoalHeading)
 OBSERVATIONS.register("velocity", Velocity)
