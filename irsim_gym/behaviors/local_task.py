@@ -10,6 +10,7 @@ import numpy as np
 from irsim_gym.arraytypes import BodyOutline, Flags, Floats, Records
 from irsim_gym.behaviors.local_way import MOST_POINTS, LocalWays, lay_way, way_length
 from irsim_gym.behaviors.rollouts import POSES, Wheels, find_nearest, gap_at, lay_poses, own_outline, wheels_of
+from irsim_gym.behaviors.steering import commanded_by_rate
 from irsim_gym.jit import kernel
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group
@@ -46,9 +47,7 @@ class LocalTables(Struct):
     def reserve(cls, group: Group, model: WorldModel, n_slots: int) -> list[Self]:
         """Return memory for each slot."""
         by_rate, n_beams = np.zeros(len(model.role), np.bool_), group.scan.ranges.shape[2]
-        bodies = () if group.context is None else group.context.bodies
-        for b in group.members if bodies else ():
-            by_rate[b] = getattr(bodies[b].kinematics, "mode", "") == "angular"
+        by_rate[group.members] = commanded_by_rate(group)
         return [
             cls(by_rate, np.zeros((2, n_beams)), np.zeros(1, POSES), np.zeros((2, MOST_POINTS + 1)), ways)
             for ways in LocalWays.reserve(group, model, n_slots)

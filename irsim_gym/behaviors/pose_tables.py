@@ -14,6 +14,7 @@ from irsim_gym.behaviors.pose_queue import PoseNodes
 from irsim_gym.behaviors.pursuit_motion import Moving
 from irsim_gym.behaviors.pursuit_tables import WayGrid
 from irsim_gym.behaviors.rollouts import own_outline
+from irsim_gym.behaviors.steering import commanded_by_rate
 from irsim_gym.jit import kernel
 from irsim_gym.paths.outline_room import inner_radius
 from irsim_gym.structs import Struct
@@ -98,7 +99,7 @@ class PoseTables(Struct):
         shape, n_bodies = (len(model.present), len(group.members)), len(model.role)
         inner = np.array([inner_radius_of(model, 0, b) for b in group.members.tolist()])
         given = group.params["cell"]
-        cell, by_rate = np.where(np.isnan(given), CELL * inner, given), _by_rate(group)
+        cell, by_rate = np.where(np.isnan(given), CELL * inner, given), commanded_by_rate(group)
         field_cell = float(np.min(np.where(np.isnan(given), FIELD_CELL * inner, given)))
         nodes = PoseNodes.reserve(n_slots)
         table, costs = _costs(group, model, cell, by_rate, nodes)
@@ -141,13 +142,6 @@ def forget_poses(worlds: Ints, tables: PoseTables) -> None:
     for w in worlds:
         for m in range(tables.retry.shape[1]):
             tables.goal[w, m, 0], tables.retry[w, m], tables.count[w, m] = np.nan, 0, 0
-
-
-def _by_rate(group: Group) -> Flags:
-    """Return which members' second number of a command is a turn rate of a car."""
-    bodies = () if group.context is None else group.context.bodies
-    modes = [getattr(bodies[b].kinematics, "mode", "") if bodies else "" for b in group.members.tolist()]
-    return np.array([mode == "angular" for mode in modes], np.bool_)
 
 
 def _costs(group: Group, model: WorldModel, cell: Floats, by_rate: Flags, nodes: PoseNodes) -> tuple[Ints, Floats]:

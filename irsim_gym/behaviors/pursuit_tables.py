@@ -8,6 +8,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from irsim_gym.arraytypes import Bytes, Flags, Floats, Ints
+from irsim_gym.behaviors.steering import commanded_by_rate
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles, Point, room_at, way_is_free
 from irsim_gym.paths.geodesic import shortest_path
@@ -108,12 +109,10 @@ class PursuitTables(Struct):
         cells = [reach * COARSE, reach * FINE]
         if (given := [options.cell for options in group.options if options.cell is not None]) != []:
             cells = [min(given), 0.5 * min(given)]
-        bodies = () if group.context is None else group.context.bodies
-        modes = [getattr(bodies[b].kinematics, "mode", "") if bodies else "" for b in group.members.tolist()]
         return cls(
             coarse=WayGrid.over(model.bounds, cells[0], n_slots),
             fine=WayGrid.over(model.bounds, cells[1], n_slots),
-            by_rate=np.array([mode == "angular" for mode in modes], np.bool_),
+            by_rate=commanded_by_rate(group),
             goal=np.full((*shape, 2), np.nan),
             points=np.zeros((*shape, MOST_POINTS, 2)),
             count=np.zeros(shape, np.int64),

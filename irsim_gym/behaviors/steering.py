@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.arraytypes import Floats
+from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.geometry.angles import wrap_below
 from irsim_gym.jit import kernel
+from irsim_gym.world.group import Group
 from irsim_gym.world.model import DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, WorldModel
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
@@ -31,6 +32,13 @@ class Turning(NamedTuple):
     tolerance: float
     slow: float
     limit: float
+
+
+def commanded_by_rate(group: Group) -> Flags:
+    """Return whose second number of a command is a turn rate of a car, no steering angle, shape ``(n_members,)``."""
+    bodies = () if group.context is None else group.context.bodies
+    modes = [getattr(bodies[b].kinematics, "mode", "") if bodies else "" for b in group.members.tolist()]
+    return np.array([mode == "angular" for mode in modes], np.bool_)
 
 
 @kernel
