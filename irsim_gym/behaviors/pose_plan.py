@@ -23,13 +23,13 @@ from irsim_gym.behaviors.pose_tables import (
     inner_radius_of,
 )
 from irsim_gym.behaviors.pursuit_motion import Moving
-from irsim_gym.behaviors.rollouts import own_outline
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
 from irsim_gym.paths.geodesic import search_ways
 from irsim_gym.paths.grid import Search
 from irsim_gym.paths.outline_room import PoseShape, room_at_pose
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, STATE, WorldModel
+from irsim_gym.world.outline import own_outline
 from irsim_gym.world.rows import row_of
 from irsim_gym.world.state import WorldState
 

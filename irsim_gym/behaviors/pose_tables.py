@@ -13,10 +13,9 @@ from irsim_gym.behaviors.pose_moves import MOST_MOVES, MOVE, lay_moves
 from irsim_gym.behaviors.pose_queue import PoseNodes
 from irsim_gym.behaviors.pursuit_motion import Moving
 from irsim_gym.behaviors.pursuit_tables import WayGrid
-from irsim_gym.behaviors.rollouts import own_outline
 from irsim_gym.behaviors.steering import commanded_by_rate
 from irsim_gym.jit import kernel
-from irsim_gym.paths.outline_room import inner_radius
+from irsim_gym.paths.outline_room import largest_disc
 from irsim_gym.structs import Struct
 from irsim_gym.world.group import Group
 from irsim_gym.world.model import STATE, WorldModel
@@ -130,7 +129,7 @@ def inner_radius_of(model: WorldModel, w: int, b: int) -> float:
 
     Reads: model (disc_count, disc_start, local_discs, local_segments, reach, segment_count, segment_start, solid).
     """
-    return float(max(inner_radius(own_outline(model, w, b)), THIN * model.reach[row_of(model.reach, w), b]))
+    return float(max(largest_disc(model, w, b), THIN * model.reach[row_of(model.reach, w), b]))
 
 
 @kernel

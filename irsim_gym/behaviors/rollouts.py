@@ -144,20 +144,6 @@ def find_nearest(points: Floats, n_points: int, poses: Record) -> None:
 
 
 @kernel
-def own_outline(model: WorldModel, w: int, b: int) -> BodyOutline:
-    """Return the outline of body b of world w in its own frame.
-
-    Reads: model (disc_count, disc_start, local_discs, local_segments, segment_count, segment_start, solid).
-    """
-    return BodyOutline(
-        model.local_segments[row_of(model.local_segments, w)], model.segment_start[b],
-        model.segment_count[row_of(model.segment_count, w), b],
-        model.local_discs[row_of(model.local_discs, w)], model.disc_start[b],
-        model.disc_count[row_of(model.disc_count, w), b], model.solid[b],
-    )  # fmt: skip
-
-
-@kernel
 def gap_at(
     outline: BodyOutline, reach: float, limit: float, points: Floats, n_points: int, poses: Record, k: int
 ) -> float:

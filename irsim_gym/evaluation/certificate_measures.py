@@ -10,11 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from irsim_gym.arraytypes import BodyOutline, Flags, Floats
-from irsim_gym.paths.outline_room import inner_radius
+from irsim_gym.arraytypes import Flags, Floats
 from irsim_gym.paths.queries import FINE, free_path_length, has_free_path, standing_bodies
 from irsim_gym.world.model import ACKERMANN, DIFFERENTIAL, NO_DRIVE, WorldModel
-from irsim_gym.world.outline import outline_rows
 from irsim_gym.world.state import WorldState
 
 PRECISION = 1e-3
@@ -92,14 +90,6 @@ def is_disc(model: WorldModel, body: int) -> bool:
     if model.segment_count[:, body].any() or (model.disc_count[:, body] != 1).any():
         return False
     return not model.local_discs[:, model.disc_start[body], :2].any()
-
-
-def largest_disc(model: WorldModel, state: WorldState, world: int, body: int) -> float:
-    """Return the radius of the largest disc about the origin of a body within it [m]."""
-    segments, discs = outline_rows(model, state, world, body, local=True)
-    return inner_radius(
-        BodyOutline(segments, 0, len(segments), discs, 0, len(discs), bool(model.solid[body]))
-    )  # fmt: skip
 
 
 def _goals(model: WorldModel, state: WorldState, world: int, body: int) -> Floats:

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.engine import Simulation
-from irsim_gym.evaluation.certificate_measures import LevelMeasures, is_disc, largest_disc, measure_level
+from irsim_gym.evaluation.certificate_measures import LevelMeasures, is_disc, measure_level
 from irsim_gym.evaluation.metrics import OUTCOMES
 from irsim_gym.evaluation.team_metrics import TeamRow
 from irsim_gym.levels.certificate import Certificate, rounded
 from irsim_gym.levels.density import covered_share
 from irsim_gym.levels.draw import draw_levels, scenario_hash
+from irsim_gym.paths.outline_room import largest_disc
 from irsim_gym.tasks import Episodes
 
 PACKAGES = ("irsim-gym", "numpy", "numba")
@@ -86,7 +87,7 @@ def _measured(simulation: Simulation, world: int, body: int) -> tuple[LevelMeasu
     found = measure_level(model, state, world, body)
     if found.reachable or is_disc(model, body):
         return found, True
-    return measure_level(model, state, world, body, radius=largest_disc(model, state, world, body)), False
+    return measure_level(model, state, world, body, radius=largest_disc(model, world, body)), False
 
 
 def _column(measured: Sequence[Sequence[tuple[LevelMeasures, bool]]], name: str) -> Any:

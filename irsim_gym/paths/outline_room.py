@@ -13,7 +13,8 @@ from irsim_gym.geometry.segments import point_segment_distance2
 from irsim_gym.geometry.world_maps import outline_map_distance
 from irsim_gym.jit import kernel
 from irsim_gym.paths.clearance import Obstacles
-from irsim_gym.world.outline import outline_of
+from irsim_gym.world.model import WorldModel
+from irsim_gym.world.outline import outline_of, own_outline
 from irsim_gym.world.rows import row_of
 
 Pose = tuple[float, float, float]
@@ -83,11 +84,14 @@ def room_at_pose(obstacles: Obstacles, shape: PoseShape, pose: Pose, limit: floa
 
 
 @kernel
-def inner_radius(outline: BodyOutline) -> float:
-    """Return the radius of the largest disc about the origin within an outline [m]; 0 if the origin is not within.
+def largest_disc(model: WorldModel, w: int, b: int) -> float:
+    """Return the radius of the largest disc about the origin of body b of world w within it [m].
 
-    Of an outline of several parts, the largest within one of them.
+    It is 0 if the origin is not within; of an outline of several parts, the disc is the largest within one of them.
+
+    Reads: model (disc_count, disc_start, local_discs, local_segments, segment_count, segment_start, solid).
     """
+    outline = own_outline(model, w, b)
     best, least2, segments, discs = 0.0, np.inf, outline.segments, outline.discs
     for d in range(outline.first_disc, outline.first_disc + outline.n_discs):
         best = max(best, discs[d, 2] - np.sqrt(discs[d, 0] * discs[d, 0] + discs[d, 1] * discs[d, 1]))

@@ -102,6 +102,20 @@ def outline_of(model: WorldModel, state: WorldState, w: int, b: int) -> BodyOutl
     )  # fmt: skip
 
 
+@kernel
+def own_outline(model: WorldModel, w: int, b: int) -> BodyOutline:
+    """Return the outline of body b of world w in its own frame.
+
+    Reads: model (disc_count, disc_start, local_discs, local_segments, segment_count, segment_start, solid).
+    """
+    return BodyOutline(
+        model.local_segments[row_of(model.local_segments, w)], model.segment_start[b],
+        model.segment_count[row_of(model.segment_count, w), b],
+        model.local_discs[row_of(model.local_discs, w)], model.disc_start[b],
+        model.disc_count[row_of(model.disc_count, w), b], model.solid[b],
+    )  # fmt: skip
+
+
 @kernel(inlined=True)
 def place_outline(model: WorldModel, state: WorldState, w: int, b: int) -> None:
     """Write the outline of body b of world w at its pose.
