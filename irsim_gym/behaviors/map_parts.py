@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irsim_gym.arraytypes import Bytes, Floats
+from irsim_gym.arraytypes import Bytes, CellMaps, Floats
 from irsim_gym.geometry.cells import cell_range
 from irsim_gym.jit import kernel
 from irsim_gym.world.model import WorldModel
@@ -15,22 +15,25 @@ def most_map_walls(model: WorldModel, threshold: float) -> int:
     """Return an upper bound of the number of map walls within ``threshold`` [m] of a point; discs have none."""
     if (chart := model.cells) is None or chart.radius > 0.0:
         return 0
-    cells = [
-        min(float(count), 2.0 * threshold / side + 2.0)
-        for count, side in zip(chart.room.shape[1:], (chart.width, chart.height), strict=True)
-    ]
-    return int(2.0 * (cells[0] + 1.0) * (cells[1] + 1.0)) + 1
+    columns, rows = _most_cells(chart, threshold)
+    return int(2.0 * (columns + 1.0) * (rows + 1.0)) + 1
 
 
 def most_map_discs(model: WorldModel, threshold: float) -> int:
     """Return an upper bound of the number of map discs whose centres are within ``threshold`` [m] of a point."""
     if (chart := model.cells) is None or chart.radius == 0.0:
         return 0
+    columns, rows = _most_cells(chart, threshold)
+    return int(columns) * int(rows)
+
+
+def _most_cells(chart: CellMaps, threshold: float) -> tuple[float, float]:
+    """Return upper bounds of the columns and rows of a map that come within ``threshold`` [m] of a point."""
     columns, rows = (
-        int(min(float(count), 2.0 * threshold / side + 2.0))
+        min(float(count), 2.0 * threshold / side + 2.0)
         for count, side in zip(chart.room.shape[1:], (chart.width, chart.height), strict=True)
     )
-    return columns * rows
+    return columns, rows
 
 
 @kernel
