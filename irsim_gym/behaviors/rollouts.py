@@ -21,6 +21,7 @@ LANES = 16
 """So many poses are compared with a point side by side."""
 
 ROUNDING = 1e-9
+"""Relative difference of squared distances that is rounding."""
 
 POSES = record_type("x y cosine sine near", LANES)
 """Poses [m], and the squared distance of each from the nearest point [m2]."""
