@@ -32,7 +32,7 @@ def certify_members(folder: Path, names: Sequence[str]) -> None:
         if member.name not in record.members:
             raise IrsimGymError(f"{folder} holds no rows of {member.name}: play them with `irsim-gym suite run`")
         wanted = Wanted(member.scenario, team=member.team, parameters=member.parameters)
-        count = min(record.levels, member.levels or record.levels)
+        count = member.levels_of(record.levels)
         episodes = wanted.episodes(min(WORLDS, count))
         with bar(f"certifying {member.name}", count) as advance:
             rows = {

@@ -38,6 +38,10 @@ class Member:
     levels: int | None = None
     differs: str = ""
 
+    def levels_of(self, asked: int) -> int:
+        """Return how many levels are played where so many are asked for: no more than it has."""
+        return min(asked, self.levels or asked)
+
 
 @dataclass(frozen=True)
 class Suite:

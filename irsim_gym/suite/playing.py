@@ -93,7 +93,7 @@ def _play_member(
     member: Member, methods: Sequence[ComparedMethod], record: SuiteRecord, folder: Path, screen: Console, bar: Progress
 ) -> None:
     """Play one benchmark with all methods that have not finished it."""
-    levels = min(record.levels, member.levels or record.levels)
+    levels = member.levels_of(record.levels)
     chosen: dict[str, Any] = {"parameters": dict(member.parameters), "team": member.team}
     episodes = make_episodes(member.scenario, n_worlds=min(WORLDS, levels), **chosen)
     conditions = team_conditions(episodes, record.split, levels)
