@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, ClassVar, Literal, TypeVar
@@ -32,15 +31,11 @@ class PythonBehavior:
     reads_neighbors: ClassVar[bool] = True
     columns: ClassVar[bool] = False
 
-    wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
-    loop: bool = option(False, meaning="Begin again with the first goal after the last.")
+    wander: bool = renewal.WANDER
+    loop: bool = renewal.LOOP
     target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are seen.")
-    range_low: tuple[float, float, float] = option(
-        (0.0, 0.0, -math.pi), unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
-    )
-    range_high: tuple[float, float, float] = option(
-        (10.0, 10.0, math.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
-    )
+    range_low: tuple[float, float, float] = renewal.LOW
+    range_high: tuple[float, float, float] = renewal.HIGH
     wander_goals: renewal.WanderGoals = renewal.GOALS
 
     def problems(self) -> Iterator[tuple[str, str]]:
@@ -75,10 +70,10 @@ class PythonGroupBehavior:
     reads_neighbors: ClassVar[bool] = True
     columns: ClassVar[bool] = False
 
-    wander: bool = renewal.WANDER
-    loop: bool = renewal.LOOP
-    range_low: tuple[float, float, float] = renewal.LOW
-    range_high: tuple[float, float, float] = renewal.HIGH
+    wander: bool = renewal.GROUP_WANDER
+    loop: bool = renewal.GROUP_LOOP
+    range_low: tuple[float, float, float] = renewal.GROUP_LOW
+    range_high: tuple[float, float, float] = renewal.GROUP_HIGH
     wander_goals: renewal.WanderGoals = renewal.GOALS
 
     def problems(self) -> Iterator[tuple[str, str]]:

@@ -28,17 +28,13 @@ class Dash:
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 
-    wander: bool = option(False, meaning="Draw a new random goal after each arrival.")
-    loop: bool = option(False, meaning="Begin again with the first goal after the last.")
+    wander: bool = renewal.WANDER
+    loop: bool = renewal.LOOP
     target_roles: Literal["all", "robot", "obstacle"] = option(
         "all", meaning="Which other bodies the behaviour sees; dash looks at none."
     )
-    range_low: tuple[float, float, float] = option(
-        (0.0, 0.0, -np.pi), unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
-    )
-    range_high: tuple[float, float, float] = option(
-        (10.0, 10.0, np.pi), unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
-    )
+    range_low: tuple[float, float, float] = renewal.LOW
+    range_high: tuple[float, float, float] = renewal.HIGH
     wander_goals: renewal.WanderGoals = renewal.GOALS
     angle_tolerance: float = option(
         0.1,

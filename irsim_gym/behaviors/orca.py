@@ -39,10 +39,10 @@ class OrcaGroup:
     sidestep: bool = option(
         False, meaning="A body that others hold up wants to go to its right, so that none wait for each other for ever."
     )
-    wander: bool = renewal.WANDER
-    loop: bool = renewal.LOOP
-    range_low: tuple[float, float, float] = renewal.LOW
-    range_high: tuple[float, float, float] = renewal.HIGH
+    wander: bool = renewal.GROUP_WANDER
+    loop: bool = renewal.GROUP_LOOP
+    range_low: tuple[float, float, float] = renewal.GROUP_LOW
+    range_high: tuple[float, float, float] = renewal.GROUP_HIGH
     wander_goals: renewal.WanderGoals = renewal.GOALS
 
     def problems(self) -> Iterator[tuple[str, str]]:

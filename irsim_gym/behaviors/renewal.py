@@ -9,15 +9,22 @@ from typing import Any
 from irsim_gym.scenario.options import crossed_bounds, defaults, option
 from irsim_gym.scenario.wander_goals import WanderGoals
 
-__all__ = ["GOALS", "HIGH", "LOOP", "LOW", "WANDER", "WanderGoals", "renewal_problems"]
+__all__ = [
+    "GOALS", "GROUP_HIGH", "GROUP_LOOP", "GROUP_LOW", "GROUP_WANDER", "HIGH", "LOOP", "LOW", "WANDER",
+    "WanderGoals", "renewal_problems",
+]  # fmt: skip
 
 _MEMBERS = "a member without a behavior of its own"
+_LOW, _HIGH = (0.0, 0.0, -math.pi), (10.0, 10.0, math.pi)
 
-
-WANDER = option(False, meaning=f"Draw a new random goal after each arrival of {_MEMBERS}.")
-LOOP = option(False, meaning=f"Let {_MEMBERS} begin again with its first goal after the last.")
-LOW = option((0.0, 0.0, -math.pi), unit="m, m, rad", meaning="Lower bounds of a wandering member's goals.")
-HIGH = option((10.0, 10.0, math.pi), unit="m, m, rad", meaning="Upper bounds of a wandering member's goals.")
+WANDER = option(False, meaning="Draw a new random goal after each arrival.")
+LOOP = option(False, meaning="Begin again with the first goal after the last.")
+LOW = option(_LOW, unit="m, m, rad", meaning="Lower bounds of a wandering body's goals.")
+HIGH = option(_HIGH, unit="m, m, rad", meaning="Upper bounds of a wandering body's goals.")
+GROUP_WANDER = option(False, meaning=f"Draw a new random goal after each arrival of {_MEMBERS}.")
+GROUP_LOOP = option(False, meaning=f"Let {_MEMBERS} begin again with its first goal after the last.")
+GROUP_LOW = option(_LOW, unit="m, m, rad", meaning="Lower bounds of a wandering member's goals.")
+GROUP_HIGH = option(_HIGH, unit="m, m, rad", meaning="Upper bounds of a wandering member's goals.")
 GOALS = option(
     defaults(WanderGoals), meaning="With wander: goals on a circle, a first goal that is kept, changes on the way."
 )

@@ -65,10 +65,10 @@ class SocialForceGroup:
     gaze_vision_angle: float = option(
         90.0, gt=0.0, le=180.0, unit="deg", meaning="The others are in sight up to this angle from the way ahead."
     )
-    wander: bool = renewal.WANDER
-    loop: bool = renewal.LOOP
-    range_low: tuple[float, float, float] = renewal.LOW
-    range_high: tuple[float, float, float] = renewal.HIGH
+    wander: bool = renewal.GROUP_WANDER
+    loop: bool = renewal.GROUP_LOOP
+    range_low: tuple[float, float, float] = renewal.GROUP_LOW
+    range_high: tuple[float, float, float] = renewal.GROUP_HIGH
     wander_goals: renewal.WanderGoals = renewal.GOALS
 
     def problems(self) -> Iterator[tuple[str, str]]:
