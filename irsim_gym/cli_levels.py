@@ -99,7 +99,9 @@ def jaxnav(
 
 @levels.command("certify-suite")
 def certify_suite(
-    folder: Annotated[Path, typer.Argument(help="A run of the suite; its methods are the reference policies.")],
+    folder: Annotated[
+        Path, typer.Argument(help="A run of the suite; its methods, of one policy each, are the reference policies.")
+    ],
     names: Annotated[list[str] | None, typer.Argument(help="Tiers or benchmarks; default: all of the run.")] = None,
 ) -> None:
     """Write the certificates that are shipped with the suite's benchmarks (for maintainers)."""

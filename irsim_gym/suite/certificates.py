@@ -21,13 +21,14 @@ def certify_members(folder: Path, names: Sequence[str]) -> None:
     """Write the shipped certificates of benchmarks, for the levels of a run of the suite.
 
     Args:
-        folder: The run. Its methods are the reference policies.
+        folder: The run. Its methods, of one policy each, are the reference policies.
         names: Tiers or single benchmarks of the suite; none for all that were played.
 
     Raises:
-        IrsimGymError: A benchmark was not played, or its levels have moved since.
+        IrsimGymError: A method has several policies, a benchmark was not played, or its levels have moved since.
     """
     record = read_record(folder)
+    _check_methods(record, folder)
     for member in shipped_suite().chosen(names or list(record.members)):
         if member.name not in record.members:
             raise IrsimGymError(f"{folder} holds no rows of {member.name}: play them with `irsim-gym suite run`")
@@ -43,6 +44,16 @@ def certify_members(folder: Path, names: Sequence[str]) -> None:
             made = certify(episodes, record.split, count, rows, advance)
         _check(member, made, record, folder)
         write_certificate(made, shipped_certificate(episodes.simulation.scenario))
+
+
+def _check_methods(record: SuiteRecord, folder: Path) -> None:
+    """Raise if it is not clear whose rows count: several seeds would outweigh the methods of one policy."""
+    several = [f"{name} has {len(policies)}" for name, policies in record.methods.items() if len(policies) > 1]
+    if several:
+        raise IrsimGymError(
+            f"{folder}: reference policies are methods of one policy, {', '.join(several)}: play the one that is to "
+            "count as a method of its own, in another folder"
+        )
 
 
 def _check(member: Member, made: Certificate, record: SuiteRecord, folder: Path) -> None:

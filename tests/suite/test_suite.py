@@ -217,6 +217,15 @@ def test_a_run_gives_the_certificates_of_its_benchmarks(tmp_path: Path, monkeypa
         certify_members(folder, [])
 
 
+def test_a_certificate_takes_one_policy_of_each_method(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(certificates, "shipped_certificate", lambda scenario: tmp_path / f"{scenario.name}.npz")
+    folder, several = tmp_path / "run", ComparedMethod("both", ("dash", "random"))
+    play_suite(shipped_suite().chosen(["bug_trap"]), [DASH, several], folder, levels=1)
+    with pytest.raises(IrsimGymError, match="reference policies are methods of one policy, both has 2: play the one"):
+        certify_members(folder, [])
+    assert not (tmp_path / "bug_trap.npz").exists()
+
+
 def test_tables_show_the_columns_that_rows_have(tmp_path: Path) -> None:
     room = Member("room", "To find a way.", "cluttered_room")
     record = play_suite([room, SWAP], [DASH, RANDOM], tmp_path, levels=4)
