@@ -73,6 +73,10 @@ class ChangedScenarioWarning(UserWarning):
     """A scenario is not what it was when a policy was trained in it."""
 
 
+class UnknownPerceptionWarning(UserWarning):
+    """What a policy was trained to observe cannot be read."""
+
+
 class UntrustedCodeWarning(UserWarning):
     """A file that holds code, or can make code run, and may not be one's own."""
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.spaces import observation_layout
+from irsim_gym.evaluation.perception import Perception
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.transition import Percepts
 
@@ -38,10 +39,11 @@ class ObservationPolicy:
         function: Turns observations, float32 ``(n, n_features)``, into actions ``(n, action_dim)`` or ``(n,)``; it gets
             a row for each agent of each world. It gets what the environments give, stacked: where they give a dict a
             dict of arrays, for a lone picture uint8 ``(n, height, width, n_channels)``.
+        perception: What it observes, and how it acts; None for what the task says that is played.
     """
 
-    def __init__(self, function: Callable[[Any], Actions]) -> None:
-        self.function = function
+    def __init__(self, function: Callable[[Any], Actions], perception: Perception | None = None) -> None:
+        self.function, self.perception = function, perception
 
     def begin(self, episodes: Episodes, worlds: Ints, levels: Ints) -> None:
         """Do nothing: the policy has no memory."""

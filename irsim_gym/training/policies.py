@@ -22,12 +22,14 @@ from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 from irsim_gym.arraytypes import Ints
 from irsim_gym.envs.spaces import action_space, observation_layout, observation_space
 from irsim_gym.errors import IrsimGymError, suggestion
+from irsim_gym.evaluation.perception import Perception
 from irsim_gym.evaluation.policy import ObservationPolicy, Policy, by_world, percepts
 from irsim_gym.evaluation.reference_policies import is_named_policy, policy_kinds, reference_policy
 from irsim_gym.tasks import Episodes
 from irsim_gym.training.algorithms import find_algorithm
 from irsim_gym.training.checkpoint import NORMALIZATION, POLICY, newest_checkpoint
 from irsim_gym.training.run import Run
+from irsim_gym.training.trained_perception import trained_perception
 from irsim_gym.training.trusted import harmless_objects, load_pickle
 
 Source = str | Path | BaseAlgorithm | Policy | Callable[[Any], Any]
@@ -64,7 +66,13 @@ class SavedPolicy:
     Args:
         model: The loaded algorithm. A recurrent one has a memory for each agent of each world, empty at first.
         normalization: Statistics of the observations it was trained with.
+
+    Attributes:
+        perception: What it was trained to observe, and how it acts; None where that is unknown: then it observes what
+            the task says that is played.
     """
+
+    perception: Perception | None = None
 
     def __init__(self, model: BaseAlgorithm, normalization: VecNormalize | None = None) -> None:
         self.model, self.normalization = model, normalization
@@ -158,7 +166,7 @@ def load_policy(source: Source) -> Policy:
     """Return what drives.
 
     Of a file the weights are read, and objects of known, harmless classes; for others it warns, because loading them
-    runs code from the file.
+    runs code from the file. A policy of a run perceives as the run's own task says.
 
     Args:
         source: ``"random"``, the name of a behaviour or group behaviour (``"dwa"``, ``"pursuit:known=seen"``), a file
@@ -180,7 +188,9 @@ def load_policy(source: Source) -> Policy:
         return reference_policy(str(source))
     path = policy_file(source)
     model = _algorithm(path).load(path, device="cpu", custom_objects=harmless_objects(path))
-    return SavedPolicy(model, _normalization(path.parent / NORMALIZATION))
+    loaded = SavedPolicy(model, _normalization(path.parent / NORMALIZATION))
+    loaded.perception = trained_perception(path)
+    return loaded
 
 
 def load_policies(sources: Sequence[Source]) -> list[Policy]:

@@ -174,6 +174,13 @@ class Run:
                 path.unlink(missing_ok=True)
 
 
+def run_of(policy: str | Path) -> Run:
+    """Return the run that a policy is from: its folder, the one with its file, or that of its checkpoint."""
+    path = Path(policy)
+    folder = path if path.is_dir() else path.parent
+    return Run(folder.parent.parent if folder.parent.name == "checkpoints" else folder)
+
+
 def scenario_name(scenario: str) -> str:
     """Return the shipped name, or the path, of a scenario that may be named by an id.
 

@@ -1,0 +1,132 @@
+"""What policies perceive: each by the observations of the task that it was trained with, whatever task is played."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, runtime_checkable
+
+from irsim_gym.errors import IrsimGymError, ScenarioError
+from irsim_gym.families import ACTIONS, OBSERVATIONS
+from irsim_gym.registry import Registry
+from irsim_gym.scenario import Scenario
+from irsim_gym.scenario.options import more_options, option_fields
+from irsim_gym.tasks import Episodes, Task, load_task
+
+
+class UnfitPerceptionError(IrsimGymError, ValueError):
+    """A policy observes what a scenario does not have."""
+
+
+@dataclass(frozen=True)
+class Perception:
+    """What a policy observes and how it acts, as plain data in the words of a task.
+
+    Attributes:
+        observations: The observations in order, each with all of its options: ``{"name": "scan", "sectors": 36, ...}``.
+        action: The action, likewise.
+        observation_form: ``"flat"``, ``"dict"`` or ``"goal"``.
+    """
+
+    observations: tuple[Mapping[str, Any], ...]
+    action: Mapping[str, Any]
+    observation_form: str = "flat"
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the observations, in order."""
+        return [str(item["name"]) for item in self.observations]
+
+
+@runtime_checkable
+class Perceives(Protocol):
+    """A policy that decides by observations.
+
+    Attributes:
+        perception: Those that it was trained with; None for those of the task that is played.
+    """
+
+    perception: Perception | None
+
+
+def perception_of(task: Task) -> Perception:
+    """Return what the learners of a task observe, with substitutes for missing sensors, and how they act."""
+    observations = tuple(_as_data(OBSERVATIONS, item) for item in task.observations)
+    return Perception(observations, _as_data(ACTIONS, task.action), task.observation_form)
+
+
+def perceived_task(scenario: Scenario, task: Task, perception: Perception) -> Task:
+    """Return a task with other observations and another action: who learns, and what counts, stay the same.
+
+    Args:
+        scenario: Where it is played.
+        task: The task.
+        perception: What takes the place of its observations and action.
+
+    Raises:
+        UnfitPerceptionError: The learners lack what the observations or the action need.
+    """
+    wanted = {
+        "name": "blank",
+        "agents": [scenario.bodies[body].name for body in task.agents],
+        "action": dict(perception.action),
+        "observations": [dict(item) for item in perception.observations],
+    }
+    try:
+        found = load_task(scenario, wanted)
+    except ScenarioError as error:
+        told = "; ".join(f"{problem.path}: {problem.message}" for problem in error.problems)
+        raise UnfitPerceptionError(
+            f"the policy was trained with {', '.join(perception.names)}, which does not fit '{scenario.name}': {told}"
+        ) from error
+    form: Any = perception.observation_form
+    return replace(task, observations=found.observations, action=found.action, observation_form=form)
+
+
+class Perceived:
+    """The same worlds as policies of different perceptions see them, one after the other.
+
+    Args:
+        episodes: The worlds with the task that is played.
+    """
+
+    def __init__(self, episodes: Episodes) -> None:
+        self.episodes = episodes
+        self._known = [(perception_of(episodes.task), episodes)]
+
+    def of(self, policy: object) -> Episodes:
+        """Return the worlds for a policy: with its own observations and action, and all else as in the task.
+
+        All of them share one simulation: in a world only those may go on that have begun its level.
+
+        Raises:
+            UnfitPerceptionError: The agents lack what the policy's observations or its action need.
+        """
+        wanted = policy.perception if isinstance(policy, Perceives) else None
+        if wanted is None:
+            return self.episodes
+        return self._find(wanted) or self._make(wanted)
+
+    def observed_by(self, policy: object) -> list[str] | None:
+        """Return the names of what a policy observes; None for one that decides without observations."""
+        return perception_of(self.of(policy).task).names if isinstance(policy, Perceives) else None
+
+    def _find(self, wanted: Perception) -> Episodes | None:
+        return next((episodes for known, episodes in self._known if known == wanted), None)
+
+    def _make(self, wanted: Perception) -> Episodes:
+        simulation = self.episodes.simulation
+        task = perceived_task(simulation.scenario, self.episodes.task, wanted)
+        made = self._find(perception_of(task)) or Episodes(simulation, task)
+        self._known.append((wanted, made))
+        return made
+
+
+def _as_data(family: Registry, item: Any) -> dict[str, Any]:
+    """Return a kind as it is written in a task, with all options."""
+    options = {key: getattr(item, key) for key in option_fields(type(item))} | more_options(item)
+    return {"name": family.name_of(type(item)), **{key: _as_list(value) for key, value in options.items()}}
+
+
+def _as_list(value: Any) -> Any:
+    return [_as_list(part) for part in value] if isinstance(value, list | tuple) else value

@@ -1,0 +1,41 @@
+"""What policies of runs were trained to observe."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from irsim_gym.errors import IrsimGymError, UnknownPerceptionWarning, warn_caller
+from irsim_gym.evaluation.perception import Perception, perception_of
+from irsim_gym.scenario import load_scenario
+from irsim_gym.tasks import load_task
+from irsim_gym.training.run import Settings, run_of
+
+
+def trained_perception(policy: str | Path) -> Perception | None:
+    """Return what a policy was trained to observe; None for a file that is in no run's folder.
+
+    It is read from the run's copy of its scenario and task. Where that cannot be read, an ``UnknownPerceptionWarning``
+    says why, and the answer is None.
+
+    Args:
+        policy: A run's folder, or a policy in it.
+    """
+    run = run_of(policy)
+    if not run.exists():
+        return None
+    try:
+        return perception_in(run.own_settings())
+    except IrsimGymError as error:
+        text = f"{run.folder}: what its policy was trained to observe cannot be read, so it observes what the task says"
+        warn_caller(f"{text} that is played: {error}", UnknownPerceptionWarning)
+        return None
+
+
+def perception_in(settings: Settings) -> Perception:
+    """Return what a policy observes that is trained with these settings.
+
+    Raises:
+        IrsimGymError: The scenario or its task cannot be read.
+    """
+    loaded = load_scenario(settings.scenario, settings.parameters, strict=settings.strict, warn=False)
+    return perception_of(load_task(loaded, settings.task, team=settings.hyperparameters.team is not None))
